@@ -1,0 +1,89 @@
+//! A maze one can act in.
+//!
+//! An [`Arena`] reports facts: it moved, it collided, it reached the goal. What a fact is worth
+//! is decided in [`crate::reward`]. Two arenas exist: [`GridArena`], where a move is a step from
+//! cell to cell, and [`PhysicsArena`], where a differential-drive robot drives there.
+
+mod grid;
+
+use nalgebra::{Isometry2, Point2, Vector2};
+
+pub use grid::GridArena;
+
+use crate::signal::Action;
+use crate::world::{Cell, Maze};
+
+/// What came of an action.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Outcome {
+    /// The robot stands in another cell, as it wanted.
+    Moved,
+    /// A wall was in the way; the robot stands where it was.
+    Collided {
+        /// The impulse of the hit in newton-seconds; `None` where nothing has mass.
+        impulse_ns: Option<f64>,
+    },
+    /// The robot ran out of time on the way, and stands wherever that was.
+    Stalled,
+    /// The robot stands in a goal cell; the episode is over.
+    ReachedGoal,
+}
+
+/// Where the robot was at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Simulation time since the trial began, in nanoseconds.
+    pub time_ns: u64,
+    /// The robot's pose in the world frame; metres, heading counted from east.
+    pub robot_in_world: Isometry2<f64>,
+    /// How far the left and the right wheel have rolled since the reset, in metres.
+    pub wheel_travel_m: [f64; 2],
+}
+
+/// A hit against a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Simulation time since the trial began, in nanoseconds.
+    pub time_ns: u64,
+    /// The point of contact in the world frame, in metres.
+    pub point_in_world: Point2<f64>,
+    /// Unit vector from the robot into the wall, in the world frame.
+    pub normal_in_world: Vector2<f64>,
+    /// The impulse of the hit in newton-seconds.
+    pub impulse_ns: f64,
+}
+
+/// What can be seen of an arena after a reset or an action.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// The maze.
+    pub maze: &'a Maze,
+    /// The cell in which the robot believes to stand.
+    pub cell: Cell,
+    /// The robot's path during the last reset or action, oldest first; never empty.
+    pub trace: &'a [Sample],
+    /// The hits during the last action, oldest first.
+    pub contacts: &'a [Contact],
+}
+
+impl View<'_> {
+    /// Where and when the robot is now.
+    pub fn now(&self) -> Sample {
+        *self
+            .trace
+            .last()
+            .expect("a trace holds the pose it ends in")
+    }
+}
+
+/// A maze with a robot in it. The clock runs on over all episodes of a trial.
+pub trait Arena {
+    /// Puts the robot at rest into the middle of `start`, a free cell.
+    fn reset(&mut self, start: Cell);
+
+    /// Tries to move one cell in the direction of `action`.
+    fn act(&mut self, action: Action) -> Outcome;
+
+    /// What can be seen now.
+    fn view(&self) -> View<'_>;
+}

@@ -1,0 +1,76 @@
+//! The greedy policy, and whether it is globally optimal.
+
+use crate::reward::RewardMethod;
+use crate::sensor::Sensor;
+use crate::signal::Action;
+use crate::world::{Cell, Maze, Paths};
+use crate::xcs::PredictionArray;
+
+/// The worth of each action in each free cell of a maze, in reading order of the cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PolicyMap {
+    cells: Vec<(Cell, PredictionArray)>,
+}
+
+impl PolicyMap {
+    /// Asks a learner what it would do in each free cell that is no goal. Changes nothing.
+    pub fn of(method: &dyn RewardMethod, sensor: Sensor, maze: &Maze) -> Self {
+        let worth = |cell| (cell, method.worth(&sensor.perceive_at(maze, cell)));
+        let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
+        Self {
+            cells: cells.map(worth).collect(),
+        }
+    }
+
+    /// Each free cell that is no goal, with the worth of its actions.
+    pub fn cells(&self) -> impl Iterator<Item = &(Cell, PredictionArray)> {
+        self.cells.iter()
+    }
+
+    /// The worth of the actions in a cell; `None` for walls and goals.
+    pub fn worth(&self, cell: Cell) -> Option<&PredictionArray> {
+        let at = self
+            .cells
+            .binary_search_by_key(&(cell.row, cell.col), |(c, _)| (c.row, c.col));
+        at.ok().map(|i| &self.cells[i].1)
+    }
+
+    /// Is the greedy policy globally optimal? From every start cell, every action that attains
+    /// the greatest worth (all of them, on ties) must move along a shortest path to a goal.
+    pub fn is_optimal(&self, maze: &Maze, paths: &Paths) -> bool {
+        let mut open = maze.start_cells();
+        let mut seen = vec![false; usize::from(maze.width()) * usize::from(maze.height())];
+        while let Some(cell) = open.pop() {
+            if maze.is_goal(cell) || std::mem::replace(&mut seen[maze.index(cell)], true) {
+                continue;
+            }
+            let Some(next) = self.optimal_successors(cell, maze, paths) else {
+                return false;
+            };
+            open.extend(next);
+        }
+        true
+    }
+
+    /// Where the best actions of a cell lead; `None` unless each follows a shortest path.
+    fn optimal_successors(&self, cell: Cell, maze: &Maze, paths: &Paths) -> Option<Vec<Cell>> {
+        let worth = self.worth(cell)?;
+        let follow = |action: Action| paths.successor(maze, cell, action);
+        let next: Option<Vec<Cell>> = worth.best_actions().map(follow).collect();
+        next.filter(|cells| !cells.is_empty())
+    }
+
+    /// The steps that the greedy policy takes from `start` to a goal, the first of the best
+    /// actions on ties; `None` when it hits a wall, knows no action or walks in a circle.
+    pub fn greedy_steps(&self, maze: &Maze, start: Cell) -> Option<u32> {
+        let mut cell = start;
+        for step in 0..=self.cells.len() as u32 {
+            if maze.is_goal(cell) {
+                return Some(step);
+            }
+            let action = self.worth(cell)?.best_actions().next()?;
+            cell = maze.step(cell, maze.direction(action)?)?;
+        }
+        None
+    }
+}

@@ -1,0 +1,57 @@
+//! What every reward method can do.
+
+use crate::arena::Outcome;
+use crate::signal::{Action, Percept};
+use crate::xcs::{Population, PredictionArray};
+
+/// What a reward method made of one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepCredit {
+    /// The short-term reward r_s.
+    pub short_term_reward: f64,
+    /// Fitness-weighted mean prediction error of \[A\]; 0 for tabular methods.
+    pub error: f64,
+    /// Micro-classifiers in \[M\]; 0 for tabular methods.
+    pub match_set: u32,
+    /// Micro-classifiers in \[A\]; 0 for tabular methods.
+    pub action_set: u32,
+}
+
+/// What a reward method made of the end of an episode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndCredit {
+    /// The long-term reward r_l.
+    pub long_term_reward: f64,
+    /// The learning rate with which it was learned.
+    pub learning_rate: f64,
+    /// Was a policy of \[PS\] imprinted?
+    pub imprinted: bool,
+}
+
+/// A learner and its way of deciding who is credited, with what, and when.
+///
+/// For each step come [`consider`](Self::consider) and [`credit`](Self::credit), at the end of
+/// the episode [`finish`](Self::finish).
+pub trait RewardMethod {
+    /// The worth of each action under a percept, as a step of learning: forms \[M\] and covers
+    /// missing actions.
+    fn consider(&mut self, percept: &Percept) -> PredictionArray;
+
+    /// Credits the action chosen after the last [`consider`](Self::consider).
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit;
+
+    /// Ends the episode: `reached_goal` tells a success from a step limit.
+    fn finish(&mut self, reached_goal: bool) -> EndCredit;
+
+    /// The most steps that the next episode may take.
+    fn step_threshold(&self) -> u32;
+
+    /// The worth of each action under a percept, without changing anything.
+    fn worth(&self, percept: &Percept) -> PredictionArray;
+
+    /// The population \[P\]; `None` for tabular methods.
+    fn population(&self) -> Option<&Population>;
+
+    /// Macro-classifiers in \[P\], or stored pairs of a tabular method.
+    fn rule_count(&self) -> usize;
+}

@@ -1,0 +1,165 @@
+//! The two words that learner and world exchange: [`Percept`] and [`Action`].
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// Machine words in a [`Percept`]; 64 bits each.
+pub const PERCEPT_WORDS: usize = 4;
+/// The widest percept, in bits.
+pub const MAX_PERCEPT_BITS: usize = 64 * PERCEPT_WORDS;
+/// The largest number of actions that a learner can tell apart.
+pub const MAX_ACTIONS: usize = 8;
+
+/// What the robot perceives: a string of at most [`MAX_PERCEPT_BITS`] bits.
+///
+/// Bit 0 is the first character of the printed form. Bits beyond the width are zero, so that
+/// equal percepts are equal word by word.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Percept {
+    words: [u64; PERCEPT_WORDS],
+    width: u16,
+}
+
+impl Percept {
+    /// Collects bits in printing order; `None` when there are more than [`MAX_PERCEPT_BITS`].
+    pub fn from_bits(bits: impl IntoIterator<Item = bool>) -> Option<Self> {
+        let mut words = [0; PERCEPT_WORDS];
+        let mut width = 0;
+        for bit in bits {
+            *words.get_mut(width / 64)? |= u64::from(bit) << (width % 64);
+            width += 1;
+        }
+        Some(Self {
+            words,
+            width: width as u16,
+        })
+    }
+
+    /// The number of bits.
+    pub fn width(&self) -> usize {
+        usize::from(self.width)
+    }
+
+    /// Bit `index`, counted from the first printed character; `false` beyond the width.
+    pub fn bit(&self, index: usize) -> bool {
+        self.words
+            .get(index / 64)
+            .is_some_and(|word| word >> (index % 64) & 1 == 1)
+    }
+
+    /// The bits as machine words, bit 0 lowest.
+    pub fn words(&self) -> &[u64; PERCEPT_WORDS] {
+        &self.words
+    }
+}
+
+impl fmt::Display for Percept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (0..self.width()).try_for_each(|i| f.write_str(if self.bit(i) { "1" } else { "0" }))
+    }
+}
+
+impl fmt::Debug for Percept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Percept({self})")
+    }
+}
+
+/// A text that is no percept.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no percept: expected at most {MAX_PERCEPT_BITS} characters, each 0 or 1")]
+pub struct PerceptError(String);
+
+impl FromStr for Percept {
+    type Err = PerceptError;
+
+    fn from_str(text: &str) -> Result<Self, PerceptError> {
+        let error = || PerceptError(text.chars().take(MAX_PERCEPT_BITS + 1).collect());
+        if text.bytes().any(|b| !matches!(b, b'0' | b'1')) {
+            return Err(error());
+        }
+        Self::from_bits(text.bytes().map(|b| b == b'1')).ok_or_else(error)
+    }
+}
+
+impl TryFrom<String> for Percept {
+    type Error = PerceptError;
+
+    fn try_from(text: String) -> Result<Self, PerceptError> {
+        text.parse()
+    }
+}
+
+impl From<Percept> for String {
+    fn from(percept: Percept) -> Self {
+        percept.to_string()
+    }
+}
+
+/// What the robot can do: one of `0..n`, where `n` is at most [`MAX_ACTIONS`].
+///
+/// The learner knows only the number; [`crate::world::Maze::direction`] gives it a meaning.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(transparent)]
+pub struct Action(u8);
+
+impl Action {
+    /// Action number `index`; `None` from [`MAX_ACTIONS`] on.
+    pub fn new(index: usize) -> Option<Self> {
+        (index < MAX_ACTIONS).then_some(Self(index as u8))
+    }
+
+    /// The first `count` actions (at most [`MAX_ACTIONS`]), in order.
+    pub fn all(count: usize) -> impl DoubleEndedIterator<Item = Self> + Clone {
+        (0..count.min(MAX_ACTIONS) as u8).map(Self)
+    }
+
+    /// The number of this action, counted from 0.
+    pub fn index(self) -> usize {
+        usize::from(self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Action {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let index = u8::deserialize(deserializer)?;
+        Self::new(usize::from(index)).ok_or_else(|| {
+            serde::de::Error::custom(format!(
+                "action {index} is out of range 0 to {}",
+                MAX_ACTIONS - 1
+            ))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_percept_prints_as_it_was_read() {
+        let text = "0110100110010110".repeat(16);
+        assert_eq!(text.parse::<Percept>().unwrap().to_string(), text);
+    }
+
+    #[test]
+    fn a_percept_wider_than_256_bits_is_refused() {
+        assert!("0".repeat(256).parse::<Percept>().is_ok());
+        assert!("0".repeat(257).parse::<Percept>().is_err());
+    }
+
+    #[test]
+    fn a_letter_is_no_bit() {
+        assert!("01#1".parse::<Percept>().is_err());
+    }
+
+    #[test]
+    fn the_ninth_action_does_not_exist() {
+        assert!(Action::new(7).is_some());
+        assert!(Action::new(8).is_none());
+        assert!(serde_json::from_str::<Action>("8").is_err());
+    }
+}

@@ -1,0 +1,96 @@
+//! The compass directions in which a robot can move.
+
+use serde::{Deserialize, Serialize};
+
+/// A compass direction; north is toward row 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "the names say it")]
+pub enum Direction {
+    North,
+    NorthEast,
+    East,
+    SouthEast,
+    South,
+    SouthWest,
+    West,
+    NorthWest,
+}
+
+impl Direction {
+    /// The eight directions, clockwise from north.
+    pub const CLOCKWISE: [Self; 8] = [
+        Self::North,
+        Self::NorthEast,
+        Self::East,
+        Self::SouthEast,
+        Self::South,
+        Self::SouthWest,
+        Self::West,
+        Self::NorthWest,
+    ];
+    /// The four main directions, clockwise from north.
+    pub const MAIN: [Self; 4] = [Self::North, Self::East, Self::South, Self::West];
+
+    /// Columns to the east and rows to the south that one move covers.
+    pub fn offset(self) -> (i32, i32) {
+        match self {
+            Self::North => (0, -1),
+            Self::NorthEast => (1, -1),
+            Self::East => (1, 0),
+            Self::SouthEast => (1, 1),
+            Self::South => (0, 1),
+            Self::SouthWest => (-1, 1),
+            Self::West => (-1, 0),
+            Self::NorthWest => (-1, -1),
+        }
+    }
+
+    /// The name as it is written in files: `north`, `north-east`, ...
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::North => "north",
+            Self::NorthEast => "north-east",
+            Self::East => "east",
+            Self::SouthEast => "south-east",
+            Self::South => "south",
+            Self::SouthWest => "south-west",
+            Self::West => "west",
+            Self::NorthWest => "north-west",
+        }
+    }
+
+    /// An arrow that points in this direction.
+    pub fn arrow(self) -> char {
+        match self {
+            Self::North => '↑',
+            Self::NorthEast => '↗',
+            Self::East => '→',
+            Self::SouthEast => '↘',
+            Self::South => '↓',
+            Self::SouthWest => '↙',
+            Self::West => '←',
+            Self::NorthWest => '↖',
+        }
+    }
+}
+
+/// Which directions count as moves in a world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Moves {
+    /// North, east, south, west.
+    #[default]
+    Four,
+    /// All eight, clockwise from north; a diagonal move may cut a corner.
+    Eight,
+}
+
+impl Moves {
+    /// The directions in the order of the action numbers.
+    pub fn directions(self) -> &'static [Direction] {
+        match self {
+            Self::Four => &Direction::MAIN,
+            Self::Eight => &Direction::CLOCKWISE,
+        }
+    }
+}

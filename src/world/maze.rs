@@ -1,0 +1,164 @@
+//! The maze: cells, walls, start and goal.
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+
+use super::direction::{Direction, Moves};
+use crate::signal::Action;
+
+/// A cell of the maze; row 0 is the northern border, column 0 the western one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Cell {
+    /// Columns from the west.
+    pub col: u16,
+    /// Rows from the north.
+    pub row: u16,
+}
+
+/// A checked maze: its border is closed (or joined), and every start can reach a goal.
+///
+/// The world frame has its origin in the south-western corner of the border, x to the east, y to
+/// the north, in metres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Maze {
+    pub(super) name: String,
+    pub(super) cell_size_m: f64,
+    pub(super) moves: Moves,
+    pub(super) wrap: bool,
+    pub(super) width: u16,
+    pub(super) height: u16,
+    /// Row by row from the north: true where a wall is.
+    pub(super) walls: Vec<bool>,
+    pub(super) start: Option<Cell>,
+    /// In reading order; never empty.
+    pub(super) goals: Vec<Cell>,
+}
+
+impl Maze {
+    /// The world's name, as the file gives it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Edge length of a cell in metres.
+    pub fn cell_size_m(&self) -> f64 {
+        self.cell_size_m
+    }
+
+    /// The directions in which one can move.
+    pub fn moves(&self) -> Moves {
+        self.moves
+    }
+
+    /// Do the edges join, so that leaving in the east enters in the west?
+    pub fn wraps(&self) -> bool {
+        self.wrap
+    }
+
+    /// The number of columns.
+    pub fn width(&self) -> u16 {
+        self.width
+    }
+
+    /// The number of rows.
+    pub fn height(&self) -> u16 {
+        self.height
+    }
+
+    /// The start cell; `None` when each episode starts in a random free cell.
+    pub fn start(&self) -> Option<Cell> {
+        self.start
+    }
+
+    /// The goal cells in reading order; at least one.
+    pub fn goals(&self) -> &[Cell] {
+        &self.goals
+    }
+
+    /// The number of actions.
+    pub fn action_count(&self) -> usize {
+        self.moves.directions().len()
+    }
+
+    /// The direction that an action means; `None` when this world has fewer moves.
+    pub fn direction(&self, action: Action) -> Option<Direction> {
+        self.moves.directions().get(action.index()).copied()
+    }
+
+    /// Is the cell a wall? Cells outside of the maze are.
+    pub fn is_wall(&self, cell: Cell) -> bool {
+        cell.col >= self.width || cell.row >= self.height || self.walls[self.index(cell)]
+    }
+
+    /// Is the cell a goal?
+    pub fn is_goal(&self, cell: Cell) -> bool {
+        self.goals.contains(&cell)
+    }
+
+    /// All cells that are no wall, in reading order.
+    pub fn free_cells(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.cells().filter(|&cell| !self.is_wall(cell))
+    }
+
+    /// The cells in which an episode can start: the start cell, or all free cells but the goals.
+    pub fn start_cells(&self) -> Vec<Cell> {
+        match self.start {
+            Some(start) => vec![start],
+            None => self.free_cells().filter(|&c| !self.is_goal(c)).collect(),
+        }
+    }
+
+    /// All cells in reading order.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + use<> {
+        let (width, height) = (self.width, self.height);
+        (0..height).flat_map(move |row| (0..width).map(move |col| Cell { col, row }))
+    }
+
+    /// The number of a cell in reading order.
+    pub fn index(&self, cell: Cell) -> usize {
+        usize::from(cell.row) * usize::from(self.width) + usize::from(cell.col)
+    }
+
+    /// The next cell in a direction, wall or not; `None` beyond a border that does not join.
+    pub fn neighbour(&self, cell: Cell, direction: Direction) -> Option<Cell> {
+        let (east, south) = direction.offset();
+        let along = |from: u16, step: i32, size: u16| {
+            let (to, size) = (i32::from(from) + step, i32::from(size));
+            if self.wrap {
+                u16::try_from(to.rem_euclid(size)).ok()
+            } else {
+                u16::try_from(to).ok().filter(|_| to < size)
+            }
+        };
+        Some(Cell {
+            col: along(cell.col, east, self.width)?,
+            row: along(cell.row, south, self.height)?,
+        })
+    }
+
+    /// The cell that a move leads to; `None` when a wall or the border is in the way.
+    pub fn step(&self, cell: Cell, direction: Direction) -> Option<Cell> {
+        self.neighbour(cell, direction)
+            .filter(|&next| !self.is_wall(next))
+    }
+
+    /// The middle of a cell in the world frame, in metres.
+    pub fn centre_m(&self, cell: Cell) -> Point2<f64> {
+        Point2::new(
+            (f64::from(cell.col) + 0.5) * self.cell_size_m,
+            (f64::from(self.height) - f64::from(cell.row) - 0.5) * self.cell_size_m,
+        )
+    }
+
+    /// The cell that holds a point of the world frame; `None` outside of the maze.
+    pub fn cell_at(&self, point_m: Point2<f64>) -> Option<Cell> {
+        let col = (point_m.x / self.cell_size_m).floor();
+        let row = f64::from(self.height) - 1.0 - (point_m.y / self.cell_size_m).floor();
+        let inside = (0.0..f64::from(self.width)).contains(&col)
+            && (0.0..f64::from(self.height)).contains(&row);
+        inside.then_some(Cell {
+            col: col as u16,
+            row: row as u16,
+        })
+    }
+}

@@ -1,0 +1,70 @@
+//! Shortest paths from every cell to the nearest goal.
+
+use std::collections::VecDeque;
+
+use super::maze::{Cell, Maze};
+use crate::signal::Action;
+
+/// The length of the shortest path from each cell to the nearest goal.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Paths {
+    /// By cell index; `u32::MAX` for walls and cells that reach no goal.
+    distance: Vec<u32>,
+}
+
+impl Paths {
+    /// Breadth-first search from the goals outward (moves can be reversed in every world).
+    pub fn new(maze: &Maze) -> Self {
+        let mut distance = vec![u32::MAX; usize::from(maze.width()) * usize::from(maze.height())];
+        let mut queue: VecDeque<Cell> = maze.goals().iter().copied().collect();
+        queue
+            .iter()
+            .for_each(|&goal| distance[maze.index(goal)] = 0);
+        while let Some(cell) = queue.pop_front() {
+            let beyond = distance[maze.index(cell)] + 1;
+            for &direction in maze.moves().directions() {
+                let Some(next) = maze.step(cell, direction) else {
+                    continue;
+                };
+                let known = &mut distance[maze.index(next)];
+                if *known == u32::MAX {
+                    *known = beyond;
+                    queue.push_back(next);
+                }
+            }
+        }
+        Self { distance }
+    }
+
+    /// Steps from a cell to the nearest goal; `None` for walls and cells that reach no goal.
+    pub fn distance(&self, maze: &Maze, cell: Cell) -> Option<u32> {
+        if maze.is_wall(cell) {
+            return None;
+        }
+        Some(self.distance[maze.index(cell)]).filter(|&d| d != u32::MAX)
+    }
+
+    /// The cell that an action leads to, if that is a step along a shortest path.
+    pub fn successor(&self, maze: &Maze, cell: Cell, action: Action) -> Option<Cell> {
+        let next = maze.step(cell, maze.direction(action)?)?;
+        let nearer = self.distance(maze, next)? + 1 == self.distance(maze, cell)?;
+        nearer.then_some(next)
+    }
+
+    /// The number of different shortest paths from a cell to a goal, as far as a `u64` counts.
+    pub fn count_from(&self, maze: &Maze, start: Cell) -> u64 {
+        let mut order: Vec<Cell> = maze.free_cells().collect();
+        order.sort_by_key(|&cell| self.distance[maze.index(cell)]);
+        let mut count = vec![0_u64; self.distance.len()];
+        for cell in order {
+            count[maze.index(cell)] = if maze.is_goal(cell) {
+                1
+            } else {
+                Action::all(maze.action_count())
+                    .filter_map(|action| self.successor(maze, cell, action))
+                    .fold(0, |sum, next| sum.saturating_add(count[maze.index(next)]))
+            };
+        }
+        count[maze.index(start)]
+    }
+}

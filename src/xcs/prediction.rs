@@ -1,0 +1,64 @@
+//! The prediction array: the worth of each action (Eq. 6).
+
+use crate::signal::{Action, MAX_ACTIONS};
+
+/// The worth of each action in one percept; actions that no rule advocates have none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PredictionArray {
+    worth: [Option<f64>; MAX_ACTIONS],
+    actions: usize,
+}
+
+impl PredictionArray {
+    /// An array for `actions` actions, none of which has a worth yet.
+    pub fn new(actions: usize) -> Self {
+        Self {
+            worth: [None; MAX_ACTIONS],
+            actions: actions.min(MAX_ACTIONS),
+        }
+    }
+
+    /// Gives an action its worth.
+    pub fn set(&mut self, action: Action, worth: f64) {
+        self.worth[action.index()] = Some(worth);
+    }
+
+    /// The worth of an action; `None` when no rule advocates it.
+    pub fn get(&self, action: Action) -> Option<f64> {
+        self.worth[action.index()]
+    }
+
+    /// The worth of every action, in the order of their numbers.
+    pub fn as_slice(&self) -> &[Option<f64>] {
+        &self.worth[..self.actions]
+    }
+
+    /// The greatest worth; `None` when no action has one.
+    pub fn greatest(&self) -> Option<f64> {
+        self.as_slice().iter().flatten().copied().reduce(f64::max)
+    }
+
+    /// All actions that attain the greatest worth.
+    pub fn best_actions(&self) -> impl Iterator<Item = Action> + Clone + '_ {
+        let greatest = self.greatest();
+        Action::all(self.actions)
+            .filter(move |&action| greatest.is_some() && self.get(action) == greatest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ties_are_all_best_and_absent_actions_never_are() {
+        let [north, east, south]: [Action; 3] = [0, 1, 2].map(|i| Action::new(i).unwrap());
+        let mut array = PredictionArray::new(4);
+        assert_eq!(array.best_actions().count(), 0);
+        array.set(north, -5.0);
+        array.set(east, -5.0);
+        array.set(south, -6.0);
+        assert_eq!(array.best_actions().collect::<Vec<_>>(), [north, east]);
+        assert_eq!(array.greatest(), Some(-5.0));
+    }
+}
