@@ -1,9 +1,28 @@
-//! The learner XCS.
+//! The learner: XCS, the accuracy-based learning classifier system.
+//!
+//! Implemented after M. V. Butz and S. W. Wilson, "An algorithmic description of XCS" (2001).
+//! It knows percepts, actions and payoffs, but no maze, no arena and no reward: who is credited
+//! with what, and when, is decided in [`crate::reward`], which calls, step by step,
+//! [`Xcs::form_match_set`], [`Xcs::predict`], [`MatchSet::action_set`], [`Xcs::update`] and
+//! [`Xcs::evolve`].
 
+mod classifier;
+mod condition;
+mod deletion;
+mod ga;
+mod handles;
+mod learner;
+mod match_index;
+mod params;
+mod population;
 mod prediction;
+mod sets;
 
+pub use classifier::Classifier;
+pub use condition::{Condition, ConditionError};
+pub use handles::ClassifierId;
+pub use learner::Xcs;
+pub use params::Params;
+pub use population::{Population, PopulationError};
 pub use prediction::PredictionArray;
-
-/// The population.
-#[derive(Debug, Clone)]
-pub struct Population;
+pub use sets::{ActionSet, MatchSet};

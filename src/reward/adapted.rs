@@ -1,0 +1,79 @@
+//! XCS adapted to robots (Williams et al.): one reward at the end, shared out along \[R\].
+
+use super::method::{EndCredit, RewardMethod, StepCredit};
+use super::mind::Mind;
+use super::params::{Params, Sharing};
+use super::stack::{RewardStack, Shares};
+use crate::arena::Outcome;
+use crate::signal::{Action, Percept};
+use crate::xcs::{Population, PredictionArray, Xcs};
+
+/// The methods `adapted-even` and `adapted-discounted`: every \[A\] of an episode waits in \[R\]
+/// for its share of the long-term reward (Eq. 7 with 8 or 9).
+#[derive(Debug, Clone)]
+pub struct Adapted {
+    mind: Mind,
+    params: Params,
+    sharing: Sharing,
+    stack: RewardStack,
+    /// Length of the shortest success so far; `usize::MAX` before the first.
+    shortest: usize,
+}
+
+impl Adapted {
+    /// Around a learner; the parameters must have been checked.
+    pub fn new(xcs: Xcs, params: Params, sharing: Sharing) -> Self {
+        Self {
+            mind: Mind::new(xcs),
+            params,
+            sharing,
+            stack: RewardStack::default(),
+            shortest: usize::MAX,
+        }
+    }
+}
+
+impl RewardMethod for Adapted {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.mind.consider(percept)
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let set = self.mind.action_set(action);
+        let credit = self.mind.step_credit(&set, self.params.short_term(outcome));
+        self.stack.push(set);
+        credit
+    }
+
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        let steps = self.stack.len();
+        if reached_goal {
+            self.shortest = self.shortest.min(steps);
+        }
+        let reward = self.params.long_term(reached_goal, steps);
+        let shares = Shares::new(reward, steps, self.shortest, self.sharing, &self.params);
+        let beta = self.mind.xcs.params().beta;
+        self.stack.unwind(&mut self.mind.xcs, &shares, beta);
+        EndCredit {
+            long_term_reward: reward,
+            learning_rate: beta,
+            imprinted: false,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.params.step_threshold
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.mind.xcs.worth(percept)
+    }
+
+    fn population(&self) -> Option<&Population> {
+        Some(self.mind.xcs.population())
+    }
+
+    fn rule_count(&self) -> usize {
+        self.mind.xcs.population().len()
+    }
+}

@@ -1,0 +1,44 @@
+//! XCS in the middle of a step: what all its reward methods share.
+
+use super::method::StepCredit;
+use crate::signal::{Action, Percept};
+use crate::xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
+
+/// A learner together with the match set that it is deciding on.
+#[derive(Debug, Clone)]
+pub(super) struct Mind {
+    pub xcs: Xcs,
+    match_set: MatchSet,
+}
+
+impl Mind {
+    pub fn new(xcs: Xcs) -> Self {
+        Self {
+            xcs,
+            match_set: MatchSet::default(),
+        }
+    }
+
+    /// Forms \[M\] and predicts.
+    pub fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.xcs.form_match_set(percept, &mut self.match_set);
+        self.xcs.predict(&self.match_set)
+    }
+
+    /// \[A\] of the chosen action.
+    pub fn action_set(&self, action: Action) -> ActionSet {
+        let set = self.match_set.action_set(action);
+        set.expect("consider comes before credit and forms [M]")
+    }
+
+    /// What there is to say of a step, before anything is updated.
+    pub fn step_credit(&self, set: &ActionSet, short_term_reward: f64) -> StepCredit {
+        let (action_set, error) = self.xcs.size_and_error(set);
+        StepCredit {
+            short_term_reward,
+            error,
+            match_set: self.match_set.micro(),
+            action_set,
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! Standard XCS: the reward travels back one step at a time, as in Q-learning.
+
+use super::method::{EndCredit, RewardMethod, StepCredit};
+use super::mind::Mind;
+use super::params::Params;
+use crate::arena::Outcome;
+use crate::signal::{Action, Percept};
+use crate::xcs::{ActionSet, Population, PredictionArray, Xcs};
+
+/// The method `xcs`: the previous \[A\] is updated with its reward plus gamma times the greatest
+/// worth of the present percept; the last \[A\] of an episode with its reward alone.
+///
+/// The step limit counts as an end without a reward (the paper: r_l is 0 if the task fails).
+#[derive(Debug, Clone)]
+pub struct Standard {
+    mind: Mind,
+    params: Params,
+    /// The greatest worth of the present percept.
+    greatest: f64,
+    previous: Option<(ActionSet, f64)>,
+}
+
+impl Standard {
+    /// Around a learner; the parameters must have been checked.
+    pub fn new(xcs: Xcs, params: Params) -> Self {
+        Self {
+            mind: Mind::new(xcs),
+            params,
+            greatest: 0.0,
+            previous: None,
+        }
+    }
+
+    fn learn(&mut self, set: &ActionSet, payoff: f64) {
+        let beta = self.mind.xcs.params().beta;
+        self.mind.xcs.update(set, payoff, beta);
+        self.mind.xcs.evolve(set);
+    }
+}
+
+impl RewardMethod for Standard {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        let worth = self.mind.consider(percept);
+        self.greatest = worth.greatest().unwrap_or(0.0);
+        worth
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let set = self.mind.action_set(action);
+        let reward = self.params.short_term(outcome);
+        let credit = self.mind.step_credit(&set, reward);
+        if let Some((previous, reward)) = self.previous.replace((set, reward)) {
+            self.learn(&previous, reward + self.params.gamma * self.greatest);
+        }
+        credit
+    }
+
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
+        if let Some((last, reward)) = self.previous.take() {
+            self.learn(&last, reward + long_term_reward);
+        }
+        EndCredit {
+            long_term_reward,
+            learning_rate: self.mind.xcs.params().beta,
+            imprinted: false,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.params.step_threshold
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.mind.xcs.worth(percept)
+    }
+
+    fn population(&self) -> Option<&Population> {
+        Some(self.mind.xcs.population())
+    }
+
+    fn rule_count(&self) -> usize {
+        self.mind.xcs.population().len()
+    }
+}

@@ -1,0 +1,70 @@
+//! A rule: condition, action, and what is known of them.
+
+use serde::{Deserialize, Serialize};
+
+use super::condition::Condition;
+use super::params::Params;
+use crate::signal::Action;
+
+/// A macro-classifier: `numerosity` identical rules that share their figures.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Classifier {
+    /// Which percepts it matches.
+    pub condition: Condition,
+    /// What it advocates.
+    pub action: Action,
+    /// p: the expected payoff.
+    pub prediction: f64,
+    /// epsilon: the mean deviation of the payoff from the prediction.
+    pub error: f64,
+    /// F: accuracy relative to the action sets it took part in, of all `numerosity` together.
+    pub fitness: f64,
+    /// num: the micro-classifiers it stands for; at least 1.
+    pub numerosity: u32,
+    /// exp: how often it was updated.
+    pub experience: u64,
+    /// ts: the step of the last run of the GA in a set it belonged to.
+    pub time_stamp: u64,
+    /// as: the mean number of micro-classifiers in the action sets it took part in.
+    pub set_size: f64,
+}
+
+impl Classifier {
+    /// A covering rule, which knows nothing yet.
+    pub fn new(condition: Condition, action: Action, time: u64, params: &Params) -> Self {
+        Self {
+            condition,
+            action,
+            prediction: params.initial_prediction,
+            error: params.initial_error,
+            fitness: params.initial_fitness,
+            numerosity: 1,
+            experience: 0,
+            time_stamp: time,
+            set_size: 1.0,
+        }
+    }
+
+    /// kappa, the accuracy (Eq. 3 of the paper misses alpha and the sign of nu; this is Butz and
+    /// Wilson's form): 1 up to epsilon_0, then `alpha (epsilon / epsilon_0)^-nu`.
+    pub fn accuracy(&self, params: &Params) -> f64 {
+        if self.error <= params.epsilon_0 {
+            return 1.0;
+        }
+        let ratio = params.epsilon_0 / self.error;
+        params.alpha * (0..params.nu).fold(1.0, |power, _| power * ratio)
+    }
+
+    /// Is it experienced and accurate enough to subsume others?
+    pub fn could_subsume(&self, params: &Params) -> bool {
+        self.experience > u64::from(params.theta_sub) && self.error < params.epsilon_0
+    }
+
+    /// Does it make `other` superfluous: same action, more general, and able to subsume?
+    pub fn subsumes(&self, other: &Self, params: &Params) -> bool {
+        self.action == other.action
+            && self.could_subsume(params)
+            && self.condition.is_more_general_than(&other.condition)
+    }
+}

@@ -1,0 +1,276 @@
+//! Ternary conditions: which percepts a rule matches.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::random::Stream;
+use crate::signal::{MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept};
+
+type Words = [u64; PERCEPT_WORDS];
+
+/// A ternary string as wide as the percepts: `0`, `1`, or `#` for don't-care.
+///
+/// Stored as the bits that must agree (`care`) and the values they must have (`value`, zero where
+/// nothing is demanded), so that equal conditions are equal word by word.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Condition {
+    value: Words,
+    care: Words,
+    width: u16,
+}
+
+impl Condition {
+    /// The condition that matches this percept only.
+    pub fn exactly(percept: &Percept) -> Self {
+        let width = percept.width();
+        Self {
+            value: *percept.words(),
+            care: std::array::from_fn(|word| bits_between(word, 0, width)),
+            width: width as u16,
+        }
+    }
+
+    /// Covering: matches the percept, each allele a don't-care with probability `dont_care`.
+    pub fn covering(percept: &Percept, dont_care: f64, stream: &mut Stream) -> Self {
+        let mut condition = Self::exactly(percept);
+        for bit in 0..percept.width() {
+            if stream.chance(dont_care) {
+                condition.set_dont_care(bit);
+            }
+        }
+        condition
+    }
+
+    /// The number of alleles.
+    pub fn width(&self) -> usize {
+        usize::from(self.width)
+    }
+
+    /// The value that allele `bit` demands; `None` for a don't-care.
+    pub fn allele(&self, bit: usize) -> Option<bool> {
+        let at = |words: &Words| words[bit / 64] >> (bit % 64) & 1 == 1;
+        at(&self.care).then(|| at(&self.value))
+    }
+
+    /// The number of alleles that are no don't-care.
+    pub fn specificity(&self) -> usize {
+        self.care
+            .iter()
+            .map(|word| word.count_ones() as usize)
+            .sum()
+    }
+
+    /// Does the condition match a percept of the same width?
+    pub fn matches(&self, percept: &Percept) -> bool {
+        let words = self.value.iter().zip(&self.care).zip(percept.words());
+        words.fold(0, |wrong, ((value, care), p)| wrong | ((value ^ p) & care)) == 0
+    }
+
+    /// Does this condition match everything that `other` matches, and more?
+    pub fn is_more_general_than(&self, other: &Self) -> bool {
+        self.care != other.care
+            && (0..PERCEPT_WORDS).all(|word| {
+                self.care[word] & !other.care[word] == 0
+                    && (self.value[word] ^ other.value[word]) & self.care[word] == 0
+            })
+    }
+
+    /// Two-point crossover: exchanges the alleles `from..to`.
+    pub fn exchange(&mut self, other: &mut Self, from: usize, to: usize) {
+        for word in 0..PERCEPT_WORDS {
+            let mask = bits_between(word, from, to);
+            exchange_bits(&mut self.value[word], &mut other.value[word], mask);
+            exchange_bits(&mut self.care[word], &mut other.care[word], mask);
+        }
+    }
+
+    /// Niche mutation: each allele flips with probability `mu` between don't-care and the value
+    /// of the percept, which stays matched.
+    pub fn mutate(&mut self, percept: &Percept, mu: f64, stream: &mut Stream) {
+        for bit in 0..self.width() {
+            if !stream.chance(mu) {
+            } else if self.allele(bit).is_some() {
+                self.set_dont_care(bit);
+            } else {
+                self.set(bit, percept.bit(bit));
+            }
+        }
+    }
+
+    fn set(&mut self, bit: usize, value: bool) {
+        self.care[bit / 64] |= 1 << (bit % 64);
+        self.value[bit / 64] |= u64::from(value) << (bit % 64);
+    }
+
+    fn set_dont_care(&mut self, bit: usize) {
+        self.care[bit / 64] &= !(1 << (bit % 64));
+        self.value[bit / 64] &= !(1 << (bit % 64));
+    }
+}
+
+/// The bits of machine word number `word` that belong to alleles `from..to`.
+fn bits_between(word: usize, from: usize, to: usize) -> u64 {
+    let below = |end: usize| match end.saturating_sub(64 * word) {
+        bits @ 0..64 => (1 << bits) - 1,
+        _ => u64::MAX,
+    };
+    below(to) & !below(from)
+}
+
+fn exchange_bits(a: &mut u64, b: &mut u64, mask: u64) {
+    let difference = (*a ^ *b) & mask;
+    *a ^= difference;
+    *b ^= difference;
+}
+
+impl fmt::Display for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (0..self.width()).try_for_each(|bit| {
+            f.write_str(match self.allele(bit) {
+                None => "#",
+                Some(false) => "0",
+                Some(true) => "1",
+            })
+        })
+    }
+}
+
+impl fmt::Debug for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Condition({self})")
+    }
+}
+
+/// A text that is no condition.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no condition: expected at most {MAX_PERCEPT_BITS} characters, each 0, 1 or #")]
+pub struct ConditionError(String);
+
+impl FromStr for Condition {
+    type Err = ConditionError;
+
+    fn from_str(text: &str) -> Result<Self, ConditionError> {
+        let error = || ConditionError(text.chars().take(MAX_PERCEPT_BITS + 1).collect());
+        if text.len() > MAX_PERCEPT_BITS {
+            return Err(error());
+        }
+        let mut condition = Self {
+            value: [0; PERCEPT_WORDS],
+            care: [0; PERCEPT_WORDS],
+            width: text.len() as u16,
+        };
+        for (bit, letter) in text.bytes().enumerate() {
+            match letter {
+                b'0' | b'1' => condition.set(bit, letter == b'1'),
+                b'#' => {}
+                _ => return Err(error()),
+            }
+        }
+        Ok(condition)
+    }
+}
+
+impl TryFrom<String> for Condition {
+    type Error = ConditionError;
+
+    fn try_from(text: String) -> Result<Self, ConditionError> {
+        text.parse()
+    }
+}
+
+impl From<Condition> for String {
+    fn from(condition: Condition) -> Self {
+        condition.to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::random::StreamName;
+
+    fn condition(text: &str) -> Condition {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn a_dont_care_matches_both_values_and_a_bit_only_its_own() {
+        let rule = condition("0#1");
+        let matched: Vec<bool> = ["001", "011", "000", "101"]
+            .map(|percept| rule.matches(&percept.parse().unwrap()))
+            .to_vec();
+        assert_eq!(matched, [true, true, false, false]);
+    }
+
+    #[test]
+    fn more_general_means_a_proper_superset() {
+        assert!(condition("0##").is_more_general_than(&condition("0#1")));
+        assert!(!condition("0#1").is_more_general_than(&condition("0#1")));
+        assert!(!condition("1##").is_more_general_than(&condition("0#1")));
+        assert!(!condition("0#1").is_more_general_than(&condition("0##")));
+    }
+
+    #[test]
+    fn two_point_crossover_exchanges_the_alleles_between_the_points() {
+        let (mut a, mut b) = (condition("00000"), condition("1##11"));
+        a.exchange(&mut b, 1, 4);
+        assert_eq!(
+            (a.to_string(), b.to_string()),
+            ("0##10".into(), "10001".into())
+        );
+    }
+
+    #[test]
+    fn crossover_across_machine_words_exchanges_nothing_else() {
+        let (mut a, mut b) = (condition(&"0".repeat(256)), condition(&"1".repeat(256)));
+        a.exchange(&mut b, 60, 200);
+        let expected = ["0".repeat(60), "1".repeat(140), "0".repeat(56)].concat();
+        assert_eq!(a.to_string(), expected);
+    }
+
+    #[test]
+    fn certain_mutation_flips_every_allele_within_the_niche() {
+        let percept = "0110".parse().unwrap();
+        let mut rule = condition("0##0");
+        rule.mutate(&percept, 1.0, &mut Stream::new(1, StreamName::Evolution));
+        assert_eq!(rule.to_string(), "#11#");
+    }
+
+    #[test]
+    fn covering_wants_the_percept_and_its_share_of_dont_cares() {
+        let mut stream = Stream::new(1, StreamName::Evolution);
+        let percept: Percept = "01".repeat(128).parse().unwrap();
+        let cover = Condition::covering(&percept, 0.25, &mut stream);
+        assert!(cover.matches(&percept));
+        assert!((170..215).contains(&cover.specificity()), "{cover}");
+        assert_eq!(
+            Condition::covering(&percept, 0.0, &mut stream),
+            Condition::exactly(&percept)
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn a_condition_prints_as_it_was_read(text in "[01#]{0,256}") {
+            prop_assert_eq!(condition(&text).to_string(), text);
+        }
+
+        #[test]
+        fn mutation_and_crossover_within_a_niche_keep_it_matched(
+            bits in "[01]{1,256}", seed in any::<u64>(), from in 0_usize..257, len in 0_usize..257,
+        ) {
+            let percept: Percept = bits.parse().unwrap();
+            let mut stream = Stream::new(seed, StreamName::Evolution);
+            let mut a = Condition::covering(&percept, 0.5, &mut stream);
+            let mut b = Condition::covering(&percept, 0.5, &mut stream);
+            a.exchange(&mut b, from.min(bits.len()), (from + len).min(bits.len()));
+            a.mutate(&percept, 0.3, &mut stream);
+            prop_assert!(a.matches(&percept) && b.matches(&percept), "{} {}", a, b);
+        }
+    }
+}

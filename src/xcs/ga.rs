@@ -1,0 +1,79 @@
+//! The genetic algorithm's operators: selection and children (Butz and Wilson 2001, RUN GA).
+
+use super::classifier::Classifier;
+use super::handles::ClassifierId;
+use super::params::Params;
+use crate::random::Stream;
+use crate::signal::{Action, Percept};
+
+/// Fraction of the parents' error that a child inherits (Butz and Wilson 2001).
+const ERROR_INHERITANCE: f64 = 0.25;
+/// Fraction of the parents' fitness that a child inherits (Butz and Wilson 2001).
+const FITNESS_INHERITANCE: f64 = 0.1;
+
+/// A rule of a niche, with the id under which it lives in \[P\].
+pub(super) type Parent = (ClassifierId, Classifier);
+
+/// Selects a parent by roulette over fitness; `None` from an empty niche.
+pub(super) fn select(niche: &[Parent], stream: &mut Stream) -> Option<Parent> {
+    let mut left = stream.unit() * niche.iter().map(|(_, rule)| rule.fitness).sum::<f64>();
+    let stops = |(_, rule): &&Parent| {
+        left -= rule.fitness;
+        left < 0.0
+    };
+    niche.iter().find(stops).or(niche.last()).copied()
+}
+
+/// Two children of two parents in one niche: crossed over, mutated within the niche, and without
+/// experience of their own. `actions` is the number of actions.
+pub(super) fn children(
+    parents: &[Parent; 2],
+    percept: &Percept,
+    actions: usize,
+    params: &Params,
+    stream: &mut Stream,
+) -> [Classifier; 2] {
+    let [mut first, mut second] = [&parents[0].1, &parents[1].1].map(|parent| Classifier {
+        numerosity: 1,
+        experience: 0,
+        fitness: parent.fitness / f64::from(parent.numerosity),
+        ..*parent
+    });
+    if stream.chance(params.chi) {
+        cross(&mut first, &mut second, stream);
+    }
+    [first, second].map(|mut child| {
+        child.error *= ERROR_INHERITANCE;
+        child.fitness *= FITNESS_INHERITANCE;
+        child.condition.mutate(percept, params.mu, stream);
+        if stream.chance(params.mu) {
+            child.action = other_action(child.action, actions, stream);
+        }
+        child
+    })
+}
+
+/// Two-point crossover of the conditions; the figures become the parents' means.
+fn cross(first: &mut Classifier, second: &mut Classifier, stream: &mut Stream) {
+    let alleles = first.condition.width();
+    let [x, y] = [0; 2].map(|_| stream.below(alleles + 1));
+    first
+        .condition
+        .exchange(&mut second.condition, x.min(y), x.max(y));
+    average(&mut first.prediction, &mut second.prediction);
+    average(&mut first.error, &mut second.error);
+    average(&mut first.fitness, &mut second.fitness);
+}
+
+fn average(a: &mut f64, b: &mut f64) {
+    let mean = f64::midpoint(*a, *b);
+    (*a, *b) = (mean, mean);
+}
+
+/// One of the other actions, each with the same chance.
+fn other_action(action: Action, actions: usize, stream: &mut Stream) -> Action {
+    let others: Vec<Action> = Action::all(actions)
+        .filter(|&other| other != action)
+        .collect();
+    stream.choose(&others).copied().unwrap_or(action)
+}

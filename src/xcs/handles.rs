@@ -1,0 +1,83 @@
+//! Generational ids: an id outlives its rule without ever meaning another one.
+
+/// Names a classifier of \[P\], also after it was deleted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ClassifierId {
+    slot: u32,
+    generation: u32,
+}
+
+/// Where the classifiers lie that ids name.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Handles {
+    /// By slot: the generation that lives there, and its position.
+    slots: Vec<(u32, u32)>,
+    /// By position: the slot.
+    slot_at: Vec<u32>,
+    free: Vec<u32>,
+}
+
+impl Handles {
+    /// An id for the classifier appended at the next position.
+    pub fn push(&mut self) -> ClassifierId {
+        let position = self.slot_at.len() as u32;
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.slots.push((0, 0));
+            self.slots.len() as u32 - 1
+        });
+        self.slots[slot as usize].1 = position;
+        self.slot_at.push(slot);
+        self.id_at(position as usize)
+    }
+
+    /// Ends the id at `position`; the last classifier takes that position.
+    pub fn swap_remove(&mut self, position: usize) {
+        let slot = self.slot_at.swap_remove(position);
+        self.slots[slot as usize].0 += 1;
+        self.free.push(slot);
+        if let Some(&moved) = self.slot_at.get(position) {
+            self.slots[moved as usize].1 = position as u32;
+        }
+    }
+
+    /// The id of the classifier at `position`.
+    pub fn id_at(&self, position: usize) -> ClassifierId {
+        let slot = self.slot_at[position];
+        ClassifierId {
+            slot,
+            generation: self.slots[slot as usize].0,
+        }
+    }
+
+    /// Where a classifier lies; `None` once it was deleted.
+    pub fn position(&self, id: ClassifierId) -> Option<usize> {
+        let &(generation, position) = self.slots.get(id.slot as usize)?;
+        (generation == id.generation && self.slot_at.get(position as usize) == Some(&id.slot))
+            .then_some(position as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_removed_classifiers_id_stays_dead_after_its_slot_is_reused() {
+        let mut handles = Handles::default();
+        let [first, second] = [handles.push(), handles.push()];
+        handles.swap_remove(0);
+        let third = handles.push();
+        assert_eq!(third.slot, first.slot, "the slot is reused");
+        assert_eq!(handles.position(first), None);
+        assert_eq!(handles.position(second), Some(0));
+        assert_eq!(handles.position(third), Some(1));
+    }
+
+    #[test]
+    fn a_removed_classifiers_id_is_dead_while_its_slot_is_free() {
+        let mut handles = Handles::default();
+        let only = handles.push();
+        handles.swap_remove(0);
+        assert_eq!(handles.position(only), None);
+    }
+}
