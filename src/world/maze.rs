@@ -92,7 +92,10 @@ impl Maze {
 
     /// Is the cell a goal?
     pub fn is_goal(&self, cell: Cell) -> bool {
-        self.goals.contains(&cell)
+        let place = |cell: &Cell| (cell.row, cell.col);
+        self.goals
+            .binary_search_by_key(&place(&cell), place)
+            .is_ok()
     }
 
     /// All cells that are no wall, in reading order.

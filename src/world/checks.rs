@@ -1,0 +1,76 @@
+//! What must hold for a world beyond the letters of its rows.
+
+use super::error::WorldError;
+use super::maze::{Cell, Maze};
+use super::paths::Paths;
+use super::rows::Rows;
+use super::source::Source;
+
+/// At least one goal, and at most one start.
+pub fn check_start_and_goal(source: Source<'_>, rows: &Rows<'_>) -> Result<(), WorldError> {
+    if rows.goals.is_empty() {
+        let help = "mark at least one cell with `G`";
+        let whole = source.span(rows.raw);
+        return Err(source.fault(whole, "the world has no goal", "no `G` in these rows", help));
+    }
+    let [first, second, ..] = rows.starts[..] else {
+        return Ok(());
+    };
+    let places = vec![
+        source.place(rows.span(second), "another start"),
+        source.place(rows.span(first), "the first start"),
+    ];
+    let title = match rows.starts.len() {
+        2 => "the world has two starts".to_owned(),
+        count => format!("the world has {count} starts"),
+    };
+    let help = "keep one `S`; without any, every episode starts in a random free cell";
+    Err(source.fault_at(places, title, help))
+}
+
+/// Every cell of the border is a wall.
+pub fn check_border(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<(), WorldError> {
+    let on_border = |cell: &Cell| {
+        cell.col == 0
+            || cell.row == 0
+            || cell.col + 1 == maze.width()
+            || cell.row + 1 == maze.height()
+    };
+    match maze.free_cells().find(on_border) {
+        None => Ok(()),
+        Some(gap) => Err(source.fault(
+            rows.span(gap),
+            "the border is open",
+            "expected a wall `#`",
+            "close the border with `#`, or join the edges with \"wrap\": true",
+        )),
+    }
+}
+
+/// An episode can start, and wherever it starts, a goal can be reached.
+pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<(), WorldError> {
+    let paths = Paths::new(maze);
+    let starts = maze.start_cells();
+    if starts.is_empty() {
+        return Err(source.fault(
+            rows.span(maze.goals()[0]),
+            "the world has no cell to start in",
+            "there is no free cell beside the goals",
+            "mark a start with `S`, or free a cell with `.`",
+        ));
+    }
+    let cut_off = |&&cell: &&Cell| paths.distance(maze, cell).is_none();
+    let Some(&cell) = starts.iter().find(cut_off) else {
+        return Ok(());
+    };
+    let help = match maze.start() {
+        Some(_) => "open a wall on the way, or move `S` or `G`",
+        None => "make the cell a wall, open a way, or set a fixed start `S`",
+    };
+    Err(source.fault(
+        rows.span(cell),
+        "no goal can be reached from a cell where episodes start",
+        "cut off from every goal",
+        help,
+    ))
+}

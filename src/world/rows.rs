@@ -1,0 +1,169 @@
+//! From the rows of a world file to walls, start and goals.
+
+use super::document::{Elements, kind, wrong_type};
+use super::error::WorldError;
+use super::maze::Cell;
+use super::source::{Source, quoted};
+
+/// The most columns, and the most rows.
+pub const MAX_SIDE: usize = 4096;
+
+/// The cells of a world, each row as wide as the first.
+pub struct Rows<'a> {
+    source: Source<'a>,
+    /// The array as it stands in the text.
+    pub raw: &'a str,
+    /// The letters of each row; all of them are ASCII.
+    rows: Vec<&'a str>,
+    pub walls: Vec<bool>,
+    pub starts: Vec<Cell>,
+    pub goals: Vec<Cell>,
+}
+
+impl<'a> Rows<'a> {
+    /// Reads the array of rows; refuses wrong types, sizes and letters.
+    pub fn parse(source: Source<'a>, raw: &'a str) -> Result<Self, WorldError> {
+        if kind(raw) != Some("an array") {
+            return Err(wrong_type(source, "rows", raw, "an array of strings"));
+        }
+        let elements: Elements<'a, MAX_SIDE> = serde_json::from_str(raw)
+            .map_err(|_| wrong_type(source, "rows", raw, "an array of strings"))?;
+        if elements.count > MAX_SIDE {
+            let title = format!("the world has {} rows", elements.count);
+            return Err(too_large(source, raw, title));
+        }
+        let mut rows = Self {
+            source,
+            raw,
+            rows: Vec::with_capacity(elements.count),
+            walls: Vec::new(),
+            starts: Vec::new(),
+            goals: Vec::new(),
+        };
+        elements.first.iter().try_for_each(|row| rows.add(row))?;
+        if rows.rows.is_empty() {
+            let help = "give at least three rows, such as \"###\", \"#G#\", \"###\"";
+            return Err(source.fault(source.span(raw), "the world has no rows", "no row", help));
+        }
+        Ok(rows)
+    }
+
+    /// The number of columns.
+    pub fn width(&self) -> u16 {
+        self.rows.first().map_or(0, |row| row.len() as u16)
+    }
+
+    /// The number of rows.
+    pub fn height(&self) -> u16 {
+        self.rows.len() as u16
+    }
+
+    /// The place of a cell's letter in the text.
+    pub fn span(&self, cell: Cell) -> std::ops::Range<usize> {
+        let at = self.source.span(self.rows[usize::from(cell.row)]).start + usize::from(cell.col);
+        at..at + 1
+    }
+
+    fn add(&mut self, raw: &'a str) -> Result<(), WorldError> {
+        let number = self.rows.len() + 1;
+        let Some(letters) = raw.strip_prefix('"').and_then(|r| r.strip_suffix('"')) else {
+            let key = format!("rows[{}]", number - 1);
+            return Err(wrong_type(self.source, &key, raw, "a string"));
+        };
+        if letters.len() > MAX_SIDE && letters.chars().count() > MAX_SIDE {
+            let title = format!("row {number} has {} cells", letters.chars().count());
+            return Err(too_large(self.source, raw, title));
+        }
+        self.check_letters(letters)?;
+        self.check_width(raw, letters)?;
+        self.rows.push(letters);
+        self.collect(letters);
+        Ok(())
+    }
+
+    fn check_letters(&self, letters: &str) -> Result<(), WorldError> {
+        let strange = |&(_, letter): &(usize, char)| !matches!(letter, '#' | '.' | 'S' | 'G');
+        let Some((at, letter)) = letters.char_indices().find(strange) else {
+            return Ok(());
+        };
+        let row = self.rows.len() + 1;
+        let at = self.source.span(letters).start + at;
+        Err(self.source.fault(
+            at..at + letter.len_utf8(),
+            format!(
+                "row {row} has the unknown letter {}",
+                quoted(&letter.to_string())
+            ),
+            "unknown letter",
+            letter_help(letter),
+        ))
+    }
+
+    fn check_width(&self, raw: &str, letters: &str) -> Result<(), WorldError> {
+        let (number, found) = (self.rows.len() + 1, letters.len());
+        if found == 0 {
+            let help = "a row is a string of `#`, `.`, `S` and `G`; remove the empty one";
+            let title = format!("row {number} is empty");
+            return Err(self
+                .source
+                .fault(self.source.span(raw), title, "no cell", help));
+        }
+        let Some(first) = self.rows.first().filter(|first| first.len() != found) else {
+            return Ok(());
+        };
+        let expected = first.len();
+        let places = vec![
+            self.source.place(self.source.span(letters), cells(found)),
+            self.source.place(self.source.span(first), cells(expected)),
+        ];
+        let help = match expected > found {
+            true => format!("add {} to row {number}", cells(expected - found)),
+            false => format!("remove {} from row {number}", cells(found - expected)),
+        };
+        let title = format!("row {number} has {}, expected {expected}", cells(found));
+        Err(self.source.fault_at(places, title, help))
+    }
+
+    fn collect(&mut self, letters: &str) {
+        let row = self.height() - 1;
+        for (col, letter) in letters.bytes().enumerate() {
+            let cell = Cell {
+                col: col as u16,
+                row,
+            };
+            self.walls.push(letter == b'#');
+            match letter {
+                b'S' => self.starts.push(cell),
+                b'G' => self.goals.push(cell),
+                _ => {}
+            }
+        }
+    }
+}
+
+fn too_large(source: Source<'_>, raw: &str, title: String) -> WorldError {
+    source.fault(
+        source.span(raw),
+        format!("{title}, at most {MAX_SIDE} are possible"),
+        "too many",
+        format!("a world has at most {MAX_SIDE} columns and {MAX_SIDE} rows"),
+    )
+}
+
+fn cells(count: usize) -> String {
+    match count {
+        1 => "1 cell".to_owned(),
+        _ => format!("{count} cells"),
+    }
+}
+
+fn letter_help(letter: char) -> String {
+    let meant = match letter {
+        's' => "did you mean `S`? ",
+        'g' | 'F' | 'f' => "did you mean `G`? ",
+        ' ' | 'o' | 'O' | '0' | '_' => "did you mean `.`? ",
+        'X' | 'x' | '*' | 'T' | 'Q' | '1' | '█' => "did you mean `#`? ",
+        _ => "",
+    };
+    format!("{meant}the letters are `#` wall, `.` free, `S` start, `G` goal")
+}
