@@ -58,18 +58,22 @@ impl Paths {
         };
         // By cell: in how many ways one can get there from the start.
         let mut ways = vec![(start, 1_u64)];
-        for _ in 0..distance {
-            ways = self.ways_one_step_on(maze, &ways);
+        for left in (0..distance).rev() {
+            ways = self.ways_onward(maze, &ways, left);
         }
         ways.iter().fold(0, |sum, way| sum.saturating_add(way.1))
     }
 
-    fn ways_one_step_on(&self, maze: &Maze, ways: &[(Cell, u64)]) -> Vec<(Cell, u64)> {
+    /// The ways to the cells that are `left` steps from a goal, from those one step before.
+    fn ways_onward(&self, maze: &Maze, ways: &[(Cell, u64)], left: u32) -> Vec<(Cell, u64)> {
+        let directions = maze.moves().directions();
         let mut onward: Vec<(Cell, u64)> = ways
             .iter()
             .flat_map(|&(cell, count)| {
-                Action::all(maze.action_count())
-                    .filter_map(move |action| self.successor(maze, cell, action))
+                directions
+                    .iter()
+                    .filter_map(move |&direction| maze.step(cell, direction))
+                    .filter(|&next| self.distance[maze.index(next)] == left)
                     .map(move |next| (next, count))
             })
             .collect();
