@@ -2,6 +2,7 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+// In flow order, which is the import order; `tests/layering.rs` watches over it.
 pub mod signal;
 pub mod random;
 pub mod bounds;

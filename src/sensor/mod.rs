@@ -1,8 +1,10 @@
 //! From what can be seen to a [`Percept`].
 
+mod alike;
 mod neighbours;
 mod position;
 
+pub use alike::{Alike, alike};
 use serde::{Deserialize, Serialize};
 
 use crate::arena::View;
