@@ -109,10 +109,14 @@ impl Hits {
         self.contacts.clear();
     }
 
-    /// Adds a push to the hit against the same wall, or begins a new hit like `contact`.
+    /// Begins a hit like `contact`, or adds one step to the hit against the same wall.
+    ///
+    /// The hit's impulse is that of its hardest step, which stops the robot. In the steps after
+    /// it the wall only resists the motors until they have turned round.
     pub(super) fn add(&mut self, wall: ColliderHandle, contact: Contact) {
         if let Some(known) = self.walls.iter().position(|&known| known == wall) {
-            self.contacts[known].impulse_ns += contact.impulse_ns;
+            let hardest = &mut self.contacts[known].impulse_ns;
+            *hardest = hardest.max(contact.impulse_ns);
             return;
         }
         self.walls.push(wall);

@@ -43,9 +43,10 @@ impl Maneuver {
         }
     }
 
-    /// Is the robot on its way to the next cell, so that a wall ahead ends the drive?
-    pub(super) fn drives(&self) -> bool {
-        self.phase == Phase::Drive
+    /// Would a wall ahead keep the robot from the next cell? Not once it is there: then it has
+    /// overshot, and touches the wall behind that cell.
+    pub(super) fn is_stopped_by_walls(&self, seen: &Motion) -> bool {
+        self.phase == Phase::Drive && self.ahead(seen) > 0.5
     }
 
     /// Has it hit a wall?
@@ -95,8 +96,7 @@ impl Maneuver {
 
     /// Drives toward the target, holding heading and track.
     fn drive(&self, face: Vector2<f64>, seen: &Motion, params: &PhysicsParams) -> Option<Command> {
-        let missing = self.target - Point2::from(seen.pose.translation.vector);
-        let ahead = missing.dot(&self.along);
+        let ahead = self.ahead(seen);
         if ahead.abs() < params.arrival_m && seen.forward.abs() < params.arrival_mps {
             return None;
         }
@@ -105,7 +105,7 @@ impl Maneuver {
             .min(params.max_speed_mps)
             .copysign(ahead);
         let left = Vector2::new(-self.along.y, self.along.x);
-        let lean = speed.signum() * params.track_gain_per_m * missing.dot(&left);
+        let lean = speed.signum() * params.track_gain_per_m * self.missing(seen).dot(&left);
         let lean = lean.clamp(-params.track_limit, params.track_limit);
         let course = (1.0 - lean * lean).sqrt() * self.along + lean * left;
         let rate = params.heading_gain_per_s * face.perp(&course);
@@ -113,5 +113,15 @@ impl Maneuver {
             forward: self.facing * speed,
             turn_radps: rate.clamp(-params.max_turn_radps, params.max_turn_radps),
         })
+    }
+
+    /// From the robot to the target.
+    fn missing(&self, seen: &Motion) -> Vector2<f64> {
+        self.target.coords - seen.pose.translation.vector
+    }
+
+    /// How far the target is ahead; negative once the robot has passed it.
+    fn ahead(&self, seen: &Motion) -> f64 {
+        self.missing(seen).dot(&self.along)
     }
 }

@@ -109,7 +109,7 @@ impl PhysicsArena {
                 return true;
             };
             self.drive(command, &motion, bias);
-            if self.step(maneuver.along()) && maneuver.drives() {
+            if self.step(maneuver.along()) && maneuver.is_stopped_by_walls(&seen) {
                 maneuver.back_off();
             }
         }

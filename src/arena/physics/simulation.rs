@@ -15,6 +15,10 @@ use super::walls::Block;
 use super::{SOLVER_ITERATIONS, STEP_S};
 use crate::world::Maze;
 
+/// How far ahead the engine looks for walls, in cells. It brakes the robot so that it ends the
+/// step at the wall and not inside; without, it enters walls by up to 0.06 cells at full speed.
+const LOOKAHEAD: f64 = 0.15;
+
 /// The engine's world, and whether it can be left alone.
 pub(super) struct Simulation {
     world: PhysicsWorld,
@@ -45,7 +49,10 @@ impl Simulation {
         for block in blocks {
             world.insert_collider(wall(block, rows), None);
         }
-        let body = RigidBodyBuilder::dynamic().pose(at).can_sleep(false);
+        let body = RigidBodyBuilder::dynamic()
+            .pose(at)
+            .can_sleep(false)
+            .soft_ccd_prediction(LOOKAHEAD as f32);
         let disc = ColliderBuilder::ball(params.radius_m as f32)
             .mass(params.mass_kg as f32)
             .active_events(ActiveEvents::CONTACT_FORCE_EVENTS)
@@ -80,14 +87,11 @@ impl Simulation {
     /// Lets one step pass. Gives the pushes of walls during it, and the body after it.
     pub(super) fn advance(&mut self, maze: &Maze) -> (&[Push], &RigidBody) {
         self.listener.pushes().clear();
-        let at = self.body().translation();
-        match self.clearance {
-            Some(clearance)
-                if !self.touching && clearance.is_clear(maze, at.x.into(), at.y.into()) =>
-            {
-                coast(self.body_mut());
-            }
-            _ => self.step(),
+        let body = &mut self.world.bodies[self.robot];
+        if !self.touching && self.clearance.is_some_and(|c| c.is_clear(maze, body)) {
+            coast(body);
+        } else {
+            self.step();
         }
         (self.listener.pushes(), &self.world.bodies[self.robot])
     }
