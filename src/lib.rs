@@ -6,6 +6,7 @@ pub mod arena;
 pub mod bounds;
 pub mod episode;
 pub mod random;
+pub mod record;
 pub mod reward;
 pub mod sensor;
 pub mod signal;
