@@ -2,6 +2,8 @@
 
 use clap::{Parser, Subcommand};
 
+use crate::commands::evaluate::EvaluateArgs;
+use crate::commands::train::TrainArgs;
 use crate::commands::world::WorldCommand;
 
 const EXIT_CODES: &str = "\
@@ -31,6 +33,10 @@ pub struct Cli {
 /// One variant per subcommand; its arguments live beside its code in `commands/`.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Train a robot in a maze and record every episode.
+    Train(TrainArgs),
+    /// Run the greedy policy of a finished run, without learning.
+    Evaluate(EvaluateArgs),
     /// Check, show and describe world files.
     #[command(subcommand)]
     World(WorldCommand),

@@ -12,4 +12,5 @@ pub mod sensor;
 pub mod xcs;
 pub mod reward;
 pub mod episode;
+pub mod record;
 pub mod study;

@@ -3,6 +3,8 @@
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
+use xcscr::record::RecordError;
+use xcscr::study::{PlanError, RunFolderError, SettingsError};
 use xcscr::world::WorldError;
 
 /// The exit codes of unsuccessful ends; `--help` explains them.
@@ -10,12 +12,18 @@ use xcscr::world::WorldError;
 pub enum Exit {
     /// The reader of stdout went away, which is a clean end.
     Closed = 0,
+    /// A condition that the user asked for does not hold.
+    Refuted = 1,
+    /// Arguments that make no sense together.
+    Usage = 2,
     /// Bad input data.
     BadData = 65,
     /// An input file is missing.
     Missing = 66,
     /// A fault of this program.
     Internal = 70,
+    /// The output cannot be created.
+    CannotCreate = 73,
     /// Input or output error.
     Io = 74,
 }
@@ -86,6 +94,41 @@ impl From<WorldError> for Failure {
             WorldError::Invalid(_) => Self::new(Exit::BadData, error.to_string()),
             _ => Self::new(Exit::Io, error.to_string()),
         }
+    }
+}
+
+impl From<SettingsError> for Failure {
+    fn from(error: SettingsError) -> Self {
+        Self::new(Exit::BadData, error.to_string())
+    }
+}
+
+impl From<PlanError> for Failure {
+    fn from(error: PlanError) -> Self {
+        Self::new(Exit::BadData, error.to_string())
+    }
+}
+
+impl From<RunFolderError> for Failure {
+    fn from(error: RunFolderError) -> Self {
+        let exit = match error {
+            RunFolderError::World(error) => return error.into(),
+            RunFolderError::Exists(_) | RunFolderError::Create { .. } => Exit::CannotCreate,
+            RunFolderError::Missing(_) => Exit::Missing,
+            RunFolderError::Damaged { .. } => Exit::BadData,
+            RunFolderError::Io { .. } => Exit::Io,
+        };
+        Self::new(exit, error.to_string())
+    }
+}
+
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Self {
+        let exit = match error {
+            RecordError::Create { .. } => Exit::CannotCreate,
+            _ => Exit::Io,
+        };
+        Self::new(exit, error.to_string())
     }
 }
 

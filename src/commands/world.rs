@@ -127,9 +127,9 @@ impl Description {
     fn new(maze: &Maze) -> Self {
         Self {
             facts: Facts::new(maze),
-            look_alike: Sensor::NAMES
+            look_alike: Sensor::ALL
                 .into_iter()
-                .map(|(_, sensor)| LookAlike {
+                .map(|sensor| LookAlike {
                     sensor,
                     groups: alike(sensor, maze),
                 })

@@ -23,11 +23,8 @@ pub enum Sensor {
 }
 
 impl Sensor {
-    /// All sensors, with their names on the command line.
-    pub const NAMES: [(&'static str, Self); 2] = [
-        ("neighbours", Self::Neighbours),
-        ("position", Self::Position),
-    ];
+    /// All sensors.
+    pub const ALL: [Self; 2] = [Self::Neighbours, Self::Position];
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {

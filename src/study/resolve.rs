@@ -92,9 +92,16 @@ pub struct Resolved {
 
 impl Resolved {
     /// Lays a settings file (its name and text) and `--set` arguments (`section.key=value`, later
-    /// ones win) over the defaults, and checks the result.
-    pub fn new(file: Option<(&str, &str)>, sets: &[String]) -> Result<Self, SettingsError> {
-        let defaults = Table::try_from(Settings::default()).expect("settings are plain data");
+    /// ones win) over `base`, and checks the result.
+    ///
+    /// # Errors
+    /// The first fault, with its place and the way out.
+    pub fn new(
+        base: &Settings,
+        file: Option<(&str, &str)>,
+        sets: &[String],
+    ) -> Result<Self, SettingsError> {
+        let defaults = Table::try_from(base).expect("settings are plain data");
         let mut values = BTreeMap::new();
         for (key, value) in flatten(defaults) {
             values.insert(key, (value, Origin::Default));
@@ -250,14 +257,17 @@ mod tests {
     fn message(file: Option<&str>, sets: &[&str]) -> String {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
         let file = file.map(|text| ("run.toml", text));
-        Resolved::new(file, &sets).unwrap_err().to_string()
+        Resolved::new(&Settings::default(), file, &sets)
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
     fn the_command_line_wins_over_the_file_and_the_file_over_the_default() {
         let file = "[xcs]\nbeta = 0.3\nmu = 0.01\n";
         let sets = ["xcs.mu=0.02".to_owned(), "reward.sharing=even".to_owned()];
-        let resolved = Resolved::new(Some(("run.toml", file)), &sets).unwrap();
+        let resolved =
+            Resolved::new(&Settings::default(), Some(("run.toml", file)), &sets).unwrap();
         let xcs = &resolved.settings.xcs;
         assert_eq!((xcs.alpha, xcs.beta, xcs.mu), (0.1, 0.3, 0.02));
         let origin = |wanted| {

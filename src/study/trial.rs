@@ -4,83 +4,12 @@ use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
-use super::settings::Settings;
-use crate::arena::{Arena, GridArena, PhysicsArena, PhysicsError};
-use crate::bounds::OutOfRange;
+use super::plan::{Plan, PlanError};
+use crate::arena::Arena;
 use crate::episode::{self, Episode, Explorer, Observer, PolicyMap};
 use crate::random::{Stream, StreamName};
-use crate::reward::{Method, RewardMethod};
-use crate::sensor::Sensor;
-use crate::world::{Cell, Maze, Paths};
-
-/// Which arena a trial runs in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ArenaKind {
-    /// The robot drives in simulated physics.
-    Physics,
-    /// A move is a step from cell to cell.
-    Grid,
-}
-
-impl ArenaKind {
-    /// All arenas.
-    pub const ALL: [Self; 2] = [Self::Physics, Self::Grid];
-
-    /// The name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Physics => "physics",
-            Self::Grid => "grid",
-        }
-    }
-
-    /// An arena of this kind around a maze.
-    pub fn build(
-        self,
-        maze: Maze,
-        settings: &Settings,
-        seed: u64,
-    ) -> Result<Box<dyn Arena>, PhysicsError> {
-        Ok(match self {
-            Self::Grid => Box::new(GridArena::new(maze)),
-            Self::Physics => {
-                let noise = Stream::new(seed, StreamName::Physics);
-                Box::new(PhysicsArena::new(maze, settings.physics.clone(), noise)?)
-            }
-        })
-    }
-}
-
-/// What a trial is: the same plan gives the same bytes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
-    /// The world.
-    pub maze: Maze,
-    /// The reward method.
-    pub method: Method,
-    /// The arena.
-    pub arena: ArenaKind,
-    /// The percept.
-    pub sensor: Sensor,
-    /// The number of episodes.
-    pub episodes: u32,
-    /// The root seed of all random streams.
-    pub seed: u64,
-    /// All settings.
-    pub settings: Settings,
-}
-
-/// Why a trial cannot be run.
-#[derive(Debug, thiserror::Error)]
-pub enum PlanError {
-    /// A setting lies outside of its range.
-    #[error(transparent)]
-    Setting(#[from] OutOfRange),
-    /// The physics arena refuses the world.
-    #[error(transparent)]
-    Physics(#[from] PhysicsError),
-}
+use crate::reward::RewardMethod;
+use crate::world::{Cell, Paths};
 
 /// The figures of a trial so far.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -117,24 +46,15 @@ pub struct Trial {
 impl Trial {
     /// A trial at its beginning.
     pub fn new(plan: Plan) -> Result<Self, PlanError> {
-        plan.settings.check()?;
-        let Settings {
-            xcs,
-            reward,
-            episode,
-            ..
-        } = plan.settings.clone();
-        let explorer = Stream::new(plan.seed, StreamName::Exploration);
+        plan.check()?;
+        let Plan { maze, config } = &plan;
+        let exploration = Stream::new(config.seed, StreamName::Exploration);
         Ok(Self {
-            paths: Paths::new(&plan.maze),
-            arena: plan
-                .arena
-                .build(plan.maze.clone(), &plan.settings, plan.seed)?,
-            method: plan
-                .method
-                .build(plan.maze.action_count(), xcs, reward, plan.seed),
-            explorer: Explorer::new(episode.explore, explorer),
-            starts: Stream::new(plan.seed, StreamName::Start),
+            paths: Paths::new(maze),
+            arena: config.build_arena(maze)?,
+            method: config.build_method(maze),
+            explorer: Explorer::new(config.settings.episode.explore, exploration),
+            starts: Stream::new(config.seed, StreamName::Start),
             progress: Progress::default(),
             plan,
         })
@@ -147,7 +67,7 @@ impl Trial {
             self.progress.episodes + 1,
             start,
             &mut *self.arena,
-            self.plan.sensor,
+            self.plan.config.sensor,
             &mut *self.method,
             &mut self.explorer,
             observer,
@@ -158,7 +78,7 @@ impl Trial {
 
     /// Runs all episodes that are left, until an observer wants the trial to end.
     pub fn run(&mut self, observer: &mut dyn Observer) -> ControlFlow<()> {
-        while self.progress.episodes < self.plan.episodes {
+        while self.progress.episodes < self.plan.config.episodes {
             self.run_episode(observer).1?;
         }
         ControlFlow::Continue(())
@@ -200,9 +120,9 @@ impl Trial {
         }
     }
 
-    /// The policy that the learner would follow now.
+    /// The policy that the learner would follow now, without exploring.
     pub fn policy(&self) -> PolicyMap {
-        PolicyMap::of(&*self.method, self.plan.sensor, &self.plan.maze)
+        PolicyMap::of(&*self.method, self.plan.config.sensor, &self.plan.maze)
     }
 
     /// The figures so far.

@@ -1,0 +1,53 @@
+//! `/curve`: the learning curve up to here, so that a single episode's file can show it.
+
+use foxglove::Schema;
+use serde::Serialize;
+
+use super::schema::{Kind, object};
+use crate::episode::Episode;
+
+/// The most points of a curve; beyond them every second one is dropped.
+const MOST: usize = 512;
+
+/// Steps and collisions of the episodes so far.
+#[derive(Debug, Default, Serialize)]
+pub(in crate::record) struct Curve {
+    episode: Vec<u32>,
+    steps: Vec<u32>,
+    collisions: Vec<u32>,
+    /// Every how many episodes a point stands for one.
+    #[serde(skip)]
+    stride: u32,
+}
+
+impl Curve {
+    /// Adds an episode.
+    pub fn push(&mut self, episode: &Episode) {
+        self.stride = self.stride.max(1);
+        if self.episode.len() == MOST {
+            self.stride *= 2;
+            for column in [&mut self.episode, &mut self.steps, &mut self.collisions] {
+                let mut at = 0..;
+                column.retain(|_| at.next().is_some_and(|i: usize| i.is_multiple_of(2)));
+            }
+        }
+        if (episode.episode.saturating_sub(1)).is_multiple_of(self.stride) {
+            self.episode.push(episode.episode);
+            self.steps.push(episode.steps);
+            self.collisions.push(episode.collisions);
+        }
+    }
+}
+
+pub(super) fn schema() -> Schema {
+    let fields = [
+        (
+            "episode",
+            Kind::Numbers,
+            "numbers of the episodes so far; of long runs not all",
+        ),
+        ("steps", Kind::Numbers, "steps that each of them took"),
+        ("collisions", Kind::Numbers, "collisions in each of them"),
+    ];
+    object("xcscr.Curve", &fields)
+}

@@ -1,0 +1,95 @@
+//! `/episode`: the figures of an episode, at its end.
+
+use foxglove::Schema;
+use serde::Serialize;
+
+use super::decimal;
+use super::schema::{Kind, object};
+use crate::episode::{Ending, Episode};
+
+/// What the policy would do now, seen from where the episode started.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(in crate::record) struct Outlook {
+    /// Is it globally optimal?
+    pub optimal: bool,
+    /// Its steps to a goal, if it gets there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub greedy_steps: Option<u32>,
+    /// The fewest steps that anyone needs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shortest: Option<u32>,
+}
+
+/// The figures of an episode.
+#[derive(Debug, Serialize)]
+pub(in crate::record) struct EpisodeRecord {
+    episode: u32,
+    outcome: Ending,
+    steps: u32,
+    collisions: u32,
+    explored: u32,
+    reward: f64,
+    rules: usize,
+    step_threshold: u32,
+    learning_rate: f64,
+    imprinted: bool,
+    #[serde(flatten)]
+    outlook: Outlook,
+}
+
+impl EpisodeRecord {
+    pub fn new(episode: &Episode, outlook: Outlook) -> Self {
+        Self {
+            episode: episode.episode,
+            outcome: episode.ending,
+            steps: episode.steps,
+            collisions: episode.collisions,
+            explored: episode.explored,
+            reward: decimal(episode.reward),
+            rules: episode.rules,
+            step_threshold: episode.step_threshold,
+            learning_rate: decimal(episode.learning_rate),
+            imprinted: episode.imprinted,
+            outlook,
+        }
+    }
+}
+
+pub(super) fn schema() -> Schema {
+    let fields = [
+        ("episode", Kind::Count, "number of the episode, from 1"),
+        ("outcome", Kind::Text, "how it ended: goal or step-limit"),
+        ("steps", Kind::Count, "steps taken"),
+        ("collisions", Kind::Count, "steps that ended in a collision"),
+        ("explored", Kind::Count, "steps that were chosen by chance"),
+        ("reward", Kind::Number, "sum of all rewards"),
+        ("rules", Kind::Count, "macro-classifiers in the population"),
+        (
+            "step_threshold",
+            Kind::Count,
+            "most steps that the next episode may take",
+        ),
+        (
+            "learning_rate",
+            Kind::Number,
+            "learning rate with which the end was learned",
+        ),
+        ("imprinted", Kind::Bool, "was a stored policy imprinted?"),
+        (
+            "optimal",
+            Kind::Bool,
+            "is the greedy policy globally optimal now?",
+        ),
+        (
+            "greedy_steps",
+            Kind::Count,
+            "steps of the greedy policy from this start to a goal; absent if it never gets there",
+        ),
+        (
+            "shortest",
+            Kind::Count,
+            "steps of the shortest path from this start to a goal",
+        ),
+    ];
+    object("xcscr.Episode", &fields)
+}

@@ -1,0 +1,61 @@
+//! `/log`: what happened, in words.
+
+use foxglove::messages::{Log, log::Level};
+
+use super::scene::timestamp;
+use crate::arena::Outcome;
+use crate::episode::{Ending, Episode, Step};
+
+/// An episode begins.
+pub(in crate::record) fn began(episode: u32, time_ns: u64) -> Log {
+    line(
+        time_ns,
+        Level::Info,
+        "episode",
+        format!("episode {episode} begins"),
+    )
+}
+
+/// A collision; `None` if the step had none.
+pub(in crate::record) fn collision(step: &Step<'_>, time_ns: u64) -> Option<Log> {
+    let Outcome::Collided { impulse_ns } = step.outcome else {
+        return None;
+    };
+    let going = step.view.maze.direction(step.action)?.name();
+    let (col, row) = (step.cell.col, step.cell.row);
+    let impulse = impulse_ns.map_or_else(String::new, |ns| format!(", impulse {ns:.1} N s"));
+    let text = format!("collision going {going} at ({col},{row}){impulse}");
+    Some(line(time_ns, Level::Warning, "arena", text))
+}
+
+/// An episode is over.
+pub(in crate::record) fn ended(episode: &Episode, time_ns: u64) -> Log {
+    let how = match episode.ending {
+        Ending::Goal => "reached the goal",
+        Ending::StepLimit => "gave up",
+    };
+    let (number, steps, hits) = (episode.episode, episode.steps, episode.collisions);
+    let text = format!("episode {number} {how} after {steps} steps, {hits} collisions");
+    line(time_ns, Level::Info, "episode", text)
+}
+
+/// The policy became globally optimal, or is no longer.
+pub(in crate::record) fn optimal(is_optimal: bool, time_ns: u64) -> Log {
+    let text = if is_optimal {
+        "the greedy policy is globally optimal now"
+    } else {
+        "the greedy policy is no longer globally optimal"
+    };
+    line(time_ns, Level::Info, "policy", text.to_owned())
+}
+
+fn line(time_ns: u64, level: Level, name: &str, message: String) -> Log {
+    Log {
+        timestamp: Some(timestamp(time_ns)),
+        level: level as i32,
+        message,
+        name: name.to_owned(),
+        file: String::new(),
+        line: 0,
+    }
+}

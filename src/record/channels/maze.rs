@@ -1,0 +1,119 @@
+//! `/scene/maze`: floor, walls, start and goals.
+
+use foxglove::messages::{
+    CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive, line_primitive,
+};
+use nalgebra::Point2;
+
+use super::scene::{WORLD, color, cube, entity, place, point, update, vector, words};
+use crate::world::{Cell, Maze};
+
+const FLOOR: u32 = 0xeef1f5;
+const FLOOR_LINE: u32 = 0xc3cad6;
+const WALL: u32 = 0x57657f;
+const START: u32 = 0xf4b740;
+const GOAL: u32 = 0x35c46a;
+const INK: u32 = 0x1d2430;
+const NUMBER: u32 = 0xcfd8e8;
+/// Mazes with more columns or rows than this have no numbers on their border.
+const NUMBERED: u16 = 64;
+
+/// The maze as a scene.
+pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
+    let mut lines = entity("floor", WORLD, time_ns);
+    lines.cubes = vec![floor(maze)];
+    lines.lines = vec![floor_lines(maze)];
+    let mut walls = entity("walls", WORLD, time_ns);
+    walls.cubes = maze
+        .cells()
+        .filter(|&cell| maze.is_wall(cell))
+        .map(|cell| wall(maze, cell))
+        .collect();
+    walls.texts = numbers(maze);
+    update(vec![lines, walls, tiles(maze, time_ns)])
+}
+
+/// A slab whose top is at height 0.
+fn floor(maze: &Maze) -> CubePrimitive {
+    let unit = maze.cell_size_m();
+    let (x, y) = (
+        f64::from(maze.width()) * unit,
+        f64::from(maze.height()) * unit,
+    );
+    let thick = 0.02 * unit;
+    cube(
+        place(x / 2.0, y / 2.0, -thick / 2.0),
+        vector(x, y, thick),
+        color(FLOOR, 1.0),
+    )
+}
+
+/// The borders of the cells.
+fn floor_lines(maze: &Maze) -> LinePrimitive {
+    let unit = maze.cell_size_m();
+    let (x, y) = (
+        f64::from(maze.width()) * unit,
+        f64::from(maze.height()) * unit,
+    );
+    let along = |cells: u16| (1..cells).map(move |i| f64::from(i) * unit);
+    let north = along(maze.width()).flat_map(|at| [Point2::new(at, 0.0), Point2::new(at, y)]);
+    let east = along(maze.height()).flat_map(|at| [Point2::new(0.0, at), Point2::new(x, at)]);
+    LinePrimitive {
+        r#type: line_primitive::Type::LineList as i32,
+        pose: place(0.0, 0.0, 0.0),
+        thickness: 1.0,
+        scale_invariant: true,
+        points: north
+            .chain(east)
+            .map(|at| point(at, 0.004 * unit))
+            .collect(),
+        color: color(FLOOR_LINE, 1.0),
+        ..LinePrimitive::default()
+    }
+}
+
+/// A block, a quarter of a cell high.
+fn wall(maze: &Maze, cell: Cell) -> CubePrimitive {
+    let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
+    cube(
+        place(at.x, at.y, 0.125 * unit),
+        vector(unit, unit, 0.25 * unit),
+        color(WALL, 1.0),
+    )
+}
+
+/// Start and goals, with their names.
+fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
+    let mut tiles = entity("tiles", WORLD, time_ns);
+    let start = maze.start().map(|cell| (cell, START, "START"));
+    let goals = maze.goals().iter().map(|&cell| (cell, GOAL, "GOAL"));
+    for (cell, rgb, name) in start.into_iter().chain(goals) {
+        let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
+        let size = vector(0.94 * unit, 0.94 * unit, 0.012 * unit);
+        tiles
+            .cubes
+            .push(cube(place(at.x, at.y, 0.006 * unit), size, color(rgb, 1.0)));
+        let south = place(at.x, at.y - 0.33 * unit, 0.02 * unit);
+        tiles.texts.push(words(south, 0.2 * unit, INK, name));
+    }
+    tiles
+}
+
+/// The numbers of columns and rows, on the walls along the northern and the western border.
+fn numbers(maze: &Maze) -> Vec<TextPrimitive> {
+    if maze.width().max(maze.height()) > NUMBERED {
+        return Vec::new();
+    }
+    let unit = maze.cell_size_m();
+    let north = (0..maze.width()).map(|col| (Cell { col, row: 0 }, col));
+    let west = (1..maze.height()).map(|row| (Cell { col: 0, row }, row));
+    north
+        .chain(west)
+        .filter(|&(cell, _)| maze.is_wall(cell))
+        .map(|(cell, number)| {
+            let at = maze.centre_m(cell);
+            let top = place(at.x, at.y, 0.26 * unit);
+            words(top, 0.28 * unit, NUMBER, &number.to_string())
+        })
+        .collect()
+}

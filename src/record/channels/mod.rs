@@ -1,0 +1,145 @@
+//! The topics of a recording: one file, one message type and one schema per topic.
+//!
+//! After a seek a viewer is given only the last message of each topic. So what changes at
+//! different times has topics of its own, and every message is complete in itself.
+
+pub(super) mod contact;
+pub(super) mod curve;
+pub(super) mod episode;
+pub(super) mod log;
+pub(super) mod maze;
+pub(super) mod policy;
+pub(super) mod robot;
+mod scene;
+mod schema;
+pub(super) mod step;
+pub(super) mod trail;
+pub(super) mod transforms;
+pub(super) mod worth;
+
+use foxglove::messages::{FrameTransforms, Grid, Log, SceneUpdate};
+use foxglove::{Encode, Schema};
+
+/// A topic of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Topic {
+    /// `/tf`: where the robot and its wheels are, at most 20 times a second.
+    Transforms,
+    /// `/scene/maze`: floor, walls, start and goals, once.
+    Maze,
+    /// `/scene/robot`: what the robot looks like, once; `/tf` moves it.
+    Robot,
+    /// `/scene/policy`: the best action of each cell, when an episode was learned.
+    Policy,
+    /// `/worth`: the greatest worth of each cell as a heat map, when an episode was learned.
+    Worth,
+    /// `/scene/trail`: the way that the robot took in this episode, after each step.
+    Trail,
+    /// `/contact`: a hit, and its end.
+    Contact,
+    /// `/step`: a step, at the moment of its decision.
+    Step,
+    /// `/episode`: the figures of an episode, at its end.
+    Episode,
+    /// `/curve`: the learning curve up to here.
+    Curve,
+    /// `/log`: what happened, in words.
+    Log,
+}
+
+impl Topic {
+    /// Every topic, in the order of their declaration.
+    pub const ALL: [Self; 11] = [
+        Self::Transforms,
+        Self::Maze,
+        Self::Robot,
+        Self::Policy,
+        Self::Worth,
+        Self::Trail,
+        Self::Contact,
+        Self::Step,
+        Self::Episode,
+        Self::Curve,
+        Self::Log,
+    ];
+    /// The topics of `run.mcap`: what happens once per step or more rarely.
+    pub const OF_RUN: [Self; 7] = [
+        Self::Maze,
+        Self::Policy,
+        Self::Worth,
+        Self::Trail,
+        Self::Step,
+        Self::Episode,
+        Self::Log,
+    ];
+
+    /// The topic's name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Transforms => "/tf",
+            Self::Maze => "/scene/maze",
+            Self::Robot => "/scene/robot",
+            Self::Policy => "/scene/policy",
+            Self::Worth => "/worth",
+            Self::Trail => "/scene/trail",
+            Self::Contact => "/contact",
+            Self::Step => "/step",
+            Self::Episode => "/episode",
+            Self::Curve => "/curve",
+            Self::Log => "/log",
+        }
+    }
+
+    /// The schema of the topic's messages: well-known ones as protobuf, our own as JSON.
+    pub(super) fn schema(self) -> Schema {
+        let well_known = match self {
+            Self::Transforms => FrameTransforms::get_schema(),
+            Self::Maze | Self::Robot | Self::Policy | Self::Trail => SceneUpdate::get_schema(),
+            Self::Worth => Grid::get_schema(),
+            Self::Log => Log::get_schema(),
+            Self::Contact => return contact::schema(),
+            Self::Step => return step::schema(),
+            Self::Episode => return episode::schema(),
+            Self::Curve => return curve::schema(),
+        };
+        well_known.expect("well-known messages have a schema")
+    }
+
+    /// How the topic's messages are encoded: `json` or `protobuf`.
+    pub(super) fn message_encoding(self) -> &'static str {
+        match self {
+            Self::Contact | Self::Step | Self::Episode | Self::Curve => "json",
+            _ => "protobuf",
+        }
+    }
+}
+
+/// A number as protobuf messages carry it: a multiple of 2^-12, so that files shrink by a third.
+fn rounded(number: f64) -> f64 {
+    (number * 4096.0).round() / 4096.0 + 0.0
+}
+
+/// A number as JSON messages carry it: four decimals, which is short to read.
+fn decimal(number: f64) -> f64 {
+    (number * 10_000.0).round() / 10_000.0 + 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn topics_are_listed_in_the_order_of_their_numbers() {
+        for (number, topic) in Topic::ALL.into_iter().enumerate() {
+            assert_eq!(topic as usize, number);
+        }
+    }
+
+    #[test]
+    fn a_rounded_number_is_never_minus_zero() {
+        assert!(rounded(-1e-9).is_sign_positive());
+        assert!(decimal(-1e-9).is_sign_positive());
+        assert_eq!(rounded(0.3), 1229.0 / 4096.0);
+        assert_eq!(decimal(-49.999_96), -50.0);
+    }
+}

@@ -1,0 +1,119 @@
+//! `/step`: a step, at the moment of its decision.
+
+use foxglove::Schema;
+use serde::{Serialize, Serializer};
+
+use super::decimal;
+use super::schema::{Kind, object};
+use crate::arena::Outcome;
+use crate::episode::Step;
+use crate::signal::Percept;
+
+/// What was perceived and chosen, and what came of it.
+#[derive(Debug, Serialize)]
+pub(in crate::record) struct StepRecord<'a> {
+    episode: u32,
+    step: u32,
+    col: u16,
+    row: u16,
+    percept: Percept,
+    action: &'static str,
+    explored: bool,
+    outcome: &'static str,
+    reward: f64,
+    #[serde(serialize_with = "decimals")]
+    worth: &'a [Option<f64>],
+    error: f64,
+    match_set: u32,
+    action_set: u32,
+}
+
+impl<'a> StepRecord<'a> {
+    pub fn new(step: &'a Step<'_>) -> Self {
+        let direction = step.view.maze.direction(step.action);
+        Self {
+            episode: step.episode,
+            step: step.step,
+            col: step.cell.col,
+            row: step.cell.row,
+            percept: step.percept,
+            action: direction.map_or("unknown", |d| d.name()),
+            explored: step.explored,
+            outcome: outcome_name(step.outcome),
+            reward: decimal(step.credit.short_term_reward),
+            worth: step.worth.as_slice(),
+            error: decimal(step.credit.error),
+            match_set: step.credit.match_set,
+            action_set: step.credit.action_set,
+        }
+    }
+}
+
+fn decimals<S: Serializer>(worth: &&[Option<f64>], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(worth.iter().map(|one| one.map(decimal)))
+}
+
+/// The outcome's name in files.
+fn outcome_name(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Moved => "moved",
+        Outcome::Collided { .. } => "collided",
+        Outcome::Stalled => "stalled",
+        Outcome::ReachedGoal => "reached-goal",
+    }
+}
+
+pub(super) fn schema() -> Schema {
+    let fields = [
+        ("episode", Kind::Count, "number of the episode, from 1"),
+        (
+            "step",
+            Kind::Count,
+            "number of the step in the episode, from 1",
+        ),
+        (
+            "col",
+            Kind::Count,
+            "column of the robot's cell before the step, from the west",
+        ),
+        (
+            "row",
+            Kind::Count,
+            "row of the robot's cell before the step, from the north",
+        ),
+        (
+            "percept",
+            Kind::Text,
+            "what the robot perceived there, bit by bit",
+        ),
+        ("action", Kind::Text, "the direction that was chosen"),
+        (
+            "explored",
+            Kind::Bool,
+            "true if chosen by chance, false if one of the best",
+        ),
+        (
+            "outcome",
+            Kind::Text,
+            "what came of it: moved, collided, stalled or reached-goal",
+        ),
+        ("reward", Kind::Number, "short-term reward that came of it"),
+        (
+            "worth",
+            Kind::Numbers,
+            "worth of each action before the step, clockwise from north; null if unknown",
+        ),
+        (
+            "error",
+            Kind::Number,
+            "mean prediction error of the rules that advocated the action, in units of reward",
+        ),
+        ("match_set", Kind::Count, "micro-classifiers that matched"),
+        (
+            "action_set",
+            Kind::Count,
+            "micro-classifiers that matched and advocated the action",
+        ),
+    ];
+    object("xcscr.Step", &fields)
+}

@@ -1,0 +1,73 @@
+//! `/worth`: the greatest worth of each cell as a heat map.
+
+use foxglove::bytes::Bytes;
+use foxglove::messages::{Grid, PackedElementField, Vector2, packed_element_field::NumericType};
+
+use super::policy::greatest_magnitude;
+use super::rounded;
+use super::scene::{WORLD, place, timestamp};
+use crate::episode::PolicyMap;
+use crate::world::{Cell, Maze};
+
+/// Bytes per cell: four of colour, then the worth as a `f32`.
+const CELL_BYTES: u32 = 8;
+/// Red below 0, blue above; the opacity tells how much.
+const BAD: [u8; 3] = [0xf0, 0x6a, 0x70];
+const GOOD: [u8; 3] = [0x5a, 0xa9, 0xff];
+
+/// The map; cells without a worth are transparent and hold NaN.
+pub(in crate::record) fn grid(policy: &PolicyMap, maze: &Maze, time_ns: u64) -> Grid {
+    let most = greatest_magnitude(policy);
+    let mut data = Vec::new();
+    for row in (0..maze.height()).rev() {
+        for col in 0..maze.width() {
+            let worth = policy.worth(Cell { col, row });
+            data.extend(packed(worth.and_then(|w| w.greatest()), most));
+        }
+    }
+    framed(maze, time_ns, data)
+}
+
+/// The map of someone who knows nothing.
+pub(in crate::record) fn empty(maze: &Maze, time_ns: u64) -> Grid {
+    let cells = usize::from(maze.width()) * usize::from(maze.height());
+    framed(maze, time_ns, packed(None, 1.0).repeat(cells))
+}
+
+/// Colour and worth of a cell.
+fn packed(worth: Option<f64>, most: f64) -> [u8; CELL_BYTES as usize] {
+    let Some(worth) = worth else {
+        let [a, b, c, d] = f32::NAN.to_le_bytes();
+        return [0, 0, 0, 0, a, b, c, d];
+    };
+    let [r, g, b] = if worth < 0.0 { BAD } else { GOOD };
+    let opacity = (230.0 * (worth.abs() / most).min(1.0)).round() as u8;
+    let [w, x, y, z] = (rounded(worth) as f32).to_le_bytes();
+    [r, g, b, opacity, w, x, y, z]
+}
+
+fn framed(maze: &Maze, time_ns: u64, data: Vec<u8>) -> Grid {
+    let unit = maze.cell_size_m();
+    let field = |name: &str, offset, kind: NumericType| PackedElementField {
+        name: name.to_owned(),
+        offset,
+        r#type: kind as i32,
+    };
+    Grid {
+        timestamp: Some(timestamp(time_ns)),
+        frame_id: WORLD.to_owned(),
+        pose: place(0.0, 0.0, 0.002 * unit),
+        column_count: u32::from(maze.width()),
+        cell_size: Some(Vector2 { x: unit, y: unit }),
+        row_stride: u32::from(maze.width()) * CELL_BYTES,
+        cell_stride: CELL_BYTES,
+        fields: vec![
+            field("red", 0, NumericType::Uint8),
+            field("green", 1, NumericType::Uint8),
+            field("blue", 2, NumericType::Uint8),
+            field("alpha", 3, NumericType::Uint8),
+            field("worth", 4, NumericType::Float32),
+        ],
+        data: Bytes::from(data),
+    }
+}

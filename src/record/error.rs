@@ -1,0 +1,50 @@
+//! What can go wrong while recordings are written and read.
+
+use std::io;
+use std::path::PathBuf;
+
+/// A recording that could not be written or read.
+///
+/// Every message names the file and the way out.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordError {
+    /// The file could not be made at all.
+    #[error("cannot create the recording: {cause}; choose another folder, or free this one: {}", path.display())]
+    Create {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// Writing stopped half-way, as on a full disk. What was written so far is kept.
+    #[error("cannot write the recording: {cause}; free some space, or record less (`--record last`). What was written is kept: {}", path.display())]
+    Write {
+        /// The file, still with `.part` at the end of its name.
+        path: PathBuf,
+        /// What the system said.
+        cause: String,
+    },
+    /// The file could not be read from the disk.
+    #[error("cannot read the recording: {cause}: {}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// The file is one that was being written when the program ended.
+    #[error("this recording was never finished, and no viewer opens it; make a whole file of it with `xcscr recover {0} -o OUT.mcap`", path.display())]
+    Unfinished {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is no sound MCAP file.
+    #[error("this is no sound recording: {cause}; `xcscr check` says more, `xcscr recover` saves what can be read: {}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What was found, and where.
+        cause: String,
+    },
+}

@@ -1,0 +1,68 @@
+//! Layouts for Foxglove and Lichtblick, fitted to a maze.
+
+use serde_json::{Value, json};
+
+use crate::world::Maze;
+
+const EPISODE: &str = include_str!("../../assets/foxglove-layout.json");
+const RUN: &str = include_str!("../../assets/foxglove-layout-run.json");
+
+/// The layout for the files of single episodes, as compact JSON.
+pub fn of_episode(maze: &Maze) -> String {
+    fitted(EPISODE, maze)
+}
+
+/// The layout for `run.mcap`, as compact JSON.
+pub fn of_run(maze: &Maze) -> String {
+    fitted(RUN, maze)
+}
+
+/// Looks at the maze's middle from where all of it is seen, and has a curve for each action.
+fn fitted(layout: &str, maze: &Maze) -> String {
+    let mut layout: Value = serde_json::from_str(layout).expect("the layouts in assets are JSON");
+    for (id, panel) in layout["configById"].as_object_mut().into_iter().flatten() {
+        if id.starts_with("3D!") {
+            aim(&mut panel["cameraState"], maze);
+        } else if id == "Plot!worth" {
+            panel["paths"] = worth_paths(maze);
+        }
+    }
+    layout.to_string()
+}
+
+/// Puts the camera where a panel a little wider than high shows the whole maze.
+fn aim(camera: &mut Value, maze: &Maze) {
+    let unit = maze.cell_size_m();
+    let (wide, high) = (
+        f64::from(maze.width()) * unit,
+        f64::from(maze.height()) * unit,
+    );
+    // Half the field of view is 22.5 degrees; tilted by 35 degrees, the near edge comes closer
+    // by 0.29 of the height and looks 0.82 as high.
+    let distance = (1.1 * wide + 0.29 * high).max(1.28 * high);
+    camera["distance"] = json!((distance * 1000.0).round() / 1000.0);
+    camera["targetOffset"] = json!([wide / 2.0, high / 2.0, 0.0]);
+    camera["near"] = json!(0.02 * unit);
+    camera["far"] = json!((20.0 * distance).ceil());
+}
+
+/// A path for the worth of each action.
+fn worth_paths(maze: &Maze) -> Value {
+    const COLORS: [&str; 8] = [
+        "#1f77e0", "#ff8c1a", "#17a673", "#c23ee8", "#e0322f", "#7a5c3e", "#12b5c9", "#8a8f99",
+    ];
+    let paths = maze.moves().directions().iter().zip(COLORS).enumerate();
+    paths
+        .map(|(action, (direction, color))| {
+            json!({
+                "value": format!("/step.worth[{action}]"),
+                "label": direction.name(),
+                "color": color,
+                "enabled": true,
+                "showLine": true,
+                "lineSize": 1.5,
+                "timestampMethod": "receiveTime",
+            })
+        })
+        .collect()
+}

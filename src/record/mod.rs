@@ -1,0 +1,21 @@
+//! Recordings: MCAP files that Foxglove and its open fork Lichtblick replay.
+//!
+//! A [`Recorder`] listens to episodes and writes one file for each, and `run.mcap` for the whole
+//! run. All times in a file are simulation time; no real date is in it. The same run gives the
+//! same bytes, so that a recording can be verified by running it again.
+
+mod channels;
+mod error;
+mod info;
+pub mod layout;
+mod log_file;
+mod mode;
+mod outbox;
+mod recorder;
+mod scribe;
+
+pub use channels::Topic;
+pub use error::RecordError;
+pub use info::{RobotShape, RunInfo};
+pub use mode::{RecordMode, RecordModeError};
+pub use recorder::{RecordSummary, Recorder};

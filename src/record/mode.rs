@@ -1,0 +1,93 @@
+//! Which episodes are kept.
+
+use std::fmt;
+use std::num::NonZeroU32;
+use std::str::FromStr;
+
+/// Which episodes get a file. All modes but [`None`](Self::None) also write `run.mcap`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RecordMode {
+    /// Every episode.
+    #[default]
+    All,
+    /// The one that reached the goal in the fewest steps; of several, the earliest.
+    Best,
+    /// The one that came last.
+    Last,
+    /// The first, and every n-th after it: `every:50` keeps episodes 1, 51, 101, ...
+    Every(NonZeroU32),
+    /// None, and nothing else either.
+    None,
+}
+
+impl RecordMode {
+    /// Is this episode written, if only to be dropped later?
+    pub fn wants(self, episode: u32) -> bool {
+        match self {
+            Self::All | Self::Best | Self::Last => true,
+            Self::Every(n) => episode.saturating_sub(1).is_multiple_of(n.get()),
+            Self::None => false,
+        }
+    }
+}
+
+/// A text that is no [`RecordMode`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no way to record: expected all, best, last, every:N (N from 1), or none")]
+pub struct RecordModeError(String);
+
+impl FromStr for RecordMode {
+    type Err = RecordModeError;
+
+    fn from_str(text: &str) -> Result<Self, RecordModeError> {
+        let mode = match text {
+            "all" => Some(Self::All),
+            "best" => Some(Self::Best),
+            "last" => Some(Self::Last),
+            "none" => Some(Self::None),
+            _ => text
+                .strip_prefix("every:")
+                .and_then(|n| n.parse().ok())
+                .map(Self::Every),
+        };
+        mode.ok_or_else(|| RecordModeError(text.to_owned()))
+    }
+}
+
+impl fmt::Display for RecordMode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => f.write_str("all"),
+            Self::Best => f.write_str("best"),
+            Self::Last => f.write_str("last"),
+            Self::Every(n) => write!(f, "every:{n}"),
+            Self::None => f.write_str("none"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mode_prints_as_it_was_read() {
+        for text in ["all", "best", "last", "every:50", "none"] {
+            assert_eq!(text.parse::<RecordMode>().unwrap().to_string(), text);
+        }
+    }
+
+    #[test]
+    fn every_zeroth_episode_is_refused() {
+        for text in ["every:0", "every:", "every:-1", "All", ""] {
+            assert!(text.parse::<RecordMode>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn every_n_begins_with_the_first_episode() {
+        let mode: RecordMode = "every:3".parse().unwrap();
+        let kept: Vec<u32> = (1..=8).filter(|&e| mode.wants(e)).collect();
+        assert_eq!(kept, [1, 4, 7]);
+    }
+}

@@ -1,0 +1,198 @@
+//! Who writes down what is seen: turns events into messages, in the order of time.
+
+use super::channels::contact::ContactRecord;
+use super::channels::curve::Curve;
+use super::channels::episode::{EpisodeRecord, Outlook};
+use super::channels::step::StepRecord;
+use super::channels::trail::Trail;
+use super::channels::transforms::Transforms;
+use super::channels::{Topic, log, maze, policy, robot, worth};
+use super::error::RecordError;
+use super::info::RobotShape;
+use super::outbox::{For, Outbox};
+use crate::arena::{Sample, View};
+use crate::episode::{Episode, Learned, PolicyMap, Step};
+use crate::world::{Cell, Maze, Paths};
+
+/// Poses are written at most every 50 ms, and where a move ends.
+const POSE_PERIOD_NS: u64 = 50_000_000;
+
+/// Keeps what messages need beyond the event that they report.
+pub(super) struct Scribe {
+    robot: RobotShape,
+    transforms: Transforms,
+    trail: Trail,
+    curve: Curve,
+    paths: Paths,
+    start: Option<Cell>,
+    /// What was learned up to the last episode.
+    policy: Option<PolicyMap>,
+    was_optimal: bool,
+    /// When the robot could decide last: at the end of the last move.
+    decided_ns: u64,
+    posed_ns: Option<u64>,
+    maze_shown: bool,
+}
+
+impl Scribe {
+    pub fn new(maze: &Maze, robot: RobotShape) -> Self {
+        Self {
+            robot,
+            transforms: Transforms::new(&robot),
+            trail: Trail::new(maze),
+            curve: Curve::default(),
+            paths: Paths::new(maze),
+            start: None,
+            policy: None,
+            was_optimal: false,
+            decided_ns: 0,
+            posed_ns: None,
+            maze_shown: false,
+        }
+    }
+
+    /// An episode begins: everything that a viewer needs to draw its first picture.
+    pub fn began(
+        &mut self,
+        out: &mut Outbox,
+        episode: u32,
+        view: &View<'_>,
+    ) -> Result<(), RecordError> {
+        let now = view.now();
+        let time_ns = now.time_ns;
+        self.decided_ns = time_ns;
+        self.start = Some(view.cell);
+        self.trail.restart(view);
+        self.pose(out, &now)?;
+        let maze = maze::scene(view.maze, time_ns);
+        let shown = std::mem::replace(&mut self.maze_shown, true);
+        let to = if shown { For::Episode } else { For::Both };
+        out.send(to, Topic::Maze, time_ns, &maze)?;
+        let robot = robot::scene(&self.robot, time_ns);
+        out.send(For::Episode, Topic::Robot, time_ns, &robot)?;
+        self.show_policy(out, For::Episode, view.maze, time_ns)?;
+        self.show_trail(out, For::Episode, time_ns)?;
+        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
+        let clear = ContactRecord::clear(episode, 0);
+        out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
+        out.send(
+            For::Both,
+            Topic::Log,
+            time_ns,
+            &log::began(episode, time_ns),
+        )
+    }
+
+    /// A step was taken.
+    pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
+        let end_ns = step.view.now().time_ns;
+        let record = StepRecord::new(step);
+        out.send_json(For::Both, Topic::Step, self.decided_ns, &record)?;
+        self.moved(out, step)?;
+        if step.view.contacts.is_empty() {
+            self.warn(out, step, end_ns)?;
+        } else {
+            let clear = ContactRecord::clear(step.episode, step.step);
+            out.send_json(For::Episode, Topic::Contact, end_ns, &clear)?;
+        }
+        self.trail.step(&step.view);
+        if self.trail.is_due() {
+            self.show_trail(out, For::Episode, end_ns)?;
+        }
+        self.decided_ns = end_ns;
+        Ok(())
+    }
+
+    /// The way of a step: poses and hits, in the order of time.
+    fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
+        let mut contacts = step.view.contacts.iter().peekable();
+        let mut warned = false;
+        let end_ns = step.view.now().time_ns;
+        for sample in step.view.trace {
+            while let Some(hit) = contacts.next_if(|hit| hit.time_ns <= sample.time_ns) {
+                let record = ContactRecord::hit(step.episode, step.step, hit);
+                out.send_json(For::Episode, Topic::Contact, hit.time_ns, &record)?;
+                if !std::mem::replace(&mut warned, true) {
+                    self.warn(out, step, hit.time_ns)?;
+                }
+            }
+            let next_ns = self.posed_ns.map_or(0, |before| before + POSE_PERIOD_NS);
+            let is_new = self.posed_ns.is_none_or(|before| sample.time_ns > before);
+            if is_new && (sample.time_ns >= next_ns || sample.time_ns == end_ns) {
+                self.pose(out, sample)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn warn(&self, out: &mut Outbox, step: &Step<'_>, time_ns: u64) -> Result<(), RecordError> {
+        match log::collision(step, time_ns) {
+            Some(warning) => out.send(For::Both, Topic::Log, time_ns, &warning),
+            None => Ok(()),
+        }
+    }
+
+    /// An episode is over and learned.
+    pub fn ended(
+        &mut self,
+        out: &mut Outbox,
+        episode: &Episode,
+        learned: &Learned<'_>,
+    ) -> Result<(), RecordError> {
+        let maze = learned.view.maze;
+        let time_ns = learned.view.now().time_ns;
+        let policy = PolicyMap::of(learned.method, learned.sensor, maze);
+        let outlook = self.outlook(&policy, maze);
+        self.policy = Some(policy);
+        self.curve.push(episode);
+        self.show_policy(out, For::Both, maze, time_ns)?;
+        self.show_trail(out, For::Both, time_ns)?;
+        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
+        let record = EpisodeRecord::new(episode, outlook);
+        out.send_json(For::Both, Topic::Episode, time_ns, &record)?;
+        let said = log::ended(episode, time_ns);
+        out.send(For::Both, Topic::Log, time_ns, &said)?;
+        if std::mem::replace(&mut self.was_optimal, outlook.optimal) != outlook.optimal {
+            let said = log::optimal(outlook.optimal, time_ns);
+            out.send(For::Both, Topic::Log, time_ns, &said)?;
+        }
+        Ok(())
+    }
+
+    /// What the policy is good for.
+    fn outlook(&self, policy: &PolicyMap, maze: &Maze) -> Outlook {
+        Outlook {
+            optimal: policy.is_optimal(maze, &self.paths),
+            greedy_steps: self.start.and_then(|cell| policy.greedy_steps(maze, cell)),
+            shortest: self.start.and_then(|cell| self.paths.distance(maze, cell)),
+        }
+    }
+
+    fn pose(&mut self, out: &mut Outbox, sample: &Sample) -> Result<(), RecordError> {
+        self.posed_ns = Some(sample.time_ns);
+        let frames = self.transforms.at(sample);
+        out.send(For::Episode, Topic::Transforms, sample.time_ns, frames)
+    }
+
+    fn show_trail(&self, out: &mut Outbox, to: For, time_ns: u64) -> Result<(), RecordError> {
+        out.send(to, Topic::Trail, time_ns, &self.trail.scene(time_ns))
+    }
+
+    fn show_policy(
+        &self,
+        out: &mut Outbox,
+        to: For,
+        maze: &Maze,
+        time_ns: u64,
+    ) -> Result<(), RecordError> {
+        let (arrows, heat) = match &self.policy {
+            Some(known) => (
+                policy::scene(known, maze, time_ns),
+                worth::grid(known, maze, time_ns),
+            ),
+            None => (policy::empty(time_ns), worth::empty(maze, time_ns)),
+        };
+        out.send(to, Topic::Policy, time_ns, &arrows)?;
+        out.send(to, Topic::Worth, time_ns, &heat)
+    }
+}
