@@ -66,3 +66,62 @@ fn worth_paths(maze: &Maze) -> Value {
         })
         .collect()
 }
+
+/// Something in a recording that a layout shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MessagePath {
+    /// The topic.
+    pub topic: String,
+    /// The field of its messages, if it is not all of them.
+    pub field: Option<String>,
+}
+
+impl std::fmt::Display for MessagePath {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.topic)?;
+        self.field
+            .iter()
+            .try_for_each(|field| write!(f, ".{field}"))
+    }
+}
+
+/// Everything that the panels of a layout show; nothing for what is no layout.
+pub fn paths(layout: &[u8]) -> Vec<MessagePath> {
+    let layout: Value = serde_json::from_slice(layout).unwrap_or_default();
+    let panels = layout["configById"].as_object();
+    let mut texts: Vec<&str> = Vec::new();
+    for (_, panel) in panels.into_iter().flatten() {
+        let topics = panel["topics"].as_object().into_iter().flatten();
+        texts.extend(topics.map(|(topic, _)| topic.as_str()));
+        let curves = panel["paths"].as_array().into_iter().flatten();
+        let curves = curves
+            .chain([&panel["xAxisPath"]])
+            .map(|curve| &curve["value"]);
+        let single = ["path", "topicPath", "topicToRender"].map(|key| &panel[key]);
+        texts.extend(curves.chain(single).filter_map(Value::as_str));
+    }
+    texts.into_iter().map(message_path).collect()
+}
+
+/// `/step.worth[0]` is the field `worth` of `/step`.
+fn message_path(text: &str) -> MessagePath {
+    let (topic, rest) = text.split_once('.').unwrap_or((text, ""));
+    let field = rest.split(['.', '[', '{', ':']).next();
+    MessagePath {
+        topic: topic.to_owned(),
+        field: field.filter(|name| !name.is_empty()).map(str::to_owned),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_has_a_topic_and_perhaps_a_field() {
+        let show = |text| message_path(text).to_string();
+        assert_eq!(show("/step.worth[0]"), "/step.worth");
+        assert_eq!(show("/curve.steps[:]"), "/curve.steps");
+        assert_eq!(show("/step"), "/step");
+    }
+}

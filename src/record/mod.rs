@@ -5,16 +5,21 @@
 //! same bytes, so that a recording can be verified by running it again.
 
 mod channels;
+mod check;
+mod compare;
 mod error;
 mod info;
 pub mod layout;
 mod log_file;
 mod mode;
 mod outbox;
+pub mod reader;
 mod recorder;
 mod scribe;
 
 pub use channels::Topic;
+pub use check::{Finding, FindingKind, check, check_recording};
+pub use compare::{Difference, compare};
 pub use error::RecordError;
 pub use info::{RobotShape, RunInfo};
 pub use mode::{RecordMode, RecordModeError};
