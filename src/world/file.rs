@@ -6,8 +6,9 @@ use std::path::Path;
 
 use super::checks::{check_border, check_reachable, check_start_and_goal};
 use super::direction::Moves;
-use super::document::{Document, kind, missing_key, wrong_type};
+use super::document::Document;
 use super::error::WorldError;
+use super::json::{kind, missing_key, wrong_type};
 use super::maze::{Cell, Maze};
 use super::name;
 use super::rows::Rows;
@@ -148,7 +149,7 @@ fn read_name(source: Source<'_>, raw: Option<&str>) -> Result<String, WorldError
     if kind(raw) != Some("a string") {
         return Err(wrong_type(source, "name", raw, "a string"));
     }
-    let name: String = serde_json::from_str(raw).unwrap_or_default();
+    let name: String = serde_json::from_str(raw).unwrap_or_else(|_| raw.to_owned());
     if name::is_valid(&name) {
         return Ok(name);
     }
