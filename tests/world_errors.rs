@@ -1042,3 +1042,20 @@ fn more_than_64_mib() {
      = help: a world file has at most 64 MiB; split the world or make it smaller
     ");
 }
+
+#[test]
+fn two_places_far_apart_in_one_long_line() {
+    let first = "#".repeat(4000);
+    let text = format!(
+        r####"{{"rows": ["{}", "###"]}}"####,
+        vec![first; 10].join("\", \"")
+    );
+    let message = refusal(text.as_bytes());
+    assert!(
+        message.contains("row 11 has 3 cells, expected 4000"),
+        "{message}"
+    );
+    assert!(message.contains("bad.json:1:40052"), "{message}");
+    assert!(message.contains(" 3 cells\n"), "{message}");
+    assert!(message.contains(" 4000 cells\n"), "{message}");
+}

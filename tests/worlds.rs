@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use xcscr::sensor::{Sensor, alike};
-use xcscr::world::{Cell, Facts, Maze, Paths};
+use xcscr::world::{Cell, Facts, Maze, Moves, Paths, WorldError};
 
 fn shipped(name: &str) -> Maze {
     let path = root().join(format!("worlds/{name}.json"));
@@ -112,6 +112,48 @@ fn the_schema_knows_the_same_keys_as_the_program() {
     keys.sort_unstable();
     assert_eq!(listed, keys);
     assert_eq!(schema["additionalProperties"], false);
+}
+
+#[test]
+fn what_a_file_leaves_out_has_its_default() {
+    let maze = Maze::from_json(
+        br#"{"wrap": true, "rows": ["S.G", "G.."]}"#,
+        "dir/tiny.json",
+    )
+    .unwrap();
+    assert_eq!(maze.name(), "tiny");
+    assert_eq!(maze.cell_size_m(), 1.0);
+    assert_eq!(maze.moves(), Moves::Four);
+    assert_eq!(maze.goals().len(), 2);
+}
+
+#[test]
+fn a_byte_order_mark_and_windows_line_ends_are_accepted() {
+    let text = fs::read_to_string(root().join("worlds/maze4.json")).unwrap();
+    let text = format!("\u{feff}{}", text.replace('\n', "\r\n"));
+    let maze = Maze::from_json(text.as_bytes(), "windows.json").unwrap();
+    assert_eq!(maze, shipped("maze4"));
+}
+
+#[test]
+fn a_missing_file_is_told_apart_from_one_that_cannot_be_read() {
+    let missing = Maze::load(&root().join("worlds/none.json")).unwrap_err();
+    assert!(matches!(missing, WorldError::Missing { .. }), "{missing}");
+    let folder = Maze::load(&root().join("worlds")).unwrap_err();
+    assert!(matches!(folder, WorldError::Unreadable { .. }), "{folder}");
+}
+
+#[test]
+fn paths_in_a_large_open_hall_are_counted_up_to_the_largest_number() {
+    let wall = "#".repeat(102);
+    let mut rows = vec![format!("#{}#", ".".repeat(100)); 102];
+    (rows[0], rows[101]) = (wall.clone(), wall);
+    rows[1].replace_range(1..2, "S");
+    rows[100].replace_range(100..101, "G");
+    let text = format!(r#"{{"rows": {rows:?}}}"#);
+    let facts = Facts::new(&Maze::from_json(text.as_bytes(), "hall.json").unwrap());
+    assert_eq!(facts.optimal_steps, Some(198));
+    assert_eq!(facts.optimal_paths, Some(u64::MAX));
 }
 
 fn root() -> &'static Path {

@@ -44,6 +44,17 @@ impl Maze {
     /// or missing keys, wrong types, values out of range, ragged or empty rows, unknown letters,
     /// no goal, more than one start, an open border, a start from which no goal can be reached,
     /// or too large (over 64 MiB, or 4096 columns or rows).
+    ///
+    /// # Example
+    /// ```
+    /// use xcscr::world::{Maze, Paths};
+    ///
+    /// let text = br#"{ "wrap": true, "rows": ["S..G."] }"#;
+    /// let maze = Maze::from_json(text, "ring.json")?;
+    /// let start = maze.start().expect("the file has an `S`");
+    /// assert_eq!(Paths::new(&maze).distance(&maze, start), Some(2));
+    /// # Ok::<(), xcscr::world::WorldError>(())
+    /// ```
     pub fn from_json(text: &[u8], origin: &str) -> Result<Self, WorldError> {
         if text.len() > MAX_BYTES {
             let source = Source { origin, text: "" };
