@@ -52,7 +52,9 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
     let paths = Paths::new(maze);
     let mut starts = maze
         .free_cells()
-        .filter(|&cell| maze.start().is_none_or(|start| start == cell) && !maze.is_goal(cell))
+        .filter(|&cell| {
+            maze.start().is_none_or(|start| start == cell) && paths.distance(maze, cell) != Some(0)
+        })
         .peekable();
     if starts.peek().is_none() {
         return Err(source.fault(
