@@ -29,7 +29,7 @@ pub struct PhysicsParams {
     pub motor_lag_s: f64,
     /// Largest wheel acceleration in m/s^2, 1 to mu g. Beyond, the wheels slip and the heading is lost.
     pub wheel_acceleration_mps2: f64,
-    /// Largest speed in m/s, 0.1 to 1.6. Beyond, the robot enters walls by a tenth of a cell per step.
+    /// Largest speed in m/s, 0.3 to 1.6. Beyond, 20 steps per second are too few to steer.
     pub max_speed_mps: f64,
     /// Largest turn rate in rad/s, 0.5 to 15.
     pub max_turn_radps: f64,
@@ -39,7 +39,8 @@ pub struct PhysicsParams {
     pub track_gain_per_m: f64,
     /// Largest heading correction (a sine), 0.05 to 0.7.
     pub track_limit: f64,
-    /// Deceleration before the target in m/s^2, 0.5 to 6.
+    /// Deceleration before the target in m/s^2, 0.5 to what the wheels can do. With more than
+    /// half of that, the robot overshoots.
     pub deceleration_mps2: f64,
     /// Angular deceleration at the end of a turn in rad/s^2, 2 to 30.
     pub turn_deceleration_radps2: f64,
@@ -126,7 +127,7 @@ impl PhysicsParams {
 
     fn check_controller(&self) -> Result<(), OutOfRange> {
         let checks = [
-            ("physics.max_speed_mps", self.max_speed_mps, 0.1..=1.6),
+            ("physics.max_speed_mps", self.max_speed_mps, 0.3..=1.6),
             ("physics.max_turn_radps", self.max_turn_radps, 0.5..=15.0),
             (
                 "physics.heading_gain_per_s",
@@ -138,7 +139,7 @@ impl PhysicsParams {
             (
                 "physics.deceleration_mps2",
                 self.deceleration_mps2,
-                0.5..=6.0,
+                0.5..=self.wheel_acceleration_mps2,
             ),
             (
                 "physics.turn_deceleration_radps2",
