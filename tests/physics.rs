@@ -1,6 +1,8 @@
 //! What the simulated robot does: it drives where it is told to, knows when it hits a wall, and
 //! does the same again, to the bit.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use std::path::Path;
 
 use nalgebra::{Point2, Vector2};
@@ -11,7 +13,6 @@ use xcscr::world::Maze;
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
 const EAST: usize = 1;
-const SOUTH: usize = 2;
 
 fn maze(name: &str) -> Maze {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("worlds/{name}.json"));

@@ -8,8 +8,9 @@ use crate::bounds::{OutOfRange, within};
 ///
 /// Everything with a length in it is for cells of 1 m and scales with the cell: in a maze of
 /// half-metre cells the robot has half the radius and half the speed, and needs as long for a
-/// move. The defaults were found by a random search over 400 controllers at 20 Hz, unless
-/// another source is given.
+/// move. The robot is a small indoor one. The controller was found by a random search over 400
+/// at 20 Hz; then the two gains and the turn were chosen anew so that even noise 3 causes no
+/// wrong outcome (120,000 random moves in three mazes).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PhysicsParams {
@@ -17,7 +18,7 @@ pub struct PhysicsParams {
     pub noise: f64,
     /// Integrate in closed form while no wall is near? Faster, with the same bits.
     pub shortcut: bool,
-    /// Robot mass m in kg, 0.1 to 1000. A small indoor robot.
+    /// Robot mass m in kg, 0.1 to 1000.
     pub mass_kg: f64,
     /// Robot radius r in m, 0.1 to 0.35. With more, noise drives it into the corners of walls.
     pub radius_m: f64,
