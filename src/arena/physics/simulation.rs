@@ -4,7 +4,7 @@ use nalgebra::Point2;
 use rapier2d::prelude::{
     ActiveEvents, BroadPhaseBvh, ColliderBuilder, ColliderHandle, ColliderSet, IslandManager,
     NarrowPhase, PhysicsWorld, Pose, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet,
-    Rotation, Vector,
+    Rotation, SharedShape, Vector,
 };
 use serde::{Deserialize, Serialize};
 
@@ -46,9 +46,10 @@ impl Simulation {
     /// The walls of a maze with `rows` rows, and a robot clear of them.
     pub(super) fn new(blocks: &[Block], rows: u16, at: Pose, params: &PhysicsParams) -> Self {
         let mut world = empty_world();
-        for block in blocks {
-            world.insert_collider(wall(block, rows), None);
-        }
+        // One shape for all walls: separate ones would be solved in the order in which the robot
+        // came near them, and that order is history that a reset and the shortcut do not know.
+        let walls = blocks.iter().map(|block| wall(block, rows)).collect();
+        world.insert_collider(ColliderBuilder::compound(walls), None);
         let body = RigidBodyBuilder::dynamic()
             .pose(at)
             .can_sleep(false)
@@ -148,15 +149,19 @@ fn empty_world() -> PhysicsWorld {
     integration.num_solver_iterations = SOLVER_ITERATIONS;
     // Walls are a cell thick, and the robot covers a tenth of that per step.
     integration.max_ccd_substeps = 0;
-    // Recycled contacts make the shortcut inexact.
+    // Contacts that carry history over make the shortcut inexact.
     integration.contact_recycling = false;
+    integration.contact_clustering = false;
     world
 }
 
 /// A block of walls in the world frame, whose y axis points north.
-fn wall(block: &Block, rows: u16) -> ColliderBuilder {
+fn wall(block: &Block, rows: u16) -> (Pose, SharedShape) {
     let half = Vector::new(block.width as f32, block.height as f32) / 2.0;
     let north = f32::from(rows) - block.row as f32;
     let centre = Vector::new(block.col as f32 + half.x, north - half.y);
-    ColliderBuilder::cuboid(half.x, half.y).translation(centre)
+    (
+        Pose::from_parts(centre, Rotation::IDENTITY),
+        SharedShape::cuboid(half.x, half.y),
+    )
 }
