@@ -1,9 +1,9 @@
 //! Motion without the engine while no wall is near: faster, with the same bits.
 //!
 //! A free body moves in the engine as in [`coast`]. That holds while no wall is within the
-//! engine's prediction distance *and* the last real step left no active contact (otherwise the
-//! engine never learns that the contact has ended), with contact recycling, continuous collision
-//! detection, gravity and damping off. `tests/physics.rs` compares the bits.
+//! engine's prediction distance *and* no wall pushed in the engine's last step (the next one
+//! would start with that push), with contact recycling, continuous collision detection, the cap
+//! on turn rates, gravity and damping off. `tests/physics.rs` compares the bits.
 
 use rapier2d::prelude::{Pose, RigidBody, Rotation};
 

@@ -27,8 +27,8 @@ pub(super) struct Simulation {
     shape: ColliderHandle,
     /// `None` when every step is the engine's.
     clearance: Option<Clearance>,
-    /// Did the last real step leave the robot in contact?
-    touching: bool,
+    /// Did a wall push the robot in the engine's last step? The next step begins with that push.
+    pushed: bool,
 }
 
 /// Everything in the engine that a step can change.
@@ -39,7 +39,7 @@ pub(super) struct State {
     narrow_phase: NarrowPhase,
     bodies: RigidBodySet,
     colliders: ColliderSet,
-    touching: bool,
+    pushed: bool,
 }
 
 impl Simulation {
@@ -53,6 +53,8 @@ impl Simulation {
         let body = RigidBodyBuilder::dynamic()
             .pose(at)
             .can_sleep(false)
+            // Otherwise the engine caps the turn rate, which the shortcut does not do.
+            .allow_fast_rotation(true)
             .soft_ccd_prediction(LOOKAHEAD as f32);
         let disc = ColliderBuilder::ball(params.radius_m as f32)
             .mass(params.mass_kg as f32)
@@ -68,7 +70,7 @@ impl Simulation {
             clearance: params
                 .shortcut
                 .then(|| Clearance::new(params.radius_m, prediction)),
-            touching: false,
+            pushed: false,
         };
         // The first step files the walls, which takes longer than all others.
         simulation.step();
@@ -89,7 +91,7 @@ impl Simulation {
     pub(super) fn advance(&mut self, maze: &Maze) -> (&[Push], &RigidBody) {
         self.listener.pushes().clear();
         let body = &mut self.world.bodies[self.robot];
-        if !self.touching && self.clearance.is_some_and(|c| c.is_clear(maze, body)) {
+        if !self.pushed && self.clearance.is_some_and(|c| c.is_clear(maze, body)) {
             coast(body);
         } else {
             self.step();
@@ -100,11 +102,11 @@ impl Simulation {
     /// Lets the engine compute a step.
     fn step(&mut self) {
         self.world.step_with_events(&(), &self.listener);
-        self.touching = self
+        self.pushed = self
             .world
             .narrow_phase
             .contact_pairs_with(self.shape)
-            .any(|pair| pair.has_any_active_contact());
+            .any(|pair| pair.total_impulse_magnitude() > 0.0);
     }
 
     /// Has the engine given up the robot, because its motion is no number any more?
@@ -120,7 +122,7 @@ impl Simulation {
             narrow_phase: self.world.narrow_phase.clone(),
             bodies: self.world.bodies.clone(),
             colliders: self.world.colliders.clone(),
-            touching: self.touching,
+            pushed: self.pushed,
         }
     }
 
@@ -131,7 +133,7 @@ impl Simulation {
         self.world.narrow_phase = state.narrow_phase.clone();
         self.world.bodies = state.bodies.clone();
         self.world.colliders = state.colliders.clone();
-        self.touching = state.touching;
+        self.pushed = state.pushed;
     }
 }
 

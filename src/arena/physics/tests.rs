@@ -72,3 +72,9 @@ fn an_action_that_the_world_does_not_have_moves_nothing() {
     assert_eq!(arena.act(action), Outcome::Stalled);
     assert_eq!(arena.view().trace.len(), 1);
 }
+
+#[test]
+fn an_arena_can_be_handed_to_another_thread() {
+    fn needs_send(_: impl Send) {}
+    needs_send(arena("", &PhysicsParams::default(), 1));
+}
