@@ -1,17 +1,20 @@
 //! `/scene/robot`: what the robot looks like; `/tf` moves it.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use foxglove::messages::{
     ArrowPrimitive, CubePrimitive, CylinderPrimitive, Pose, Quaternion, SceneEntity, SceneUpdate,
 };
 
+use super::rounded;
 use super::scene::{ROBOT, WHEELS, color, cube, entity, place, update, vector};
 use crate::record::info::RobotShape;
 
-const BODY: u32 = 0xf07f1c;
-const PLATE: u32 = 0x2b303b;
+const BODY: u32 = 0xf58220;
+const DOME: u32 = 0x2b303b;
 const TYRE: u32 = 0x15181e;
 const SPOKE: u32 = 0xe8ecf2;
-const NOSE: u32 = 0xfff3d6;
+const NOSE: u32 = 0xffffff;
 
 /// Body and wheels, each locked to its frame.
 pub(in crate::record) fn scene(robot: &RobotShape, time_ns: u64) -> SceneUpdate {
@@ -21,21 +24,21 @@ pub(in crate::record) fn scene(robot: &RobotShape, time_ns: u64) -> SceneUpdate 
     update(entities)
 }
 
-/// A plate as wide as the robot is, a dome on it, and an arrow that shows ahead.
+/// A disc as wide as the robot is, a dome on it, and an arrow that shows ahead.
 fn body(robot: &RobotShape, time_ns: u64) -> SceneEntity {
     let mut body = entity("body", ROBOT, time_ns);
     let (r, axle) = (robot.radius_m, robot.wheel_radius_m);
+    let deck = 0.4 * axle + 0.25 * r;
     body.cylinders = vec![
-        disc(r, 0.5 * axle, 0.3 * r, 1.0, PLATE),
-        disc(0.78 * r, 0.5 * axle + 0.3 * r, 0.45 * r, 0.82, BODY),
+        disc(r, 0.4 * axle, 0.25 * r, 0.92, BODY),
+        disc(0.38 * r, deck, 0.25 * r, 0.75, DOME),
     ];
-    let top = 0.5 * axle + 0.8 * r;
     body.arrows = vec![ArrowPrimitive {
-        pose: place(-0.45 * r, 0.0, top),
-        shaft_length: 0.5 * r,
-        shaft_diameter: 0.2 * r,
-        head_length: 0.5 * r,
-        head_diameter: 0.5 * r,
+        pose: place(0.1 * r, 0.0, deck + 0.3 * r),
+        shaft_length: rounded(0.4 * r),
+        shaft_diameter: rounded(0.16 * r),
+        head_length: rounded(0.45 * r),
+        head_diameter: rounded(0.45 * r),
         color: color(NOSE, 1.0),
     }];
     body
@@ -60,8 +63,8 @@ fn wheel(robot: &RobotShape, frame: &str, time_ns: u64) -> SceneEntity {
         pose: Some(Pose {
             // A quarter turn about x lays the cylinder's axis along y.
             orientation: Some(Quaternion {
-                x: std::f64::consts::FRAC_1_SQRT_2,
-                w: std::f64::consts::FRAC_1_SQRT_2,
+                x: rounded(FRAC_1_SQRT_2),
+                w: rounded(FRAC_1_SQRT_2),
                 ..Quaternion::default()
             }),
             position: Some(vector(0.0, 0.0, 0.0)),
