@@ -2,13 +2,15 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
-pub mod arena;
-pub mod bounds;
-pub mod episode;
-pub mod random;
-pub mod record;
-pub mod reward;
-pub mod sensor;
+// In flow order, which is the import order; `tests/layering.rs` watches over it.
 pub mod signal;
+pub mod random;
+pub mod bounds;
 pub mod world;
+pub mod arena;
+pub mod sensor;
 pub mod xcs;
+pub mod reward;
+pub mod episode;
+pub mod record;
+pub mod study;

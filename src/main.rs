@@ -1,2 +1,22 @@
 //! The command line of xcscr.
-fn main() {}
+
+mod cli;
+mod commands;
+
+use std::panic::catch_unwind;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use cli::Cli;
+use commands::failure::Failure;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = catch_unwind(|| commands::run(cli, &mut std::io::stdout().lock()))
+        .unwrap_or_else(|_| Err(Failure::internal()));
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -5,10 +5,12 @@
 //! cell to cell, and [`PhysicsArena`], where a differential-drive robot drives there.
 
 mod grid;
+mod physics;
 
 use nalgebra::{Isometry2, Point2, Vector2};
 
 pub use grid::GridArena;
+pub use physics::{PhysicsArena, PhysicsError, PhysicsParams, Snapshot};
 
 use crate::signal::Action;
 use crate::world::{Cell, Maze};

@@ -94,6 +94,26 @@ pub trait Observer {
 /// Nobody listens.
 impl Observer for () {}
 
+/// Two listen; the trial ends when either wants it to.
+impl<A: Observer, B: Observer> Observer for (A, B) {
+    fn began(&mut self, episode: u32, view: &View<'_>) {
+        self.0.began(episode, view);
+        self.1.began(episode, view);
+    }
+
+    fn stepped(&mut self, step: &Step<'_>) {
+        self.0.stepped(step);
+        self.1.stepped(step);
+    }
+
+    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
+        let first = self.0.ended(episode, learned);
+        let second = self.1.ended(episode, learned);
+        first?;
+        second
+    }
+}
+
 /// What was learned so far, and where the last episode left the robot.
 #[derive(Clone, Copy)]
 pub struct Learned<'a> {

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::reward::RewardMethod;
 use crate::sensor::Sensor;
 
 /// The facts of a run that its recordings carry.
@@ -24,8 +23,6 @@ pub struct RunInfo {
     pub episodes: u32,
     /// What the robot looks like.
     pub robot: RobotShape,
-    /// Writes what was learned as JSON; attached as `rules.json`.
-    pub rules_json: fn(&dyn RewardMethod) -> String,
 }
 
 impl RunInfo {

@@ -96,7 +96,7 @@ impl Recorder {
             return Err(error);
         }
         if let Some(mut run) = self.outbox.run.take() {
-            let rules = (self.info.rules_json)(method);
+            let rules = rules_json(method);
             run.with(|log| log.attach("rules.json", self.clock_ns, &rules))?;
             self.kept.push(run.finish()?);
         }
@@ -177,7 +177,7 @@ impl Recorder {
                 return file.discard();
             }
             self.best = Some(episode.steps);
-            let rules = (self.info.rules_json)(method);
+            let rules = rules_json(method);
             file.with(|log| log.attach("rules.json", self.clock_ns, &rules))?;
         }
         let whole = file.finish()?;
@@ -222,4 +222,9 @@ impl Observer for Recorder {
             None => ControlFlow::Continue(()),
         }
     }
+}
+
+/// What a learner knows, as the text of `rules.json`.
+fn rules_json(method: &dyn RewardMethod) -> String {
+    serde_json::to_string(&method.knowledge()).expect("knowledge is plain data")
 }

@@ -1,12 +1,13 @@
 //! XCS adapted to robots (Williams et al.): one reward at the end, shared out along \[R\].
 
+use super::knowledge::Knowledge;
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::{Params, Sharing};
 use super::stack::{RewardStack, Shares};
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
-use crate::xcs::{Population, PredictionArray, Xcs};
+use crate::xcs::{PredictionArray, Xcs};
 
 /// The methods `adapted-even` and `adapted-discounted`: every \[A\] of an episode waits in \[R\]
 /// for its share of the long-term reward (Eq. 7 with 8 or 9).
@@ -69,8 +70,8 @@ impl RewardMethod for Adapted {
         self.mind.xcs.worth(percept)
     }
 
-    fn population(&self) -> Option<&Population> {
-        Some(self.mind.xcs.population())
+    fn knowledge(&self) -> Knowledge {
+        Knowledge::Rules(self.mind.xcs.population().clone())
     }
 
     fn rule_count(&self) -> usize {

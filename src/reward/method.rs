@@ -1,8 +1,9 @@
 //! What every reward method can do.
 
+use super::knowledge::Knowledge;
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
-use crate::xcs::{Population, PredictionArray};
+use crate::xcs::PredictionArray;
 
 /// What a reward method made of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -49,8 +50,8 @@ pub trait RewardMethod {
     /// The worth of each action under a percept, without changing anything.
     fn worth(&self, percept: &Percept) -> PredictionArray;
 
-    /// The population \[P\]; `None` for tabular methods.
-    fn population(&self) -> Option<&Population>;
+    /// What was learned so far.
+    fn knowledge(&self) -> Knowledge;
 
     /// Macro-classifiers in \[P\], or stored pairs of a tabular method.
     fn rule_count(&self) -> usize;

@@ -5,6 +5,7 @@
 
 mod adapted;
 mod combined;
+mod knowledge;
 mod method;
 mod mind;
 mod params;
@@ -13,6 +14,7 @@ mod standard;
 
 pub use adapted::Adapted;
 pub use combined::Combined;
+pub use knowledge::{Frozen, Knowledge};
 pub use method::{EndCredit, RewardMethod, StepCredit};
 pub use params::{Params, Sharing};
 pub use standard::Standard;

@@ -1,11 +1,12 @@
 //! Standard XCS: the reward travels back one step at a time, as in Q-learning.
 
+use super::knowledge::Knowledge;
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::Params;
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
-use crate::xcs::{ActionSet, Population, PredictionArray, Xcs};
+use crate::xcs::{ActionSet, PredictionArray, Xcs};
 
 /// The method `xcs`: the previous \[A\] is updated with its reward plus gamma times the greatest
 /// worth of the present percept; the last \[A\] of an episode with its reward alone.
@@ -75,8 +76,8 @@ impl RewardMethod for Standard {
         self.mind.xcs.worth(percept)
     }
 
-    fn population(&self) -> Option<&Population> {
-        Some(self.mind.xcs.population())
+    fn knowledge(&self) -> Knowledge {
+        Knowledge::Rules(self.mind.xcs.population().clone())
     }
 
     fn rule_count(&self) -> usize {

@@ -1,8 +1,10 @@
 //! From what can be seen to a [`Percept`].
 
+mod alike;
 mod neighbours;
 mod position;
 
+pub use alike::{Alike, alike};
 use serde::{Deserialize, Serialize};
 
 use crate::arena::View;
@@ -21,11 +23,8 @@ pub enum Sensor {
 }
 
 impl Sensor {
-    /// All sensors, with their names on the command line.
-    pub const NAMES: [(&'static str, Self); 2] = [
-        ("neighbours", Self::Neighbours),
-        ("position", Self::Position),
-    ];
+    /// All sensors.
+    pub const ALL: [Self; 2] = [Self::Neighbours, Self::Position];
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {

@@ -50,8 +50,11 @@ pub fn check_border(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<
 /// An episode can start, and wherever it starts, a goal can be reached.
 pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<(), WorldError> {
     let paths = Paths::new(maze);
-    let starts = maze.start_cells();
-    if starts.is_empty() {
+    let mut starts = maze
+        .free_cells()
+        .filter(|&cell| maze.start().is_none_or(|start| start == cell) && !maze.is_goal(cell))
+        .peekable();
+    if starts.peek().is_none() {
         return Err(source.fault(
             rows.span(maze.goals()[0]),
             "the world has no cell to start in",
@@ -59,8 +62,7 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
             "mark a start with `S`, or free a cell with `.`",
         ));
     }
-    let cut_off = |&&cell: &&Cell| paths.distance(maze, cell).is_none();
-    let Some(&cell) = starts.iter().find(cut_off) else {
+    let Some(cell) = starts.find(|&cell| paths.distance(maze, cell).is_none()) else {
         return Ok(());
     };
     let help = match maze.start() {

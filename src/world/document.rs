@@ -230,38 +230,51 @@ fn key_span(source: Source<'_>, value: &str, key: &str) -> std::ops::Range<usize
 
 /// The error for a text that is no JSON.
 fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError {
-    let line_start: usize = source
-        .text
-        .split_inclusive('\n')
-        .take(error.line().saturating_sub(1))
-        .map(str::len)
-        .sum();
-    let at = line_start + error.column().saturating_sub(1);
+    let at = offset(source.text, error);
     let text = error.to_string();
     let cause = text.split(" at line ").next().unwrap_or_default();
-    let (title, help) = match cause {
+    if cause.starts_with("control character") {
+        // Here the column is that of the last good character.
+        let help = "remove it; a line break within a text is written `\\n`";
+        let title = "there is a control character in a string";
+        return source.fault(at + 1..at + 2, title, "not allowed here", help);
+    }
+    let (title, label, help) = match cause {
         "trailing characters" => (
-            "there is text after the end of the world".to_owned(),
+            "there is text after the end of the world",
+            "the world ended before this",
             "remove everything after the closing `}`",
         ),
         "trailing comma" => (
-            "there is a comma before the closing bracket".to_owned(),
+            "there is a comma before a closing bracket",
+            "nothing follows the comma",
             "remove the comma",
         ),
         _ if error.is_eof() => (
-            "the file ends in the middle of the world".to_owned(),
+            "the file ends in the middle of the world",
+            "the file ends here",
             "add what is missing: every `\"`, `[` and `{` needs its partner",
         ),
-        _ if is_not_finite(&source.text[..], at) => (
-            "JSON has no number that is not finite".to_owned(),
+        _ if is_not_finite(source.text, at) => (
+            "JSON knows only finite numbers",
+            "not a number",
             "write a finite number, such as 1.0",
         ),
         _ => (
-            format!("the file is no valid JSON: {cause}"),
+            "the file is no valid JSON",
+            cause,
             "see json.org for the rules; the usual causes are missing quotes, commas and brackets",
         ),
     };
-    source.fault(at..at + 1, title, cause, help)
+    source.fault(at..at + 1, title, label, help)
+}
+
+/// The byte that a JSON error points at.
+fn offset(text: &str, error: &serde_json::Error) -> usize {
+    let lines = text
+        .split_inclusive('\n')
+        .take(error.line().saturating_sub(1));
+    lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1)
 }
 
 /// Does one of the words that other languages write for such numbers stand here?

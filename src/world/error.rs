@@ -65,24 +65,33 @@ impl Diagnostic {
     }
 
     fn render(&self, renderer: &Renderer) -> String {
-        let mut origin = Origin::path(normalize_untrusted_str(&self.origin));
-        if let Some((line, column)) = self.position() {
-            origin = origin.line(line).char_column(column);
-        }
         let title = Level::ERROR.no_name().primary_title(self.title.as_str());
-        let group = Group::with_title(title)
-            .element(origin)
-            .elements(self.snippets())
-            .element(Level::HELP.message(self.help.as_str()));
-        renderer.render(&[group])
+        let mut group = Group::with_title(title);
+        // A snippet counts the column from where its line was cut off.
+        let is_cut = self.places.iter().any(|place| place.is_cut);
+        match self.places.first() {
+            None => group = group.element(self.origin()),
+            Some(place) if is_cut => {
+                let origin = self.origin().line(place.line).char_column(place.column);
+                group = group.element(origin).elements(self.snippets(None));
+            }
+            Some(_) => group = group.elements(self.snippets(Some(&self.origin))),
+        }
+        renderer.render(&[group.element(Level::HELP.message(self.help.as_str()))])
     }
 
-    /// One snippet per line that holds a place, from the top of the file.
-    fn snippets(&self) -> Vec<Snippet<'_, Annotation<'_>>> {
+    fn origin(&self) -> Origin<'_> {
+        Origin::path(normalize_untrusted_str(&self.origin))
+    }
+
+    /// One snippet per line that holds a place, the line with the fault first.
+    fn snippets<'a>(&'a self, path: Option<&'a str>) -> Vec<Snippet<'a, Annotation<'a>>> {
         let mut lines: Vec<&Place> = self.places.iter().collect();
-        lines.sort_by_key(|place| place.line);
-        lines.dedup_by_key(|place| place.line);
-        lines.into_iter().map(|line| self.snippet(line)).collect()
+        lines.dedup_by(|a, b| a.shares_line_with(b));
+        lines
+            .into_iter()
+            .map(|line| self.snippet(line).path(path.map(normalize_untrusted_str)))
+            .collect()
     }
 
     fn snippet<'a>(&'a self, line: &'a Place) -> Snippet<'a, Annotation<'a>> {
@@ -90,7 +99,7 @@ impl Diagnostic {
             .places
             .iter()
             .enumerate()
-            .filter(|(_, place)| place.line == line.line)
+            .filter(|(_, place)| place.shares_line_with(line))
             .map(|(i, place)| {
                 let kind = match i {
                     0 => AnnotationKind::Primary,

@@ -3,7 +3,9 @@
 mod checks;
 mod direction;
 mod document;
+mod draw;
 mod error;
+mod facts;
 mod file;
 mod maze;
 mod name;
@@ -12,6 +14,8 @@ mod rows;
 mod source;
 
 pub use direction::{Direction, Moves};
+pub use draw::draw;
 pub use error::{Diagnostic, WorldError};
+pub use facts::Facts;
 pub use maze::{Cell, Maze};
 pub use paths::Paths;

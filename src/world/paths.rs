@@ -53,18 +53,38 @@ impl Paths {
 
     /// The number of different shortest paths from a cell to a goal, as far as a `u64` counts.
     pub fn count_from(&self, maze: &Maze, start: Cell) -> u64 {
-        let mut order: Vec<Cell> = maze.free_cells().collect();
-        order.sort_by_key(|&cell| self.distance[maze.index(cell)]);
-        let mut count = vec![0_u64; self.distance.len()];
-        for cell in order {
-            count[maze.index(cell)] = if maze.is_goal(cell) {
-                1
-            } else {
-                Action::all(maze.action_count())
-                    .filter_map(|action| self.successor(maze, cell, action))
-                    .fold(0, |sum, next| sum.saturating_add(count[maze.index(next)]))
-            };
+        let Some(distance) = self.distance(maze, start) else {
+            return 0;
+        };
+        // By cell: in how many ways one can get there from the start.
+        let mut ways = vec![(start, 1_u64)];
+        for left in (0..distance).rev() {
+            ways = self.ways_onward(maze, &ways, left);
         }
-        count[maze.index(start)]
+        ways.iter().fold(0, |sum, way| sum.saturating_add(way.1))
+    }
+
+    /// The ways to the cells that are `left` steps from a goal, from those one step before.
+    fn ways_onward(&self, maze: &Maze, ways: &[(Cell, u64)], left: u32) -> Vec<(Cell, u64)> {
+        let directions = maze.moves().directions();
+        let mut onward: Vec<(Cell, u64)> = ways
+            .iter()
+            .flat_map(|&(cell, count)| {
+                directions
+                    .iter()
+                    .filter_map(move |&direction| maze.step(cell, direction))
+                    .filter(|&next| self.distance[maze.index(next)] == left)
+                    .map(move |next| (next, count))
+            })
+            .collect();
+        onward.sort_unstable_by_key(|way| way.0);
+        onward.dedup_by(|later, kept| {
+            let same = later.0 == kept.0;
+            if same {
+                kept.1 = kept.1.saturating_add(later.1);
+            }
+            same
+        });
+        onward
     }
 }

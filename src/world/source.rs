@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::error::{Diagnostic, WorldError};
 
 /// Bytes of a long line that an excerpt keeps on either side of a place.
-const EXCERPT_BYTES: usize = 400;
+const EXCERPT_BYTES: usize = 8192;
 
 /// A text and the name that messages call it by.
 #[derive(Debug, Clone, Copy)]
@@ -23,12 +23,21 @@ pub struct Place {
     pub column: usize,
     /// The line, or what is near the place when the line is long.
     pub excerpt: String,
+    /// Is the line so long that its beginning is missing?
+    pub is_cut: bool,
     /// The place within the excerpt, in bytes.
     pub span: Range<usize>,
     pub label: String,
 }
 
-impl<'a> Source<'a> {
+impl Place {
+    /// Can one excerpt show both places?
+    pub fn shares_line_with(&self, other: &Self) -> bool {
+        self.line == other.line && self.excerpt == other.excerpt
+    }
+}
+
+impl Source<'_> {
     /// Where `part`, a slice of this text, lies in it.
     pub fn span(&self, part: &str) -> Range<usize> {
         let start = (part.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
@@ -48,6 +57,7 @@ impl<'a> Source<'a> {
         Place {
             line: 1 + text[..line_start].matches('\n').count(),
             column: 1 + text[line_start..at].chars().count(),
+            is_cut: from > line_start,
             excerpt: text[from..to].to_owned(),
             span: at - from..floor(text, span.end).clamp(at, to) - from,
             label: label.into(),

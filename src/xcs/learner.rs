@@ -6,7 +6,7 @@ use super::ga::{self, Parent};
 use super::handles::ClassifierId;
 use super::params::Params;
 use super::population::Population;
-use super::prediction::PredictionArray;
+use super::prediction::{PredictionArray, prediction_array};
 use super::sets::{ActionSet, MatchSet, Member};
 use crate::random::Stream;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
@@ -127,7 +127,7 @@ impl Xcs {
             .members
             .iter()
             .filter_map(|member| self.population.get(member.id));
-        self.prediction_array(rules)
+        prediction_array(rules, self.actions, self.params.worth_over_match_set)
     }
 
     /// The prediction array in a percept, read from \[P\] without covering or changing anything.
@@ -135,32 +135,7 @@ impl Xcs {
         let mut rules = Vec::new();
         self.population
             .for_each_match(percept, &mut Vec::new(), |_, rule| rules.push(*rule));
-        self.prediction_array(rules.iter())
-    }
-
-    /// The fitness-weighted mean prediction of each action. Eq. 6 as printed divides by the
-    /// fitness of all of \[M\]; XCS divides by that of the rules with the action.
-    fn prediction_array<'a>(&self, rules: impl Iterator<Item = &'a Classifier>) -> PredictionArray {
-        let mut sums = [(0.0, 0.0); MAX_ACTIONS];
-        for rule in rules {
-            let (weighted, fitness) = &mut sums[rule.action.index()];
-            *weighted += rule.prediction * rule.fitness;
-            *fitness += rule.fitness;
-        }
-        let all: f64 = sums.iter().map(|(_, fitness)| fitness).sum();
-        let mut array = PredictionArray::new(self.actions);
-        for action in Action::all(self.actions) {
-            let (weighted, own) = sums[action.index()];
-            if own > 0.0 {
-                let divisor = if self.params.worth_over_match_set {
-                    all
-                } else {
-                    own
-                };
-                array.set(action, weighted / divisor);
-            }
-        }
-        array
+        prediction_array(rules.iter(), self.actions, self.params.worth_over_match_set)
     }
 
     /// Micro-classifiers in a set, and their fitness-weighted mean error.

@@ -1,5 +1,6 @@
 //! The prediction array: the worth of each action (Eq. 6).
 
+use super::classifier::Classifier;
 use crate::signal::{Action, MAX_ACTIONS};
 
 /// The worth of each action in one percept; actions that no rule advocates have none.
@@ -44,6 +45,30 @@ impl PredictionArray {
         Action::all(self.actions)
             .filter(move |&action| greatest.is_some() && self.get(action) == greatest)
     }
+}
+
+/// The fitness-weighted mean prediction of each of `actions` actions. Eq. 6 as printed divides by
+/// the fitness of all of \[M\] (`over_match_set`); XCS divides by that of the rules with the action.
+pub fn prediction_array<'a>(
+    match_set: impl Iterator<Item = &'a Classifier>,
+    actions: usize,
+    over_match_set: bool,
+) -> PredictionArray {
+    let mut sums = [(0.0, 0.0); MAX_ACTIONS];
+    for rule in match_set {
+        let (weighted, fitness) = &mut sums[rule.action.index()];
+        *weighted += rule.prediction * rule.fitness;
+        *fitness += rule.fitness;
+    }
+    let all: f64 = sums.iter().map(|(_, fitness)| fitness).sum();
+    let mut array = PredictionArray::new(actions);
+    for action in Action::all(actions) {
+        let (weighted, own) = sums[action.index()];
+        if own > 0.0 {
+            array.set(action, weighted / if over_match_set { all } else { own });
+        }
+    }
+    array
 }
 
 #[cfg(test)]

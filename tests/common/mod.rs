@@ -50,7 +50,6 @@ impl Trial {
             sensor: Sensor::Neighbours,
             episodes: self.episodes,
             robot: RobotShape::for_cell(maze.cell_size_m()),
-            rules_json: |method| serde_json::to_string(&method.population()).unwrap(),
         }
     }
 

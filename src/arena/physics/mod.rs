@@ -1,1 +1,278 @@
-//! The maze as a physics simulation.
+//! The maze as a physics simulation: a robot with two wheels drives from cell to cell.
+//!
+//! An action is one bounded manoeuvre (`controller`): the robot turns, then drives one cell; when
+//! it hits a wall, it backs off to where it came from. The wheels push with what the floor's
+//! friction allows (`robot`), the engine rapier2d does the rest (`simulation`), 20 steps per
+//! second. What the robot sees of itself is noisy (`noise`), and becomes a cell in
+//! `discretiser`. While no wall is near, steps are integrated in closed form (`shortcut`).
+//!
+//! Inside of this folder the unit of length is the cell, so that a maze in another scale has the
+//! same course of events to the bit. Metres begin at the trait [`Arena`].
+
+mod contact;
+mod controller;
+mod discretiser;
+mod error;
+mod noise;
+mod params;
+mod robot;
+mod shortcut;
+mod simulation;
+mod snapshot;
+mod walls;
+
+use nalgebra::{Point2, Vector2};
+
+pub use error::PhysicsError;
+pub use params::PhysicsParams;
+pub use snapshot::Snapshot;
+
+use self::contact::{Hits, is_frontal};
+use self::controller::Maneuver;
+use self::discretiser::cell_from_position;
+use self::noise::Noise;
+use self::robot::{Command, Motion, Wheels};
+use self::simulation::{Simulation, State, eastward};
+use self::walls::Block;
+use super::{Arena, Contact, Outcome, Sample, View};
+use crate::random::Stream;
+use crate::signal::Action;
+use crate::world::{Cell, Direction, Maze, Moves};
+
+/// Duration of a physics step in nanoseconds, for clocks that never drift ...
+const STEP_NS: u64 = 50_000_000;
+/// ... and in seconds.
+const STEP_S: f64 = 0.05;
+/// Solver iterations per step; each is a substep of the motion.
+const SOLVER_ITERATIONS: usize = 2;
+/// The largest number of wall blocks; the engine needs about a kilobyte for each.
+const MAX_BLOCKS: usize = 65_536;
+
+/// A robot in a maze, simulated at 20 Hz. Same maze, settings and noise: same bits.
+pub struct PhysicsArena {
+    maze: Maze,
+    params: PhysicsParams,
+    simulation: Simulation,
+    /// The engine's first moment, to which every reset returns.
+    pristine: State,
+    wheels: Wheels,
+    noise: Noise,
+    /// Physics steps since the trial began.
+    steps: u64,
+    cell: Cell,
+    trace: Vec<Sample>,
+    hits: Hits,
+}
+
+impl PhysicsArena {
+    /// An arena with the robot in the first start cell. All noise is drawn from `noise`.
+    ///
+    /// # Errors
+    /// When a setting is out of range, or the world makes no sense in physics: joined edges,
+    /// eight moves, or too many walls.
+    pub fn new(maze: Maze, params: PhysicsParams, noise: Stream) -> Result<Self, PhysicsError> {
+        params.check()?;
+        let blocks = blocks(&maze)?;
+        let start = maze.start_cells().first().copied();
+        let cell = start.unwrap_or(maze.goals()[0]);
+        let pose = eastward(centre(&maze, cell));
+        let simulation = Simulation::new(&blocks, maze.height(), pose, &params);
+        let mut arena = Self {
+            pristine: simulation.state(),
+            noise: Noise::new(&params, noise),
+            wheels: Wheels::default(),
+            steps: 0,
+            cell,
+            trace: Vec::new(),
+            hits: Hits::default(),
+            maze,
+            params,
+            simulation,
+        };
+        arena.reset(cell);
+        Ok(arena)
+    }
+
+    /// Has the engine given up the robot, because its motion is no number any more? Never seen.
+    pub fn lost_robot(&self) -> bool {
+        self.simulation.lost_robot()
+    }
+
+    /// Drives until the manoeuvre ends. True when it did within the time.
+    fn perform(&mut self, maneuver: &mut Maneuver) -> bool {
+        let bias = self.noise.wheel_bias();
+        for _ in 0..(self.params.time_out_s / STEP_S) as u64 {
+            let motion = self.motion();
+            let seen = self.measure(motion);
+            let Some(command) = maneuver.command(&seen, &self.params) else {
+                self.believe(&seen);
+                return true;
+            };
+            self.drive(command, &motion, bias);
+            if self.step(maneuver.along()) && maneuver.is_stopped_by_walls(&seen) {
+                maneuver.back_off();
+            }
+        }
+        let seen = self.measure(self.motion());
+        self.believe(&seen);
+        false
+    }
+
+    /// Brings a command to the wheels, and their force to the floor.
+    fn drive(&mut self, command: Command, motion: &Motion, bias: [f64; 2]) {
+        let [left, right] = self.noise.wheel_noise();
+        let excess = [bias[0] + left, bias[1] + right];
+        self.wheels.follow(command, &self.params);
+        let body = self.simulation.body_mut();
+        self.wheels.push(body, motion, excess, &self.params);
+    }
+
+    /// Lets one step pass. True when a wall pushed against the direction `along`.
+    fn step(&mut self, along: Vector2<f64>) -> bool {
+        self.steps += 1;
+        let time_ns = self.time_ns();
+        let size_m = self.maze.cell_size_m();
+        let mut frontal = false;
+        let (pushes, body) = self.simulation.advance(&self.maze);
+        let centre = Motion::of(body).pose.translation.vector;
+        for push in pushes {
+            frontal |= is_frontal(push.normal, along);
+            let touched = centre + push.normal * self.params.radius_m;
+            let contact = Contact {
+                time_ns,
+                point_in_world: (touched * size_m).into(),
+                normal_in_world: push.normal,
+                impulse_ns: push.impulse * size_m,
+            };
+            self.hits.add(push.wall, contact);
+        }
+        self.trace.push(self.sample());
+        frontal
+    }
+
+    /// What came of a manoeuvre from `home` toward `wanted`.
+    fn outcome(&self, maneuver: &Maneuver, arrived: bool, home: Cell, wanted: Cell) -> Outcome {
+        if arrived && maneuver.backs_off() && self.cell == home {
+            let impulse_ns = self.hits.frontal_impulse_ns(-maneuver.along());
+            return Outcome::Collided {
+                impulse_ns: Some(impulse_ns),
+            };
+        }
+        if self.maze.is_goal(self.cell) {
+            return Outcome::ReachedGoal;
+        }
+        if arrived && self.cell == wanted {
+            Outcome::Moved
+        } else {
+            Outcome::Stalled
+        }
+    }
+
+    fn motion(&self) -> Motion {
+        Motion::of(self.simulation.body())
+    }
+
+    /// The motion as the robot sees it: speeds from its odometry, the pose with noise.
+    fn measure(&mut self, motion: Motion) -> Motion {
+        Motion {
+            pose: self.noise.measure(&motion.pose),
+            ..motion
+        }
+    }
+
+    fn believe(&mut self, seen: &Motion) {
+        let position_m = seen.pose.translation.vector * self.maze.cell_size_m();
+        self.cell = cell_from_position(&self.maze, position_m.into(), self.cell);
+    }
+
+    fn time_ns(&self) -> u64 {
+        self.steps * STEP_NS
+    }
+
+    fn sample(&self) -> Sample {
+        let size_m = self.maze.cell_size_m();
+        let mut robot_in_world = self.motion().pose;
+        robot_in_world.translation.vector *= size_m;
+        Sample {
+            time_ns: self.time_ns(),
+            robot_in_world,
+            wheel_travel_m: self.wheels.travel.map(|cells| cells * size_m),
+        }
+    }
+
+    /// Begins a path where the robot stands.
+    fn begin_trace(&mut self) {
+        self.hits.clear();
+        self.trace.clear();
+        self.trace.push(self.sample());
+    }
+}
+
+impl Arena for PhysicsArena {
+    fn reset(&mut self, start: Cell) {
+        self.simulation.set_state(&self.pristine);
+        let pose = eastward(centre(&self.maze, start));
+        self.simulation.body_mut().set_position(pose, true);
+        self.wheels = Wheels::default();
+        self.cell = start;
+        self.begin_trace();
+    }
+
+    fn act(&mut self, action: Action) -> Outcome {
+        self.begin_trace();
+        let Some(direction) = self.maze.direction(action) else {
+            return Outcome::Stalled;
+        };
+        let home = self.cell;
+        let wanted = self.maze.neighbour(home, direction).unwrap_or(home);
+        let seen = self.measure(self.motion());
+        let mut maneuver = Maneuver::new(centre(&self.maze, home), vector(direction), &seen);
+        let arrived = self.perform(&mut maneuver);
+        self.outcome(&maneuver, arrived, home, wanted)
+    }
+
+    fn view(&self) -> View<'_> {
+        View {
+            maze: &self.maze,
+            cell: self.cell,
+            trace: &self.trace,
+            contacts: self.hits.contacts(),
+        }
+    }
+}
+
+/// Refuses worlds that make no sense in physics; otherwise the blocks that make their walls.
+fn blocks(maze: &Maze) -> Result<Vec<Block>, PhysicsError> {
+    let world = || maze.name().to_owned();
+    if maze.wraps() {
+        return Err(PhysicsError::JoinedEdges { world: world() });
+    }
+    if maze.moves() == Moves::Eight {
+        return Err(PhysicsError::EightMoves { world: world() });
+    }
+    let blocks = walls::merge(maze.width().into(), maze.height().into(), |col, row| {
+        // Both are below the maze's size, which is a u16.
+        let (col, row) = (col as u16, row as u16);
+        maze.is_wall(Cell { col, row })
+    });
+    if blocks.len() > MAX_BLOCKS {
+        return Err(PhysicsError::TooManyWalls {
+            world: world(),
+            count: blocks.len(),
+            limit: MAX_BLOCKS,
+        });
+    }
+    Ok(blocks)
+}
+
+/// The middle of a cell in the world frame, in cells.
+fn centre(maze: &Maze, cell: Cell) -> Point2<f64> {
+    let row = f64::from(maze.height()) - f64::from(cell.row);
+    Point2::new(f64::from(cell.col) + 0.5, row - 0.5)
+}
+
+/// The unit vector of one of the main directions.
+fn vector(direction: Direction) -> Vector2<f64> {
+    let (east, south) = direction.offset();
+    Vector2::new(f64::from(east), f64::from(-south))
+}

@@ -16,6 +16,7 @@ use learning_rate::LearningRate;
 use short_term_filter::ShortTermFilter;
 use step_threshold::StepThreshold;
 
+use super::knowledge::Knowledge;
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::Params;
@@ -23,7 +24,7 @@ use super::stack::{RewardStack, Shares};
 use crate::arena::Outcome;
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
-use crate::xcs::{Population, PredictionArray, Xcs};
+use crate::xcs::{PredictionArray, Xcs};
 
 /// The method `xcscr` (paper, section III and figure 1.c).
 #[derive(Debug, Clone)]
@@ -119,8 +120,8 @@ impl RewardMethod for Combined {
         self.mind.xcs.worth(percept)
     }
 
-    fn population(&self) -> Option<&Population> {
-        Some(self.mind.xcs.population())
+    fn knowledge(&self) -> Knowledge {
+        Knowledge::Rules(self.mind.xcs.population().clone())
     }
 
     fn rule_count(&self) -> usize {

@@ -1,0 +1,127 @@
+//! One action: turn, drive one cell, or touch a wall and back off.
+
+use nalgebra::{Point2, Vector2};
+
+use super::params::PhysicsParams;
+use super::robot::{Command, Motion};
+
+/// What the robot is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// Turning on the spot.
+    Turn,
+    /// On its way to the next cell.
+    Drive,
+    /// On its way back after a hit.
+    Back,
+}
+
+/// The plan of one action; lengths in cells. Needs no trigonometry: angles are compared as sines
+/// and chords.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Maneuver {
+    phase: Phase,
+    home: Point2<f64>,
+    target: Point2<f64>,
+    /// Unit vector of travel.
+    along: Vector2<f64>,
+    /// 1 when the front leads, -1 when the rear does.
+    facing: f64,
+}
+
+impl Maneuver {
+    /// From `home` one cell in the direction of the unit vector `along`. Front or rear leads,
+    /// whichever needs the smaller turn.
+    pub(super) fn new(home: Point2<f64>, along: Vector2<f64>, seen: &Motion) -> Self {
+        let heading = seen.pose.rotation * Vector2::x();
+        Self {
+            phase: Phase::Turn,
+            home,
+            target: home + along,
+            along,
+            facing: if heading.dot(&along) < 0.0 { -1.0 } else { 1.0 },
+        }
+    }
+
+    /// Would a wall ahead keep the robot from the next cell? Not once it is there: then it has
+    /// overshot, and touches the wall behind that cell.
+    pub(super) fn is_stopped_by_walls(&self, seen: &Motion) -> bool {
+        self.phase == Phase::Drive && self.ahead(seen) > 0.5
+    }
+
+    /// Has it hit a wall?
+    pub(super) fn backs_off(&self) -> bool {
+        self.phase == Phase::Back
+    }
+
+    /// Unit vector of travel.
+    pub(super) fn along(&self) -> Vector2<f64> {
+        self.along
+    }
+
+    /// Back to where it came from, without turning round.
+    pub(super) fn back_off(&mut self) {
+        self.phase = Phase::Back;
+        self.target = self.home;
+        self.along = -self.along;
+        self.facing = -self.facing;
+    }
+
+    /// What to do next; `None` once the robot has arrived.
+    pub(super) fn command(&mut self, seen: &Motion, params: &PhysicsParams) -> Option<Command> {
+        let face = self.facing * (seen.pose.rotation * Vector2::x());
+        if self.phase == Phase::Turn {
+            let sine = face.perp(&self.along);
+            let aligned = sine.abs() < params.aligned && face.dot(&self.along) > 0.0;
+            if !aligned || seen.turn_radps.abs() >= params.aligned_radps {
+                return Some(self.turn(face, params));
+            }
+            self.phase = Phase::Drive;
+        }
+        self.drive(face, seen, params)
+    }
+
+    /// Turns as fast as it can still stop in time.
+    fn turn(&self, face: Vector2<f64>, params: &PhysicsParams) -> Command {
+        let chord = (2.0 - 2.0 * face.dot(&self.along)).max(0.0).sqrt();
+        let rate = (2.0 * params.turn_deceleration_radps2 * chord)
+            .sqrt()
+            .min(params.heading_gain_per_s * chord)
+            .min(params.max_turn_radps);
+        Command {
+            forward: 0.0,
+            turn_radps: rate.copysign(face.perp(&self.along)),
+        }
+    }
+
+    /// Drives toward the target, holding heading and track.
+    fn drive(&self, face: Vector2<f64>, seen: &Motion, params: &PhysicsParams) -> Option<Command> {
+        let ahead = self.ahead(seen);
+        if ahead.abs() < params.arrival_m && seen.forward.abs() < params.arrival_mps {
+            return None;
+        }
+        let speed = (2.0 * params.deceleration_mps2 * ahead.abs())
+            .sqrt()
+            .min(params.max_speed_mps)
+            .copysign(ahead);
+        let left = Vector2::new(-self.along.y, self.along.x);
+        let lean = speed.signum() * params.track_gain_per_m * self.missing(seen).dot(&left);
+        let lean = lean.clamp(-params.track_limit, params.track_limit);
+        let course = (1.0 - lean * lean).sqrt() * self.along + lean * left;
+        let rate = params.heading_gain_per_s * face.perp(&course);
+        Some(Command {
+            forward: self.facing * speed,
+            turn_radps: rate.clamp(-params.max_turn_radps, params.max_turn_radps),
+        })
+    }
+
+    /// From the robot to the target.
+    fn missing(&self, seen: &Motion) -> Vector2<f64> {
+        self.target.coords - seen.pose.translation.vector
+    }
+
+    /// How far the target is ahead; negative once the robot has passed it.
+    fn ahead(&self, seen: &Motion) -> f64 {
+        self.missing(seen).dot(&self.along)
+    }
+}

@@ -1,0 +1,94 @@
+//! The robot's drive: two wheels that push with the force the floor allows.
+
+use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
+use rapier2d::prelude::{RigidBody, Vector};
+use serde::{Deserialize, Serialize};
+
+use super::STEP_S;
+use super::params::PhysicsParams;
+
+/// Where the robot is and how it moves; lengths in cells.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motion {
+    /// The pose in the world frame.
+    pub pose: Isometry2<f64>,
+    /// Speed along its heading per second; negative when it drives backward.
+    pub forward: f64,
+    /// Speed to its left per second.
+    pub sideways: f64,
+    /// Turn rate in rad/s, counter-clockwise.
+    pub turn_radps: f64,
+}
+
+impl Motion {
+    /// The motion of a body of the engine.
+    pub(super) fn of(body: &RigidBody) -> Self {
+        let (at, rotation, velocity) = (body.translation(), body.rotation(), body.linvel());
+        let heading = Complex::new(f64::from(rotation.re), f64::from(rotation.im));
+        let (x, y) = (f64::from(velocity.x), f64::from(velocity.y));
+        Self {
+            pose: Isometry2::from_parts(
+                Translation2::new(f64::from(at.x), f64::from(at.y)),
+                UnitComplex::new_unchecked(heading),
+            ),
+            forward: x * heading.re + y * heading.im,
+            sideways: y * heading.re - x * heading.im,
+            turn_radps: f64::from(body.angvel()),
+        }
+    }
+}
+
+/// What the controller wants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Command {
+    /// Speed along the heading, cells per second.
+    pub forward: f64,
+    /// Turn rate in rad/s, counter-clockwise.
+    pub turn_radps: f64,
+}
+
+/// The left and the right wheel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Wheels {
+    /// How fast they roll, cells per second.
+    speed: [f64; 2],
+    /// How far they have rolled, in cells.
+    pub(super) travel: [f64; 2],
+}
+
+impl Wheels {
+    /// Lets the motors follow a command for one step, with their lag and limited acceleration.
+    pub(super) fn follow(&mut self, command: Command, params: &PhysicsParams) {
+        let share = STEP_S / (params.motor_lag_s + STEP_S);
+        let limit = params.wheel_acceleration_mps2 * STEP_S;
+        let turn = command.turn_radps * params.wheel_base_m / 2.0;
+        let wanted = [command.forward - turn, command.forward + turn];
+        for ((speed, travel), wanted) in self.speed.iter_mut().zip(&mut self.travel).zip(wanted) {
+            *speed += ((wanted - *speed) * share).clamp(-limit, limit);
+            *travel += *speed * STEP_S;
+        }
+    }
+
+    /// Pushes the body toward the wheels' speeds. The floor sees each wheel turn too fast by
+    /// the share `excess`, and bears a force within the circle of friction.
+    pub(super) fn push(
+        &self,
+        body: &mut RigidBody,
+        motion: &Motion,
+        excess: [f64; 2],
+        params: &PhysicsParams,
+    ) {
+        let [left, right] = [0, 1].map(|i| self.speed[i] * (1.0 + excess[i]));
+        let (mass, base) = (params.mass_kg, params.wheel_base_m);
+        let inertia = 0.5 * mass * params.radius_m * params.radius_m;
+        let along = mass * (0.5 * (left + right) - motion.forward) / 2.0;
+        let twist = inertia * ((right - left) / base - motion.turn_radps) / base;
+        let across = -mass * motion.sideways / 2.0;
+        let limit = mass * params.grip_mps2() * STEP_S / 2.0;
+        let [left, right] = [along - twist, along + twist]
+            .map(|along| Vector2::new(along, across).cap_magnitude(limit));
+        let impulse = motion.pose.rotation * (left + right);
+        body.apply_impulse(Vector::new(impulse.x as f32, impulse.y as f32), true);
+        body.apply_torque_impulse(((right.x - left.x) * base / 2.0) as f32, true);
+    }
+}

@@ -1,0 +1,162 @@
+//! The engine: one robot among fixed walls, lengths in cells.
+
+use nalgebra::Point2;
+use rapier2d::prelude::{
+    ActiveEvents, BroadPhaseBvh, ColliderBuilder, ColliderHandle, ColliderSet, IslandManager,
+    NarrowPhase, PhysicsWorld, Pose, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet,
+    Rotation, Vector,
+};
+use serde::{Deserialize, Serialize};
+
+use super::contact::{Listener, Push};
+use super::params::PhysicsParams;
+use super::shortcut::{Clearance, coast};
+use super::walls::Block;
+use super::{SOLVER_ITERATIONS, STEP_S};
+use crate::world::Maze;
+
+/// How far ahead the engine looks for walls, in cells. It brakes the robot so that it ends the
+/// step at the wall and not inside; without, it enters walls by up to 0.06 cells at full speed.
+const LOOKAHEAD: f64 = 0.15;
+
+/// The engine's world, and whether it can be left alone.
+pub(super) struct Simulation {
+    world: PhysicsWorld,
+    listener: Listener,
+    robot: RigidBodyHandle,
+    shape: ColliderHandle,
+    /// `None` when every step is the engine's.
+    clearance: Option<Clearance>,
+    /// Did the last real step leave the robot in contact?
+    touching: bool,
+}
+
+/// Everything in the engine that a step can change.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct State {
+    islands: IslandManager,
+    broad_phase: BroadPhaseBvh,
+    narrow_phase: NarrowPhase,
+    bodies: RigidBodySet,
+    colliders: ColliderSet,
+    touching: bool,
+}
+
+impl Simulation {
+    /// The walls of a maze with `rows` rows, and a robot clear of them.
+    pub(super) fn new(blocks: &[Block], rows: u16, at: Pose, params: &PhysicsParams) -> Self {
+        let mut world = empty_world();
+        for block in blocks {
+            world.insert_collider(wall(block, rows), None);
+        }
+        let body = RigidBodyBuilder::dynamic()
+            .pose(at)
+            .can_sleep(false)
+            .soft_ccd_prediction(LOOKAHEAD as f32);
+        let disc = ColliderBuilder::ball(params.radius_m as f32)
+            .mass(params.mass_kg as f32)
+            .active_events(ActiveEvents::CONTACT_FORCE_EVENTS)
+            .contact_force_event_threshold(0.0);
+        let (robot, shape) = world.insert(body, disc);
+        let prediction = f64::from(world.integration_parameters.prediction_distance());
+        let mut simulation = Self {
+            world,
+            listener: Listener::new(shape),
+            robot,
+            shape,
+            clearance: params
+                .shortcut
+                .then(|| Clearance::new(params.radius_m, prediction)),
+            touching: false,
+        };
+        // The first step files the walls, which takes longer than all others.
+        simulation.step();
+        simulation
+    }
+
+    /// The robot's body.
+    pub(super) fn body(&self) -> &RigidBody {
+        &self.world.bodies[self.robot]
+    }
+
+    /// The robot's body, to be pushed.
+    pub(super) fn body_mut(&mut self) -> &mut RigidBody {
+        &mut self.world.bodies[self.robot]
+    }
+
+    /// Lets one step pass. Gives the pushes of walls during it, and the body after it.
+    pub(super) fn advance(&mut self, maze: &Maze) -> (&[Push], &RigidBody) {
+        self.listener.pushes().clear();
+        let body = &mut self.world.bodies[self.robot];
+        if !self.touching && self.clearance.is_some_and(|c| c.is_clear(maze, body)) {
+            coast(body);
+        } else {
+            self.step();
+        }
+        (self.listener.pushes(), &self.world.bodies[self.robot])
+    }
+
+    /// Lets the engine compute a step.
+    fn step(&mut self) {
+        self.world.step_with_events(&(), &self.listener);
+        self.touching = self
+            .world
+            .narrow_phase
+            .contact_pairs_with(self.shape)
+            .any(|pair| pair.has_any_active_contact());
+    }
+
+    /// Has the engine given up the robot, because its motion is no number any more?
+    pub(super) fn lost_robot(&self) -> bool {
+        !self.world.quarantine().is_empty()
+    }
+
+    /// A copy of the state.
+    pub(super) fn state(&self) -> State {
+        State {
+            islands: self.world.islands.clone(),
+            broad_phase: self.world.broad_phase.clone(),
+            narrow_phase: self.world.narrow_phase.clone(),
+            bodies: self.world.bodies.clone(),
+            colliders: self.world.colliders.clone(),
+            touching: self.touching,
+        }
+    }
+
+    /// Puts a state back.
+    pub(super) fn set_state(&mut self, state: &State) {
+        self.world.islands = state.islands.clone();
+        self.world.broad_phase = state.broad_phase.clone();
+        self.world.narrow_phase = state.narrow_phase.clone();
+        self.world.bodies = state.bodies.clone();
+        self.world.colliders = state.colliders.clone();
+        self.touching = state.touching;
+    }
+}
+
+/// The pose at a point, heading east.
+pub(super) fn eastward(at: Point2<f64>) -> Pose {
+    Pose::from_parts(Vector::new(at.x as f32, at.y as f32), Rotation::IDENTITY)
+}
+
+/// A world without gravity, with the step and the solver that the robot is tuned for.
+fn empty_world() -> PhysicsWorld {
+    let mut world = PhysicsWorld::new();
+    world.gravity = Vector::ZERO;
+    let integration = &mut world.integration_parameters;
+    integration.dt = STEP_S as f32;
+    integration.num_solver_iterations = SOLVER_ITERATIONS;
+    // Walls are a cell thick, and the robot covers a tenth of that per step.
+    integration.max_ccd_substeps = 0;
+    // Recycled contacts make the shortcut inexact.
+    integration.contact_recycling = false;
+    world
+}
+
+/// A block of walls in the world frame, whose y axis points north.
+fn wall(block: &Block, rows: u16) -> ColliderBuilder {
+    let half = Vector::new(block.width as f32, block.height as f32) / 2.0;
+    let north = f32::from(rows) - block.row as f32;
+    let centre = Vector::new(block.col as f32 + half.x, north - half.y);
+    ColliderBuilder::cuboid(half.x, half.y).translation(centre)
+}

@@ -1,0 +1,46 @@
+//! The whole state of a physics arena, to be put aside and put back.
+
+use serde::{Deserialize, Serialize};
+
+use super::PhysicsArena;
+use super::robot::Wheels;
+use super::simulation::State;
+use crate::random::Stream;
+use crate::world::Cell;
+
+/// Everything that changes while a [`PhysicsArena`] runs, down to the forces in a contact.
+///
+/// An arena of the same maze and the same settings that is given a snapshot goes on with the
+/// same bits as the arena that it was taken from.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Snapshot {
+    state: State,
+    wheels: Wheels,
+    noise: Stream,
+    steps: u64,
+    cell: Cell,
+}
+
+impl PhysicsArena {
+    /// The state between two actions.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            state: self.simulation.state(),
+            wheels: self.wheels,
+            noise: self.noise.stream.clone(),
+            steps: self.steps,
+            cell: self.cell,
+        }
+    }
+
+    /// Goes back to a snapshot of an arena of the same maze and the same settings. The view
+    /// then shows a robot that has not acted yet.
+    pub fn restore(&mut self, snapshot: &Snapshot) {
+        self.simulation.set_state(&snapshot.state);
+        self.wheels = snapshot.wheels;
+        self.noise.stream = snapshot.noise.clone();
+        self.steps = snapshot.steps;
+        self.cell = snapshot.cell;
+        self.begin_trace();
+    }
+}

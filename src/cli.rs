@@ -1,0 +1,43 @@
+//! The words of the command line; the documentation here is the text of `--help`.
+
+use clap::{Parser, Subcommand};
+
+use crate::commands::evaluate::EvaluateArgs;
+use crate::commands::train::TrainArgs;
+use crate::commands::world::WorldCommand;
+
+const EXIT_CODES: &str = "\
+Exit codes:
+   0  done
+   1  a condition you asked for does not hold (--require-optimal, --verify, failed trials)
+   2  wrong usage of the command line
+  65  bad input data
+  66  an input file is missing
+  70  internal fault: please report it
+  73  cannot create the output
+  74  input or output error, such as a full disk
+  75  interrupted, and a valid checkpoint was left";
+
+/// A mobile robot in a physics-simulated maze learns readable rules (XCS and XCSCR), and every
+/// episode can be replayed in Foxglove.
+///
+/// Results go to stdout, everything else to stderr. NO_COLOR is honoured.
+#[derive(Debug, Parser)]
+#[command(version, after_long_help = EXIT_CODES, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// One variant per subcommand; its arguments live beside its code in `commands/`.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Train a robot in a maze and record every episode.
+    Train(TrainArgs),
+    /// Run the greedy policy of a finished run, without learning.
+    Evaluate(EvaluateArgs),
+    /// Check, show and describe world files.
+    #[command(subcommand)]
+    World(WorldCommand),
+}

@@ -1,0 +1,69 @@
+//! Command-line arguments that several commands share.
+
+use std::path::{Path, PathBuf};
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use xcscr::reward::Method;
+use xcscr::sensor::Sensor;
+use xcscr::study::{ArenaKind, Resolved, Settings};
+
+use super::failure::{Exit, Failure};
+
+/// Parses one of a closed set by its name.
+pub fn one_of<T: Copy + Send + Sync + 'static>(
+    choices: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(choices.iter().map(|&choice| name(choice))).map(move |text| {
+        let chosen = choices.iter().find(|&&choice| name(choice) == text);
+        *chosen.expect("clap lets only names of choices pass")
+    })
+}
+
+/// Parses a method's name.
+pub fn method() -> impl TypedValueParser<Value = Method> {
+    one_of(&Method::ALL, Method::name)
+}
+
+/// Parses an arena's name.
+pub fn arena() -> impl TypedValueParser<Value = ArenaKind> {
+    one_of(&ArenaKind::ALL, ArenaKind::name)
+}
+
+/// Parses a sensor's name.
+pub fn sensor() -> impl TypedValueParser<Value = Sensor> {
+    one_of(&Sensor::ALL, Sensor::name)
+}
+
+/// Where settings come from.
+#[derive(Debug, clap::Args)]
+pub struct SettingsArgs {
+    /// Settings file (TOML); `xcscr config show` prints one.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Set one setting, such as `xcs.beta=0.1`; wins over the file.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl SettingsArgs {
+    /// The settings laid over `base`.
+    pub fn resolve(&self, base: &Settings) -> Result<Resolved, Failure> {
+        let text = self.config.as_deref().map(read_text).transpose()?;
+        let name = self.config.as_ref().map(|path| path.display().to_string());
+        let file = name.as_deref().zip(text.as_deref());
+        Ok(Resolved::new(base, file, &self.set)?)
+    }
+}
+
+/// The text of an input file.
+pub fn read_text(path: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(path).map_err(|cause| {
+        let exit = match cause.kind() {
+            std::io::ErrorKind::NotFound => Exit::Missing,
+            std::io::ErrorKind::InvalidData => Exit::BadData,
+            _ => Exit::Io,
+        };
+        Failure::new(exit, format!("cannot read {}: {cause}", path.display()))
+    })
+}

@@ -1,0 +1,145 @@
+//! `xcscr evaluate`: the greedy policy put to the test.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use xcscr::reward::{Knowledge, Method};
+use xcscr::sensor::Sensor;
+use xcscr::study::{ArenaKind, Config, Evaluation, Plan, RunFolder, Settings};
+use xcscr::world::Maze;
+
+use super::choices::{self, SettingsArgs};
+use super::failure::{Exit, Failure};
+
+/// Arguments of `evaluate`.
+#[derive(Debug, clap::Args)]
+pub struct EvaluateArgs {
+    /// The folder of a run, or a rules.json file.
+    run: PathBuf,
+    /// Another world file than the run's own; needed for a lone rules.json.
+    #[arg(long, value_name = "FILE")]
+    world: Option<PathBuf>,
+    /// Another arena than the run's own.
+    #[arg(long, value_parser = choices::arena())]
+    arena: Option<ArenaKind>,
+    /// Another percept than the run's own.
+    #[arg(long, value_parser = choices::sensor())]
+    sensor: Option<Sensor>,
+    /// How many episodes.
+    #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    episodes: u32,
+    /// The root of starts and noise.
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    seed: u64,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// End with code 1 unless every episode takes a shortest path.
+    #[arg(long)]
+    require_optimal: bool,
+    /// Print one JSON document instead of the report.
+    #[arg(long)]
+    json: bool,
+}
+
+impl EvaluateArgs {
+    fn plan(&self) -> Result<(Plan, Knowledge), Failure> {
+        let (mut plan, knowledge) = if self.run.is_file() {
+            self.plan_of_rules(&self.run)?
+        } else {
+            let folder = RunFolder::open(&self.run);
+            (folder.plan()?, folder.knowledge()?)
+        };
+        if let Some(world) = &self.world {
+            plan.maze = Maze::load(world)?;
+        }
+        let config = &mut plan.config;
+        config.seed = self.seed;
+        config.arena = self.arena.unwrap_or(config.arena);
+        config.sensor = self.sensor.unwrap_or(config.sensor);
+        config.settings = self.settings.resolve(&config.settings)?.settings;
+        Ok((plan, knowledge))
+    }
+
+    /// A plan around a lone file of rules.
+    fn plan_of_rules(&self, path: &Path) -> Result<(Plan, Knowledge), Failure> {
+        let knowledge = serde_json::from_str(&choices::read_text(path)?).map_err(|fault| {
+            let message = format!("{} holds no rules: {fault}", path.display());
+            Failure::new(Exit::BadData, message)
+        })?;
+        let world = self.world.as_ref().ok_or_else(|| {
+            let message = format!(
+                "{} says nothing of its world: add --world FILE",
+                path.display()
+            );
+            Failure::new(Exit::Usage, message)
+        })?;
+        let config = Config {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            method: Method::Xcscr,
+            arena: ArenaKind::Physics,
+            sensor: Sensor::Neighbours,
+            episodes: self.episodes,
+            seed: self.seed,
+            settings: Settings::default(),
+        };
+        let maze = Maze::load(world)?;
+        Ok((Plan { maze, config }, knowledge))
+    }
+}
+
+/// Evaluates and reports.
+pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let (plan, knowledge) = args.plan()?;
+    let evaluation = Evaluation::run(&plan, &knowledge, args.episodes)?;
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&evaluation)?)?;
+    } else {
+        print(&evaluation, &knowledge, out)?;
+    }
+    if args.require_optimal && !evaluation.is_optimal() {
+        let Evaluation {
+            optimal, episodes, ..
+        } = evaluation;
+        let message = format!("{optimal} of {episodes} episodes took a shortest path");
+        return Err(Failure::new(Exit::Refuted, message));
+    }
+    Ok(())
+}
+
+fn print(e: &Evaluation, knowledge: &Knowledge, out: &mut impl Write) -> Result<(), Failure> {
+    let percent = |count: u32| 100.0 * f64::from(count) / f64::from(e.episodes);
+    writeln!(
+        out,
+        "{}: greedy policy of {} rules on {}, noise {}, seed {}, {} episodes",
+        e.world,
+        knowledge.len(),
+        e.arena,
+        e.noise,
+        e.seed,
+        e.episodes
+    )?;
+    writeln!(
+        out,
+        "  reached the goal     {} ({:.1} %)",
+        e.successes,
+        percent(e.successes)
+    )?;
+    writeln!(
+        out,
+        "  by a shortest path   {} ({:.1} %)",
+        e.optimal,
+        percent(e.optimal)
+    )?;
+    let (steps, optimal) = (e.mean_steps, e.mean_optimal_steps);
+    writeln!(
+        out,
+        "  steps per episode    {steps:.2} (shortest {optimal:.2})"
+    )?;
+    writeln!(out, "  collisions           {}", e.collisions)?;
+    writeln!(
+        out,
+        "  time per episode     {:.2} s simulated",
+        e.mean_seconds
+    )?;
+    Ok(())
+}

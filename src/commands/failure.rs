@@ -1,0 +1,139 @@
+//! Why a command did not do what was asked, and the exit code for it.
+
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+
+use xcscr::record::RecordError;
+use xcscr::study::{PlanError, RunFolderError, SettingsError};
+use xcscr::world::WorldError;
+
+/// The exit codes of unsuccessful ends; `--help` explains them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exit {
+    /// The reader of stdout went away, which is a clean end.
+    Closed = 0,
+    /// A condition that the user asked for does not hold.
+    Refuted = 1,
+    /// Arguments that make no sense together.
+    Usage = 2,
+    /// Bad input data.
+    BadData = 65,
+    /// An input file is missing.
+    Missing = 66,
+    /// A fault of this program.
+    Internal = 70,
+    /// The output cannot be created.
+    CannotCreate = 73,
+    /// Input or output error.
+    Io = 74,
+}
+
+/// An exit code, and the message for it.
+#[derive(Debug)]
+pub struct Failure {
+    /// The exit code.
+    pub exit: Exit,
+    message: String,
+}
+
+impl Failure {
+    /// A failure with its message, which begins with a small letter and ends without a stop.
+    pub fn new(exit: Exit, message: impl Into<String>) -> Self {
+        Self {
+            exit,
+            message: message.into(),
+        }
+    }
+
+    /// The failure after a panic, whose own message is already on stderr.
+    pub fn internal() -> Self {
+        let message = "internal fault: please report it with the message above";
+        Self::new(Exit::Internal, message)
+    }
+
+    /// Prints the message to stderr. A closed stderr is no reason to fail again.
+    pub fn print(&self) {
+        let word = match colours() {
+            true => "\x1b[1;91merror\x1b[0m",
+            false => "error",
+        };
+        if self.exit != Exit::Closed {
+            let _ = writeln!(io::stderr(), "{word}: {}", self.message);
+        }
+    }
+
+    /// Prints the message and gives the exit code.
+    pub fn report(&self) -> ExitCode {
+        self.print();
+        ExitCode::from(self.exit as u8)
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Self::new(Exit::Closed, ""),
+            _ => Self::new(Exit::Io, format!("cannot write the result: {error}")),
+        }
+    }
+}
+
+impl From<serde_json::Error> for Failure {
+    fn from(error: serde_json::Error) -> Self {
+        io::Error::from(error).into()
+    }
+}
+
+impl From<WorldError> for Failure {
+    fn from(error: WorldError) -> Self {
+        match &error {
+            WorldError::Missing { .. } => Self::new(Exit::Missing, error.to_string()),
+            WorldError::Invalid(fault) if colours() => {
+                Self::new(Exit::BadData, fault.styled().to_string())
+            }
+            WorldError::Invalid(_) => Self::new(Exit::BadData, error.to_string()),
+            _ => Self::new(Exit::Io, error.to_string()),
+        }
+    }
+}
+
+impl From<SettingsError> for Failure {
+    fn from(error: SettingsError) -> Self {
+        Self::new(Exit::BadData, error.to_string())
+    }
+}
+
+impl From<PlanError> for Failure {
+    fn from(error: PlanError) -> Self {
+        Self::new(Exit::BadData, error.to_string())
+    }
+}
+
+impl From<RunFolderError> for Failure {
+    fn from(error: RunFolderError) -> Self {
+        let exit = match error {
+            RunFolderError::World(error) => return error.into(),
+            RunFolderError::Exists(_) | RunFolderError::Create { .. } => Exit::CannotCreate,
+            RunFolderError::Missing(_) => Exit::Missing,
+            RunFolderError::Damaged { .. } => Exit::BadData,
+            RunFolderError::Io { .. } => Exit::Io,
+        };
+        Self::new(exit, error.to_string())
+    }
+}
+
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Self {
+        let exit = match error {
+            RecordError::Create { .. } => Exit::CannotCreate,
+            _ => Exit::Io,
+        };
+        Self::new(exit, error.to_string())
+    }
+}
+
+/// Are colours wanted on stderr? See no-color.org.
+fn colours() -> bool {
+    let forbidden = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    io::stderr().is_terminal() && !forbidden
+}

@@ -1,0 +1,24 @@
+//! The subcommands: thin layers over the library, one file each.
+
+mod choices;
+pub mod evaluate;
+pub mod failure;
+mod progress;
+pub mod train;
+mod train_report;
+pub mod world;
+
+use std::io::Write;
+
+use crate::cli::{Cli, Command};
+use failure::Failure;
+
+/// Runs the chosen subcommand; results go to `out`.
+pub fn run(cli: Cli, out: &mut impl Write) -> Result<(), Failure> {
+    match cli.command {
+        Command::Train(args) => train::run(&args, out)?,
+        Command::Evaluate(args) => evaluate::run(&args, out)?,
+        Command::World(command) => world::run(command, out)?,
+    }
+    Ok(out.flush()?)
+}

@@ -1,0 +1,52 @@
+//! A progress bar on stderr.
+
+use std::ops::ControlFlow;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use xcscr::episode::{Ending, Episode, Learned, Observer};
+
+const TEMPLATE: &str = "{bar:30} episode {pos}/{len}, {msg}, {eta} left";
+
+/// Shows how training goes, when stderr is a terminal. It wipes itself away at the end.
+pub struct Progress {
+    bar: ProgressBar,
+    best: Option<u32>,
+}
+
+impl Progress {
+    /// A bar for this many episodes; `quiet` hides it.
+    pub fn new(episodes: u32, quiet: bool) -> Self {
+        let target = if quiet {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        };
+        let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
+        let bar = ProgressBar::with_draw_target(Some(episodes.into()), target).with_style(style);
+        Self { bar, best: None }
+    }
+}
+
+impl Observer for Progress {
+    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+        if episode.ending == Ending::Goal {
+            let best = self.best.unwrap_or(u32::MAX).min(episode.steps);
+            self.best = Some(best);
+        }
+        let best = self
+            .best
+            .map_or("none yet".to_owned(), |steps| format!("{steps} steps"));
+        let (steps, collisions) = (episode.steps, episode.collisions);
+        self.bar.set_message(format!(
+            "{steps} steps, {collisions} collisions, best so far {best}"
+        ));
+        self.bar.inc(1);
+        ControlFlow::Continue(())
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,119 @@
+//! `xcscr train`: a fresh learner, trained and recorded.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use xcscr::episode::Observer;
+use xcscr::record::{RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
+use xcscr::reward::Method;
+use xcscr::sensor::Sensor;
+use xcscr::study::{ArenaKind, Config, Plan, RunFolder, Settings, Trial};
+use xcscr::world::Maze;
+
+use super::choices::{self, SettingsArgs};
+use super::failure::Failure;
+use super::progress::Progress;
+use super::train_report::TrainReport;
+
+/// Arguments of `train`.
+#[derive(Debug, clap::Args)]
+pub struct TrainArgs {
+    /// The world file, such as worlds/maze4.json.
+    world: PathBuf,
+    /// The reward method.
+    #[arg(long, default_value = "xcscr", value_parser = choices::method())]
+    method: Method,
+    /// Where the robot acts: in simulated physics, or on the bare grid.
+    #[arg(long, default_value = "physics", value_parser = choices::arena())]
+    arena: ArenaKind,
+    /// What the robot perceives.
+    #[arg(long, default_value = "neighbours", value_parser = choices::sensor())]
+    sensor: Sensor,
+    /// How many episodes.
+    #[arg(long, default_value_t = 180, value_name = "N")]
+    episodes: u32,
+    /// The root of all random numbers: the same seed gives the same bytes.
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    seed: u64,
+    /// The folder of the run [default: recordings/<world>-<method>-<arena>-s<seed>].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace the folder of an earlier run.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Which episodes to keep: all, best, last, every:N or none.
+    #[arg(long, default_value = "all", value_name = "MODE")]
+    record: RecordMode,
+    /// Print one JSON document instead of the report.
+    #[arg(long)]
+    json: bool,
+    /// Show no progress.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl TrainArgs {
+    fn plan(&self) -> Result<Plan, Failure> {
+        let config = Config {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            method: self.method,
+            arena: self.arena,
+            sensor: self.sensor,
+            episodes: self.episodes,
+            seed: self.seed,
+            settings: self.settings.resolve(&Settings::default())?.settings,
+        };
+        let maze = Maze::load(&self.world)?;
+        Ok(Plan { maze, config })
+    }
+}
+
+/// Trains, records, saves and reports.
+pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let plan = args.plan()?;
+    let mut trial = Trial::new(plan.clone())?;
+    let default = || PathBuf::from("recordings").join(plan.folder_name());
+    let folder = RunFolder::create(&args.out.clone().unwrap_or_else(default), args.force)?;
+    folder.save_plan(&plan)?;
+    let recorder = recorder(&folder, &plan, args.record)?;
+    let progress = Progress::new(args.episodes, args.quiet);
+    let recording = train(&mut trial, recorder, progress)?;
+    folder.save_knowledge(&trial.method().knowledge())?;
+    let report = TrainReport::new(&trial, folder.path());
+    if args.json {
+        return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?);
+    }
+    report.print(&trial, &recording, out)
+}
+
+/// A recorder for a run of this plan.
+pub fn recorder(folder: &RunFolder, plan: &Plan, mode: RecordMode) -> Result<Recorder, Failure> {
+    let config = &plan.config;
+    let info = RunInfo {
+        world_json: plan.maze.to_json(),
+        config_json: serde_json::to_string_pretty(config)?,
+        seed: config.seed,
+        method: config.method.name().to_owned(),
+        arena: config.arena.name().to_owned(),
+        sensor: config.sensor,
+        episodes: config.episodes,
+        robot: RobotShape::for_cell(plan.maze.cell_size_m()),
+    };
+    Ok(Recorder::create(folder.path(), &plan.maze, info, mode)?)
+}
+
+/// Runs a trial to its end while it is recorded and watched.
+pub fn train(
+    trial: &mut Trial,
+    recorder: Recorder,
+    watcher: impl Observer,
+) -> Result<RecordSummary, Failure> {
+    let mut observers = (recorder, watcher);
+    // A break comes from the recorder, whose error `finish` gives out.
+    let _ = trial.run(&mut observers);
+    let (recorder, watcher) = observers;
+    drop(watcher);
+    Ok(recorder.finish(trial.method())?)
+}

@@ -1,0 +1,158 @@
+//! What `train` says at its end.
+
+use std::io::Write;
+use std::path::Path;
+
+use serde::Serialize;
+use xcscr::episode::PolicyMap;
+use xcscr::record::RecordSummary;
+use xcscr::study::Trial;
+use xcscr::world::{Facts, Maze, draw};
+
+use super::failure::Failure;
+
+/// The result of a training run, as `--json` prints it.
+#[derive(Debug, Serialize)]
+pub struct TrainReport {
+    world: String,
+    method: &'static str,
+    arena: &'static str,
+    sensor: &'static str,
+    seed: u64,
+    episodes: u32,
+    /// Steps of a shortest path; `null` when episodes start anywhere.
+    optimal_steps: Option<u32>,
+    /// How many shortest paths there are; `null` when episodes start anywhere.
+    optimal_paths: Option<u64>,
+    first_optimal_episode: Option<u32>,
+    first_optimal_env_steps: Option<u64>,
+    first_executed_optimal_episode: Option<u32>,
+    /// Steps of the greedy policy from the start; `null` when it does not arrive, or when
+    /// episodes start anywhere.
+    greedy_steps: Option<u32>,
+    /// Is the greedy policy globally optimal at the end?
+    retained: bool,
+    steps: u64,
+    collisions: u64,
+    rules: usize,
+    run_dir: String,
+}
+
+impl TrainReport {
+    /// Sums up a finished trial whose files lie in `folder`.
+    pub fn new(trial: &Trial, folder: &Path) -> Self {
+        let (plan, progress) = (trial.plan(), trial.progress());
+        let (maze, config) = (&plan.maze, &plan.config);
+        let facts = Facts::new(maze);
+        let start = maze.start();
+        Self {
+            world: facts.world,
+            method: config.method.name(),
+            arena: config.arena.name(),
+            sensor: config.sensor.name(),
+            seed: config.seed,
+            episodes: progress.episodes,
+            optimal_steps: facts.optimal_steps,
+            optimal_paths: facts.optimal_paths,
+            first_optimal_episode: progress.first_optimal_episode,
+            first_optimal_env_steps: progress.first_optimal_env_steps,
+            first_executed_optimal_episode: progress.first_executed_optimal_episode,
+            greedy_steps: start.and_then(|start| trial.policy().greedy_steps(maze, start)),
+            retained: progress.optimal,
+            steps: progress.steps,
+            collisions: progress.collisions,
+            rules: trial.method().rule_count(),
+            run_dir: folder.display().to_string(),
+        }
+    }
+
+    /// Prints the report for people.
+    pub fn print(
+        &self,
+        trial: &Trial,
+        recording: &RecordSummary,
+        out: &mut impl Write,
+    ) -> Result<(), Failure> {
+        writeln!(out, "{}", self.headline())?;
+        writeln!(out, "  shortest path        {}", self.shortest_path())?;
+        writeln!(out, "  first optimal        {}", self.first_optimal())?;
+        writeln!(out, "  greedy policy now    {}", self.greedy())?;
+        let (steps, collisions) = (self.steps, self.collisions);
+        writeln!(out, "  steps, collisions    {steps}, {collisions}")?;
+        writeln!(out, "  rules                {}", self.rules)?;
+        writeln!(out, "\n{}", picture(&trial.plan().maze, &trial.policy()))?;
+        self.print_files(recording, out)
+    }
+
+    fn headline(&self) -> String {
+        let Self {
+            world,
+            method,
+            arena,
+            sensor,
+            seed,
+            episodes,
+            ..
+        } = self;
+        format!("{world}: {method} on {arena}, {sensor}, seed {seed}, {episodes} episodes")
+    }
+
+    fn shortest_path(&self) -> String {
+        let fixed = self.optimal_steps.zip(self.optimal_paths);
+        fixed.map_or("episodes start anywhere".to_owned(), |(steps, paths)| {
+            format!(
+                "{steps} steps, {paths} such path{}",
+                if paths == 1 { "" } else { "s" }
+            )
+        })
+    }
+
+    fn first_optimal(&self) -> String {
+        let first = self.first_optimal_episode.zip(self.first_optimal_env_steps);
+        first.map_or("never globally optimal".to_owned(), |(episode, steps)| {
+            format!("after episode {episode} ({steps} steps)")
+        })
+    }
+
+    fn greedy(&self) -> String {
+        let steps = self.greedy_steps.map(|steps| format!("{steps} steps"));
+        let globally = if self.retained {
+            "globally optimal"
+        } else {
+            "not globally optimal"
+        };
+        steps.map_or(globally.to_owned(), |steps| format!("{steps}, {globally}"))
+    }
+
+    fn print_files(&self, recording: &RecordSummary, out: &mut impl Write) -> Result<(), Failure> {
+        let files = recording.files.len();
+        if files == 0 {
+            return Ok(writeln!(
+                out,
+                "Saved in {}; nothing was recorded.",
+                self.run_dir
+            )?);
+        }
+        let megabytes = recording.bytes as f64 / 1e6;
+        let dir = &self.run_dir;
+        writeln!(out, "Recorded {files} files, {megabytes:.1} MB, in {dir}.")?;
+        writeln!(
+            out,
+            "Watch it: open {dir}/ep-*.mcap in Foxglove or Lichtblick and import the layout\n\
+             {dir}/foxglove-layout.json; open run.mcap with foxglove-layout-run.json to see how\n\
+             learning went."
+        )?;
+        Ok(())
+    }
+}
+
+/// The best actions of a policy as arrows over the maze; `+` where several tie, `?` where nothing
+/// is known.
+fn picture(maze: &Maze, policy: &PolicyMap) -> String {
+    draw(maze, |cell| {
+        let mut best = policy.worth(cell)?.best_actions();
+        let arrow = best.next().and_then(|action| maze.direction(action));
+        let ties = best.next().is_some();
+        Some(arrow.map_or('?', |direction| if ties { '+' } else { direction.arrow() }))
+    })
+}

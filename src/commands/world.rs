@@ -1,0 +1,194 @@
+//! `xcscr world`: check, show and describe world files.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+use serde::Serialize;
+use xcscr::sensor::{Alike, Sensor, alike};
+use xcscr::world::{Cell, Facts, Maze, draw};
+
+use super::failure::{Exit, Failure};
+
+/// The most cells that a list in the text names one by one.
+const MOST_LISTED: usize = 8;
+
+/// What to do with world files.
+#[derive(Debug, Subcommand)]
+pub enum WorldCommand {
+    /// Check world files: a line for each good one, a message for each bad one.
+    Check {
+        /// World files.
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Draw a world in the terminal.
+    Show {
+        /// A world file.
+        file: PathBuf,
+    },
+    /// Size, goals, shortest paths, and cells that look alike to the robot.
+    Info {
+        /// A world file.
+        file: PathBuf,
+        /// Print one JSON document.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// Runs one of the world commands.
+pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
+    match command {
+        WorldCommand::Check { files } => check(&files, out),
+        WorldCommand::Show { file } => {
+            let maze = Maze::load(&file)?;
+            Ok(write!(out, "{}", draw(&maze, |_| None))?)
+        }
+        WorldCommand::Info { file, json } => {
+            let description = Description::new(&Maze::load(&file)?);
+            match json {
+                true => Ok(writeln!(
+                    out,
+                    "{}",
+                    serde_json::to_string_pretty(&description)?
+                )?),
+                false => description.print(out),
+            }
+        }
+    }
+}
+
+fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
+    let mut failures: Vec<Exit> = Vec::new();
+    for file in files {
+        match Maze::load(file).map_err(Failure::from) {
+            Ok(maze) => writeln!(out, "{}", summary(file, &Facts::new(&maze)))?,
+            Err(failure) => {
+                failure.print();
+                failures.push(failure.exit);
+            }
+        }
+    }
+    let Some(&first) = failures.first() else {
+        return Ok(());
+    };
+    let exit = match failures.contains(&Exit::BadData) {
+        true => Exit::BadData,
+        false => first,
+    };
+    let message = format!(
+        "{} of {} worlds are not usable",
+        failures.len(),
+        files.len()
+    );
+    Err(Failure::new(exit, message))
+}
+
+fn summary(file: &Path, facts: &Facts) -> String {
+    format!(
+        "{}: {}, {} x {} cells, {}",
+        file.display(),
+        facts.world,
+        facts.width,
+        facts.height,
+        shortest(facts)
+    )
+}
+
+fn shortest(facts: &Facts) -> String {
+    match (facts.optimal_steps, facts.optimal_paths) {
+        (Some(steps), Some(1)) => format!("{steps} steps on 1 shortest path"),
+        (Some(steps), Some(u64::MAX)) => format!("{steps} steps on countless shortest paths"),
+        (Some(steps), Some(paths)) => format!("{steps} steps on {paths} shortest paths"),
+        _ => format!(
+            "{:.3} steps on average, at most {}",
+            facts.mean_optimal_steps, facts.greatest_optimal_steps
+        ),
+    }
+}
+
+/// All that `world info` tells.
+#[derive(Debug, Serialize)]
+struct Description {
+    #[serde(flatten)]
+    facts: Facts,
+    look_alike: Vec<LookAlike>,
+}
+
+/// The cells that one sensor cannot tell apart.
+#[derive(Debug, Serialize)]
+struct LookAlike {
+    sensor: Sensor,
+    groups: Vec<Alike>,
+}
+
+impl Description {
+    fn new(maze: &Maze) -> Self {
+        Self {
+            facts: Facts::new(maze),
+            look_alike: Sensor::ALL
+                .into_iter()
+                .map(|sensor| LookAlike {
+                    sensor,
+                    groups: alike(sensor, maze),
+                })
+                .collect(),
+        }
+    }
+
+    fn print(&self, out: &mut impl Write) -> Result<(), Failure> {
+        let facts = &self.facts;
+        let (width, height, size) = (facts.width, facts.height, facts.cell_size_m);
+        let edges = if facts.wrap { ", joined edges" } else { "" };
+        let start = facts.start.map_or("random".to_owned(), place);
+        writeln!(out, "name        {}", facts.world)?;
+        writeln!(
+            out,
+            "size        {width} x {height} cells of {size} m{edges}"
+        )?;
+        writeln!(out, "moves       {}", facts.moves)?;
+        writeln!(out, "free cells  {}", facts.free_cells)?;
+        writeln!(out, "start       {start}")?;
+        writeln!(out, "goals       {}", places(&facts.goals))?;
+        writeln!(out, "shortest    {}", shortest(facts))?;
+        self.look_alike.iter().try_for_each(|one| one.print(out))
+    }
+}
+
+impl LookAlike {
+    fn print(&self, out: &mut impl Write) -> Result<(), Failure> {
+        let name = self.sensor.name();
+        if self.groups.is_empty() {
+            return Ok(writeln!(out, "look alike  ({name}) none")?);
+        }
+        for group in self.groups.iter().take(MOST_LISTED) {
+            let note = match group.share_a_best_action {
+                true => "one move is best in all",
+                false => "no move is best in all",
+            };
+            writeln!(out, "look alike  ({name}) {}: {note}", places(&group.cells))?;
+        }
+        match self.groups.len().saturating_sub(MOST_LISTED) {
+            0 => Ok(()),
+            more => Ok(writeln!(
+                out,
+                "look alike  ({name}) and {more} more groups"
+            )?),
+        }
+    }
+}
+
+/// A cell as column and row.
+fn place(cell: Cell) -> String {
+    format!("{},{}", cell.col, cell.row)
+}
+
+/// Cells as column and row, the first few of them.
+fn places(cells: &[Cell]) -> String {
+    let shown: Vec<String> = cells.iter().copied().take(MOST_LISTED).map(place).collect();
+    match cells.len().saturating_sub(MOST_LISTED) {
+        0 => shown.join("  "),
+        more => format!("{}  and {more} more", shown.join("  ")),
+    }
+}

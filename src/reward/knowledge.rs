@@ -1,0 +1,107 @@
+//! What a learner knows, and a learner that only uses it.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::method::{EndCredit, RewardMethod, StepCredit};
+use crate::arena::Outcome;
+use crate::signal::{Action, Percept};
+use crate::xcs::{Population, PredictionArray, prediction_array};
+
+/// What was learned: enough to follow the greedy policy.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Knowledge {
+    /// The rules of an XCS.
+    Rules(Population),
+    /// The table of a tabular method: the worth of each action in each percept.
+    Table(BTreeMap<Percept, Vec<Option<f64>>>),
+}
+
+impl Knowledge {
+    /// The worth of each of `actions` actions under a percept.
+    pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
+        match self {
+            Self::Rules(population) => {
+                let mut rules = Vec::new();
+                population.for_each_match(percept, &mut Vec::new(), |_, rule| rules.push(*rule));
+                prediction_array(rules.iter(), actions, false)
+            }
+            Self::Table(table) => {
+                let mut array = PredictionArray::new(actions);
+                let row = table.get(percept).map_or(&[][..], Vec::as_slice);
+                for (action, worth) in Action::all(actions).zip(row) {
+                    worth.iter().for_each(|&worth| array.set(action, worth));
+                }
+                array
+            }
+        }
+    }
+
+    /// The number of rules, or of pairs in the table.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Rules(population) => population.len(),
+            Self::Table(table) => table.values().flatten().flatten().count(),
+        }
+    }
+
+    /// Is nothing known?
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// A method that no longer learns: it acts on what is known and changes nothing.
+#[derive(Debug, Clone)]
+pub struct Frozen {
+    knowledge: Knowledge,
+    actions: usize,
+    step_threshold: u32,
+}
+
+impl Frozen {
+    /// Acts on `knowledge` with `actions` actions, for at most `step_threshold` steps an episode.
+    pub fn new(knowledge: Knowledge, actions: usize, step_threshold: u32) -> Self {
+        Self {
+            knowledge,
+            actions,
+            step_threshold,
+        }
+    }
+}
+
+impl RewardMethod for Frozen {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.worth(percept)
+    }
+
+    fn credit(&mut self, _: Action, _: Outcome) -> StepCredit {
+        StepCredit::default()
+    }
+
+    fn finish(&mut self, _: bool) -> EndCredit {
+        EndCredit {
+            long_term_reward: 0.0,
+            learning_rate: 0.0,
+            imprinted: false,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.step_threshold
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.knowledge.worth(percept, self.actions)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        self.knowledge.clone()
+    }
+
+    fn rule_count(&self) -> usize {
+        self.knowledge.len()
+    }
+}

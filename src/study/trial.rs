@@ -1,0 +1,147 @@
+//! One trial: a fresh learner, run for a number of episodes from one seed.
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+
+use super::plan::{Plan, PlanError};
+use crate::arena::Arena;
+use crate::episode::{self, Episode, Explorer, Observer, PolicyMap};
+use crate::random::{Stream, StreamName};
+use crate::reward::RewardMethod;
+use crate::world::{Cell, Paths};
+
+/// The figures of a trial so far.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Progress {
+    /// Finished episodes.
+    pub episodes: u32,
+    /// Steps taken in the environment.
+    pub steps: u64,
+    /// Collisions among them.
+    pub collisions: u64,
+    /// The first episode after which the greedy policy was globally optimal.
+    pub first_optimal_episode: Option<u32>,
+    /// Steps taken until then.
+    pub first_optimal_env_steps: Option<u64>,
+    /// The first episode that was itself as short as the shortest path.
+    pub first_executed_optimal_episode: Option<u32>,
+    /// Is the greedy policy globally optimal now?
+    pub optimal: bool,
+    /// The fewest steps of an episode that reached a goal.
+    pub best_steps: Option<u32>,
+}
+
+/// A trial in progress: run it episode by episode, or all at once.
+pub struct Trial {
+    plan: Plan,
+    paths: Paths,
+    arena: Box<dyn Arena>,
+    method: Box<dyn RewardMethod>,
+    explorer: Explorer,
+    starts: Stream,
+    progress: Progress,
+}
+
+impl Trial {
+    /// A trial at its beginning.
+    pub fn new(plan: Plan) -> Result<Self, PlanError> {
+        plan.check()?;
+        let Plan { maze, config } = &plan;
+        let exploration = Stream::new(config.seed, StreamName::Exploration);
+        Ok(Self {
+            paths: Paths::new(maze),
+            arena: config.build_arena(maze)?,
+            method: config.build_method(maze),
+            explorer: Explorer::new(config.settings.episode.explore, exploration),
+            starts: Stream::new(config.seed, StreamName::Start),
+            progress: Progress::default(),
+            plan,
+        })
+    }
+
+    /// Runs the next episode. `Break` means that an observer wants the trial to end.
+    pub fn run_episode(&mut self, observer: &mut dyn Observer) -> (Episode, ControlFlow<()>) {
+        let start = self.next_start();
+        let (episode, flow) = episode::run(
+            self.progress.episodes + 1,
+            start,
+            &mut *self.arena,
+            self.plan.config.sensor,
+            &mut *self.method,
+            &mut self.explorer,
+            observer,
+        );
+        self.count(&episode, start);
+        (episode, flow)
+    }
+
+    /// Runs all episodes that are left, until an observer wants the trial to end.
+    pub fn run(&mut self, observer: &mut dyn Observer) -> ControlFlow<()> {
+        while self.progress.episodes < self.plan.config.episodes {
+            self.run_episode(observer).1?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn next_start(&mut self) -> Cell {
+        let cells = self.plan.maze.start_cells();
+        match cells[..] {
+            [only] => only,
+            _ => *self
+                .starts
+                .choose(&cells)
+                .expect("a checked maze has a start cell"),
+        }
+    }
+
+    fn count(&mut self, episode: &Episode, start: Cell) {
+        let optimal = self.policy().is_optimal(&self.plan.maze, &self.paths);
+        let shortest = self.paths.distance(&self.plan.maze, start);
+        let progress = &mut self.progress;
+        progress.episodes += 1;
+        progress.steps += u64::from(episode.steps);
+        progress.collisions += u64::from(episode.collisions);
+        progress.optimal = optimal;
+        if optimal && progress.first_optimal_episode.is_none() {
+            progress.first_optimal_episode = Some(episode.episode);
+            progress.first_optimal_env_steps = Some(progress.steps);
+        }
+        if episode.ending == episode::Ending::Goal {
+            let best = progress
+                .best_steps
+                .map_or(episode.steps, |b| b.min(episode.steps));
+            progress.best_steps = Some(best);
+            if Some(episode.steps) == shortest {
+                progress
+                    .first_executed_optimal_episode
+                    .get_or_insert(episode.episode);
+            }
+        }
+    }
+
+    /// The policy that the learner would follow now, without exploring.
+    pub fn policy(&self) -> PolicyMap {
+        PolicyMap::of(&*self.method, self.plan.config.sensor, &self.plan.maze)
+    }
+
+    /// The figures so far.
+    pub fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The shortest paths of the maze.
+    pub fn paths(&self) -> &Paths {
+        &self.paths
+    }
+
+    /// The learner.
+    pub fn method(&self) -> &dyn RewardMethod {
+        &*self.method
+    }
+}

@@ -1,0 +1,62 @@
+//! What can be said about a maze before anything is learned.
+
+use serde::Serialize;
+
+use super::maze::{Cell, Maze};
+use super::paths::Paths;
+
+/// Size, starts, goals and shortest paths of a maze; steps are moves from cell to cell.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Facts {
+    /// The world's name.
+    pub world: String,
+    /// Columns.
+    pub width: u16,
+    /// Rows.
+    pub height: u16,
+    /// Edge length of a cell in metres.
+    pub cell_size_m: f64,
+    /// The number of actions, 4 or 8.
+    pub moves: usize,
+    /// Do the edges join?
+    pub wrap: bool,
+    /// Cells that are no wall, goals included.
+    pub free_cells: usize,
+    /// The start; `None` when each episode starts in a random free cell.
+    pub start: Option<Cell>,
+    /// The goals in reading order.
+    pub goals: Vec<Cell>,
+    /// Steps of a shortest path from the fixed start.
+    pub optimal_steps: Option<u32>,
+    /// How many different shortest paths there are from the fixed start.
+    pub optimal_paths: Option<u64>,
+    /// Mean length of the shortest paths over all cells in which an episode can start.
+    pub mean_optimal_steps: f64,
+    /// The greatest of these lengths.
+    pub greatest_optimal_steps: u32,
+}
+
+impl Facts {
+    /// Computes the facts about a maze.
+    pub fn new(maze: &Maze) -> Self {
+        let paths = Paths::new(maze);
+        let steps = |cell| paths.distance(maze, cell);
+        let lengths: Vec<u32> = maze.start_cells().into_iter().filter_map(steps).collect();
+        let sum: f64 = lengths.iter().copied().map(f64::from).sum();
+        Self {
+            world: maze.name().to_owned(),
+            width: maze.width(),
+            height: maze.height(),
+            cell_size_m: maze.cell_size_m(),
+            moves: maze.action_count(),
+            wrap: maze.wraps(),
+            free_cells: maze.free_cells().count(),
+            start: maze.start(),
+            goals: maze.goals().to_vec(),
+            optimal_steps: maze.start().and_then(steps),
+            optimal_paths: maze.start().map(|start| paths.count_from(maze, start)),
+            mean_optimal_steps: sum / lengths.len() as f64,
+            greatest_optimal_steps: lengths.into_iter().max().unwrap_or(0),
+        }
+    }
+}
