@@ -1,9 +1,11 @@
 //! The subcommands: thin layers over the library, one file each.
 
+pub mod check;
 mod choices;
 pub mod evaluate;
 pub mod failure;
 mod progress;
+pub mod replay;
 pub mod train;
 mod train_report;
 pub mod world;
@@ -18,6 +20,8 @@ pub fn run(cli: Cli, out: &mut impl Write) -> Result<(), Failure> {
     match cli.command {
         Command::Train(args) => train::run(&args, out)?,
         Command::Evaluate(args) => evaluate::run(&args, out)?,
+        Command::Replay(args) => replay::run(&args, out)?,
+        Command::Check(args) => check::run(&args, out)?,
         Command::World(command) => world::run(command, out)?,
     }
     Ok(out.flush()?)
