@@ -169,7 +169,7 @@ fn all_frames_are_there_from_the_first_moment_on() {
         for message in recording.messages().map(|message| message.unwrap()) {
             if message.topic() == "/tf" {
                 let names = children(&message.data);
-                assert_eq!(names, ["robot", "wheel_left", "wheel_right"]);
+                assert_eq!(names, ["robot"]);
             }
         }
     }
