@@ -1,7 +1,5 @@
 //! What every arena promises, checked by one checker over the grid and the simulated robot.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use std::path::Path;
 
 use xcscr::arena::{Arena, GridArena, Outcome, PhysicsArena, PhysicsParams};

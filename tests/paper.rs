@@ -3,8 +3,6 @@
 //! Numbers marked (calc) were computed with a pocket calculator's worth of Python, from the
 //! equations as Butz and Wilson (2001) print them, not with this program.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
 use xcscr::random::{Stream, StreamName};
 use xcscr::signal::{Action, Percept};
 use xcscr::xcs::{Classifier, Params, Population, Xcs};

@@ -1,8 +1,6 @@
 //! What the simulated robot does: it drives where it is told to, knows when it hits a wall, and
 //! does the same again, to the bit.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use std::path::Path;
 
 use nalgebra::{Point2, Vector2};

@@ -1,7 +1,5 @@
 //! `train`, `evaluate`, `replay` and `check` as their users call them.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
 use std::fs;
 use std::path::Path;
 use std::process::Output;

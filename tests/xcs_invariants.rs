@@ -1,7 +1,5 @@
 //! What holds for XCS whatever it meets.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
 use proptest::prelude::*;
 use xcscr::random::{Stream, StreamName};
 use xcscr::signal::{Action, Percept};
