@@ -20,6 +20,11 @@ impl Explorer {
         }
     }
 
+    /// Can this explorer, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        self.probability == fresh.probability
+    }
+
     /// An action, and whether it was chosen to explore. Ties are broken by chance.
     pub fn choose(&mut self, worth: &PredictionArray) -> (Action, bool) {
         let explores = self.stream.chance(self.probability);

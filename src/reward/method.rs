@@ -55,4 +55,8 @@ pub trait RewardMethod {
 
     /// Macro-classifiers in \[P\], or stored pairs of a tabular method.
     fn rule_count(&self) -> usize;
+
+    /// All that the method keeps from one episode to the next, for
+    /// [`Method::restore`](super::Method::restore).
+    fn memory(&self) -> Vec<u8>;
 }

@@ -6,6 +6,7 @@
 mod adapted;
 mod combined;
 mod knowledge;
+mod memory;
 mod method;
 mod mind;
 mod params;
@@ -14,7 +15,8 @@ mod standard;
 
 pub use adapted::Adapted;
 pub use combined::Combined;
-pub use knowledge::{Frozen, Knowledge};
+pub use knowledge::{Frozen, Knowledge, Misfit};
+pub use memory::MemoryError;
 pub use method::{EndCredit, RewardMethod, StepCredit};
 pub use params::{Params, Sharing};
 pub use standard::Standard;
@@ -75,4 +77,48 @@ impl Method {
             }
         }
     }
+
+    /// A learner that goes on as the one whose [`memory`](RewardMethod::memory) this is. All other
+    /// arguments must be those of [`build`](Self::build).
+    ///
+    /// # Errors
+    /// When the memory is that of another method or of other settings, or is damaged.
+    pub fn restore(
+        self,
+        actions: usize,
+        xcs: xcs::Params,
+        params: Params,
+        seed: u64,
+        saved: &[u8],
+    ) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let xcs = Xcs::new(xcs, actions, Stream::new(seed, StreamName::Evolution));
+        Ok(match self {
+            Self::Xcs => {
+                let fresh = Standard::new(xcs, params);
+                Box::new(memory::recall(saved, |it: &Standard| {
+                    it.descends_from(&fresh)
+                })?)
+            }
+            Self::AdaptedEven => Box::new(recall_adapted(xcs, params, Sharing::Even, saved)?),
+            Self::AdaptedDiscounted => {
+                Box::new(recall_adapted(xcs, params, Sharing::Discounted, saved)?)
+            }
+            Self::Xcscr => {
+                let fresh = Combined::new(xcs, params, Stream::new(seed, StreamName::Imprinting));
+                Box::new(memory::recall(saved, |it: &Combined| {
+                    it.descends_from(&fresh)
+                })?)
+            }
+        })
+    }
+}
+
+fn recall_adapted(
+    xcs: Xcs,
+    params: Params,
+    sharing: Sharing,
+    saved: &[u8],
+) -> Result<Adapted, MemoryError> {
+    let fresh = Adapted::new(xcs, params, sharing);
+    memory::recall(saved, |it: &Adapted| it.descends_from(&fresh))
 }
