@@ -44,13 +44,13 @@ impl Session {
         quiet: bool,
     ) -> Result<Self, Failure> {
         let plan = trial.plan();
-        let mut recorder = train::recorder(folder.path(), plan, mode)?;
         // First, so that the run can be resumed whenever it is stopped from here on.
         folder.save_checkpoint(&State {
             trial: trial.checkpoint(),
-            recorder: recorder.memory()?,
+            recorder: RecorderMemory::new(mode),
         })?;
         folder.save_plan(plan)?;
+        let recorder = train::recorder(folder.path(), plan, mode)?;
         Self::new(folder, trial, recorder, quiet)
     }
 

@@ -64,6 +64,20 @@ pub struct RecorderMemory {
     scribe: (Curve, bool),
 }
 
+impl RecorderMemory {
+    /// Before anything was recorded.
+    pub fn new(mode: RecordMode) -> Self {
+        Self {
+            mode,
+            messages: 0,
+            kept: Vec::new(),
+            best: None,
+            clock_ns: 0,
+            scribe: (Curve::default(), false),
+        }
+    }
+}
+
 /// What a recorder leaves behind.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RecordSummary {

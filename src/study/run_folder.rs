@@ -135,7 +135,9 @@ impl RunFolder {
     /// # Errors
     /// When the folder holds something, is in use, or cannot be made.
     pub fn create(path: &Path, force: bool) -> Result<Self, RunFolderError> {
-        if holds(path) == Holds::Foreign {
+        // Without a lock yet, so that nothing is left in a folder that is none of ours. Another
+        // process may be about to begin there: then it has the lock.
+        if holds(path) == Holds::Foreign && !path.join(LOCK).exists() {
             return Err(RunFolderError::Foreign(path.to_owned()));
         }
         fs::create_dir_all(path).map_err(|cause| RunFolderError::Create {
@@ -318,23 +320,21 @@ impl RunFolder {
 
 /// What is in a folder, which need not exist.
 fn holds(path: &Path) -> Holds {
-    let is_begun = |entry: fs::DirEntry| {
-        let name = entry.file_name();
-        let part = disk::part(Path::new(CHECKPOINT));
-        name != LOCK && name != part.as_os_str()
-    };
-    if path.join(CHECKPOINT).is_file() {
+    let entries = path.read_dir().into_iter().flatten().flatten();
+    let mut names: Vec<_> = entries.map(|entry| entry.file_name()).collect();
+    let has = |name: &str| names.iter().any(|one| one == name);
+    if has(CHECKPOINT) {
         return Holds::Interrupted;
     }
-    if path.join(CONFIG).is_file() {
+    if has(CONFIG) {
         return Holds::Run;
     }
-    let Ok(mut entries) = path.read_dir() else {
-        return Holds::Nothing;
-    };
-    match entries.any(|entry| entry.is_ok_and(is_begun)) {
-        true => Holds::Foreign,
-        false => Holds::Nothing,
+    // What is there before the first checkpoint.
+    let part = disk::part(Path::new(CHECKPOINT));
+    names.retain(|name| name != LOCK && name != part.as_os_str());
+    match names.is_empty() {
+        true => Holds::Nothing,
+        false => Holds::Foreign,
     }
 }
 
