@@ -1,5 +1,7 @@
 //! What a recording must be.
 
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
 mod common;
 
 use std::collections::BTreeMap;

@@ -1,5 +1,7 @@
 //! What becomes of a recording when something goes wrong.
 
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
 mod common;
 
 use std::fs;
