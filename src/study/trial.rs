@@ -63,8 +63,10 @@ impl Trial {
     /// Runs the next episode. `Break` means that an observer wants the trial to end.
     pub fn run_episode(&mut self, observer: &mut dyn Observer) -> (Episode, ControlFlow<()>) {
         let start = self.next_start();
+        let number = self.progress.episodes + 1;
+        self.take_turns(number);
         let (episode, flow) = episode::run(
-            self.progress.episodes + 1,
+            number,
             start,
             &mut *self.arena,
             self.plan.config.sensor,
@@ -82,6 +84,15 @@ impl Trial {
             self.run_episode(observer).1?;
         }
         ControlFlow::Continue(())
+    }
+
+    /// Episodes that alternate explore (and evolve) or exploit; all others do both.
+    fn take_turns(&mut self, number: u32) {
+        let settings = &self.plan.config.settings.episode;
+        let turn = settings.turn_of(number);
+        let explore = turn.map_or(settings.explore, |explores| f64::from(u8::from(explores)));
+        self.explorer.set_probability(explore);
+        self.method.begin(turn.unwrap_or(true));
     }
 
     fn next_start(&mut self) -> Cell {

@@ -20,6 +20,8 @@ pub struct Xcs {
     /// t: match sets formed so far.
     time: u64,
     stream: Stream,
+    /// May the GA run now?
+    evolves: bool,
 }
 
 impl Xcs {
@@ -32,7 +34,13 @@ impl Xcs {
             population: Population::default(),
             time: 0,
             stream,
+            evolves: true,
         }
+    }
+
+    /// Lets the GA run from now on, or rest until further notice.
+    pub fn let_evolve(&mut self, evolves: bool) {
+        self.evolves = evolves;
     }
 
     /// Starts from rules that were learned before.
@@ -213,7 +221,7 @@ impl Xcs {
 
     /// Runs the GA in the niche of \[A\] when its rules have waited long enough (RUN GA).
     pub fn evolve(&mut self, set: &ActionSet) {
-        if !self.params.ga || !self.is_due(set) {
+        if !(self.params.ga && self.evolves) || !self.is_due(set) {
             return;
         }
         for &id in &set.members {
