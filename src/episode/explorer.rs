@@ -28,17 +28,13 @@ impl Explorer {
     /// An action, and whether it was chosen to explore. Ties are broken by chance.
     pub fn choose(&mut self, worth: &PredictionArray) -> (Action, bool) {
         let explores = self.stream.chance(self.probability);
-        let all = || Action::all(worth.as_slice().len()).collect::<Vec<_>>();
-        let best: Vec<Action> = worth.best_actions().collect();
-        let among = if explores || best.is_empty() {
-            all()
+        let best = if explores { 0 } else { worth.best_actions().count() };
+        let action = if best > 0 {
+            worth.best_actions().nth(self.stream.below(best))
         } else {
-            best
+            Action::new(self.stream.below(worth.as_slice().len()))
         };
-        let action = *self
-            .stream
-            .choose(&among)
-            .expect("a prediction array has at least one action");
+        let action = action.expect("a prediction array has at least one action");
         (action, explores)
     }
 }

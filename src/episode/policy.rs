@@ -2,7 +2,6 @@
 
 use crate::reward::RewardMethod;
 use crate::sensor::Sensor;
-use crate::signal::Action;
 use crate::world::{Cell, Maze, Paths};
 use crate::xcs::PredictionArray;
 
@@ -38,26 +37,9 @@ impl PolicyMap {
     /// Is the greedy policy globally optimal? From every start cell, every action that attains
     /// the greatest worth (all of them, on ties) must move along a shortest path to a goal.
     pub fn is_optimal(&self, maze: &Maze, paths: &Paths) -> bool {
-        let mut open = maze.start_cells();
-        let mut seen = vec![false; usize::from(maze.width()) * usize::from(maze.height())];
-        while let Some(cell) = open.pop() {
-            if maze.is_goal(cell) || std::mem::replace(&mut seen[maze.index(cell)], true) {
-                continue;
-            }
-            let Some(next) = self.optimal_successors(cell, maze, paths) else {
-                return false;
-            };
-            open.extend(next);
-        }
-        true
-    }
-
-    /// Where the best actions of a cell lead; `None` unless each follows a shortest path.
-    fn optimal_successors(&self, cell: Cell, maze: &Maze, paths: &Paths) -> Option<Vec<Cell>> {
-        let worth = self.worth(cell)?;
-        let follow = |action: Action| paths.successor(maze, cell, action);
-        let next: Option<Vec<Cell>> = worth.best_actions().map(follow).collect();
-        next.filter(|cells| !cells.is_empty())
+        only_shortest_paths(maze, paths, &maze.start_cells(), |cell| {
+            self.worth(cell).copied()
+        })
     }
 
     /// The steps that the greedy policy takes from `start` to a goal, the first of the best
@@ -73,4 +55,44 @@ impl PolicyMap {
         }
         None
     }
+}
+
+/// What [`PolicyMap::is_optimal`] says of a learner, without asking it about more cells than it
+/// takes to find the first fault; `starts` are the start cells of the maze.
+pub fn is_optimal(
+    method: &dyn RewardMethod,
+    sensor: Sensor,
+    maze: &Maze,
+    paths: &Paths,
+    starts: &[Cell],
+) -> bool {
+    only_shortest_paths(maze, paths, starts, |cell| {
+        Some(method.worth(&sensor.perceive_at(maze, cell)))
+    })
+}
+
+/// Do the best actions lead along shortest paths wherever one gets to by them?
+fn only_shortest_paths(
+    maze: &Maze,
+    paths: &Paths,
+    starts: &[Cell],
+    worth: impl Fn(Cell) -> Option<PredictionArray>,
+) -> bool {
+    let mut open = starts.to_vec();
+    let mut seen = vec![false; usize::from(maze.width()) * usize::from(maze.height())];
+    while let Some(cell) = open.pop() {
+        if maze.is_goal(cell) || std::mem::replace(&mut seen[maze.index(cell)], true) {
+            continue;
+        }
+        let Some(worth) = worth(cell).filter(|worth| worth.greatest().is_some()) else {
+            return false;
+        };
+        for action in worth.best_actions() {
+            let Some(next) = paths.successor(maze, cell, action) else {
+                return false;
+            };
+            open.push(next);
+        }
+    }
+    true
 }

@@ -39,6 +39,8 @@ pub struct Trial {
     arena: Box<dyn Arena>,
     method: Box<dyn RewardMethod>,
     explorer: Explorer,
+    /// The cells in which an episode can start.
+    start_cells: Vec<Cell>,
     starts: Stream,
     progress: Progress,
 }
@@ -54,6 +56,7 @@ impl Trial {
             arena: config.build_arena(maze)?,
             method: config.build_method(maze),
             explorer: Explorer::new(config.settings.episode.explore, exploration),
+            start_cells: maze.start_cells(),
             starts: Stream::new(config.seed, StreamName::Start),
             progress: Progress::default(),
             plan,
@@ -96,18 +99,17 @@ impl Trial {
     }
 
     fn next_start(&mut self) -> Cell {
-        let cells = self.plan.maze.start_cells();
-        match cells[..] {
+        match self.start_cells[..] {
             [only] => only,
             _ => *self
                 .starts
-                .choose(&cells)
+                .choose(&self.start_cells)
                 .expect("a checked maze has a start cell"),
         }
     }
 
     fn count(&mut self, episode: &Episode, start: Cell) {
-        let optimal = self.policy().is_optimal(&self.plan.maze, &self.paths);
+        let optimal = self.is_optimal();
         let shortest = self.paths.distance(&self.plan.maze, start);
         let progress = &mut self.progress;
         progress.episodes += 1;
@@ -129,6 +131,13 @@ impl Trial {
                     .get_or_insert(episode.episode);
             }
         }
+    }
+
+    /// Is the greedy policy globally optimal now?
+    fn is_optimal(&self) -> bool {
+        let Plan { maze, config } = &self.plan;
+        let (paths, starts) = (&self.paths, &self.start_cells);
+        episode::is_optimal(&*self.method, config.sensor, maze, paths, starts)
     }
 
     /// The policy that the learner would follow now, without exploring.

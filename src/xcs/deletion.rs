@@ -3,11 +3,15 @@
 use super::classifier::Classifier;
 use super::params::Params;
 
-/// Rules per block. Small, because a learning step changes rules all over the population, and
-/// each change costs summing up its block again.
-const BLOCK: usize = 16;
+/// Rules per block; as many as `Block::dirty` has bits. Larger blocks cost more to sum up again
+/// when one of their rules changes, smaller ones make the roulette longer; 32 was best at N 2000.
+const BLOCK: usize = 32;
+/// Sums run in so many lanes, because additions that wait for each other are slow.
+const LANES: usize = 4;
 
-/// Cached sums over the deletion votes of \[P\], by position.
+type Column = [f64; BLOCK];
+
+/// Cached deletion votes of \[P\] and their sums, by position.
 ///
 /// A rule's vote is `as * num`; an experienced rule whose mean fitness `F / num` lies below the
 /// cut `delta * mean F` is unfit, and its vote is raised by `mean F / (F / num)` (Butz and Wilson
@@ -18,42 +22,45 @@ pub(super) struct DeletionVotes {
     blocks: Vec<Block>,
 }
 
-#[derive(Debug, Clone, Copy)]
+/// The votes of [`BLOCK`] rules, in columns; places without a rule have no fitness and no vote.
+#[derive(Debug, Clone)]
 struct Block {
-    dirty: bool,
-    fitness: f64,
-    /// The votes of the rules that are not unfit.
-    plain: f64,
-    /// The votes of the unfit rules, before multiplication by the mean fitness.
-    raised: f64,
-    /// The classes hold for cuts above this, and
-    cut_above: f64,
-    /// up to this.
-    cut_up_to: f64,
+    /// One bit per rule that was added, changed or removed.
+    dirty: u32,
+    fitness_sum: f64,
+    /// Sums over the votes that are not raised, and over those that are, before multiplication
+    /// by the mean fitness.
+    votes: (f64, f64),
+    /// The sums hold for cuts above the first and up to the second of these.
+    cuts: (f64, f64),
+    fitness: Column,
+    /// `F / num` of experienced rules; infinite for the others, which are never unfit.
+    mean: Column,
+    /// `as * num`.
+    plain: Column,
+    /// `as * num / (F / num)`.
+    raised: Column,
 }
 
-const DIRTY: Block = Block {
-    dirty: true,
-    fitness: 0.0,
-    plain: 0.0,
-    raised: 0.0,
-    cut_above: 0.0,
-    cut_up_to: 0.0,
+const EMPTY: Block = Block {
+    dirty: 0,
+    fitness_sum: 0.0,
+    votes: (0.0, 0.0),
+    cuts: (0.0, 0.0),
+    fitness: [0.0; BLOCK],
+    mean: [f64::INFINITY; BLOCK],
+    plain: [0.0; BLOCK],
+    raised: [0.0; BLOCK],
 };
 
 impl DeletionVotes {
-    /// Notes that the rule at `position` was added or changed.
+    /// Notes that the rule at `position` was added, changed or removed.
     pub fn touch(&mut self, position: usize) {
         let block = position / BLOCK;
         if block >= self.blocks.len() {
-            self.blocks.resize(block + 1, DIRTY);
+            self.blocks.resize(block + 1, EMPTY);
         }
-        self.blocks[block].dirty = true;
-    }
-
-    /// Forgets the blocks beyond `rules` rules.
-    pub fn truncate(&mut self, rules: usize) {
-        self.blocks.truncate(rules.div_ceil(BLOCK));
+        self.blocks[block].dirty |= 1 << (position % BLOCK);
     }
 
     /// The position of the rule on which a roulette ball at `ball` (in `[0, 1)`) comes to rest.
@@ -65,102 +72,109 @@ impl DeletionVotes {
         params: &Params,
         ball: f64,
     ) -> usize {
+        self.blocks.truncate(rules.len().div_ceil(BLOCK));
         for (block, rules) in self.blocks.iter_mut().zip(rules.chunks(BLOCK)) {
-            if block.dirty {
-                block.fitness = rules.iter().map(|rule| rule.fitness).sum();
-            }
+            block.refresh(rules, params);
         }
-        let mean_fitness = self.blocks.iter().map(|b| b.fitness).sum::<f64>() / f64::from(micro);
+        let fitness: f64 = self.blocks.iter().map(|block| block.fitness_sum).sum();
+        let mean_fitness = fitness / f64::from(micro);
         let cut = params.delta * mean_fitness;
-        for (block, rules) in self.blocks.iter_mut().zip(rules.chunks(BLOCK)) {
-            if block.dirty || cut <= block.cut_above || cut > block.cut_up_to {
-                block.sum_votes(rules, cut, params);
+        let mut total = 0.0;
+        for block in &mut self.blocks {
+            if cut <= block.cuts.0 || cut > block.cuts.1 {
+                block.sum_votes(cut);
             }
+            total += block.vote(mean_fitness);
         }
-        let total: f64 = self.blocks.iter().map(|b| b.votes(mean_fitness)).sum();
-        self.walk(rules, params, mean_fitness, ball * total)
+        let at = self.walk(cut, mean_fitness, ball * total);
+        at.min(rules.len() - 1)
     }
 
     /// Walks along the votes until `left` is used up.
-    fn walk(
-        &self,
-        rules: &[Classifier],
-        params: &Params,
-        mean_fitness: f64,
-        mut left: f64,
-    ) -> usize {
-        let mut block = 0;
-        while block + 1 < self.blocks.len() && left >= self.blocks[block].votes(mean_fitness) {
-            left -= self.blocks[block].votes(mean_fitness);
-            block += 1;
+    fn walk(&self, cut: f64, mean_fitness: f64, mut left: f64) -> usize {
+        let mut at = 0;
+        while at + 1 < self.blocks.len() && left >= self.blocks[at].vote(mean_fitness) {
+            left -= self.blocks[at].vote(mean_fitness);
+            at += 1;
         }
-        let last = (block * BLOCK + BLOCK).min(rules.len()) - 1;
-        let cut = params.delta * mean_fitness;
-        let stops = |rule: &Classifier| {
-            left -= match vote(rule, cut, params) {
-                Vote::Plain(plain) => plain,
-                Vote::Raised(raised) => raised * mean_fitness,
+        let block = &self.blocks[at];
+        let stops = |&rule: &usize| {
+            left -= if block.mean[rule] < cut {
+                block.raised[rule] * mean_fitness
+            } else {
+                block.plain[rule]
             };
             left < 0.0
         };
-        let found = rules[block * BLOCK..=last].iter().position(stops);
-        found.map_or(last, |at| block * BLOCK + at)
+        at * BLOCK + (0..BLOCK).find(stops).unwrap_or(BLOCK - 1)
     }
 }
 
 impl Block {
-    fn votes(&self, mean_fitness: f64) -> f64 {
-        self.plain + self.raised * mean_fitness
+    fn vote(&self, mean_fitness: f64) -> f64 {
+        self.votes.0 + self.votes.1 * mean_fitness
     }
 
-    fn sum_votes(&mut self, rules: &[Classifier], cut: f64, params: &Params) {
-        *self = Self {
-            dirty: false,
-            fitness: self.fitness,
-            plain: 0.0,
-            raised: 0.0,
-            cut_above: f64::NEG_INFINITY,
-            cut_up_to: f64::INFINITY,
+    /// Brings the columns up to date; `rules` are the rules of the block.
+    fn refresh(&mut self, rules: &[Classifier], params: &Params) {
+        if self.dirty == 0 {
+            return;
+        }
+        while self.dirty != 0 {
+            let at = self.dirty.trailing_zeros() as usize;
+            self.dirty &= self.dirty - 1;
+            self.set(at, rules.get(at), params);
+        }
+        let (lanes, _) = self.fitness.as_chunks::<LANES>();
+        let sums = lanes.iter().fold([0.0; LANES], |sums, lane| {
+            std::array::from_fn(|i| sums[i] + lane[i])
+        });
+        self.fitness_sum = sums.iter().sum();
+        // No cut lies between these, so the votes will be summed up again.
+        self.cuts = (f64::INFINITY, f64::NEG_INFINITY);
+    }
+
+    fn set(&mut self, at: usize, rule: Option<&Classifier>, params: &Params) {
+        let Some(rule) = rule else {
+            self.fitness[at] = 0.0;
+            self.mean[at] = f64::INFINITY;
+            self.plain[at] = 0.0;
+            return;
         };
-        for rule in rules {
-            let mean = rule.fitness / f64::from(rule.numerosity);
-            match vote(rule, cut, params) {
-                Vote::Plain(plain) => {
-                    self.plain += plain;
-                    if is_experienced(rule, params) {
-                        self.cut_up_to = self.cut_up_to.min(mean);
-                    }
-                }
-                Vote::Raised(raised) => {
-                    self.raised += raised;
-                    self.cut_above = self.cut_above.max(mean);
-                }
+        let numerosity = f64::from(rule.numerosity);
+        let mean = rule.fitness / numerosity;
+        let is_experienced = rule.experience > u64::from(params.theta_del);
+        self.fitness[at] = rule.fitness;
+        self.mean[at] = if is_experienced { mean } else { f64::INFINITY };
+        self.plain[at] = rule.set_size * numerosity;
+        self.raised[at] = self.plain[at] / mean;
+    }
+
+    /// Sums up the votes under a cut, and notes up to which other cuts the sums hold.
+    fn sum_votes(&mut self, cut: f64) {
+        let (mut plain, mut raised) = ([0.0; LANES], [0.0; LANES]);
+        let (mut above, mut up_to) = ([f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]);
+        for from in (0..BLOCK).step_by(LANES) {
+            for lane in 0..LANES {
+                let (at, mean) = (from + lane, self.mean[from + lane]);
+                let is_unfit = mean < cut;
+                plain[lane] += if is_unfit { 0.0 } else { self.plain[at] };
+                raised[lane] += if is_unfit { self.raised[at] } else { 0.0 };
+                let (low, high) = if is_unfit {
+                    (mean, f64::INFINITY)
+                } else {
+                    (f64::NEG_INFINITY, mean)
+                };
+                above[lane] = if low > above[lane] { low } else { above[lane] };
+                up_to[lane] = if high < up_to[lane] { high } else { up_to[lane] };
             }
         }
+        self.votes = (plain.iter().sum(), raised.iter().sum());
+        self.cuts = (
+            above.into_iter().fold(f64::NEG_INFINITY, f64::max),
+            up_to.into_iter().fold(f64::INFINITY, f64::min),
+        );
     }
-}
-
-/// The vote of a rule.
-enum Vote {
-    /// `as * num`.
-    Plain(f64),
-    /// `as * num / (F / num)` of an unfit rule, still to be multiplied by the mean fitness.
-    Raised(f64),
-}
-
-fn vote(rule: &Classifier, cut: f64, params: &Params) -> Vote {
-    let numerosity = f64::from(rule.numerosity);
-    let plain = rule.set_size * numerosity;
-    let mean = rule.fitness / numerosity;
-    if is_experienced(rule, params) && mean < cut {
-        Vote::Raised(plain / mean)
-    } else {
-        Vote::Plain(plain)
-    }
-}
-
-fn is_experienced(rule: &Classifier, params: &Params) -> bool {
-    rule.experience > u64::from(params.theta_del)
 }
 
 #[cfg(test)]

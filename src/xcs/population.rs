@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use foldhash::fast::FixedState;
 use serde::{Deserialize, Serialize};
 
 use super::classifier::Classifier;
@@ -25,8 +26,8 @@ pub struct Population {
     handles: Handles,
     index: MatchIndex,
     votes: DeletionVotes,
-    /// Which position holds a rule of this condition and action. Never iterated over.
-    twins: HashMap<(Condition, Action), ClassifierId>,
+    /// The rule of a condition and action. Never iterated over.
+    twins: HashMap<(Condition, Action), ClassifierId, FixedState>,
     micro: u32,
 }
 
@@ -56,6 +57,14 @@ impl Population {
         self.handles.position(id).map(|at| &self.rules[at])
     }
 
+    /// Those of some rules that have not been deleted.
+    pub(super) fn living<'a>(
+        &'a self,
+        ids: &'a [ClassifierId],
+    ) -> impl Iterator<Item = (ClassifierId, &'a Classifier)> + Clone {
+        ids.iter().filter_map(|&id| Some((id, self.get(id)?)))
+    }
+
     /// Changes a rule; does nothing once it was deleted. Condition and action must stay.
     pub(super) fn modify(&mut self, id: ClassifierId, change: impl FnOnce(&mut Classifier)) {
         let Some(at) = self.handles.position(id) else {
@@ -66,6 +75,13 @@ impl Population {
         change(rule);
         self.micro += rule.numerosity;
         self.votes.touch(at);
+    }
+
+    /// Notes that the GA ran in a niche of a rule; this alone changes no deletion vote.
+    pub(super) fn stamp(&mut self, id: ClassifierId, time: u64) {
+        if let Some(at) = self.handles.position(id) {
+            self.rules[at].time_stamp = time;
+        }
     }
 
     /// Adds a rule, or its numerosity to the rule that has the same condition and action.
@@ -92,12 +108,8 @@ impl Population {
         let rule = self.rules.swap_remove(at);
         self.twins.remove(&(rule.condition, rule.action));
         self.micro -= rule.numerosity;
-        self.votes.truncate(self.rules.len());
-        for changed in [at, self.rules.len().saturating_sub(1)] {
-            if changed < self.rules.len() {
-                self.votes.touch(changed);
-            }
-        }
+        self.votes.touch(at);
+        self.votes.touch(self.rules.len());
         Some(rule)
     }
 
@@ -115,15 +127,13 @@ impl Population {
         }
     }
 
-    /// Calls `found` with each rule that matches, in the order of the population. `scratch` is
-    /// working space.
+    /// Calls `found` with each rule that matches, in the order of the population.
     pub fn for_each_match(
         &self,
         percept: &Percept,
-        scratch: &mut Vec<u64>,
         mut found: impl FnMut(ClassifierId, &Classifier),
     ) {
-        self.index.for_each_match(percept, scratch, |at| {
+        self.index.for_each_match(percept, |at| {
             found(self.handles.id_at(at), &self.rules[at])
         });
     }
@@ -227,7 +237,7 @@ mod tests {
         population.remove(first);
         let mut found = Vec::new();
         let percept = "000".parse().unwrap();
-        population.for_each_match(&percept, &mut Vec::new(), |_, r| found.push(r.condition));
+        population.for_each_match(&percept, |_, r| found.push(r.condition));
         assert!(found.is_empty(), "{found:?}");
         assert_ne!(population.insert(rule("0##", 1)), first);
     }
