@@ -9,5 +9,5 @@ mod run;
 pub use explorer::Explorer;
 pub use observer::{Ending, Episode, Learned, Observer, Step};
 pub use params::Params;
-pub use policy::{PolicyMap, is_optimal};
+pub use policy::{PolicyMap, first_fault};
 pub use run::run;

@@ -37,9 +37,8 @@ impl PolicyMap {
     /// Is the greedy policy globally optimal? From every start cell, every action that attains
     /// the greatest worth (all of them, on ties) must move along a shortest path to a goal.
     pub fn is_optimal(&self, maze: &Maze, paths: &Paths) -> bool {
-        only_shortest_paths(maze, paths, &maze.start_cells(), |cell| {
-            self.worth(cell).copied()
-        })
+        let worth = |cell| self.worth(cell).copied();
+        fault(maze, paths, maze.start_cells(), worth).is_none()
     }
 
     /// The steps that the greedy policy takes from `start` to a goal, the first of the best
@@ -57,42 +56,46 @@ impl PolicyMap {
     }
 }
 
-/// What [`PolicyMap::is_optimal`] says of a learner, without asking it about more cells than it
-/// takes to find the first fault; `starts` are the start cells of the maze.
-pub fn is_optimal(
+/// A cell in which the greedy policy of a learner is not globally optimal, in the sense of
+/// [`PolicyMap::is_optimal`]; `None` when it is. Asks the learner about no more cells than it takes
+/// to find the first fault, beginning with `suspect`, where a fault was before.
+pub fn first_fault(
     method: &dyn RewardMethod,
     sensor: Sensor,
     maze: &Maze,
     paths: &Paths,
-    starts: &[Cell],
-) -> bool {
-    only_shortest_paths(maze, paths, starts, |cell| {
+    suspect: Option<Cell>,
+) -> Option<Cell> {
+    let mut starts = maze.start_cells();
+    // Of several start cells any may come first; a single one must.
+    starts.extend(suspect.filter(|_| maze.start().is_none()));
+    fault(maze, paths, starts, |cell| {
         Some(method.worth(&sensor.perceive_at(maze, cell)))
     })
 }
 
-/// Do the best actions lead along shortest paths wherever one gets to by them?
-fn only_shortest_paths(
+/// A cell that one gets to by the best actions, and in which one of these does not lead along a
+/// shortest path. Begins with the last of the cells in `open`.
+fn fault(
     maze: &Maze,
     paths: &Paths,
-    starts: &[Cell],
+    mut open: Vec<Cell>,
     worth: impl Fn(Cell) -> Option<PredictionArray>,
-) -> bool {
-    let mut open = starts.to_vec();
+) -> Option<Cell> {
     let mut seen = vec![false; usize::from(maze.width()) * usize::from(maze.height())];
     while let Some(cell) = open.pop() {
         if maze.is_goal(cell) || std::mem::replace(&mut seen[maze.index(cell)], true) {
             continue;
         }
         let Some(worth) = worth(cell).filter(|worth| worth.greatest().is_some()) else {
-            return false;
+            return Some(cell);
         };
         for action in worth.best_actions() {
             let Some(next) = paths.successor(maze, cell, action) else {
-                return false;
+                return Some(cell);
             };
             open.push(next);
         }
     }
-    true
+    None
 }

@@ -42,6 +42,8 @@ pub struct Trial {
     /// The cells in which an episode can start.
     start_cells: Vec<Cell>,
     starts: Stream,
+    /// Where the greedy policy was not globally optimal after the last episode.
+    fault: Option<Cell>,
     progress: Progress,
 }
 
@@ -58,6 +60,7 @@ impl Trial {
             explorer: Explorer::new(config.settings.episode.explore, exploration),
             start_cells: maze.start_cells(),
             starts: Stream::new(config.seed, StreamName::Start),
+            fault: None,
             progress: Progress::default(),
             plan,
         })
@@ -109,7 +112,8 @@ impl Trial {
     }
 
     fn count(&mut self, episode: &Episode, start: Cell) {
-        let optimal = self.is_optimal();
+        self.fault = self.find_fault();
+        let optimal = self.fault.is_none();
         let shortest = self.paths.distance(&self.plan.maze, start);
         let progress = &mut self.progress;
         progress.episodes += 1;
@@ -133,11 +137,10 @@ impl Trial {
         }
     }
 
-    /// Is the greedy policy globally optimal now?
-    fn is_optimal(&self) -> bool {
+    /// Where the greedy policy is not globally optimal now.
+    fn find_fault(&self) -> Option<Cell> {
         let Plan { maze, config } = &self.plan;
-        let (paths, starts) = (&self.paths, &self.start_cells);
-        episode::is_optimal(&*self.method, config.sensor, maze, paths, starts)
+        episode::first_fault(&*self.method, config.sensor, maze, &self.paths, self.fault)
     }
 
     /// The policy that the learner would follow now, without exploring.

@@ -7,6 +7,10 @@ use super::params::Params;
 use crate::signal::Action;
 
 /// A macro-classifier: `numerosity` identical rules that share their figures.
+///
+/// Two cache lines: the first is the condition's, all that a learning step needs lies in the
+/// second.
+#[repr(C, align(64))]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Classifier {

@@ -3,13 +3,11 @@
 use super::classifier::Classifier;
 use super::params::Params;
 
-/// Rules per block; as many as `Block::dirty` has bits. Larger blocks cost more to sum up again
-/// when one of their rules changes, smaller ones make the roulette longer; 32 was best at N 2000.
-const BLOCK: usize = 32;
-/// Sums run in so many lanes, because additions that wait for each other are slow.
-const LANES: usize = 4;
-
-type Column = [f64; BLOCK];
+/// Rules per block; as many as `Block::dirty` has bits. Small, because a learning step changes
+/// rules all over the population, and each change costs summing up its block again.
+const BLOCK: usize = 8;
+/// Blocks per group, over which the roulette runs first.
+const GROUP: usize = 16;
 
 /// Cached deletion votes of \[P\] and their sums, by position.
 ///
@@ -20,37 +18,44 @@ type Column = [f64; BLOCK];
 #[derive(Debug, Clone, Default)]
 pub(super) struct DeletionVotes {
     blocks: Vec<Block>,
+    votes: Vec<[Vote; BLOCK]>,
+    /// The votes of each group in the latest roulette.
+    groups: Vec<f64>,
 }
 
-/// The votes of [`BLOCK`] rules, in columns; places without a rule have no fitness and no vote.
-#[derive(Debug, Clone)]
+/// What is known of [`BLOCK`] rules together.
+#[derive(Debug, Clone, Copy, Default)]
 struct Block {
     /// One bit per rule that was added, changed or removed.
-    dirty: u32,
-    fitness_sum: f64,
-    /// Sums over the votes that are not raised, and over those that are, before multiplication
-    /// by the mean fitness.
-    votes: (f64, f64),
-    /// The sums hold for cuts above the first and up to the second of these.
-    cuts: (f64, f64),
-    fitness: Column,
-    /// `F / num` of experienced rules; infinite for the others, which are never unfit.
-    mean: Column,
-    /// `as * num`.
-    plain: Column,
-    /// `as * num / (F / num)`.
-    raised: Column,
+    dirty: u8,
+    fitness: f64,
+    /// The votes of the rules that are not unfit.
+    plain: f64,
+    /// The votes of the unfit rules, before multiplication by the mean fitness.
+    raised: f64,
+    /// The sums of votes hold for cuts above this, and
+    cut_above: f64,
+    /// up to this.
+    cut_up_to: f64,
 }
 
-const EMPTY: Block = Block {
-    dirty: 0,
-    fitness_sum: 0.0,
-    votes: (0.0, 0.0),
-    cuts: (0.0, 0.0),
-    fitness: [0.0; BLOCK],
-    mean: [f64::INFINITY; BLOCK],
-    plain: [0.0; BLOCK],
-    raised: [0.0; BLOCK],
+/// What is known of one rule; where there is none, nothing votes.
+#[derive(Debug, Clone, Copy)]
+struct Vote {
+    fitness: f64,
+    /// `F / num` of an experienced rule; infinite for others, which are never unfit.
+    mean: f64,
+    /// `as * num`.
+    plain: f64,
+    /// `as * num / (F / num)`, still to be multiplied by the mean fitness.
+    raised: f64,
+}
+
+const NO_RULE: Vote = Vote {
+    fitness: 0.0,
+    mean: f64::INFINITY,
+    plain: 0.0,
+    raised: 0.0,
 };
 
 impl DeletionVotes {
@@ -58,7 +63,8 @@ impl DeletionVotes {
     pub fn touch(&mut self, position: usize) {
         let block = position / BLOCK;
         if block >= self.blocks.len() {
-            self.blocks.resize(block + 1, EMPTY);
+            self.blocks.resize(block + 1, Block::default());
+            self.votes.resize(block + 1, [NO_RULE; BLOCK]);
         }
         self.blocks[block].dirty |= 1 << (position % BLOCK);
     }
@@ -72,108 +78,125 @@ impl DeletionVotes {
         params: &Params,
         ball: f64,
     ) -> usize {
-        self.blocks.truncate(rules.len().div_ceil(BLOCK));
-        for (block, rules) in self.blocks.iter_mut().zip(rules.chunks(BLOCK)) {
-            block.refresh(rules, params);
-        }
-        let fitness: f64 = self.blocks.iter().map(|block| block.fitness_sum).sum();
-        let mean_fitness = fitness / f64::from(micro);
+        let mean_fitness = self.refresh(rules, params) / f64::from(micro);
         let cut = params.delta * mean_fitness;
-        let mut total = 0.0;
-        for block in &mut self.blocks {
-            if cut <= block.cuts.0 || cut > block.cuts.1 {
-                block.sum_votes(cut);
-            }
-            total += block.vote(mean_fitness);
-        }
+        let total = self.sum_groups(cut, mean_fitness);
         let at = self.walk(cut, mean_fitness, ball * total);
         at.min(rules.len() - 1)
     }
 
-    /// Walks along the votes until `left` is used up.
-    fn walk(&self, cut: f64, mean_fitness: f64, mut left: f64) -> usize {
-        let mut at = 0;
-        while at + 1 < self.blocks.len() && left >= self.blocks[at].vote(mean_fitness) {
-            left -= self.blocks[at].vote(mean_fitness);
-            at += 1;
+    /// Brings everything up to date but the sums of votes; returns the sum of all fitness.
+    fn refresh(&mut self, rules: &[Classifier], params: &Params) -> f64 {
+        let blocks = rules.len().div_ceil(BLOCK);
+        self.blocks.truncate(blocks);
+        self.votes.truncate(blocks);
+        let mut total = 0.0;
+        for (at, (block, votes)) in self.blocks.iter_mut().zip(&mut self.votes).enumerate() {
+            if block.dirty != 0 {
+                block.refresh(votes, &rules[at * BLOCK..], params);
+            }
+            total += block.fitness;
         }
-        let block = &self.blocks[at];
-        let stops = |&rule: &usize| {
-            left -= if block.mean[rule] < cut {
-                block.raised[rule] * mean_fitness
+        total
+    }
+
+    /// Sums up the votes under a cut, block by block and group by group.
+    fn sum_groups(&mut self, cut: f64, mean_fitness: f64) -> f64 {
+        self.groups.clear();
+        let groups = self.blocks.chunks_mut(GROUP).zip(self.votes.chunks(GROUP));
+        for (blocks, votes) in groups {
+            let mut sum = 0.0;
+            for (block, votes) in blocks.iter_mut().zip(votes) {
+                if cut <= block.cut_above || cut > block.cut_up_to {
+                    block.sum_votes(votes, cut);
+                }
+                sum += block.votes(mean_fitness);
+            }
+            self.groups.push(sum);
+        }
+        self.groups.iter().sum()
+    }
+
+    /// Walks along the votes until `left` is used up: by groups, by blocks, by rules.
+    fn walk(&self, cut: f64, mean_fitness: f64, mut left: f64) -> usize {
+        let group = stop(self.groups.iter().copied(), &mut left);
+        let blocks = self.blocks[group * GROUP..].iter().take(GROUP);
+        let block = group * GROUP + stop(blocks.map(|block| block.votes(mean_fitness)), &mut left);
+        let votes = self.votes[block].iter().map(|vote| {
+            if vote.mean < cut {
+                vote.raised * mean_fitness
             } else {
-                block.plain[rule]
-            };
-            left < 0.0
-        };
-        at * BLOCK + (0..BLOCK).find(stops).unwrap_or(BLOCK - 1)
+                vote.plain
+            }
+        });
+        block * BLOCK + stop(votes, &mut left)
     }
 }
 
+/// The number of the vote at which `left` is used up, or of the last one; what was left before it
+/// stays in `left`.
+fn stop(votes: impl Iterator<Item = f64>, left: &mut f64) -> usize {
+    let mut last = 0;
+    for (at, vote) in votes.enumerate() {
+        last = at;
+        if *left < vote {
+            break;
+        }
+        *left -= vote;
+    }
+    last
+}
+
 impl Block {
-    fn vote(&self, mean_fitness: f64) -> f64 {
-        self.votes.0 + self.votes.1 * mean_fitness
+    fn votes(&self, mean_fitness: f64) -> f64 {
+        self.plain + self.raised * mean_fitness
     }
 
-    /// Brings the columns up to date; `rules` are the rules of the block.
-    fn refresh(&mut self, rules: &[Classifier], params: &Params) {
-        if self.dirty == 0 {
-            return;
-        }
+    /// Looks at the rules that changed; `rules` begins with the rules of the block.
+    fn refresh(&mut self, votes: &mut [Vote; BLOCK], rules: &[Classifier], params: &Params) {
         while self.dirty != 0 {
             let at = self.dirty.trailing_zeros() as usize;
             self.dirty &= self.dirty - 1;
-            self.set(at, rules.get(at), params);
+            let vote = |rule| Vote::of(rule, params);
+            votes[at] = rules.get(at).map_or(NO_RULE, vote);
         }
-        let (lanes, _) = self.fitness.as_chunks::<LANES>();
-        let sums = lanes.iter().fold([0.0; LANES], |sums, lane| {
-            std::array::from_fn(|i| sums[i] + lane[i])
-        });
-        self.fitness_sum = sums.iter().sum();
-        // No cut lies between these, so the votes will be summed up again.
-        self.cuts = (f64::INFINITY, f64::NEG_INFINITY);
+        self.fitness = votes.iter().map(|vote| vote.fitness).sum();
+        // No cut lies there, so the votes will be summed up again.
+        (self.cut_above, self.cut_up_to) = (f64::INFINITY, f64::NEG_INFINITY);
     }
 
-    fn set(&mut self, at: usize, rule: Option<&Classifier>, params: &Params) {
-        let Some(rule) = rule else {
-            self.fitness[at] = 0.0;
-            self.mean[at] = f64::INFINITY;
-            self.plain[at] = 0.0;
-            return;
-        };
-        let numerosity = f64::from(rule.numerosity);
-        let mean = rule.fitness / numerosity;
-        let is_experienced = rule.experience > u64::from(params.theta_del);
-        self.fitness[at] = rule.fitness;
-        self.mean[at] = if is_experienced { mean } else { f64::INFINITY };
-        self.plain[at] = rule.set_size * numerosity;
-        self.raised[at] = self.plain[at] / mean;
-    }
-
-    /// Sums up the votes under a cut, and notes up to which other cuts the sums hold.
-    fn sum_votes(&mut self, cut: f64) {
-        let (mut plain, mut raised) = ([0.0; LANES], [0.0; LANES]);
-        let (mut above, mut up_to) = ([f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]);
-        for from in (0..BLOCK).step_by(LANES) {
-            for lane in 0..LANES {
-                let (at, mean) = (from + lane, self.mean[from + lane]);
-                let is_unfit = mean < cut;
-                plain[lane] += if is_unfit { 0.0 } else { self.plain[at] };
-                raised[lane] += if is_unfit { self.raised[at] } else { 0.0 };
-                let (low, high) = if is_unfit {
-                    (mean, f64::INFINITY)
-                } else {
-                    (f64::NEG_INFINITY, mean)
-                };
-                above[lane] = if low > above[lane] { low } else { above[lane] };
-                up_to[lane] = if high < up_to[lane] { high } else { up_to[lane] };
+    /// Sums up the votes under a cut, and notes for which other cuts the sums hold.
+    fn sum_votes(&mut self, votes: &[Vote; BLOCK], cut: f64) {
+        (self.plain, self.raised) = (0.0, 0.0);
+        (self.cut_above, self.cut_up_to) = (f64::NEG_INFINITY, f64::INFINITY);
+        for vote in votes {
+            if vote.mean < cut {
+                self.raised += vote.raised;
+                if vote.mean > self.cut_above {
+                    self.cut_above = vote.mean;
+                }
+            } else {
+                self.plain += vote.plain;
+                if vote.mean < self.cut_up_to {
+                    self.cut_up_to = vote.mean;
+                }
             }
         }
-        self.votes = (plain.iter().sum(), raised.iter().sum());
-        self.cuts = (
-            above.into_iter().fold(f64::NEG_INFINITY, f64::max),
-            up_to.into_iter().fold(f64::INFINITY, f64::min),
-        );
+    }
+}
+
+impl Vote {
+    fn of(rule: &Classifier, params: &Params) -> Self {
+        let numerosity = f64::from(rule.numerosity);
+        let mean = rule.fitness / numerosity;
+        let plain = rule.set_size * numerosity;
+        let is_experienced = rule.experience > u64::from(params.theta_del);
+        Self {
+            fitness: rule.fitness,
+            mean: if is_experienced { mean } else { f64::INFINITY },
+            plain,
+            raised: plain / mean,
+        }
     }
 }
 

@@ -140,15 +140,16 @@ impl Xcs {
         let share = |rule: &Classifier| rule.accuracy(params) * f64::from(rule.numerosity);
         let mut total = 0.0;
         for &id in &set.members {
-            self.population.modify(id, |rule| {
-                rule.experience += 1;
-                // Moving average with the mean of all so far while the rule is young.
-                let rate = beta.max(1.0 / rule.experience as f64);
-                rule.error += rate * ((target - rule.prediction).abs() - rule.error);
-                rule.prediction += rate * (target - rule.prediction);
-                rule.set_size += rate * (f64::from(micro) - rule.set_size);
-                total += share(rule);
-            });
+            let Some(rule) = self.population.get_mut(id) else {
+                continue;
+            };
+            rule.experience += 1;
+            // Moving average with the mean of all so far while the rule is young.
+            let rate = beta.max(1.0 / rule.experience as f64);
+            rule.error += rate * ((target - rule.prediction).abs() - rule.error);
+            rule.prediction += rate * (target - rule.prediction);
+            rule.set_size += rate * (f64::from(micro) - rule.set_size);
+            total += share(rule);
         }
         // Fitness moves toward the relative accuracy kappa' (Eq. 4 and 5, which are printed
         // without numerosities and with a wrong sign).
@@ -190,7 +191,9 @@ impl Xcs {
             return;
         }
         for &id in &set.members {
-            self.population.stamp(id, self.time);
+            if let Some(rule) = self.population.get_mut(id) {
+                rule.time_stamp = self.time;
+            }
         }
         let Some(parents) = self.select_parents(set) else {
             return;

@@ -65,6 +65,12 @@ impl Population {
         ids.iter().filter_map(|&id| Some((id, self.get(id)?)))
     }
 
+    /// A rule to be changed in anything but its condition, action and numerosity. If that moves
+    /// its deletion vote, [`Self::modify`] must be called on it afterwards.
+    pub(super) fn get_mut(&mut self, id: ClassifierId) -> Option<&mut Classifier> {
+        self.handles.position(id).map(|at| &mut self.rules[at])
+    }
+
     /// Changes a rule; does nothing once it was deleted. Condition and action must stay.
     pub(super) fn modify(&mut self, id: ClassifierId, change: impl FnOnce(&mut Classifier)) {
         let Some(at) = self.handles.position(id) else {
@@ -75,13 +81,6 @@ impl Population {
         change(rule);
         self.micro += rule.numerosity;
         self.votes.touch(at);
-    }
-
-    /// Notes that the GA ran in a niche of a rule; this alone changes no deletion vote.
-    pub(super) fn stamp(&mut self, id: ClassifierId, time: u64) {
-        if let Some(at) = self.handles.position(id) {
-            self.rules[at].time_stamp = time;
-        }
     }
 
     /// Adds a rule, or its numerosity to the rule that has the same condition and action.
