@@ -3,11 +3,13 @@
 use super::classifier::Classifier;
 use super::params::Params;
 
-/// Rules per block; as many as `Block::dirty` has bits. Small, because a learning step changes
+/// Rules per block. Small, because a learning step changes
 /// rules all over the population, and each change costs summing up its block again.
 const BLOCK: usize = 8;
-/// Blocks per group, over which the roulette runs first.
-const GROUP: usize = 16;
+/// Blocks per group. The roulette looks at groups first, and into those only that changed.
+const GROUP: usize = 8;
+
+const _: () = assert!(BLOCK * GROUP == 64, "one bit of `Group::dirty` per rule");
 
 /// Cached deletion votes of \[P\] and their sums, by position.
 ///
@@ -17,17 +19,21 @@ const GROUP: usize = 16;
 /// which of them are unfit, so they carry no rounding errors from one step to the next.
 #[derive(Debug, Clone, Default)]
 pub(super) struct DeletionVotes {
-    blocks: Vec<Block>,
-    votes: Vec<[Vote; BLOCK]>,
-    /// The votes of each group in the latest roulette.
-    groups: Vec<f64>,
+    groups: Vec<Group>,
 }
 
-/// What is known of [`BLOCK`] rules together.
-#[derive(Debug, Clone, Copy, Default)]
-struct Block {
+#[derive(Debug, Clone)]
+struct Group {
     /// One bit per rule that was added, changed or removed.
-    dirty: u8,
+    dirty: u64,
+    sums: Sums,
+    blocks: [Sums; GROUP],
+    votes: [[Vote; BLOCK]; GROUP],
+}
+
+/// What is known of several rules together.
+#[derive(Debug, Clone, Copy)]
+struct Sums {
     fitness: f64,
     /// The votes of the rules that are not unfit.
     plain: f64,
@@ -38,6 +44,14 @@ struct Block {
     /// up to this.
     cut_up_to: f64,
 }
+
+const NO_RULES: Sums = Sums {
+    fitness: 0.0,
+    plain: 0.0,
+    raised: 0.0,
+    cut_above: f64::NEG_INFINITY,
+    cut_up_to: f64::INFINITY,
+};
 
 /// What is known of one rule; where there is none, nothing votes.
 #[derive(Debug, Clone, Copy)]
@@ -58,15 +72,22 @@ const NO_RULE: Vote = Vote {
     raised: 0.0,
 };
 
+const EMPTY: Group = Group {
+    dirty: 0,
+    sums: NO_RULES,
+    blocks: [NO_RULES; GROUP],
+    votes: [[NO_RULE; BLOCK]; GROUP],
+};
+
 impl DeletionVotes {
     /// Notes that the rule at `position` was added, changed or removed.
+    #[inline]
     pub fn touch(&mut self, position: usize) {
-        let block = position / BLOCK;
-        if block >= self.blocks.len() {
-            self.blocks.resize(block + 1, Block::default());
-            self.votes.resize(block + 1, [NO_RULE; BLOCK]);
+        let group = position / (BLOCK * GROUP);
+        if group >= self.groups.len() {
+            self.groups.resize(group + 1, EMPTY);
         }
-        self.blocks[block].dirty |= 1 << (position % BLOCK);
+        self.groups[group].dirty |= 1 << (position % (BLOCK * GROUP));
     }
 
     /// The position of the rule on which a roulette ball at `ball` (in `[0, 1)`) comes to rest.
@@ -78,58 +99,26 @@ impl DeletionVotes {
         params: &Params,
         ball: f64,
     ) -> usize {
-        let mean_fitness = self.refresh(rules, params) / f64::from(micro);
+        let in_group = BLOCK * GROUP;
+        self.groups.truncate(rules.len().div_ceil(in_group));
+        for (group, rules) in self.groups.iter_mut().zip(rules.chunks(in_group)) {
+            if group.dirty != 0 {
+                group.refresh(rules, params);
+            }
+        }
+        let fitness: f64 = self.groups.iter().map(|group| group.sums.fitness).sum();
+        let mean_fitness = fitness / f64::from(micro);
         let cut = params.delta * mean_fitness;
-        let total = self.sum_groups(cut, mean_fitness);
-        let at = self.walk(cut, mean_fitness, ball * total);
+        for group in &mut self.groups {
+            if !group.sums.hold_for(cut) {
+                group.sum_votes(cut);
+            }
+        }
+        let votes = |group: &Group| group.sums.votes(mean_fitness);
+        let mut left = ball * self.groups.iter().map(votes).sum::<f64>();
+        let at = stop(self.groups.iter().map(votes), &mut left);
+        let at = at * in_group + self.groups[at].walk(cut, mean_fitness, left);
         at.min(rules.len() - 1)
-    }
-
-    /// Brings everything up to date but the sums of votes; returns the sum of all fitness.
-    fn refresh(&mut self, rules: &[Classifier], params: &Params) -> f64 {
-        let blocks = rules.len().div_ceil(BLOCK);
-        self.blocks.truncate(blocks);
-        self.votes.truncate(blocks);
-        let mut total = 0.0;
-        for (at, (block, votes)) in self.blocks.iter_mut().zip(&mut self.votes).enumerate() {
-            if block.dirty != 0 {
-                block.refresh(votes, &rules[at * BLOCK..], params);
-            }
-            total += block.fitness;
-        }
-        total
-    }
-
-    /// Sums up the votes under a cut, block by block and group by group.
-    fn sum_groups(&mut self, cut: f64, mean_fitness: f64) -> f64 {
-        self.groups.clear();
-        let groups = self.blocks.chunks_mut(GROUP).zip(self.votes.chunks(GROUP));
-        for (blocks, votes) in groups {
-            let mut sum = 0.0;
-            for (block, votes) in blocks.iter_mut().zip(votes) {
-                if cut <= block.cut_above || cut > block.cut_up_to {
-                    block.sum_votes(votes, cut);
-                }
-                sum += block.votes(mean_fitness);
-            }
-            self.groups.push(sum);
-        }
-        self.groups.iter().sum()
-    }
-
-    /// Walks along the votes until `left` is used up: by groups, by blocks, by rules.
-    fn walk(&self, cut: f64, mean_fitness: f64, mut left: f64) -> usize {
-        let group = stop(self.groups.iter().copied(), &mut left);
-        let blocks = self.blocks[group * GROUP..].iter().take(GROUP);
-        let block = group * GROUP + stop(blocks.map(|block| block.votes(mean_fitness)), &mut left);
-        let votes = self.votes[block].iter().map(|vote| {
-            if vote.mean < cut {
-                vote.raised * mean_fitness
-            } else {
-                vote.plain
-            }
-        });
-        block * BLOCK + stop(votes, &mut left)
     }
 }
 
@@ -147,39 +136,97 @@ fn stop(votes: impl Iterator<Item = f64>, left: &mut f64) -> usize {
     last
 }
 
-impl Block {
-    fn votes(&self, mean_fitness: f64) -> f64 {
-        self.plain + self.raised * mean_fitness
-    }
-
-    /// Looks at the rules that changed; `rules` begins with the rules of the block.
-    fn refresh(&mut self, votes: &mut [Vote; BLOCK], rules: &[Classifier], params: &Params) {
+impl Group {
+    /// Looks at the rules that changed; `rules` are those of the group.
+    fn refresh(&mut self, rules: &[Classifier], params: &Params) {
         while self.dirty != 0 {
             let at = self.dirty.trailing_zeros() as usize;
             self.dirty &= self.dirty - 1;
             let vote = |rule| Vote::of(rule, params);
-            votes[at] = rules.get(at).map_or(NO_RULE, vote);
+            self.votes[at / BLOCK][at % BLOCK] = rules.get(at).map_or(NO_RULE, vote);
+            self.blocks[at / BLOCK].invalidate();
         }
-        self.fitness = votes.iter().map(|vote| vote.fitness).sum();
-        // No cut lies there, so the votes will be summed up again.
+        for (block, votes) in self.blocks.iter_mut().zip(&self.votes) {
+            if !block.is_valid() {
+                block.fitness = votes.iter().map(|vote| vote.fitness).sum();
+            }
+        }
+        self.sums.fitness = self.blocks.iter().map(|block| block.fitness).sum();
+        self.sums.invalidate();
+    }
+
+    /// Sums up the votes under a cut, in those blocks where the sums do not hold.
+    fn sum_votes(&mut self, cut: f64) {
+        let mut all = Sums {
+            fitness: self.sums.fitness,
+            ..NO_RULES
+        };
+        for (block, votes) in self.blocks.iter_mut().zip(&self.votes) {
+            if !block.hold_for(cut) {
+                block.sum_votes(votes, cut);
+            }
+            all.plain += block.plain;
+            all.raised += block.raised;
+            all.narrow(block.cut_above, block.cut_up_to);
+        }
+        self.sums = all;
+    }
+
+    /// Walks along the votes until `left` is used up.
+    fn walk(&self, cut: f64, mean_fitness: f64, mut left: f64) -> usize {
+        let blocks = self.blocks.iter().map(|block| block.votes(mean_fitness));
+        let block = stop(blocks, &mut left);
+        let votes = self.votes[block].iter().map(|vote| {
+            if vote.mean < cut {
+                vote.raised * mean_fitness
+            } else {
+                vote.plain
+            }
+        });
+        block * BLOCK + stop(votes, &mut left)
+    }
+}
+
+impl Sums {
+    fn votes(&self, mean_fitness: f64) -> f64 {
+        self.plain + self.raised * mean_fitness
+    }
+
+    fn hold_for(&self, cut: f64) -> bool {
+        cut > self.cut_above && cut <= self.cut_up_to
+    }
+
+    fn is_valid(&self) -> bool {
+        self.cut_above < self.cut_up_to
+    }
+
+    /// From now on the sums of votes hold for no cut.
+    fn invalidate(&mut self) {
         (self.cut_above, self.cut_up_to) = (f64::INFINITY, f64::NEG_INFINITY);
     }
 
-    /// Sums up the votes under a cut, and notes for which other cuts the sums hold.
+    /// From now on the sums of votes hold at most for cuts above the first and up to the second.
+    fn narrow(&mut self, above: f64, up_to: f64) {
+        // Not `max` and `min`, which care for NaN and take twice as long.
+        if above > self.cut_above {
+            self.cut_above = above;
+        }
+        if up_to < self.cut_up_to {
+            self.cut_up_to = up_to;
+        }
+    }
+
+    /// Sums up the votes of a block under a cut.
     fn sum_votes(&mut self, votes: &[Vote; BLOCK], cut: f64) {
-        (self.plain, self.raised) = (0.0, 0.0);
-        (self.cut_above, self.cut_up_to) = (f64::NEG_INFINITY, f64::INFINITY);
+        let fitness = self.fitness;
+        *self = Self { fitness, ..NO_RULES };
         for vote in votes {
             if vote.mean < cut {
                 self.raised += vote.raised;
-                if vote.mean > self.cut_above {
-                    self.cut_above = vote.mean;
-                }
+                self.narrow(vote.mean, f64::INFINITY);
             } else {
                 self.plain += vote.plain;
-                if vote.mean < self.cut_up_to {
-                    self.cut_up_to = vote.mean;
-                }
+                self.narrow(f64::NEG_INFINITY, vote.mean);
             }
         }
     }
