@@ -136,7 +136,7 @@ pub fn run_info(plan: &Plan) -> Result<RunInfo, Failure> {
     let config = &plan.config;
     Ok(RunInfo {
         world_json: plan.maze.to_json(),
-        config_json: serde_json::to_string_pretty(config)?,
+        config_json: serde_json::to_string(config)?,
         seed: config.seed,
         method: config.method.name().to_owned(),
         arena: config.arena.name().to_owned(),

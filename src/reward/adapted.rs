@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::knowledge::Knowledge;
-use super::memory;
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::{Params, Sharing};
+use super::saved;
 use super::stack::{RewardStack, Shares};
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
@@ -46,6 +46,10 @@ impl Adapted {
 }
 
 impl RewardMethod for Adapted {
+    fn begin(&mut self, evolves: bool) {
+        self.mind.xcs.let_evolve(evolves);
+    }
+
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
         self.mind.consider(percept)
     }
@@ -89,7 +93,7 @@ impl RewardMethod for Adapted {
         self.mind.xcs.population().len()
     }
 
-    fn memory(&self) -> Vec<u8> {
-        memory::of(self)
+    fn save(&self) -> Vec<u8> {
+        saved::bytes(self)
     }
 }

@@ -5,11 +5,11 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::memory;
 use super::method::{EndCredit, RewardMethod, StepCredit};
+use super::saved;
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
-use crate::xcs::{Population, PredictionArray, prediction_array};
+use crate::xcs::{Population, PredictionArray, PredictionSums};
 
 /// What was learned: enough to follow the greedy policy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,9 +26,9 @@ impl Knowledge {
     pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
         match self {
             Self::Rules(population) => {
-                let mut rules = Vec::new();
-                population.for_each_match(percept, &mut Vec::new(), |_, rule| rules.push(*rule));
-                prediction_array(rules.iter(), actions, false)
+                let mut sums = PredictionSums::default();
+                population.for_each_match(percept, |_, rule| sums.add(rule));
+                sums.array(actions, false)
             }
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
@@ -186,7 +186,7 @@ impl RewardMethod for Frozen {
         self.knowledge.len()
     }
 
-    fn memory(&self) -> Vec<u8> {
-        memory::of(self)
+    fn save(&self) -> Vec<u8> {
+        saved::bytes(self)
     }
 }

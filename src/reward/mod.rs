@@ -5,21 +5,27 @@
 
 mod adapted;
 mod combined;
+mod explorer;
 mod knowledge;
 mod memory;
 mod method;
 mod mind;
 mod params;
+mod planner;
+mod saved;
 mod stack;
 mod standard;
+mod tabular;
 
 pub use adapted::Adapted;
 pub use combined::Combined;
+pub use explorer::Explorer;
 pub use knowledge::{Frozen, Knowledge, Misfit};
-pub use memory::MemoryError;
 pub use method::{EndCredit, RewardMethod, StepCredit};
 pub use params::{Params, Sharing};
+pub use saved::SavedError;
 pub use standard::Standard;
+pub use tabular::{Tabular, TabularParams};
 
 use crate::random::{Stream, StreamName};
 use crate::xcs::{self, Xcs};
@@ -36,15 +42,27 @@ pub enum Method {
     AdaptedDiscounted,
     /// The paper's combined reward method.
     Xcscr,
+    /// Q-learning in a table.
+    QLearning,
+    /// Sarsa with eligibility traces in a table.
+    SarsaLambda,
+    /// Q-learning that replays remembered transitions.
+    DynaQ,
+    /// Planning on a model that takes the unknown for the best.
+    RMax,
 }
 
 impl Method {
     /// All methods, in the order in which they are reported.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 8] = [
         Self::Xcs,
         Self::AdaptedEven,
         Self::AdaptedDiscounted,
         Self::Xcscr,
+        Self::QLearning,
+        Self::SarsaLambda,
+        Self::DynaQ,
+        Self::RMax,
     ];
 
     /// The name on the command line and in files.
@@ -54,71 +72,89 @@ impl Method {
             Self::AdaptedEven => "adapted-even",
             Self::AdaptedDiscounted => "adapted-discounted",
             Self::Xcscr => "xcscr",
+            Self::QLearning => "q-learning",
+            Self::SarsaLambda => "sarsa-lambda",
+            Self::DynaQ => "dyna-q",
+            Self::RMax => "r-max",
         }
     }
 
-    /// A learner that knows nothing yet, for `actions` actions. The parameters must have been
-    /// checked; `seed` is the trial's root seed.
-    pub fn build(
-        self,
-        actions: usize,
-        xcs: xcs::Params,
-        params: Params,
-        seed: u64,
-    ) -> Box<dyn RewardMethod> {
-        let xcs = Xcs::new(xcs, actions, Stream::new(seed, StreamName::Evolution));
+    /// A learner that knows nothing yet, for `actions` actions. `seed` is the trial's root seed.
+    pub fn build(self, actions: usize, setup: Setup, seed: u64) -> Box<dyn RewardMethod> {
+        let Setup {
+            xcs,
+            reward,
+            tabular,
+        } = setup;
+        let stream = |name| Stream::new(seed, name);
+        let xcs = || Xcs::new(xcs, actions, stream(StreamName::Evolution));
         match self {
-            Self::Xcs => Box::new(Standard::new(xcs, params)),
-            Self::AdaptedEven => Box::new(Adapted::new(xcs, params, Sharing::Even)),
-            Self::AdaptedDiscounted => Box::new(Adapted::new(xcs, params, Sharing::Discounted)),
-            Self::Xcscr => {
-                let stream = Stream::new(seed, StreamName::Imprinting);
-                Box::new(Combined::new(xcs, params, stream))
+            Self::Xcs => Box::new(Standard::new(xcs(), reward)),
+            Self::AdaptedEven => Box::new(Adapted::new(xcs(), reward, Sharing::Even)),
+            Self::AdaptedDiscounted => Box::new(Adapted::new(xcs(), reward, Sharing::Discounted)),
+            Self::Xcscr => Box::new(Combined::new(xcs(), reward, stream(StreamName::Imprinting))),
+            Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
+            Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
+            Self::DynaQ => {
+                let replay = stream(StreamName::Replay);
+                Box::new(Tabular::dyna_q(actions, reward, tabular, replay))
             }
+            Self::RMax => Box::new(Tabular::r_max(actions, reward, tabular)),
         }
     }
 
-    /// A learner that goes on as the one whose [`memory`](RewardMethod::memory) this is. All other
-    /// arguments must be those of [`build`](Self::build).
+    /// The learner whose [`save`](RewardMethod::save) gave these bytes. All other arguments must
+    /// be those of [`build`](Self::build).
     ///
     /// # Errors
-    /// When the memory is that of another method or of other settings, or is damaged.
+    /// When the bytes are those of another method or of other settings, or are damaged.
     pub fn restore(
         self,
         actions: usize,
-        xcs: xcs::Params,
-        params: Params,
+        setup: Setup,
         seed: u64,
-        saved: &[u8],
-    ) -> Result<Box<dyn RewardMethod>, MemoryError> {
-        let xcs = Xcs::new(xcs, actions, Stream::new(seed, StreamName::Evolution));
+        bytes: &[u8],
+    ) -> Result<Box<dyn RewardMethod>, SavedError> {
+        let Setup {
+            xcs,
+            reward,
+            tabular,
+        } = setup;
+        let stream = |name| Stream::new(seed, name);
+        let xcs = || Xcs::new(xcs, actions, stream(StreamName::Evolution));
+        let table = |fresh: Tabular| saved::recall(bytes, &fresh, Tabular::descends_from);
+        let adapted = |fresh: Adapted| saved::recall(bytes, &fresh, Adapted::descends_from);
         Ok(match self {
             Self::Xcs => {
-                let fresh = Standard::new(xcs, params);
-                Box::new(memory::recall(saved, |it: &Standard| {
-                    it.descends_from(&fresh)
-                })?)
+                let fresh = Standard::new(xcs(), reward);
+                Box::new(saved::recall(bytes, &fresh, Standard::descends_from)?)
             }
-            Self::AdaptedEven => Box::new(recall_adapted(xcs, params, Sharing::Even, saved)?),
+            Self::AdaptedEven => Box::new(adapted(Adapted::new(xcs(), reward, Sharing::Even))?),
             Self::AdaptedDiscounted => {
-                Box::new(recall_adapted(xcs, params, Sharing::Discounted, saved)?)
+                Box::new(adapted(Adapted::new(xcs(), reward, Sharing::Discounted))?)
             }
             Self::Xcscr => {
-                let fresh = Combined::new(xcs, params, Stream::new(seed, StreamName::Imprinting));
-                Box::new(memory::recall(saved, |it: &Combined| {
-                    it.descends_from(&fresh)
-                })?)
+                let fresh = Combined::new(xcs(), reward, stream(StreamName::Imprinting));
+                Box::new(saved::recall(bytes, &fresh, Combined::descends_from)?)
             }
+            Self::QLearning => Box::new(table(Tabular::q_learning(actions, reward, tabular))?),
+            Self::SarsaLambda => Box::new(table(Tabular::sarsa_lambda(actions, reward, tabular))?),
+            Self::DynaQ => {
+                let replay = stream(StreamName::Replay);
+                Box::new(table(Tabular::dyna_q(actions, reward, tabular, replay))?)
+            }
+            Self::RMax => Box::new(table(Tabular::r_max(actions, reward, tabular))?),
         })
     }
 }
 
-fn recall_adapted(
-    xcs: Xcs,
-    params: Params,
-    sharing: Sharing,
-    saved: &[u8],
-) -> Result<Adapted, MemoryError> {
-    let fresh = Adapted::new(xcs, params, sharing);
-    memory::recall(saved, |it: &Adapted| it.descends_from(&fresh))
+/// The parameters of all methods; each takes what it needs. They must have been checked.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Setup {
+    /// XCS.
+    pub xcs: xcs::Params,
+    /// Rewards and reward methods.
+    pub reward: Params,
+    /// Tabular methods.
+    pub tabular: TabularParams,
 }

@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::knowledge::Knowledge;
-use super::memory;
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::Params;
+use super::saved;
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
 use crate::xcs::{ActionSet, PredictionArray, Xcs};
@@ -50,6 +50,10 @@ impl Standard {
 }
 
 impl RewardMethod for Standard {
+    fn begin(&mut self, evolves: bool) {
+        self.mind.xcs.let_evolve(evolves);
+    }
+
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
         let worth = self.mind.consider(percept);
         self.greatest = worth.greatest().unwrap_or(0.0);
@@ -94,7 +98,7 @@ impl RewardMethod for Standard {
         self.mind.xcs.population().len()
     }
 
-    fn memory(&self) -> Vec<u8> {
-        memory::of(self)
+    fn save(&self) -> Vec<u8> {
+        saved::bytes(self)
     }
 }

@@ -6,9 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::plan::{Config, Plan, PlanError};
 use super::trial::Progress;
 use crate::arena::Lasting;
-use crate::episode::Explorer;
 use crate::random::Stream;
-use crate::reward::MemoryError;
+use crate::reward::{Explorer, SavedError};
 use crate::world::{Maze, WorldError};
 
 /// What the file begins with.
@@ -95,7 +94,7 @@ pub enum CheckpointError {
     World(#[from] WorldError),
     /// Its learner is no good.
     #[error(transparent)]
-    Memory(#[from] MemoryError),
+    Learner(#[from] SavedError),
 }
 
 /// Wraps a value for the disk: magic, format, length, version and value, check sum.

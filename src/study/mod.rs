@@ -6,6 +6,7 @@ mod lock;
 mod plan;
 mod resolve;
 mod run_folder;
+mod run_folder_error;
 mod settings;
 mod trial;
 
@@ -13,6 +14,7 @@ pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
 pub use evaluation::Evaluation;
 pub use plan::{ArenaKind, Config, Plan, PlanError};
 pub use resolve::{Origin, Resolved, SettingsError};
-pub use run_folder::{RunFolder, RunFolderError};
+pub use run_folder::RunFolder;
+pub use run_folder_error::RunFolderError;
 pub use settings::Settings;
 pub use trial::{Progress, Trial};

@@ -19,10 +19,10 @@ use short_term_filter::ShortTermFilter;
 use step_threshold::StepThreshold;
 
 use super::knowledge::Knowledge;
-use super::memory;
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::Params;
+use super::saved;
 use super::stack::{RewardStack, Shares};
 use crate::arena::Outcome;
 use crate::random::Stream;
@@ -82,6 +82,10 @@ impl Combined {
 }
 
 impl RewardMethod for Combined {
+    fn begin(&mut self, evolves: bool) {
+        self.mind.xcs.let_evolve(evolves);
+    }
+
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
         self.mind.consider(percept)
     }
@@ -142,7 +146,7 @@ impl RewardMethod for Combined {
         self.mind.xcs.population().len()
     }
 
-    fn memory(&self) -> Vec<u8> {
-        memory::of(self)
+    fn save(&self) -> Vec<u8> {
+        saved::bytes(self)
     }
 }
