@@ -9,9 +9,9 @@ use std::path::Path;
 
 use serde_json::json;
 use xcscr::arena::GridArena;
-use xcscr::episode::{self, Explorer};
+use xcscr::episode;
 use xcscr::random::{Stream, StreamName};
-use xcscr::reward::{self, Method, RewardMethod};
+use xcscr::reward::{self, Explorer, Method, RewardMethod, Setup};
 use xcscr::sensor::Sensor;
 use xcscr::world::Maze;
 use xcscr::xcs;
@@ -35,7 +35,12 @@ fn learner(maze: &Maze, population_size: u32, seed: u64) -> Box<dyn RewardMethod
         gamma: 0.71,
         ..reward::Params::default()
     };
-    Method::Xcs.build(maze.action_count(), xcs, reward, seed)
+    let setup = Setup {
+        xcs,
+        reward,
+        ..Setup::default()
+    };
+    Method::Xcs.build(maze.action_count(), setup, seed)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -92,11 +92,6 @@ impl Memory {
         number
     }
 
-    /// The number of a percept; `None` if it was never met.
-    pub fn number(&self, percept: &Percept) -> Option<usize> {
-        self.numbers.get(percept).copied()
-    }
-
     /// The percepts that were met, by number.
     pub fn percepts(&self) -> &[Percept] {
         &self.percepts
