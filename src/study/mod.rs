@@ -1,12 +1,15 @@
 //! Trials: from a seed to a result.
 
+mod checkpoint;
 mod evaluation;
+mod lock;
 mod plan;
 mod resolve;
 mod run_folder;
 mod settings;
 mod trial;
 
+pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
 pub use evaluation::Evaluation;
 pub use plan::{ArenaKind, Config, Plan, PlanError};
 pub use resolve::{Origin, Resolved, SettingsError};

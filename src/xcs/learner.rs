@@ -10,6 +10,9 @@ use super::sets::{ActionSet, MatchSet};
 use crate::random::Stream;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
 
+/// More steps than any learner lives to see; counters up to here leave room for arithmetic.
+const MOST_STEPS: u64 = 1 << 40;
+
 /// XCS: a population and the procedures that cover, predict, update and evolve it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Xcs {
@@ -48,6 +51,19 @@ impl Xcs {
         self.population
             .delete_surplus(&self.params, &mut self.stream);
         self
+    }
+
+    /// Can this learner, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let known = |rule: &Classifier| {
+            let age = rule.time_stamp.max(rule.experience);
+            rule.action.index() < self.actions && age <= MOST_STEPS
+        };
+        self.params == fresh.params
+            && self.actions == fresh.actions
+            && self.time <= MOST_STEPS
+            && self.population.micro() <= self.params.population_size
+            && self.population.rules().iter().all(known)
     }
 
     /// \[P\].

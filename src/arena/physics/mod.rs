@@ -36,7 +36,7 @@ use self::noise::Noise;
 use self::robot::{Command, Motion, Wheels};
 use self::simulation::{Simulation, State, eastward};
 use self::walls::Block;
-use super::{Arena, Contact, Outcome, Sample, View};
+use super::{Arena, Contact, Lasting, Outcome, Sample, View};
 use crate::random::Stream;
 use crate::signal::Action;
 use crate::world::{Cell, Direction, Maze, Moves};
@@ -240,6 +240,21 @@ impl Arena for PhysicsArena {
             trace: &self.trace,
             contacts: self.hits.contacts(),
         }
+    }
+
+    fn lasting(&self) -> Lasting {
+        Lasting {
+            time_ns: self.time_ns(),
+            noise: Some(self.noise.stream.clone()),
+        }
+    }
+
+    fn continue_from(&mut self, lasting: &Lasting) {
+        self.steps = lasting.time_ns / STEP_NS;
+        if let Some(stream) = &lasting.noise {
+            self.noise.stream = stream.clone();
+        }
+        self.begin_trace();
     }
 }
 
