@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::evaluate::EvaluateArgs;
+use crate::commands::study::StudyCommand;
 use crate::commands::train::TrainArgs;
 use crate::commands::world::WorldCommand;
 
@@ -37,6 +38,9 @@ pub enum Command {
     Train(TrainArgs),
     /// Run the greedy policy of a finished run, without learning.
     Evaluate(EvaluateArgs),
+    /// Run many trials, compare methods, and say what the data can decide.
+    #[command(subcommand)]
+    Study(StudyCommand),
     /// Check, show and describe world files.
     #[command(subcommand)]
     World(WorldCommand),

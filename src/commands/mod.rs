@@ -4,6 +4,7 @@ mod choices;
 pub mod evaluate;
 pub mod failure;
 mod progress;
+pub mod study;
 pub mod train;
 mod train_report;
 pub mod world;
@@ -18,6 +19,7 @@ pub fn run(cli: Cli, out: &mut impl Write) -> Result<(), Failure> {
     match cli.command {
         Command::Train(args) => train::run(&args, out)?,
         Command::Evaluate(args) => evaluate::run(&args, out)?,
+        Command::Study(command) => study::run(&command, out)?,
         Command::World(command) => world::run(command, out)?,
     }
     Ok(out.flush()?)

@@ -1,15 +1,35 @@
-//! Trials: from a seed to a result.
+//! Trials, from a seed to a result; and studies, from many trials to an answer.
 
+mod checksum;
+mod error;
 mod evaluation;
+mod folder;
+mod journal;
 mod plan;
+mod protocol;
+mod record;
+mod report;
 mod resolve;
 mod run_folder;
+mod runner;
 mod settings;
+mod shard;
+pub mod statistics;
+mod summary;
+mod tables;
 mod trial;
 
+pub use error::StudyError;
 pub use evaluation::Evaluation;
+pub use folder::StudyFolder;
 pub use plan::{ArenaKind, Config, Plan, PlanError};
+pub use protocol::{Arm, Overrides, Protocol, StudyFile, Variant};
+pub use record::{Figures, TrialRecord};
+pub use report::Report;
 pub use resolve::{Origin, Resolved, SettingsError};
 pub use run_folder::{RunFolder, RunFolderError};
+pub use runner::{StudyWatcher, merge_studies, run_study};
 pub use settings::Settings;
+pub use shard::Shard;
+pub use summary::{ArmRecords, ArmSummary};
 pub use trial::{Progress, Trial};
