@@ -47,7 +47,7 @@ pub enum StudyCommand {
     Report {
         /// The folder of a study.
         folder: PathBuf,
-        /// Print summary.json instead of the report.
+        /// Print one JSON document instead of the report.
         #[arg(long)]
         json: bool,
     },
@@ -82,7 +82,7 @@ pub struct RunArgs {
     /// Trials at a time; 0 for as many as there are cores.
     #[arg(long, value_name = "N", default_value_t = 0)]
     jobs: usize,
-    /// Print summary.json, or the status when trials are missing, instead of the report.
+    /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
     /// Show no progress.
@@ -137,9 +137,10 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
 /// Writes the tables and the report of a complete study, and prints the result.
 fn finish(folder: &StudyFolder, json: bool, out: &mut impl Write) -> Result<(), Failure> {
     folder.write_tables()?;
-    let report = Report::new(folder);
+    let mut report = Report::new(folder);
+    report.write(folder)?;
     match json {
-        true => write!(out, "{}", folder.summary_json())?,
+        true => writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?,
         false => write!(out, "{}", report.terminal())?,
     }
     refuse_failed(folder)

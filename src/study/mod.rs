@@ -3,6 +3,7 @@
 mod checksum;
 mod error;
 mod evaluation;
+mod figures;
 mod folder;
 mod journal;
 mod plan;
@@ -25,7 +26,7 @@ pub use folder::StudyFolder;
 pub use plan::{ArenaKind, Config, Plan, PlanError};
 pub use protocol::{Arm, Overrides, Protocol, StudyFile, Variant};
 pub use record::{Figures, TrialRecord};
-pub use report::Report;
+pub use report::{AgainstPaper, Comparison, Report, SwitchEffect};
 pub use resolve::{Origin, Resolved, SettingsError};
 pub use run_folder::{RunFolder, RunFolderError};
 pub use runner::{StudyWatcher, merge_studies, run_study};

@@ -3,6 +3,13 @@
 use super::document::Table;
 use crate::study::summary::ArmSummary;
 
+/// What the columns mean.
+pub const LEGEND: &str = "optimal: trials whose greedy policy became globally optimal, with \
+    Wilson's interval. median, p95: the episode by which half, or 95 %, of all trials were optimal \
+    (Kaplan-Meier; – when they never were). retained: still optimal after the last episode. steps: \
+    environment steps until then, interquartile mean with bootstrap interval; trials without an \
+    optimum count with all their steps. collisions, rules: means of a trial.";
+
 /// A table of all arms. Columns that tell nothing apart are left out.
 pub fn table(arms: &[ArmSummary]) -> Table {
     let mut table = Table::new([
