@@ -2,7 +2,9 @@
 
 use clap::{Parser, Subcommand};
 
+use crate::commands::check::CheckArgs;
 use crate::commands::evaluate::EvaluateArgs;
+use crate::commands::replay::ReplayArgs;
 use crate::commands::study::StudyCommand;
 use crate::commands::train::TrainArgs;
 use crate::commands::world::WorldCommand;
@@ -38,6 +40,10 @@ pub enum Command {
     Train(TrainArgs),
     /// Run the greedy policy of a finished run, without learning.
     Evaluate(EvaluateArgs),
+    /// Show what recordings hold, or verify them against a new run.
+    Replay(ReplayArgs),
+    /// Say what is wrong with recordings.
+    Check(CheckArgs),
     /// Run many trials, compare methods, and say what the data can decide.
     #[command(subcommand)]
     Study(StudyCommand),

@@ -1,5 +1,6 @@
 //! Why a command did not do what was asked, and the exit code for it.
 
+use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
@@ -69,6 +70,12 @@ impl Failure {
     }
 }
 
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
 impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
         match error.kind() {
@@ -126,6 +133,10 @@ impl From<RecordError> for Failure {
     fn from(error: RecordError) -> Self {
         let exit = match error {
             RecordError::Create { .. } => Exit::CannotCreate,
+            RecordError::Unfinished { .. } | RecordError::Damaged { .. } => Exit::BadData,
+            RecordError::Read { ref cause, .. } if cause.kind() == io::ErrorKind::NotFound => {
+                Exit::Missing
+            }
             _ => Exit::Io,
         };
         Self::new(exit, error.to_string())

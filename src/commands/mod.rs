@@ -1,9 +1,11 @@
 //! The subcommands: thin layers over the library, one file each.
 
+pub mod check;
 mod choices;
 pub mod evaluate;
 pub mod failure;
 mod progress;
+pub mod replay;
 pub mod study;
 pub mod train;
 mod train_report;
@@ -19,6 +21,8 @@ pub fn run(cli: Cli, out: &mut impl Write) -> Result<(), Failure> {
     match cli.command {
         Command::Train(args) => train::run(&args, out)?,
         Command::Evaluate(args) => evaluate::run(&args, out)?,
+        Command::Replay(args) => replay::run(&args, out)?,
+        Command::Check(args) => check::run(&args, out)?,
         Command::Study(command) => study::run(&command, out)?,
         Command::World(command) => world::run(command, out)?,
     }

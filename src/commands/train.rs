@@ -1,7 +1,7 @@
 //! `xcscr train`: a fresh learner, trained and recorded.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use xcscr::episode::Observer;
 use xcscr::record::{RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
@@ -77,7 +77,7 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     let default = || PathBuf::from("recordings").join(plan.folder_name());
     let folder = RunFolder::create(&args.out.clone().unwrap_or_else(default), args.force)?;
     folder.save_plan(&plan)?;
-    let recorder = recorder(&folder, &plan, args.record)?;
+    let recorder = recorder(folder.path(), &plan, args.record)?;
     let progress = Progress::new(args.episodes, args.quiet);
     let recording = train(&mut trial, recorder, progress)?;
     folder.save_knowledge(&trial.method().knowledge())?;
@@ -88,12 +88,12 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     report.print(&trial, &recording, out)
 }
 
-/// A recorder for a run of this plan.
-pub fn recorder(folder: &RunFolder, plan: &Plan, mode: RecordMode) -> Result<Recorder, Failure> {
+/// A recorder for a run of this plan, into `folder`.
+pub fn recorder(folder: &Path, plan: &Plan, mode: RecordMode) -> Result<Recorder, Failure> {
     let config = &plan.config;
     let info = RunInfo {
         world_json: plan.maze.to_json(),
-        config_json: serde_json::to_string_pretty(config)?,
+        config_json: serde_json::to_string(config)?,
         seed: config.seed,
         method: config.method.name().to_owned(),
         arena: config.arena.name().to_owned(),
@@ -101,7 +101,7 @@ pub fn recorder(folder: &RunFolder, plan: &Plan, mode: RecordMode) -> Result<Rec
         episodes: config.episodes,
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
     };
-    Ok(Recorder::create(folder.path(), &plan.maze, info, mode)?)
+    Ok(Recorder::create(folder, &plan.maze, info, mode)?)
 }
 
 /// Runs a trial to its end while it is recorded and watched.

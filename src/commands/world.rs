@@ -60,16 +60,24 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
+    if let [file] = files {
+        return Ok(writeln!(out, "{}", summary(file, &Maze::load(file)?))?);
+    }
     let mut failures: Vec<Exit> = Vec::new();
     for file in files {
         match Maze::load(file).map_err(Failure::from) {
-            Ok(maze) => writeln!(out, "{}", summary(file, &Facts::new(&maze)))?,
+            Ok(maze) => writeln!(out, "{}", summary(file, &maze))?,
             Err(failure) => {
                 failure.print();
                 failures.push(failure.exit);
             }
         }
     }
+    verdict(&failures, files.len())
+}
+
+/// Bad data outweighs missing and unreadable files.
+fn verdict(failures: &[Exit], files: usize) -> Result<(), Failure> {
     let Some(&first) = failures.first() else {
         return Ok(());
     };
@@ -77,22 +85,19 @@ fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
         true => Exit::BadData,
         false => first,
     };
-    let message = format!(
-        "{} of {} worlds are not usable",
-        failures.len(),
-        files.len()
-    );
+    let message = format!("{} of {files} worlds cannot be used", failures.len());
     Err(Failure::new(exit, message))
 }
 
-fn summary(file: &Path, facts: &Facts) -> String {
+fn summary(file: &Path, maze: &Maze) -> String {
+    let facts = Facts::new(maze);
     format!(
         "{}: {}, {} x {} cells, {}",
         file.display(),
         facts.world,
         facts.width,
         facts.height,
-        shortest(facts)
+        shortest(&facts)
     )
 }
 

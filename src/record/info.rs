@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::mode::RecordMode;
 use crate::sensor::Sensor;
 
 /// The facts of a run that its recordings carry.
@@ -27,13 +28,19 @@ pub struct RunInfo {
 
 impl RunInfo {
     /// The entries of the metadata record `run`.
-    pub(super) fn metadata(&self, world: &str, episode: Option<u32>) -> BTreeMap<String, String> {
+    pub(super) fn metadata(
+        &self,
+        world: &str,
+        mode: RecordMode,
+        episode: Option<u32>,
+    ) -> BTreeMap<String, String> {
         let file = episode.map_or_else(|| "run".to_owned(), |number| number.to_string());
         let entries = [
             ("arena", self.arena.clone()),
             ("episode", file),
             ("episodes", self.episodes.to_string()),
             ("method", self.method.clone()),
+            ("record", mode.to_string()),
             ("seed", self.seed.to_string()),
             ("sensor", self.sensor.name().to_owned()),
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -50,7 +57,7 @@ pub struct RobotShape {
     pub radius_m: f64,
     /// Distance of the wheels from each other, in metres.
     pub wheel_base_m: f64,
-    /// Radius of a wheel, in metres: how far one rolls decides how far it turns.
+    /// Radius of a wheel, in metres.
     pub wheel_radius_m: f64,
 }
 

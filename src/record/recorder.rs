@@ -133,7 +133,7 @@ impl Recorder {
     ) -> Result<OpenFile, RecordError> {
         let mut file = OpenFile::create(&self.folder, name)?;
         file.with(|log| {
-            log.metadata("run", self.info.metadata(&self.world, episode))?;
+            log.metadata("run", self.info.metadata(&self.world, self.mode, episode))?;
             log.attach("world.json", self.clock_ns, &self.info.world_json)?;
             log.attach("config.json", self.clock_ns, &self.info.config_json)?;
             log.attach("foxglove-layout.json", self.clock_ns, layout)?;

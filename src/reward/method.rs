@@ -1,5 +1,6 @@
 //! What every reward method can do.
 
+use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
@@ -31,12 +32,18 @@ pub struct EndCredit {
 
 /// A learner and its way of deciding who is credited, with what, and when.
 ///
-/// For each step come [`consider`](Self::consider) and [`credit`](Self::credit), at the end of
-/// the episode [`finish`](Self::finish).
+/// For each step come [`consider`](Self::consider), [`choose`](Self::choose) and
+/// [`credit`](Self::credit), at the end of the episode [`finish`](Self::finish).
 pub trait RewardMethod {
     /// The worth of each action under a percept, as a step of learning: forms \[M\] and covers
     /// missing actions.
     fn consider(&mut self, percept: &Percept) -> PredictionArray;
+
+    /// Chooses an action, and tells whether to explore: by default, any action with probability
+    /// p_explr, otherwise one of the best.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
+        explorer.choose(worth)
+    }
 
     /// Credits the action chosen after the last [`consider`](Self::consider).
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit;

@@ -52,7 +52,9 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
     let paths = Paths::new(maze);
     let mut starts = maze
         .free_cells()
-        .filter(|&cell| maze.start().is_none_or(|start| start == cell) && !maze.is_goal(cell))
+        .filter(|&cell| {
+            maze.start().is_none_or(|start| start == cell) && paths.distance(maze, cell) != Some(0)
+        })
         .peekable();
     if starts.peek().is_none() {
         return Err(source.fault(
@@ -65,14 +67,15 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
     let Some(cell) = starts.find(|&cell| paths.distance(maze, cell).is_none()) else {
         return Ok(());
     };
-    let help = match maze.start() {
-        Some(_) => "open a wall on the way, or move `S` or `G`",
-        None => "make the cell a wall, open a way, or set a fixed start `S`",
+    let (title, help) = match maze.start() {
+        Some(_) => (
+            "no goal can be reached from the start",
+            "open a wall on the way, or move `S` or `G`",
+        ),
+        None => (
+            "no goal can be reached from a free cell, and episodes start in any of them",
+            "make the cell a wall, open a way, or set a fixed start `S`",
+        ),
     };
-    Err(source.fault(
-        rows.span(cell),
-        "no goal can be reached from a cell where episodes start",
-        "cut off from every goal",
-        help,
-    ))
+    Err(source.fault(rows.span(cell), title, "cut off from every goal", help))
 }

@@ -77,7 +77,10 @@ impl Diagnostic {
             }
             Some(_) => group = group.elements(self.snippets(Some(&self.origin))),
         }
-        renderer.render(&[group.element(Level::HELP.message(self.help.as_str()))])
+        let text = renderer.render(&[group.element(Level::HELP.message(self.help.as_str()))]);
+        // The mark of a snippet without a path says nothing.
+        let lines: Vec<&str> = text.lines().filter(|line| line.trim() != ":::").collect();
+        lines.join("\n")
     }
 
     fn origin(&self) -> Origin<'_> {

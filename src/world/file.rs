@@ -6,8 +6,9 @@ use std::path::Path;
 
 use super::checks::{check_border, check_reachable, check_start_and_goal};
 use super::direction::Moves;
-use super::document::{Document, kind, missing_key, wrong_type};
+use super::document::Document;
 use super::error::WorldError;
+use super::json::{kind, missing_key, wrong_type};
 use super::maze::{Cell, Maze};
 use super::name;
 use super::rows::Rows;
@@ -43,6 +44,17 @@ impl Maze {
     /// or missing keys, wrong types, values out of range, ragged or empty rows, unknown letters,
     /// no goal, more than one start, an open border, a start from which no goal can be reached,
     /// or too large (over 64 MiB, or 4096 columns or rows).
+    ///
+    /// # Example
+    /// ```
+    /// use xcscr::world::{Maze, Paths};
+    ///
+    /// let text = br#"{ "wrap": true, "rows": ["S..G."] }"#;
+    /// let maze = Maze::from_json(text, "ring.json")?;
+    /// let start = maze.start().expect("the file has an `S`");
+    /// assert_eq!(Paths::new(&maze).distance(&maze, start), Some(2));
+    /// # Ok::<(), xcscr::world::WorldError>(())
+    /// ```
     pub fn from_json(text: &[u8], origin: &str) -> Result<Self, WorldError> {
         if text.len() > MAX_BYTES {
             let source = Source { origin, text: "" };
@@ -148,7 +160,7 @@ fn read_name(source: Source<'_>, raw: Option<&str>) -> Result<String, WorldError
     if kind(raw) != Some("a string") {
         return Err(wrong_type(source, "name", raw, "a string"));
     }
-    let name: String = serde_json::from_str(raw).unwrap_or_default();
+    let name: String = serde_json::from_str(raw).unwrap_or_else(|_| raw.to_owned());
     if name::is_valid(&name) {
         return Ok(name);
     }

@@ -7,6 +7,7 @@ mod draw;
 mod error;
 mod facts;
 mod file;
+mod json;
 mod maze;
 mod name;
 mod paths;

@@ -7,8 +7,8 @@ const LONGEST: usize = 64;
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
 /// The rule, for messages.
-pub const RULE: &str = "a name has 1 to 64 characters, each a letter from a to z (large or small), a digit, `-`, `_` or `.`, \
-     begins and ends with no dot, and is no device name such as `CON`";
+pub const RULE: &str = "a name has 1 to 64 letters (a to z, A to Z), digits, `-`, `_` or `.`, \
+     no dot at either end, and is no device name such as `CON`";
 
 /// Can the text be part of a folder name on every system?
 pub fn is_valid(name: &str) -> bool {

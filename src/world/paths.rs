@@ -5,17 +5,24 @@ use std::collections::VecDeque;
 use super::maze::{Cell, Maze};
 use crate::signal::Action;
 
+/// In place of a distance: the cell is free, but no way leads from it to a goal.
+const CUT_OFF: u32 = u32::MAX;
+/// In place of a distance: the cell is a wall. One look-up then tells all about a cell, which
+/// counts in mazes larger than the cache.
+const WALL: u32 = u32::MAX - 1;
+
 /// The length of the shortest path from each cell to the nearest goal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Paths {
-    /// By cell index; `u32::MAX` for walls and cells that reach no goal.
+    /// By cell index; or [`CUT_OFF`] or [`WALL`].
     distance: Vec<u32>,
 }
 
 impl Paths {
     /// Breadth-first search from the goals outward (moves can be reversed in every world).
     pub fn new(maze: &Maze) -> Self {
-        let mut distance = vec![u32::MAX; usize::from(maze.width()) * usize::from(maze.height())];
+        let blank = |&wall: &bool| if wall { WALL } else { CUT_OFF };
+        let mut distance: Vec<u32> = maze.walls.iter().map(blank).collect();
         let mut queue: VecDeque<Cell> = maze.goals().iter().copied().collect();
         queue
             .iter()
@@ -23,11 +30,11 @@ impl Paths {
         while let Some(cell) = queue.pop_front() {
             let beyond = distance[maze.index(cell)] + 1;
             for &direction in maze.moves().directions() {
-                let Some(next) = maze.step(cell, direction) else {
+                let Some(next) = maze.neighbour(cell, direction) else {
                     continue;
                 };
                 let known = &mut distance[maze.index(next)];
-                if *known == u32::MAX {
+                if *known == CUT_OFF {
                     *known = beyond;
                     queue.push_back(next);
                 }
@@ -38,10 +45,10 @@ impl Paths {
 
     /// Steps from a cell to the nearest goal; `None` for walls and cells that reach no goal.
     pub fn distance(&self, maze: &Maze, cell: Cell) -> Option<u32> {
-        if maze.is_wall(cell) {
+        if cell.col >= maze.width() || cell.row >= maze.height() {
             return None;
         }
-        Some(self.distance[maze.index(cell)]).filter(|&d| d != u32::MAX)
+        Some(self.distance[maze.index(cell)]).filter(|&steps| steps < WALL)
     }
 
     /// The cell that an action leads to, if that is a step along a shortest path.
@@ -72,7 +79,7 @@ impl Paths {
             .flat_map(|&(cell, count)| {
                 directions
                     .iter()
-                    .filter_map(move |&direction| maze.step(cell, direction))
+                    .filter_map(move |&direction| maze.neighbour(cell, direction))
                     .filter(|&next| self.distance[maze.index(next)] == left)
                     .map(move |next| (next, count))
             })

@@ -1,7 +1,8 @@
 //! From the rows of a world file to walls, start and goals.
 
-use super::document::{Elements, kind, wrong_type};
+use super::document::Elements;
 use super::error::WorldError;
+use super::json::{kind, wrong_type};
 use super::maze::Cell;
 use super::source::{Source, quoted};
 
@@ -159,6 +160,7 @@ fn cells(count: usize) -> String {
 
 fn letter_help(letter: char) -> String {
     let meant = match letter {
+        '\\' => "rows have no escape sequences; ",
         's' => "did you mean `S`? ",
         'g' | 'F' | 'f' => "did you mean `G`? ",
         ' ' | 'o' | 'O' | '0' | '_' => "did you mean `.`? ",

@@ -103,15 +103,18 @@ fn floor(text: &str, index: usize) -> usize {
 /// A text from a file for use in a message: quoted, without control characters, and short.
 pub fn quoted(text: &str) -> String {
     const LONGEST: usize = 40;
-    let shown: String = text
-        .chars()
-        .take(LONGEST)
-        .flat_map(char::escape_debug)
-        .collect();
+    let shown: String = text.chars().take(LONGEST).map(printable).collect();
     let dots = if text.chars().nth(LONGEST).is_some() {
         "..."
     } else {
         ""
     };
     format!("`{shown}{dots}`")
+}
+
+fn printable(letter: char) -> String {
+    match letter {
+        '\\' | '"' | '\'' => letter.to_string(),
+        _ => letter.escape_debug().to_string(),
+    }
 }

@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Drawing, Drawn, Size};
 use super::theme::{FAINT, INK, Theme, colour};
-use crate::study::report::ablation::{SwitchEffect, place, places, short, state, switches};
+use crate::study::report::ablation::{Place, SwitchEffect, place, places, short, state, switches};
 use crate::study::statistics::{Interval, Proportion};
 use crate::study::summary::ArmRecords;
 
@@ -34,7 +34,7 @@ const RED: usize = 3;
 pub struct Ablation<'a> {
     arms: &'a [ArmRecords<'a>],
     switches: Vec<String>,
-    places: Vec<String>,
+    places: Vec<Place>,
     effects: Vec<SwitchEffect>,
 }
 
@@ -51,11 +51,11 @@ impl<'a> Ablation<'a> {
     }
 
     /// The arms in one place, those with fewer switches on first.
-    fn combinations(&self, name: &str) -> Vec<&ArmRecords<'a>> {
+    fn combinations(&self, name: &Place) -> Vec<&ArmRecords<'a>> {
         let mut arms: Vec<_> = self
             .arms
             .iter()
-            .filter(|one| place(one.arm) == name)
+            .filter(|one| place(one.arm) == *name)
             .collect();
         let on = |one: &&ArmRecords<'a>| {
             let on = self
@@ -108,9 +108,10 @@ impl Ablation<'_> {
         &self,
         area: &DrawingArea<DB, Shift>,
         theme: Theme,
-        name: &str,
+        name: &Place,
     ) -> Drawn<DB> {
-        for (line, part) in name.split(", ").enumerate() {
+        let parts = name.1.split(", ");
+        for (line, part) in std::iter::once(name.0.as_str()).chain(parts).enumerate() {
             let size = if line == 0 { 15 } else { 12 };
             let y = theme.ipx((BARS.1 / 2) as i32 - 24 + 18 * line as i32);
             area.draw_text(part, &theme.text(size).pos(LEFT), (0, y))?;
@@ -122,7 +123,7 @@ impl Ablation<'_> {
         &self,
         root: &DrawingArea<DB, Shift>,
         theme: Theme,
-        name: &str,
+        name: &Place,
         top: u32,
     ) -> Drawn<DB> {
         let corner = (theme.px(NAMES - 50), theme.px(top));
@@ -190,7 +191,7 @@ impl Ablation<'_> {
         &self,
         root: &DrawingArea<DB, Shift>,
         theme: Theme,
-        name: &str,
+        name: &Place,
         top: u32,
     ) -> Drawn<DB> {
         let names = 160;
@@ -201,7 +202,7 @@ impl Ablation<'_> {
         let own: Vec<&SwitchEffect> = self
             .effects
             .iter()
-            .filter(|one| one.place == name)
+            .filter(|one| (&one.world, &one.setting) == (&name.0, &name.1))
             .collect();
         let mut chart = ChartBuilder::on(&area)
             .set_label_area_size(LabelAreaPosition::Left, theme.px(names))

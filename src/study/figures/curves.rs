@@ -1,13 +1,14 @@
 //! Success curves: the share of trials that had found an optimal policy, episode by episode.
 
 use plotters::coord::Shift;
+use plotters::coord::combinators::WithKeyPoints;
 use plotters::coord::types::{RangedCoordf64, RangedCoordu32};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Drawing, Drawn, Size};
 use super::panels::Panels;
-use super::theme::{FAINT, INK, Theme, colour};
+use super::theme::{FAINT, INK, Theme, colour, ticks};
 use crate::study::statistics::{Lifetime, Point, Survival};
 
 const PANEL: Size = (340, 300);
@@ -15,10 +16,9 @@ const TOP: u32 = 36;
 /// Room for the names beside the table of trials still searching.
 const NAMES: u32 = 176;
 const ROW: u32 = 17;
-/// The times at which the trials still searching are counted.
-const LOOKS: u32 = 6;
 
-type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordu32, RangedCoordf64>>;
+type Chart<'a, DB> =
+    ChartContext<'a, DB, Cartesian2d<WithKeyPoints<RangedCoordu32>, RangedCoordf64>>;
 
 /// 1 - Kaplan-Meier with 95 % bands for each series, a panel for each place, and under it how
 /// many trials were still searching.
@@ -72,15 +72,18 @@ impl Curves<'_> {
         let mut chart = ChartBuilder::on(&area)
             .caption(&self.0.places[place], theme.text(15))
             .set_label_area_size(LabelAreaPosition::Left, theme.px(46))
-            .set_label_area_size(LabelAreaPosition::Bottom, theme.px(40))
+            .set_label_area_size(LabelAreaPosition::Bottom, theme.px(34))
             .margin_right(theme.px(16))
-            .build_cartesian_2d(0..self.0.episodes, 0.0..1.0)?;
+            .build_cartesian_2d(
+                (0..self.0.episodes).with_key_points(ticks(self.0.episodes)),
+                0.0..1.0,
+            )?;
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
             .bold_line_style(theme.line(FAINT, 1))
             .axis_style(theme.line(INK, 1))
-            .x_labels(LOOKS as usize + 1)
+            .x_labels(20)
             .y_labels(6)
             .y_label_formatter(&|share| format!("{:.0} %", 100.0 * share))
             .x_desc("episode")
@@ -125,8 +128,7 @@ impl Curves<'_> {
         lifetimes: &[Lifetime],
     ) -> Drawn<DB> {
         let style = theme.text(11).pos(Pos::new(HPos::Center, VPos::Center));
-        for look in 0..=LOOKS {
-            let episode = self.0.episodes * look / LOOKS;
+        for episode in ticks(self.0.episodes) {
             let (x, _) = chart.backend_coord(&(episode, 0.0));
             let found = |one: &&Lifetime| one.happened && one.time <= episode;
             let searching = lifetimes.len() - lifetimes.iter().filter(found).count();

@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Drawing, Drawn, Size};
 use super::panels::Panels;
-use super::theme::{FAINT, INK, Theme, colour};
+use super::theme::{FAINT, INK, Theme, colour, ticks};
 use crate::study::summary::ArmRecords;
 
 /// About how many bars a panel has.
@@ -128,14 +128,17 @@ impl Bars {
             .set_label_area_size(LabelAreaPosition::Bottom, theme.px(20))
             .margin_right(theme.px(10))
             .margin_top(theme.px(4))
-            .build_cartesian_2d(0..self.episodes, 0..self.highest)?;
+            .build_cartesian_2d(
+                (0..self.episodes).with_key_points(ticks(self.episodes)),
+                0..self.highest,
+            )?;
         chart
             .configure_mesh()
             .disable_x_mesh()
             .light_line_style(TRANSPARENT)
             .bold_line_style(theme.line(FAINT, 1))
             .axis_style(theme.line(INK, 1))
-            .x_labels(7)
+            .x_labels(20)
             .y_labels(4)
             .label_style(theme.text(11))
             .draw()?;

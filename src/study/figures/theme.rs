@@ -72,3 +72,12 @@ impl Theme {
 pub fn colour(series: usize) -> RGBColor {
     COLOURS[series % COLOURS.len()]
 }
+
+/// Round places on an axis of episodes: at most seven, from 0 on.
+pub fn ticks(episodes: u32) -> Vec<u32> {
+    let step = [1, 2, 5, 10, 20, 30, 50, 100, 200, 500]
+        .into_iter()
+        .find(|step| episodes / step <= 6)
+        .unwrap_or(episodes / 5);
+    (0..=episodes / step).map(|tick| tick * step).collect()
+}

@@ -12,7 +12,7 @@ use crate::reward::Method;
 use crate::sensor::Sensor;
 use crate::study::error::StudyError;
 use crate::study::plan::ArenaKind;
-use crate::study::resolve::similar;
+use crate::study::resolve::{flatten, similar};
 use crate::world::Maze;
 
 /// The keys of a study file.
@@ -153,9 +153,10 @@ impl StudyFile {
         Ok(settings.get(method.name()).cloned().unwrap_or_default())
     }
 
-    /// The swept settings by full name, each with its values.
+    /// The swept settings in the order of their full names, each with its values.
     pub(super) fn sweep(&self) -> Result<Vec<(String, Vec<Value>)>, StudyError> {
-        let entries = crate::study::resolve::flatten(self.document.sweep.clone());
+        let mut entries = flatten(self.document.sweep.clone());
+        entries.sort_by(|a, b| a.0.cmp(&b.0));
         let list = |(key, value): (String, Value)| match value {
             Value::Array(values) if !values.is_empty() => Ok((key, values)),
             _ => Err(StudyError::file(

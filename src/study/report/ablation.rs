@@ -11,8 +11,10 @@ use crate::study::summary::{ArmRecords, rounded};
 /// What one switch does in one world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SwitchEffect {
-    /// World, arena, sensor and method.
-    pub place: String,
+    /// The world.
+    pub world: String,
+    /// Method, arena and sensor.
+    pub setting: String,
     /// The setting that is switched.
     pub switch: String,
     /// The share of successes with it minus that without it, over all settings of the others.
@@ -43,24 +45,35 @@ pub fn state(arm: &Arm, switch: &str) -> Option<bool> {
     arm.variant.0.get(switch)?.as_bool()
 }
 
+/// All that a study does not switch: the world, and method, arena and sensor.
+pub type Place = (String, String);
+
 /// Where the arms ran, in the order of the study.
-pub fn places(arms: &[ArmRecords<'_>]) -> Vec<String> {
-    let mut places: Vec<String> = arms.iter().map(|one| place(one.arm)).collect();
-    places.dedup();
+pub fn places(arms: &[ArmRecords<'_>]) -> Vec<Place> {
+    let mut places: Vec<Place> = Vec::new();
+    for one in arms {
+        let place = place(one.arm);
+        if !places.contains(&place) {
+            places.push(place);
+        }
+    }
     places
 }
 
-/// All that a study does not switch.
-pub fn place(arm: &Arm) -> String {
+/// Where an arm ran.
+pub fn place(arm: &Arm) -> Place {
     let (method, arena) = (arm.method.name(), arm.arena.name());
-    format!("{}, {method}, {arena}, {}", arm.world, arm.sensor.name())
+    (
+        arm.world.clone(),
+        format!("{method}, {arena}, {}", arm.sensor.name()),
+    )
 }
 
 impl SwitchEffect {
     /// The effect of each switch in each place.
     pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
         let switches = switches(arms);
-        let in_place = |name: String| {
+        let in_place = |name: Place| {
             let own: Vec<&ArmRecords<'_>> =
                 arms.iter().filter(|one| place(one.arm) == name).collect();
             Self::in_place(&name, &own, &switches)
@@ -68,7 +81,7 @@ impl SwitchEffect {
         places(arms).into_iter().flat_map(in_place).collect()
     }
 
-    fn in_place(place: &str, arms: &[&ArmRecords<'_>], switches: &[String]) -> Vec<Self> {
+    fn in_place(place: &Place, arms: &[&ArmRecords<'_>], switches: &[String]) -> Vec<Self> {
         let tests: Vec<f64> = switches
             .iter()
             .map(|switch| fisher_exact(pooled(arms, switch, true), pooled(arms, switch, false)))
@@ -82,7 +95,8 @@ impl SwitchEffect {
                 arms.iter().filter(others).copied().collect()
             };
             Self {
-                place: place.to_owned(),
+                world: place.0.clone(),
+                setting: place.1.clone(),
                 switch: switch.clone(),
                 main_effect: difference(arms, switch),
                 last_added: difference(&others(true), switch),
@@ -119,7 +133,8 @@ fn difference(arms: &[&ArmRecords<'_>], switch: &str) -> Interval {
 /// The effects as a table, in percentage points.
 pub fn table(effects: &[SwitchEffect]) -> Table {
     let mut table = Table::new([
-        "where",
+        "world",
+        "setting",
         "switch",
         "main effect",
         "95 % interval",
@@ -133,8 +148,9 @@ pub fn table(effects: &[SwitchEffect]) -> Table {
         .iter()
         .map(|one| {
             vec![
-                one.place.clone(),
-                one.switch.clone(),
+                one.world.clone(),
+                one.setting.clone(),
+                short(&one.switch),
                 points(one.main_effect.value),
                 points_range(one.main_effect),
                 p_value(one.holm_p),
@@ -145,7 +161,7 @@ pub fn table(effects: &[SwitchEffect]) -> Table {
             ]
         })
         .collect();
-    table
+    table.without_dull(|name| name == "setting")
 }
 
 /// What the effects mean, in a sentence for each place.
@@ -166,10 +182,10 @@ pub fn verdict(effects: &[SwitchEffect]) -> String {
         let mut sorted: Vec<&SwitchEffect> = effects.iter().collect();
         sorted.sort_by(|a, b| b.main_effect.value.total_cmp(&a.main_effect.value));
         let words: Vec<String> = sorted.into_iter().map(words).collect();
-        format!("{}: {}.", effects[0].place, words.join(", "))
+        format!("{}: {}.", effects[0].world, words.join(", "))
     };
     let sentences: Vec<String> = effects
-        .chunk_by(|a, b| a.place == b.place)
+        .chunk_by(|a, b| (&a.world, &a.setting) == (&b.world, &b.setting))
         .map(sentence)
         .collect();
     format!(

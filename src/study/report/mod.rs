@@ -13,7 +13,7 @@ pub use ablation::SwitchEffect;
 pub use comparisons::Comparison;
 pub use paper::AgainstPaper;
 
-use document::Block;
+use document::{Block, Table};
 
 use super::error::StudyError;
 use super::figures::{Picture, draw_figures};
@@ -39,6 +39,10 @@ pub struct Report {
     /// What each switch contributes.
     pub switches: Vec<SwitchEffect>,
     #[serde(skip)]
+    results: Table,
+    #[serde(skip)]
+    letters: Option<String>,
+    #[serde(skip)]
     settings: String,
     #[serde(skip)]
     pictures: Vec<Picture>,
@@ -56,6 +60,8 @@ impl Report {
             episodes,
             ..
         } = folder.protocol().clone();
+        let summaries = ArmSummary::all(folder);
+        let specs = &folder.protocol().arms;
         Self {
             study: name,
             plan: folder.protocol().id(),
@@ -63,11 +69,13 @@ impl Report {
             seed,
             trials,
             episodes,
-            arms: ArmSummary::all(folder),
+            results: results::table(specs, &summaries),
+            letters: results::letters_legend(&results::letters(specs)),
+            arms: summaries,
             against_paper: AgainstPaper::all(&arms),
             comparisons: Comparison::all(&arms),
             switches: SwitchEffect::all(&arms),
-            settings: settings::sentences(&folder.protocol().arms),
+            settings: settings::sentences(specs),
             pictures: Vec::new(),
         }
     }
@@ -94,9 +102,10 @@ impl Report {
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = vec![
             Block::Text(self.introduction()),
-            Block::Table(results::table(&self.arms)),
-            Block::Text(results::LEGEND.to_owned()),
+            Block::Table(self.results.clone()),
         ];
+        blocks.extend(self.letters.clone().map(Block::Text));
+        blocks.push(Block::Text(results::LEGEND.to_owned()));
         self.add_paper(&mut blocks);
         self.add_comparisons(&mut blocks);
         self.add_switches(&mut blocks);

@@ -1,6 +1,11 @@
 //! What came out: a row for each arm.
 
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
 use super::document::Table;
+use crate::study::protocol::{Arm, Variant};
 use crate::study::summary::ArmSummary;
 
 /// What the columns mean.
@@ -10,8 +15,40 @@ pub const LEGEND: &str = "optimal: trials whose greedy policy became globally op
     environment steps until then, interquartile mean with bootstrap interval; trials without an \
     optimum count with all their steps. collisions, rules: means of a trial.";
 
-/// A table of all arms. Columns that tell nothing apart are left out.
-pub fn table(arms: &[ArmSummary]) -> Table {
+/// Letters for the settings of a sweep, in the order of their names.
+pub fn letters(arms: &[Arm]) -> Vec<(char, String)> {
+    let keys = arms.iter().flat_map(|arm| arm.variant.0.keys().cloned());
+    let keys: BTreeSet<String> = keys.collect();
+    ('A'..='Z').zip(keys).collect()
+}
+
+/// What the letters mean; nothing without a sweep.
+pub fn letters_legend(letters: &[(char, String)]) -> Option<String> {
+    let words: Vec<String> = letters
+        .iter()
+        .map(|(letter, key)| format!("{letter} is `{key}`"))
+        .collect();
+    (!words.is_empty()).then(|| {
+        format!(
+            "In `variant`, {}; a letter alone is on, – is off.",
+            words.join(", ")
+        )
+    })
+}
+
+/// The values of a variant behind their letters.
+fn variant(variant: &Variant, letters: &[(char, String)]) -> String {
+    let word = |(letter, key): &(char, String)| match variant.0.get(key) {
+        Some(Value::Bool(true)) => letter.to_string(),
+        Some(Value::Bool(false)) | None => "–".to_owned(),
+        Some(Value::String(text)) => format!("{letter}={text}"),
+        Some(value) => format!("{letter}={value}"),
+    };
+    letters.iter().map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// A table of all arms and their summaries. Columns that tell nothing apart are left out.
+pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
     let mut table = Table::new([
         "world",
         "method",
@@ -30,17 +67,21 @@ pub fn table(arms: &[ArmSummary]) -> Table {
         "rules",
         "failed",
     ]);
-    table.rows = arms.iter().map(row).collect();
+    let letters = letters(arms);
+    let rows = arms.iter().zip(summaries);
+    table.rows = rows
+        .map(|(arm, one)| row(one, variant(&arm.variant, &letters)))
+        .collect();
     table.without_dull(|name| ["arena", "sensor", "variant", "failed"].contains(&name))
 }
 
-fn row(arm: &ArmSummary) -> Vec<String> {
+fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
     vec![
         arm.world.clone(),
         arm.method.to_owned(),
         arm.arena.to_owned(),
         arm.sensor.to_owned(),
-        arm.variant.clone(),
+        variant,
         arm.successes.to_string(),
         arm.trials.to_string(),
         percent_range(arm.wilson_low, arm.wilson_high),

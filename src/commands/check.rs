@@ -1,0 +1,67 @@
+//! `xcscr check`: what is wrong with a recording.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use xcscr::record::{self, Finding};
+
+use super::failure::{Exit, Failure};
+
+/// Arguments of `check`.
+#[derive(Debug, clap::Args)]
+pub struct CheckArgs {
+    /// Recordings (.mcap).
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found in one file, as `--json` prints it.
+#[derive(serde::Serialize)]
+struct Checked {
+    file: String,
+    sound: bool,
+    findings: Vec<String>,
+}
+
+/// Checks every file, and says of each what was found.
+pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let checked: Result<Vec<Checked>, Failure> =
+        args.files.iter().map(|file| check(file)).collect();
+    let checked = checked?;
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&checked)?)?;
+    } else {
+        print(&checked, out)?;
+    }
+    match checked.iter().filter(|file| !file.sound).count() {
+        0 => Ok(()),
+        bad => {
+            let message = format!("{bad} of {} recordings are not sound", checked.len());
+            Err(Failure::new(Exit::BadData, message))
+        }
+    }
+}
+
+fn check(file: &Path) -> Result<Checked, Failure> {
+    let findings = record::check(file)?;
+    Ok(Checked {
+        file: file.display().to_string(),
+        sound: findings.is_empty(),
+        findings: findings.iter().map(Finding::to_string).collect(),
+    })
+}
+
+fn print(checked: &[Checked], out: &mut impl Write) -> Result<(), Failure> {
+    for Checked { file, findings, .. } in checked {
+        if findings.is_empty() {
+            writeln!(out, "{file}: sound")?;
+        }
+        for finding in findings {
+            writeln!(out, "{file}: {finding}")?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,50 @@
+//! Explore or exploit.
+
+use crate::random::Stream;
+use crate::signal::Action;
+use crate::xcs::PredictionArray;
+
+/// Chooses actions: with probability p_explr any, otherwise one of the best.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Explorer {
+    probability: f64,
+    stream: Stream,
+}
+
+impl Explorer {
+    /// An explorer that draws from `stream`; a probability of 0 is purely greedy.
+    pub fn new(probability: f64, stream: Stream) -> Self {
+        Self {
+            probability,
+            stream,
+        }
+    }
+
+    /// An action, and whether it was chosen to explore.
+    pub fn choose(&mut self, worth: &PredictionArray) -> (Action, bool) {
+        let explores = self.stream.chance(self.probability);
+        let actions = worth.as_slice().len();
+        let action = if explores {
+            self.among(Action::all(actions))
+        } else {
+            self.exploit(worth)
+        };
+        (action, explores)
+    }
+
+    /// One of the best actions, or any where nothing is known. Ties are broken by chance.
+    pub fn exploit(&mut self, worth: &PredictionArray) -> Action {
+        if worth.greatest().is_some() {
+            self.among(worth.best_actions())
+        } else {
+            self.among(Action::all(worth.as_slice().len()))
+        }
+    }
+
+    /// One of some actions, each with the same chance.
+    pub fn among(&mut self, actions: impl Iterator<Item = Action> + Clone) -> Action {
+        let chosen = self.stream.below(actions.clone().count().max(1));
+        let action = actions.clone().nth(chosen);
+        action.expect("there is at least one action to choose from")
+    }
+}

@@ -1,0 +1,125 @@
+//! Faults of a text as JSON: syntax, and values of the wrong type.
+
+use super::error::WorldError;
+use super::source::Source;
+
+/// What a world file looks like, for help lines.
+const EXAMPLE: &str = "{ \"name\": \"tiny\", \"rows\": [\"####\", \"#SG#\", \"####\"] }";
+
+/// What kind of JSON value a text begins with, with its article; `None` for no JSON at all.
+pub fn kind(raw: &str) -> Option<&'static str> {
+    match raw.bytes().next()? {
+        b'{' => Some("an object"),
+        b'[' => Some("an array"),
+        b'"' => Some("a string"),
+        b't' | b'f' => Some("a boolean"),
+        b'n' => Some("null"),
+        b'-' | b'0'..=b'9' => Some("a number"),
+        _ => None,
+    }
+}
+
+/// The error for a value of the wrong type.
+pub fn wrong_type(source: Source<'_>, key: &str, raw: &str, expected: &str) -> WorldError {
+    let found = kind(raw).unwrap_or("something else");
+    source.fault(
+        source.span(raw),
+        format!("`{key}` is {found}, expected {expected}"),
+        format!("expected {expected}"),
+        format!("a world looks like this: {EXAMPLE}"),
+    )
+}
+
+/// The error for a key that is not there.
+pub fn missing_key(source: Source<'_>, key: &str) -> WorldError {
+    let at = source.text.find('{').unwrap_or(0);
+    source.fault(
+        at..at + 1,
+        format!("the world has no `{key}`"),
+        format!("`{key}` is missing in this object"),
+        format!("a world looks like this: {EXAMPLE}"),
+    )
+}
+
+/// Refuses a text that holds nothing, or some other JSON value than an object.
+pub fn refuse_other_kinds(source: Source<'_>) -> Result<(), WorldError> {
+    let body = source.text.trim_ascii_start();
+    let start = source.span(body).start;
+    let help = format!("a world is one JSON object: {EXAMPLE}");
+    if body.is_empty() {
+        return Err(source.fault(0..0, "the file is empty", "expected a world here", help));
+    }
+    match kind(body) {
+        None | Some("an object") => Ok(()),
+        Some(other) => Err(source.fault(
+            start..start + 1,
+            format!("the file holds {other}, expected an object"),
+            "expected `{`",
+            help,
+        )),
+    }
+}
+
+/// The error for a text that is no JSON.
+pub fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError {
+    let at = offset(source.text, error);
+    let text = error.to_string();
+    let cause = text.split(" at line ").next().unwrap_or_default();
+    if cause.starts_with("control character") {
+        // Here the column is that of the last good character.
+        let help = "remove it; a line break within a text is written `\\n`";
+        let title = "there is a control character in a string";
+        return source.fault(at + 1..at + 2, title, "not allowed here", help);
+    }
+    if cause == "trailing comma" {
+        let comma = source.text[..at].rfind(',').unwrap_or(at);
+        let title = "there is a comma before a closing bracket";
+        return source.fault(
+            comma..comma + 1,
+            title,
+            "nothing follows",
+            "remove the comma",
+        );
+    }
+    let (title, label, help) = match cause {
+        "trailing characters" => (
+            "there is text after the end of the world",
+            "the world ended before this",
+            "remove everything after the closing `}`",
+        ),
+        _ if error.is_eof() => (
+            "the file ends in the middle of the world",
+            "the file ends here",
+            "add what is missing: every `\"`, `[` and `{` needs its partner",
+        ),
+        _ if is_not_finite(source.text, at) => (
+            "JSON knows only finite numbers",
+            "not a number",
+            "write a finite number, such as 1.0",
+        ),
+        _ => (
+            "the file is no valid JSON",
+            cause,
+            "see json.org for the rules; the usual causes are missing quotes, commas and brackets",
+        ),
+    };
+    source.fault(at..at + 1, title, label, help)
+}
+
+/// The byte that a JSON error points at.
+fn offset(text: &str, error: &serde_json::Error) -> usize {
+    let lines = text
+        .split_inclusive('\n')
+        .take(error.line().saturating_sub(1));
+    lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1)
+}
+
+/// Does one of the words that other languages write for such numbers stand here?
+fn is_not_finite(text: &str, at: usize) -> bool {
+    let rest = text.get(at..).unwrap_or_default();
+    let rest = rest.strip_prefix('-').unwrap_or(rest);
+    ["nan", "inf"].iter().any(|word| {
+        rest.get(..3)
+            .is_some_and(|start| start.eq_ignore_ascii_case(word))
+    })
+}
