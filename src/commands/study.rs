@@ -182,7 +182,7 @@ impl Status {
         };
         Self {
             study: protocol.name.clone(),
-            plan: protocol.id(),
+            plan: folder.plan().to_owned(),
             trials: protocol.len(),
             finished: protocol.len() - missing.len(),
             failed: folder.failed(),

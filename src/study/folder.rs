@@ -5,9 +5,12 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
 use super::error::StudyError;
 use super::journal::{self, Journal};
-use super::protocol::Protocol;
+use super::protocol::{Protocol, id_of};
 use super::record::TrialRecord;
 
 /// The frozen study.
@@ -22,6 +25,8 @@ const LOCK: &str = ".lock";
 pub struct StudyFolder {
     path: PathBuf,
     protocol: Protocol,
+    /// The protocol's id, as it was when it was frozen: a newer program may know more settings.
+    plan: String,
     records: BTreeMap<usize, TrialRecord>,
 }
 
@@ -31,9 +36,10 @@ impl StudyFolder {
     /// # Errors
     /// When there is no study in it, or a damaged one.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
-        let protocol = read_plan(path)?.ok_or_else(|| StudyError::NoStudy(path.to_owned()))?;
-        let (records, _) = journal::read(&path.join(JOURNAL), &protocol.id())?;
-        Self::checked(path, protocol, records)
+        let (protocol, plan) =
+            read_plan(path)?.ok_or_else(|| StudyError::NoStudy(path.to_owned()))?;
+        let (records, _) = journal::read(&path.join(JOURNAL), &plan)?;
+        Self::checked(path, protocol, plan, records)
     }
 
     /// Joins folders of one study, in any order.
@@ -53,7 +59,7 @@ impl StudyFolder {
     }
 
     fn add(&mut self, other: Self) -> Result<(), StudyError> {
-        let (ours, theirs) = (self.protocol.id(), other.protocol.id());
+        let (ours, theirs) = (self.plan.clone(), other.plan);
         if ours != theirs {
             return Err(StudyError::Mixed(
                 self.path.clone(),
@@ -74,6 +80,7 @@ impl StudyFolder {
     fn checked(
         path: &Path,
         protocol: Protocol,
+        plan: String,
         records: Vec<TrialRecord>,
     ) -> Result<Self, StudyError> {
         if let Some(record) = records.iter().find(|record| record.trial >= protocol.len()) {
@@ -83,6 +90,7 @@ impl StudyFolder {
         Ok(Self {
             path: path.to_owned(),
             protocol,
+            plan,
             records: records
                 .into_iter()
                 .map(|record| (record.trial, record))
@@ -93,6 +101,11 @@ impl StudyFolder {
     /// The frozen study.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
+    }
+
+    /// The id of the frozen study.
+    pub fn plan(&self) -> &str {
+        &self.plan
     }
 
     /// Where the folder is.
@@ -151,9 +164,9 @@ impl OpenFolder {
         let wanted = protocol.id();
         match read_plan(path)? {
             None => write_plan(path, protocol)?,
-            Some(found) if found.id() == wanted => (),
-            Some(found) => {
-                let (folder, found) = (path.to_owned(), found.id());
+            Some((_, found)) if found == wanted => (),
+            Some((_, found)) => {
+                let folder = path.to_owned();
                 return Err(StudyError::OtherStudy {
                     folder,
                     found,
@@ -162,7 +175,7 @@ impl OpenFolder {
             }
         }
         let (journal, records) = Journal::open(&path.join(JOURNAL), &wanted)?;
-        let folder = StudyFolder::checked(path, protocol.clone(), records)?;
+        let folder = StudyFolder::checked(path, protocol.clone(), wanted, records)?;
         Ok(Self {
             folder,
             journal,
@@ -210,7 +223,7 @@ impl OpenFolder {
         } = self;
         drop(journal);
         let records: Vec<TrialRecord> = folder.records().cloned().collect();
-        let text = journal::text(&folder.protocol.id(), &records);
+        let text = journal::text(&folder.plan, &records);
         write_whole(&folder.path.join(JOURNAL), text.as_bytes())?;
         lock.set_len(0)
             .map_err(|cause| StudyError::io(&folder.path.join(LOCK), cause))?;
@@ -251,29 +264,48 @@ fn lock(folder: &Path) -> Result<File, StudyError> {
     Ok(file)
 }
 
-fn read_plan(folder: &Path) -> Result<Option<Protocol>, StudyError> {
+/// What `plan.json` holds.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlanFile {
+    /// The checksum of the study's text.
+    plan: String,
+    study: Box<RawValue>,
+}
+
+fn read_plan(folder: &Path) -> Result<Option<(Protocol, String)>, StudyError> {
     let path = folder.join(PLAN);
     let text = match fs::read(&path) {
         Ok(text) => text,
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(cause) => return Err(StudyError::io(&path, cause)),
     };
-    let protocol: Protocol =
-        serde_json::from_slice(&text).map_err(|fault| StudyError::damaged(&path, fault))?;
-    protocol
-        .check()
-        .map_err(|fault| StudyError::damaged(&path, fault))?;
-    Ok(Some(protocol))
+    let damaged = |fault: String| StudyError::damaged(&path, fault);
+    let file: PlanFile =
+        serde_json::from_slice(&text).map_err(|fault| damaged(fault.to_string()))?;
+    if id_of(file.study.get()) != file.plan {
+        return Err(damaged("it was changed after it was frozen".to_owned()));
+    }
+    let study = serde_json::from_str(file.study.get());
+    let study: Protocol = study.map_err(|fault| damaged(fault.to_string()))?;
+    study.check().map_err(damaged)?;
+    Ok(Some((study, file.plan)))
 }
 
 fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> {
-    let text = serde_json::to_string_pretty(protocol).expect("plain data becomes JSON");
+    let study = RawValue::from_string(protocol.to_json()).expect("JSON is valid JSON");
+    let file = PlanFile {
+        plan: protocol.id(),
+        study,
+    };
+    let text = serde_json::to_string_pretty(&file).expect("plain data becomes JSON");
     write_whole(&folder.join(PLAN), format!("{text}\n").as_bytes())
 }
 
 /// Writes a file so that it is there either whole or not at all.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
-    let part = path.with_added_extension("part");
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
     let written = File::create(&part).and_then(|mut file| {
         file.write_all(bytes)?;
         file.sync_all()?;

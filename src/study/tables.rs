@@ -71,7 +71,7 @@ impl StudyFolder {
         let protocol = self.protocol();
         let summary = Summary {
             study: &protocol.name,
-            plan: protocol.id(),
+            plan: self.plan().to_owned(),
             version: &protocol.version,
             seed: protocol.seed,
             episodes: protocol.episodes,

@@ -232,8 +232,8 @@ impl Ablation<'_> {
             chart.draw_series([PathElement::new(range, theme.line(colour(RED), 2))])?;
             let dot = Circle::new((100.0 * value, y), theme.px(4), colour(RED).filled());
             chart.draw_series([dot])?;
-            let (x, y) = chart.backend_coord(&(0.0, y));
-            let x = x - x + theme.px(NAMES + BARS.0 + 26) as i32;
+            let (_, y) = chart.backend_coord(&(0.0, y));
+            let x = theme.px(NAMES + BARS.0 + 26) as i32;
             root.draw_text(&short(&effect.switch), &theme.text(12).pos(LEFT), (x, y))?;
         }
         Ok(())

@@ -92,8 +92,12 @@ impl Protocol {
 
     /// Tells this study from every other one: a checksum of all that is in it.
     pub fn id(&self) -> String {
-        let text = serde_json::to_string(self).expect("plain data becomes JSON");
-        format!("{:016x}", checksum(text.as_bytes()))
+        id_of(&self.to_json())
+    }
+
+    /// All that is in it, as a JSON document.
+    pub(super) fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("plain data becomes JSON")
     }
 
     /// The number of all trials.
@@ -154,6 +158,11 @@ impl Protocol {
     }
 }
 
+/// The id of the study with this text.
+pub(super) fn id_of(json: &str) -> String {
+    format!("{:016x}", checksum(json.as_bytes()))
+}
+
 fn write_mazes<S: Serializer>(mazes: &[Maze], out: S) -> Result<S::Ok, S::Error> {
     let raw = |maze: &Maze| RawValue::from_string(maze.to_json().trim_end().to_owned());
     let raws: Result<Vec<_>, _> = mazes.iter().map(raw).collect();
@@ -162,9 +171,9 @@ fn write_mazes<S: Serializer>(mazes: &[Maze], out: S) -> Result<S::Ok, S::Error>
 
 fn read_mazes<'de, D: Deserializer<'de>>(source: D) -> Result<Vec<Maze>, D::Error> {
     let raws = Vec::<Box<RawValue>>::deserialize(source)?;
-    let maze = |raw: &Box<RawValue>| Maze::from_json(raw.get().as_bytes(), "the study's world");
+    let maze = |raw: &RawValue| Maze::from_json(raw.get().as_bytes(), "the study's world");
     raws.iter()
-        .map(maze)
+        .map(|raw| maze(raw))
         .collect::<Result<_, _>>()
         .map_err(serde::de::Error::custom)
 }

@@ -64,7 +64,7 @@ impl Report {
         let specs = &folder.protocol().arms;
         Self {
             study: name,
-            plan: folder.protocol().id(),
+            plan: folder.plan().to_owned(),
             version,
             seed,
             trials,
