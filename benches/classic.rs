@@ -58,8 +58,15 @@ fn main() -> Result<(), Box<dyn Error>> {
             learner.begin(explores);
             let start = cells[starts.below(cells.len())];
             let (sensor, learner) = (Sensor::Neighbours, &mut *learner);
-            let (episode, _) =
-                episode::run(problem, start, &mut arena, sensor, learner, &mut explorer, &mut ());
+            let (episode, _) = episode::run(
+                problem,
+                start,
+                &mut arena,
+                sensor,
+                learner,
+                &mut explorer,
+                &mut (),
+            );
             steps += u64::from(episode.steps);
             if !explores {
                 exploit_steps.push(episode.steps);

@@ -1,6 +1,60 @@
-//! A mobile robot in a physics-simulated maze that learns readable rules.
+//! A mobile robot in a physics-simulated maze learns readable rules, and every episode can be
+//! replayed.
+//!
+//! The robot perceives the cells around it, chooses a direction, drives there or hits a wall, and
+//! learns condition-action rules from what comes of it. The learner is XCS, an accuracy-based
+//! learning classifier system; what it is paid for, and when, is decided by a reward method, by
+//! default the combined one of XCSCR.
+//!
+//! # Flow
+//! ```text
+//!  world file ─▶ world ─▶ arena ─▶ sensor ─▶ reward ─▶ action ─▶ arena ...
+//!                (Maze)   (View)   (Percept) (Method)            (Outcome)
+//!                             │                 │
+//!                             │                xcs: [P] ⊇ [M] ⊇ [A]
+//!                             ▼
+//!               episode ─▶ Observer: record (MCAP), progress, tests
+//!                  ▲
+//!               study: trial ─▶ many trials ─▶ statistics ─▶ report
+//! ```
+//!
+//! # Words
+//! | word | meaning |
+//! |---|---|
+//! | percept, action | what the robot perceives, a bit string; what it can do, a number |
+//! | step | perceive, choose, act, be credited: one move or one collision |
+//! | episode | from a start cell until a goal is reached or the step-threshold is hit |
+//! | trial | a fresh learner, run for a number of episodes from one seed |
+//! | rule | a macro-classifier: condition, action, prediction, error, fitness, numerosity, experience |
+//! | \[P\], \[M\], \[A\], \[R\] | population, match set, action set, reward stack |
+//! | worth | the fitness-weighted prediction of an action (Eq. 6) |
+//! | globally optimal | from the start, every best action follows a shortest path, to the goal |
+//!
+//! Equations and algorithms are numbered as in the XCSCR paper, "XCS with Combined Reward Method
+//! (XCSCR) for Policy Search in Multistep Problems".
+//!
+//! # Example
+//! ```
+//! use xcscr::{reward::Method, sensor::Sensor, study::{ArenaKind, Config, Plan, Settings, Trial}};
+//!
+//! let world = r######"{ "rows": ["#####", "#S..#", "###G#", "#####"] }"######;
+//! let maze = xcscr::world::Maze::from_json(world.as_bytes(), "corner.json")?;
+//! let config = Config {
+//!     version: env!("CARGO_PKG_VERSION").to_owned(),
+//!     method: Method::Xcscr,
+//!     arena: ArenaKind::Physics,
+//!     sensor: Sensor::Neighbours,
+//!     episodes: 30,
+//!     seed: 1,
+//!     settings: Settings::default(),
+//! };
+//! let mut trial = Trial::new(Plan { maze, config })?;
+//! let _ = trial.run(&mut ());
+//! assert!(trial.progress().optimal);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-#![warn(clippy::print_stdout, clippy::print_stderr)]
+#![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
 // In flow order, which is the import order; `tests/layering.rs` watches over it.
 pub mod signal;

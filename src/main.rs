@@ -1,5 +1,7 @@
 //! The command line of xcscr.
 
+#![warn(clippy::unwrap_used)]
+
 mod cli;
 mod commands;
 

@@ -26,6 +26,8 @@ pub enum StreamName {
     Bootstrap,
     /// Generated worlds.
     World,
+    /// Which remembered transitions are replayed.
+    Replay,
 }
 
 /// A stream of random numbers; its whole state can be saved and restored.

@@ -1,7 +1,5 @@
 //! The contract of the command line: what goes where, and the exit codes.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
 use std::fs;
 use std::path::Path;
 use std::process::{Output, Stdio};

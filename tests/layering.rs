@@ -1,7 +1,5 @@
 //! The order of the modules is the order of imports: an arrow in any other direction fails.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,16 +1,19 @@
 //! What a recording must be.
 
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
 mod common;
 
 use std::collections::BTreeMap;
-use std::fs;
 
-use common::{Trial, contents, names};
+use common::scripted::Scripted;
+use common::trial::{Trial, contents, names};
 use foxglove::Decode;
-use foxglove::messages::{FrameTransforms, SceneUpdate};
+use foxglove::messages::log::Level;
+use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
 use serde_json::Value;
 use xcscr::record::reader::Recording;
-use xcscr::record::{RecordMode, Recorder, RunInfo, check_recording, compare};
+use xcscr::record::{Recorder, RunInfo, check_recording, compare};
 use xcscr::world::Maze;
 
 #[test]
@@ -22,48 +25,55 @@ fn the_same_run_gives_the_same_bytes() {
     assert!(contents(&a.files) == contents(&b.files));
 }
 
-#[test]
-fn each_mode_keeps_its_episodes() {
-    let kept = |mode: &str| {
-        let folder = tempfile::tempdir().unwrap();
-        let trial = Trial {
-            mode: mode.parse::<RecordMode>().unwrap(),
-            ..Trial::default()
-        };
-        let summary = trial.record(folder.path()).unwrap();
-        let names = names(folder.path());
-        assert_eq!(
-            names.iter().filter(|n| n.ends_with("mcap")).count(),
-            summary.files.len()
-        );
-        assert!(
-            !names.iter().any(|name| name.ends_with(".part")),
-            "{names:?}"
-        );
-        names
-            .into_iter()
-            .filter(|n| n.starts_with("ep-"))
-            .collect::<Vec<_>>()
+/// The episodes that a mode keeps, of ways with 12, 10, 3 (to nowhere), 10 and 14 steps.
+fn kept(mode: &str) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let trial = Trial {
+        episodes: 5,
+        explore: 0.0,
+        mode: mode.parse().unwrap(),
+        ..Trial::default()
     };
-    assert_eq!(
-        kept("all"),
-        [
-            "ep-0001.mcap",
-            "ep-0002.mcap",
-            "ep-0003.mcap",
-            "ep-0004.mcap"
-        ]
+    let mut walker = Scripted::new(&[
+        "EWESSSEEEESS",
+        "ESSSEEEESS",
+        "EWE",
+        "ESSSEEEESS",
+        "NNEWESSSEEEESS",
+    ]);
+    let summary = trial.record_with(folder.path(), &mut walker).unwrap();
+    let names = names(folder.path());
+    assert!(
+        !names.iter().any(|name| name.ends_with(".part")),
+        "{names:?}"
     );
-    assert_eq!(kept("every:2"), ["ep-0001.mcap", "ep-0003.mcap"]);
-    assert_eq!(kept("last"), ["ep-0004.mcap"]);
-    assert!(kept("best").len() <= 1);
-    assert!(kept("none").is_empty());
+    let files = names.iter().filter(|name| name.ends_with(".mcap")).count();
+    assert_eq!(files, summary.files.len());
+    let episodes = names.iter().filter_map(|name| name.strip_prefix("ep-"));
+    episodes.map(|name| name.replace(".mcap", "")).collect()
 }
 
-/// A fresh recording of a trial, and the folder that holds it.
+#[test]
+fn each_mode_keeps_its_episodes() {
+    assert_eq!(kept("all"), ["0001", "0002", "0003", "0004", "0005"]);
+    assert_eq!(kept("every:2"), ["0001", "0003", "0005"]);
+    assert_eq!(kept("last"), ["0005"]);
+    assert_eq!(kept("none"), Vec::<String>::new());
+}
+
+#[test]
+fn the_best_episode_is_the_first_of_the_shortest_that_reached_the_goal() {
+    assert_eq!(kept("best"), ["0002"]);
+}
+
+/// A fresh recording of a trial in physics, and the folder that holds it.
 fn fresh() -> (tempfile::TempDir, Vec<Recording>) {
     let folder = tempfile::tempdir().unwrap();
-    let files = Trial::default().record(folder.path()).unwrap().files;
+    let trial = Trial {
+        arena: "physics",
+        ..Trial::default()
+    };
+    let files = trial.record(folder.path()).unwrap().files;
     let recordings = files.iter().map(|file| Recording::open(file).unwrap());
     let recordings = recordings.collect();
     (folder, recordings)
@@ -169,7 +179,7 @@ fn all_frames_are_there_from_the_first_moment_on() {
         for message in recording.messages().map(|message| message.unwrap()) {
             if message.topic() == "/tf" {
                 let names = children(&message.data);
-                assert_eq!(names, ["robot", "wheel_left", "wheel_right"]);
+                assert_eq!(names, ["robot"]);
             }
         }
     }
@@ -206,7 +216,7 @@ fn another_seed_differs_first_in_the_facts_and_then_in_a_field() {
             ..trial.info()
         };
         let mut recorder =
-            Recorder::create(folder.path(), &trial.maze(), info, RecordMode::All).unwrap();
+            Recorder::create(folder.path(), &trial.maze(), info, trial.mode).unwrap();
         let mut method = trial.learner();
         trial.run(method.as_mut(), &mut recorder);
         contents(&recorder.finish(method.as_ref()).unwrap().files).swap_remove(0)
@@ -218,38 +228,55 @@ fn another_seed_differs_first_in_the_facts_and_then_in_a_field() {
     assert_eq!(found.topic, "/step", "{found}");
 }
 
+/// What this has caught: nothing yet. It changes with the version number, with the order of
+/// topics, and with whatever a viewer would see otherwise.
 #[test]
-fn a_part_is_refused_with_the_way_out() {
+fn a_recording_of_a_fixed_way_has_these_bytes() {
     let folder = tempfile::tempdir().unwrap();
-    let trial = Trial::default();
-    let recorder =
-        Recorder::create(folder.path(), &trial.maze(), trial.info(), trial.mode).unwrap();
-    let part = folder.path().join("run.mcap.part");
-    let said = Recording::open(&part).unwrap_err().to_string();
-    assert!(
-        said.contains("never finished") && said.contains("xcscr recover"),
-        "{said}"
+    let trial = Trial {
+        episodes: 1,
+        explore: 0.0,
+        ..Trial::default()
+    };
+    let mut walker = Scripted::new(&["NESSWESEEEESS"]);
+    let files = trial.record_with(folder.path(), &mut walker).unwrap().files;
+    let mut said = Vec::new();
+    for message in Recording::open(&files[0]).unwrap().messages() {
+        let message = message.unwrap();
+        said.extend_from_slice(message.topic().as_bytes());
+        said.extend_from_slice(&message.time_ns.to_le_bytes());
+        said.extend_from_slice(&message.data);
+    }
+    // FNV-1a over topics, times and messages: zstd may pack them better one day.
+    let digest = said.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, &byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    assert_eq!(
+        (said.len(), format!("{digest:016x}")),
+        (21088, "48a9175ab3e56742".to_owned())
     );
-    drop(recorder);
 }
 
 #[test]
-fn a_flipped_bit_anywhere_is_found() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = Trial::default()
-        .record(folder.path())
-        .unwrap()
-        .files
-        .swap_remove(0);
-    let sound = fs::read(&file).unwrap();
-    for at in (0..sound.len()).step_by(97) {
-        let mut bytes = sound.clone();
-        bytes[at] ^= 0x10;
-        let found = Recording::from_bytes(&file, bytes);
-        assert!(
-            found.is_err(),
-            "nobody saw the bit at {at} of {}",
-            sound.len()
-        );
-    }
+fn a_hit_is_a_contact_that_ends_and_a_warning_with_its_impulse() {
+    let (_folder, recordings) = fresh();
+    let messages = recordings[0].messages().map(|message| message.unwrap());
+    let messages: Vec<_> = messages.collect();
+    let contacts = messages.iter().filter(|m| m.topic() == "/contact");
+    let touching: Vec<bool> = contacts
+        .map(|m| m.json().unwrap()["touching"].as_bool().unwrap())
+        .collect();
+    assert!(touching.len() > 2 && !touching[0] && !touching[touching.len() - 1]);
+    let warnings: Vec<Log> = messages
+        .iter()
+        .filter(|m| m.topic() == "/log")
+        .map(|m| Log::decode(m.data.as_slice()).unwrap())
+        .filter(|line| line.level == Level::Warning as i32)
+        .collect();
+    let said = &warnings[0].message;
+    assert!(said.starts_with("collision going "), "{said}");
+    assert!(
+        said.contains(", impulse ") && said.ends_with(" N s"),
+        "{said}"
+    );
 }

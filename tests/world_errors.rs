@@ -2,8 +2,6 @@
 //!
 //! Each test is named after the fault, and shows the file and the whole message.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
 use std::fs;
 
 use assert_cmd::Command;

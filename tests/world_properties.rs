@@ -1,7 +1,5 @@
 //! What holds for every maze, tried on random ones.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
 use proptest::prelude::*;
 use xcscr::random::{Stream, StreamName};
 use xcscr::world::{Cell, Maze, Paths};

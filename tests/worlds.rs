@@ -1,7 +1,5 @@
 //! Facts about the shipped worlds, all of them computed.
 
-#![allow(clippy::unwrap_used, reason = "a test ends there")]
-
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! `xcscr check`: what is wrong with a recording.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use xcscr::record::{self, Finding};
 
@@ -28,7 +28,8 @@ struct Checked {
 
 /// Checks every file, and says of each what was found.
 pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let checked: Result<Vec<Checked>, Failure> = args.files.iter().map(check).collect();
+    let checked: Result<Vec<Checked>, Failure> =
+        args.files.iter().map(|file| check(file)).collect();
     let checked = checked?;
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&checked)?)?;
@@ -44,7 +45,7 @@ pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
 }
 
-fn check(file: &PathBuf) -> Result<Checked, Failure> {
+fn check(file: &Path) -> Result<Checked, Failure> {
     let findings = record::check(file)?;
     Ok(Checked {
         file: file.display().to_string(),

@@ -93,7 +93,7 @@ pub fn recorder(folder: &Path, plan: &Plan, mode: RecordMode) -> Result<Recorder
     let config = &plan.config;
     let info = RunInfo {
         world_json: plan.maze.to_json(),
-        config_json: serde_json::to_string_pretty(config)?,
+        config_json: serde_json::to_string(config)?,
         seed: config.seed,
         method: config.method.name().to_owned(),
         arena: config.arena.name().to_owned(),

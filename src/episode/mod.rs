@@ -1,12 +1,10 @@
 //! The episode loop, what it tells to listeners, and the policy that comes of it.
 
-mod explorer;
 mod observer;
 mod params;
 mod policy;
 mod run;
 
-pub use explorer::Explorer;
 pub use observer::{Ending, Episode, Learned, Observer, Step};
 pub use params::Params;
 pub use policy::{PolicyMap, first_fault};

@@ -2,10 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::explorer::Explorer;
 use super::observer::{Ending, Episode, Learned, Observer, Step};
 use crate::arena::{Arena, Outcome};
-use crate::reward::RewardMethod;
+use crate::reward::{Explorer, RewardMethod};
 use crate::sensor::Sensor;
 use crate::world::Cell;
 
@@ -27,7 +26,7 @@ pub fn run(
         let cell = arena.view().cell;
         let percept = sensor.perceive(&arena.view());
         let worth = method.consider(&percept);
-        let (action, explored) = explorer.choose(&worth);
+        let (action, explored) = method.choose(&worth, explorer);
         let outcome = arena.act(action);
         let credit = method.credit(action, outcome);
         let view = arena.view();

@@ -57,7 +57,7 @@ pub struct RobotShape {
     pub radius_m: f64,
     /// Distance of the wheels from each other, in metres.
     pub wheel_base_m: f64,
-    /// Radius of a wheel, in metres: how far one rolls decides how far it turns.
+    /// Radius of a wheel, in metres.
     pub wheel_radius_m: f64,
 }
 

@@ -59,7 +59,6 @@ fn worth_paths(maze: &Maze) -> Value {
                 "label": direction.name(),
                 "color": color,
                 "enabled": true,
-                "showLine": true,
                 "lineSize": 1.5,
                 "timestampMethod": "receiveTime",
             })

@@ -175,3 +175,62 @@ fn write_error(part: &Path, error: &McapError) -> RecordError {
         cause,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io;
+
+    /// Takes so many bytes and then no more.
+    struct Full {
+        room: usize,
+    }
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let taken = bytes.len().min(self.room);
+            self.room -= taken;
+            match taken {
+                0 if !bytes.is_empty() => Err(io::ErrorKind::StorageFull.into()),
+                _ => Ok(taken),
+            }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn write_to(sink: impl Write) -> McapResult<()> {
+        let mut log = LogFile::new(sink)?;
+        log.attach("world.json", 0, "{}")?;
+        log.declare(&Topic::ALL)?;
+        for time_ns in 0..50 {
+            log.message(Topic::Step, time_ns, b"{}")?;
+        }
+        log.flush()?;
+        log.message(Topic::Log, 50, b"")?;
+        log.finish().map(|_| ())
+    }
+
+    #[test]
+    fn a_disk_that_fills_up_anywhere_is_an_error_and_no_panic() {
+        let mut whole = Vec::new();
+        write_to(&mut whole).unwrap();
+        for room in (0..whole.len()).step_by(53) {
+            assert!(write_to(Full { room }).is_err(), "{room} bytes were enough");
+        }
+        assert!(write_to(Full { room: whole.len() }).is_ok());
+    }
+
+    #[test]
+    fn a_message_on_a_topic_that_the_file_lacks_is_left_out() {
+        let mut bytes = Vec::new();
+        let mut log = LogFile::new(&mut bytes).unwrap();
+        log.declare(&[Topic::Log]).unwrap();
+        log.message(Topic::Step, 0, b"{}").unwrap();
+        log.finish().unwrap();
+        let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+        assert_eq!(summary.stats.unwrap().message_count, 0);
+    }
+}

@@ -38,7 +38,7 @@ impl Scribe {
     pub fn new(maze: &Maze, robot: RobotShape) -> Self {
         Self {
             robot,
-            transforms: Transforms::new(&robot),
+            transforms: Transforms::new(),
             trail: Trail::new(maze),
             curve: Curve::default(),
             paths: Paths::new(maze),

@@ -73,8 +73,6 @@ impl Frozen {
 }
 
 impl RewardMethod for Frozen {
-    fn begin(&mut self, _: bool) {}
-
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
         self.worth(percept)
     }

@@ -1,5 +1,6 @@
 //! What every reward method can do.
 
+use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
@@ -31,16 +32,25 @@ pub struct EndCredit {
 
 /// A learner and its way of deciding who is credited, with what, and when.
 ///
-/// Each episode opens with [`begin`](Self::begin). For each step come [`consider`](Self::consider) and [`credit`](Self::credit), at the end of
-/// the episode [`finish`](Self::finish).
+/// Each episode opens with [`begin`](Self::begin). For each step come
+/// [`consider`](Self::consider), [`choose`](Self::choose) and [`credit`](Self::credit), at the end
+/// of the episode [`finish`](Self::finish).
 pub trait RewardMethod {
     /// Opens an episode; `evolves`: may rules be discovered by the GA in it? They may until this
-    /// is said for the first time.
-    fn begin(&mut self, evolves: bool);
+    /// is said for the first time. Methods without a GA need not listen.
+    fn begin(&mut self, evolves: bool) {
+        let _ = evolves;
+    }
 
     /// The worth of each action under a percept, as a step of learning: forms \[M\] and covers
     /// missing actions.
     fn consider(&mut self, percept: &Percept) -> PredictionArray;
+
+    /// Chooses an action, and tells whether to explore: by default, any action with probability
+    /// p_explr, otherwise one of the best.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
+        explorer.choose(worth)
+    }
 
     /// Credits the action chosen after the last [`consider`](Self::consider).
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit;

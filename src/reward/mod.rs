@@ -5,19 +5,25 @@
 
 mod adapted;
 mod combined;
+mod explorer;
 mod knowledge;
+mod memory;
 mod method;
 mod mind;
 mod params;
+mod planner;
 mod stack;
 mod standard;
+mod tabular;
 
 pub use adapted::Adapted;
 pub use combined::Combined;
+pub use explorer::Explorer;
 pub use knowledge::{Frozen, Knowledge};
 pub use method::{EndCredit, RewardMethod, StepCredit};
 pub use params::{Params, Sharing};
 pub use standard::Standard;
+pub use tabular::{Tabular, TabularParams};
 
 use crate::random::{Stream, StreamName};
 use crate::xcs::{self, Xcs};
@@ -34,15 +40,27 @@ pub enum Method {
     AdaptedDiscounted,
     /// The paper's combined reward method.
     Xcscr,
+    /// Q-learning in a table.
+    QLearning,
+    /// Sarsa with eligibility traces in a table.
+    SarsaLambda,
+    /// Q-learning that replays remembered transitions.
+    DynaQ,
+    /// Planning on a model that takes the unknown for the best.
+    RMax,
 }
 
 impl Method {
     /// All methods, in the order in which they are reported.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 8] = [
         Self::Xcs,
         Self::AdaptedEven,
         Self::AdaptedDiscounted,
         Self::Xcscr,
+        Self::QLearning,
+        Self::SarsaLambda,
+        Self::DynaQ,
+        Self::RMax,
     ];
 
     /// The name on the command line and in files.
@@ -52,27 +70,45 @@ impl Method {
             Self::AdaptedEven => "adapted-even",
             Self::AdaptedDiscounted => "adapted-discounted",
             Self::Xcscr => "xcscr",
+            Self::QLearning => "q-learning",
+            Self::SarsaLambda => "sarsa-lambda",
+            Self::DynaQ => "dyna-q",
+            Self::RMax => "r-max",
         }
     }
 
-    /// A learner that knows nothing yet, for `actions` actions. The parameters must have been
-    /// checked; `seed` is the trial's root seed.
-    pub fn build(
-        self,
-        actions: usize,
-        xcs: xcs::Params,
-        params: Params,
-        seed: u64,
-    ) -> Box<dyn RewardMethod> {
-        let xcs = Xcs::new(xcs, actions, Stream::new(seed, StreamName::Evolution));
+    /// A learner that knows nothing yet, for `actions` actions. `seed` is the trial's root seed.
+    pub fn build(self, actions: usize, setup: Setup, seed: u64) -> Box<dyn RewardMethod> {
+        let Setup {
+            xcs,
+            reward,
+            tabular,
+        } = setup;
+        let stream = |name| Stream::new(seed, name);
+        let xcs = || Xcs::new(xcs, actions, stream(StreamName::Evolution));
         match self {
-            Self::Xcs => Box::new(Standard::new(xcs, params)),
-            Self::AdaptedEven => Box::new(Adapted::new(xcs, params, Sharing::Even)),
-            Self::AdaptedDiscounted => Box::new(Adapted::new(xcs, params, Sharing::Discounted)),
-            Self::Xcscr => {
-                let stream = Stream::new(seed, StreamName::Imprinting);
-                Box::new(Combined::new(xcs, params, stream))
+            Self::Xcs => Box::new(Standard::new(xcs(), reward)),
+            Self::AdaptedEven => Box::new(Adapted::new(xcs(), reward, Sharing::Even)),
+            Self::AdaptedDiscounted => Box::new(Adapted::new(xcs(), reward, Sharing::Discounted)),
+            Self::Xcscr => Box::new(Combined::new(xcs(), reward, stream(StreamName::Imprinting))),
+            Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
+            Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
+            Self::DynaQ => {
+                let replay = stream(StreamName::Replay);
+                Box::new(Tabular::dyna_q(actions, reward, tabular, replay))
             }
+            Self::RMax => Box::new(Tabular::r_max(actions, reward, tabular)),
         }
     }
+}
+
+/// The parameters of all methods; each takes what it needs. They must have been checked.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Setup {
+    /// XCS.
+    pub xcs: xcs::Params,
+    /// Rewards and reward methods.
+    pub reward: Params,
+    /// Tabular methods.
+    pub tabular: TabularParams,
 }

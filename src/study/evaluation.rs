@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::plan::{Plan, PlanError};
-use crate::episode::{self, Ending, Explorer};
+use crate::episode::{self, Ending};
 use crate::random::{Stream, StreamName};
-use crate::reward::{Frozen, Knowledge};
+use crate::reward::{Explorer, Frozen, Knowledge};
 use crate::world::Paths;
 
 /// Nanoseconds in a second.

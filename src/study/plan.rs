@@ -6,7 +6,7 @@ use super::settings::Settings;
 use crate::arena::{Arena, GridArena, PhysicsArena, PhysicsError};
 use crate::bounds::{OutOfRange, within};
 use crate::random::{Stream, StreamName};
-use crate::reward::{Method, RewardMethod};
+use crate::reward::{Method, RewardMethod, Setup};
 use crate::sensor::Sensor;
 use crate::world::Maze;
 
@@ -79,9 +79,18 @@ impl Config {
 
     /// A learner that knows nothing yet. The settings must have been checked.
     pub fn build_method(&self, maze: &Maze) -> Box<dyn RewardMethod> {
-        let Settings { xcs, reward, .. } = self.settings.clone();
-        self.method
-            .build(maze.action_count(), xcs, reward, self.seed)
+        let Settings {
+            xcs,
+            reward,
+            tabular,
+            ..
+        } = self.settings.clone();
+        let setup = Setup {
+            xcs,
+            reward,
+            tabular,
+        };
+        self.method.build(maze.action_count(), setup, self.seed)
     }
 }
 

@@ -14,6 +14,8 @@ pub struct Settings {
     pub xcs: xcs::Params,
     /// Rewards and reward methods.
     pub reward: reward::Params,
+    /// Tabular methods.
+    pub tabular: reward::TabularParams,
     /// Exploration.
     pub episode: episode::Params,
     /// The robot and its noise.
@@ -25,6 +27,7 @@ impl Settings {
     pub fn check(&self) -> Result<(), OutOfRange> {
         self.xcs.check()?;
         self.reward.check()?;
+        self.tabular.check()?;
         self.episode.check()?;
         self.physics.check()
     }

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::{Plan, PlanError};
 use crate::arena::Arena;
-use crate::episode::{self, Episode, Explorer, Observer, PolicyMap};
+use crate::episode::{self, Episode, Observer, PolicyMap};
 use crate::random::{Stream, StreamName};
-use crate::reward::RewardMethod;
+use crate::reward::{Explorer, RewardMethod};
 use crate::world::{Cell, Paths};
 
 /// The figures of a trial so far.

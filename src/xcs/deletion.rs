@@ -219,7 +219,10 @@ impl Sums {
     /// Sums up the votes of a block under a cut.
     fn sum_votes(&mut self, votes: &[Vote; BLOCK], cut: f64) {
         let fitness = self.fitness;
-        *self = Self { fitness, ..NO_RULES };
+        *self = Self {
+            fitness,
+            ..NO_RULES
+        };
         for vote in votes {
             if vote.mean < cut {
                 self.raised += vote.raised;

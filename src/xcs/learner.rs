@@ -94,12 +94,11 @@ impl Xcs {
     /// The rules of \[P\] that match a percept and advocate an action, without covering.
     pub fn matching_action_set(&self, percept: &Percept, action: Action) -> ActionSet {
         let mut members = Vec::new();
-        self.population
-            .for_each_match(percept, |id, rule| {
-                if rule.action == action {
-                    members.push(id);
-                }
-            });
+        self.population.for_each_match(percept, |id, rule| {
+            if rule.action == action {
+                members.push(id);
+            }
+        });
         ActionSet {
             percept: *percept,
             action,
@@ -135,7 +134,11 @@ impl Xcs {
     /// experience, error with the old prediction (Eq. 2), prediction (Eq. 1, whose printed sign
     /// is wrong), set size, fitness; then action-set subsumption.
     pub fn update(&mut self, set: &ActionSet, target: f64, beta: f64) {
-        let micro: u32 = self.population.living(set.members()).map(|(_, rule)| rule.numerosity).sum();
+        let micro: u32 = self
+            .population
+            .living(set.members())
+            .map(|(_, rule)| rule.numerosity)
+            .sum();
         let params = &self.params;
         let share = |rule: &Classifier| rule.accuracy(params) * f64::from(rule.numerosity);
         let mut total = 0.0;
@@ -154,8 +157,9 @@ impl Xcs {
         // Fitness moves toward the relative accuracy kappa' (Eq. 4 and 5, which are printed
         // without numerosities and with a wrong sign).
         for &id in &set.members {
-            self.population
-                .modify(id, |rule| rule.fitness += beta * (share(rule) / total - rule.fitness));
+            self.population.modify(id, |rule| {
+                rule.fitness += beta * (share(rule) / total - rule.fitness)
+            });
         }
         if self.params.action_set_subsumption {
             self.subsume_in_action_set(set);

@@ -41,10 +41,7 @@ impl MatchIndex {
     pub fn swap_remove(&mut self, position: usize) {
         self.rules -= 1;
         let (to, from) = (position % 64, self.rules % 64);
-        let (to_block, from_block) = (
-            position / 64 * self.width,
-            self.rules / 64 * self.width,
-        );
+        let (to_block, from_block) = (position / 64 * self.width, self.rules / 64 * self.width);
         for at in 0..self.width {
             for value in 0..2 {
                 let moved = self.ruled_out[from_block + at][value] >> from & 1;
@@ -55,7 +52,8 @@ impl MatchIndex {
                 }
             }
         }
-        self.ruled_out.truncate(self.rules.div_ceil(64) * self.width);
+        self.ruled_out
+            .truncate(self.rules.div_ceil(64) * self.width);
     }
 
     /// Calls `found` with the position of each rule that matches, in ascending order.

@@ -132,9 +132,8 @@ impl Population {
         percept: &Percept,
         mut found: impl FnMut(ClassifierId, &Classifier),
     ) {
-        self.index.for_each_match(percept, |at| {
-            found(self.handles.id_at(at), &self.rules[at])
-        });
+        self.index
+            .for_each_match(percept, |at| found(self.handles.id_at(at), &self.rules[at]));
     }
 }
 

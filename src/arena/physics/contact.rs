@@ -13,11 +13,12 @@ use crate::arena::Contact;
 /// The cosine of the largest angle between a frontal hit and the direction of travel.
 const FRONTAL: f64 = 0.7;
 
+/// The cosine of the largest angle between normals of one face, as contacts have them.
+const SAME_FACE: f64 = 0.99;
+
 /// A wall pushing on the robot during one physics step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Push {
-    /// The wall block.
-    pub wall: ColliderHandle,
     /// Unit vector from the robot into the wall.
     pub normal: Vector2<f64>,
     /// Force times duration of the step, with lengths in cells.
@@ -64,27 +65,27 @@ impl EventHandler for Listener {
 
     fn handle_contact_force_event(
         &self,
-        dt: Real,
+        _: Real,
         _: &RigidBodySet,
         _: &ColliderSet,
         pair: &ContactPair,
-        force: Real,
+        _: Real,
     ) {
-        let (_, normal) = pair.max_impulse();
-        let (wall, sign) = if pair.collider1 == self.robot {
-            (pair.collider2, 1.0)
+        let sign = if pair.collider1 == self.robot {
+            1.0
         } else {
-            (pair.collider1, -1.0)
+            -1.0
         };
-        let push = Push {
-            wall,
-            normal: sign * Vector2::new(f64::from(normal.x), f64::from(normal.y)),
-            impulse: f64::from(force * dt),
-        };
-        self.pushes
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .push(push);
+        let mut pushes = self.pushes.lock().unwrap_or_else(PoisonError::into_inner);
+        for manifold in pair.solver_manifolds() {
+            let normal = manifold.data.normal;
+            let impulse: f32 = manifold.points.iter().map(|point| point.data.impulse).sum();
+            let push = Push {
+                normal: sign * Vector2::new(f64::from(normal.x), f64::from(normal.y)),
+                impulse: f64::from(impulse),
+            };
+            add(&mut pushes, push);
+        }
     }
 
     fn handle_soft_body_tear_event(&self, _: &SoftBodySet, _: &SoftBodyTearEvent) {}
@@ -95,37 +96,49 @@ pub(super) fn is_frontal(normal: Vector2<f64>, along: Vector2<f64>) -> bool {
     normal.dot(&along) > FRONTAL
 }
 
-/// The hits of one action: one for each wall block that was touched.
-#[derive(Debug, Default)]
-pub(super) struct Hits {
-    walls: Vec<ColliderHandle>,
-    contacts: Vec<Contact>,
+/// Adds a push to the one in the same direction. Two blocks that form one face push together.
+fn add(pushes: &mut Vec<Push>, push: Push) {
+    match pushes
+        .iter_mut()
+        .find(|known| same_face(known.normal, push.normal))
+    {
+        Some(known) => known.impulse += push.impulse,
+        None if push.impulse > 0.0 => pushes.push(push),
+        None => {}
+    }
 }
+
+/// Do two unit normals belong to one face of a wall?
+fn same_face(one: Vector2<f64>, other: Vector2<f64>) -> bool {
+    one.dot(&other) > SAME_FACE
+}
+
+/// The hits of one action: one for each face that was touched.
+#[derive(Debug, Default)]
+pub(super) struct Hits(Vec<Contact>);
 
 impl Hits {
     /// Forgets all hits.
     pub(super) fn clear(&mut self) {
-        self.walls.clear();
-        self.contacts.clear();
+        self.0.clear();
     }
 
-    /// Begins a hit like `contact`, or adds one step to the hit against the same wall.
+    /// Begins a hit like `contact`, or adds one step to the hit against the same face.
     ///
     /// The hit's impulse is that of its hardest step, which stops the robot. In the steps after
     /// it the wall only resists the motors until they have turned round.
-    pub(super) fn add(&mut self, wall: ColliderHandle, contact: Contact) {
-        if let Some(known) = self.walls.iter().position(|&known| known == wall) {
-            let hardest = &mut self.contacts[known].impulse_ns;
-            *hardest = hardest.max(contact.impulse_ns);
-            return;
+    pub(super) fn add(&mut self, contact: Contact) {
+        let normal = contact.normal_in_world;
+        let mut hits = self.0.iter_mut();
+        match hits.find(|hit| same_face(hit.normal_in_world, normal)) {
+            Some(hit) => hit.impulse_ns = hit.impulse_ns.max(contact.impulse_ns),
+            None => self.0.push(contact),
         }
-        self.walls.push(wall);
-        self.contacts.push(contact);
     }
 
     /// The sum of the impulses of all frontal hits for a robot on its way `along`.
     pub(super) fn frontal_impulse_ns(&self, along: Vector2<f64>) -> f64 {
-        let hits = self.contacts.iter();
+        let hits = self.0.iter();
         hits.filter(|hit| is_frontal(hit.normal_in_world, along))
             .map(|hit| hit.impulse_ns)
             .sum()
@@ -133,6 +146,6 @@ impl Hits {
 
     /// The hits, oldest first.
     pub(super) fn contacts(&self) -> &[Contact] {
-        &self.contacts
+        &self.0
     }
 }

@@ -19,6 +19,8 @@ mod robot;
 mod shortcut;
 mod simulation;
 mod snapshot;
+#[cfg(test)]
+mod tests;
 mod walls;
 
 use nalgebra::{Point2, Vector2};
@@ -101,7 +103,7 @@ impl PhysicsArena {
     /// Drives until the manoeuvre ends. True when it did within the time.
     fn perform(&mut self, maneuver: &mut Maneuver) -> bool {
         let bias = self.noise.wheel_bias();
-        for _ in 0..(self.params.time_out_s / STEP_S) as u64 {
+        for _ in 0..(self.params.time_out_s / STEP_S).round() as u64 {
             let motion = self.motion();
             let seen = self.measure(motion);
             let Some(command) = maneuver.command(&seen, &self.params) else {
@@ -144,7 +146,7 @@ impl PhysicsArena {
                 normal_in_world: push.normal,
                 impulse_ns: push.impulse * size_m,
             };
-            self.hits.add(push.wall, contact);
+            self.hits.add(contact);
         }
         self.trace.push(self.sample());
         frontal

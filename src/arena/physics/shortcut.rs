@@ -1,9 +1,9 @@
 //! Motion without the engine while no wall is near: faster, with the same bits.
 //!
 //! A free body moves in the engine as in [`coast`]. That holds while no wall is within the
-//! engine's prediction distance *and* the last real step left no active contact (otherwise the
-//! engine never learns that the contact has ended), with contact recycling, continuous collision
-//! detection, gravity and damping off. `tests/physics.rs` compares the bits.
+//! engine's prediction distance *and* no wall pushed in the engine's last step (the next one
+//! would start with that push), with contact recycling, continuous collision detection, the cap
+//! on turn rates, gravity and damping off. `tests/physics.rs` compares the bits.
 
 use rapier2d::prelude::{Pose, RigidBody, Rotation};
 
@@ -81,4 +81,35 @@ pub(super) fn coast(body: &mut RigidBody) {
         translation += velocity * substep;
     }
     body.set_position(Pose::from_parts(translation, rotation), false);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const ROWS: [&str; 5] = ["######", "#S.#.#", "##...#", "#..#G#", "######"];
+
+    /// From a point to the nearest wall cell, by looking at all of them.
+    fn distance_to_walls(maze: &Maze, x: f64, y: f64) -> f64 {
+        let beyond = |low: f64, at: f64| -> f64 { (low - at).max(at - low - 1.0).max(0.0) };
+        let distance = |cell: Cell| {
+            let low_y = f64::from(maze.height() - cell.row) - 1.0;
+            beyond(f64::from(cell.col), x).hypot(beyond(low_y, y))
+        };
+        let walls = maze.cells().filter(|&cell| maze.is_wall(cell));
+        walls.map(distance).fold(f64::INFINITY, f64::min)
+    }
+
+    proptest! {
+        #[test]
+        fn the_neighbourhood_sees_every_wall_within_reach(
+            x in 0.0..6.0_f64, y in 0.0..5.0_f64, reach in 0.1..0.499_f64,
+        ) {
+            let maze: Maze = Maze::from_json(format!(r#"{{ "rows": {ROWS:?} }}"#).as_bytes(), "m").unwrap();
+            let distance: f64 = distance_to_walls(&maze, x, y);
+            prop_assume!((distance - reach).abs() > 1e-9);
+            prop_assert_eq!(is_free_around(&maze, x, y, reach), distance > reach);
+        }
+    }
 }

@@ -4,7 +4,7 @@ use nalgebra::Point2;
 use rapier2d::prelude::{
     ActiveEvents, BroadPhaseBvh, ColliderBuilder, ColliderHandle, ColliderSet, IslandManager,
     NarrowPhase, PhysicsWorld, Pose, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet,
-    Rotation, Vector,
+    Rotation, SharedShape, Vector,
 };
 use serde::{Deserialize, Serialize};
 
@@ -27,8 +27,8 @@ pub(super) struct Simulation {
     shape: ColliderHandle,
     /// `None` when every step is the engine's.
     clearance: Option<Clearance>,
-    /// Did the last real step leave the robot in contact?
-    touching: bool,
+    /// Did a wall push the robot in the engine's last step? The next step begins with that push.
+    pushed: bool,
 }
 
 /// Everything in the engine that a step can change.
@@ -39,19 +39,22 @@ pub(super) struct State {
     narrow_phase: NarrowPhase,
     bodies: RigidBodySet,
     colliders: ColliderSet,
-    touching: bool,
+    pushed: bool,
 }
 
 impl Simulation {
     /// The walls of a maze with `rows` rows, and a robot clear of them.
     pub(super) fn new(blocks: &[Block], rows: u16, at: Pose, params: &PhysicsParams) -> Self {
         let mut world = empty_world();
-        for block in blocks {
-            world.insert_collider(wall(block, rows), None);
-        }
+        // One shape for all walls: separate ones would be solved in the order in which the robot
+        // came near them, and that order is history that a reset and the shortcut do not know.
+        let walls = blocks.iter().map(|block| wall(block, rows)).collect();
+        world.insert_collider(ColliderBuilder::compound(walls), None);
         let body = RigidBodyBuilder::dynamic()
             .pose(at)
             .can_sleep(false)
+            // Otherwise the engine caps the turn rate, which the shortcut does not do.
+            .allow_fast_rotation(true)
             .soft_ccd_prediction(LOOKAHEAD as f32);
         let disc = ColliderBuilder::ball(params.radius_m as f32)
             .mass(params.mass_kg as f32)
@@ -67,7 +70,7 @@ impl Simulation {
             clearance: params
                 .shortcut
                 .then(|| Clearance::new(params.radius_m, prediction)),
-            touching: false,
+            pushed: false,
         };
         // The first step files the walls, which takes longer than all others.
         simulation.step();
@@ -88,7 +91,7 @@ impl Simulation {
     pub(super) fn advance(&mut self, maze: &Maze) -> (&[Push], &RigidBody) {
         self.listener.pushes().clear();
         let body = &mut self.world.bodies[self.robot];
-        if !self.touching && self.clearance.is_some_and(|c| c.is_clear(maze, body)) {
+        if !self.pushed && self.clearance.is_some_and(|c| c.is_clear(maze, body)) {
             coast(body);
         } else {
             self.step();
@@ -99,11 +102,11 @@ impl Simulation {
     /// Lets the engine compute a step.
     fn step(&mut self) {
         self.world.step_with_events(&(), &self.listener);
-        self.touching = self
+        self.pushed = self
             .world
             .narrow_phase
             .contact_pairs_with(self.shape)
-            .any(|pair| pair.has_any_active_contact());
+            .any(|pair| pair.total_impulse_magnitude() > 0.0);
     }
 
     /// Has the engine given up the robot, because its motion is no number any more?
@@ -119,7 +122,7 @@ impl Simulation {
             narrow_phase: self.world.narrow_phase.clone(),
             bodies: self.world.bodies.clone(),
             colliders: self.world.colliders.clone(),
-            touching: self.touching,
+            pushed: self.pushed,
         }
     }
 
@@ -130,7 +133,7 @@ impl Simulation {
         self.world.narrow_phase = state.narrow_phase.clone();
         self.world.bodies = state.bodies.clone();
         self.world.colliders = state.colliders.clone();
-        self.touching = state.touching;
+        self.pushed = state.pushed;
     }
 }
 
@@ -148,15 +151,19 @@ fn empty_world() -> PhysicsWorld {
     integration.num_solver_iterations = SOLVER_ITERATIONS;
     // Walls are a cell thick, and the robot covers a tenth of that per step.
     integration.max_ccd_substeps = 0;
-    // Recycled contacts make the shortcut inexact.
+    // Contacts that carry history over make the shortcut inexact.
     integration.contact_recycling = false;
+    integration.contact_clustering = false;
     world
 }
 
 /// A block of walls in the world frame, whose y axis points north.
-fn wall(block: &Block, rows: u16) -> ColliderBuilder {
+fn wall(block: &Block, rows: u16) -> (Pose, SharedShape) {
     let half = Vector::new(block.width as f32, block.height as f32) / 2.0;
     let north = f32::from(rows) - block.row as f32;
     let centre = Vector::new(block.col as f32 + half.x, north - half.y);
-    ColliderBuilder::cuboid(half.x, half.y).translation(centre)
+    (
+        Pose::from_parts(centre, Rotation::IDENTITY),
+        SharedShape::cuboid(half.x, half.y),
+    )
 }

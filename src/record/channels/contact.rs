@@ -58,42 +58,18 @@ impl ContactRecord {
 
 pub(super) fn schema() -> Schema {
     let fields = [
-        ("episode", Kind::Count, "number of the episode, from 1"),
-        (
-            "step",
-            Kind::Count,
-            "number of the step, from 1; 0 before the first",
-        ),
+        ("episode", Kind::Count, "from 1"),
+        ("step", Kind::Count, "from 1; 0 before the first"),
         (
             "touching",
             Kind::Bool,
-            "true at a hit, false when the move that hit is over",
+            "true at a hit, false when that move is over",
         ),
-        (
-            "x_m",
-            Kind::Number,
-            "point of the hit in the world frame, metres; at a hit only",
-        ),
-        (
-            "y_m",
-            Kind::Number,
-            "point of the hit in the world frame, metres; at a hit only",
-        ),
-        (
-            "normal_x",
-            Kind::Number,
-            "unit vector from the robot into the wall; at a hit only",
-        ),
-        (
-            "normal_y",
-            Kind::Number,
-            "unit vector from the robot into the wall; at a hit only",
-        ),
-        (
-            "impulse_ns",
-            Kind::Number,
-            "impulse of the hit, newton seconds; at a hit only",
-        ),
+        ("x_m", Kind::Number, "point of the hit, metres, world frame"),
+        ("y_m", Kind::Number, "point of the hit, metres, world frame"),
+        ("normal_x", Kind::Number, "unit vector into the wall"),
+        ("normal_y", Kind::Number, "unit vector into the wall"),
+        ("impulse_ns", Kind::Number, "impulse of the hit, N s"),
     ];
     object("xcscr.Contact", &fields)
 }

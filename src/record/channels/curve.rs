@@ -44,10 +44,10 @@ pub(super) fn schema() -> Schema {
         (
             "episode",
             Kind::Numbers,
-            "numbers of the episodes so far; of long runs not all",
+            "episodes so far; of long runs not all",
         ),
-        ("steps", Kind::Numbers, "steps that each of them took"),
-        ("collisions", Kind::Numbers, "collisions in each of them"),
+        ("steps", Kind::Numbers, "steps of each"),
+        ("collisions", Kind::Numbers, "collisions of each"),
     ];
     object("xcscr.Curve", &fields)
 }

@@ -57,38 +57,34 @@ impl EpisodeRecord {
 
 pub(super) fn schema() -> Schema {
     let fields = [
-        ("episode", Kind::Count, "number of the episode, from 1"),
-        ("outcome", Kind::Text, "how it ended: goal or step-limit"),
+        ("episode", Kind::Count, "from 1"),
+        ("outcome", Kind::Text, "goal or step-limit"),
         ("steps", Kind::Count, "steps taken"),
-        ("collisions", Kind::Count, "steps that ended in a collision"),
-        ("explored", Kind::Count, "steps that were chosen by chance"),
+        ("collisions", Kind::Count, "steps that hit a wall"),
+        ("explored", Kind::Count, "steps chosen by chance"),
         ("reward", Kind::Number, "sum of all rewards"),
-        ("rules", Kind::Count, "macro-classifiers in the population"),
+        ("rules", Kind::Count, "macro-classifiers in [P]"),
         (
             "step_threshold",
             Kind::Count,
-            "most steps that the next episode may take",
+            "most steps of the next episode",
         ),
         (
             "learning_rate",
             Kind::Number,
-            "learning rate with which the end was learned",
+            "with which the end was learned",
         ),
-        ("imprinted", Kind::Bool, "was a stored policy imprinted?"),
-        (
-            "optimal",
-            Kind::Bool,
-            "is the greedy policy globally optimal now?",
-        ),
+        ("imprinted", Kind::Bool, "stored policy imprinted?"),
+        ("optimal", Kind::Bool, "greedy policy globally optimal?"),
         (
             "greedy_steps",
             Kind::Count,
-            "steps of the greedy policy from this start to a goal; absent if it never gets there",
+            "of the greedy policy from this start; absent: never arrives",
         ),
         (
             "shortest",
             Kind::Count,
-            "steps of the shortest path from this start to a goal",
+            "steps of the shortest path from this start",
         ),
     ];
     object("xcscr.Episode", &fields)

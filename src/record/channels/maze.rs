@@ -93,8 +93,8 @@ fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
         tiles
             .cubes
             .push(cube(place(at.x, at.y, 0.006 * unit), size, color(rgb, 1.0)));
-        let south = place(at.x, at.y - 0.33 * unit, 0.02 * unit);
-        tiles.texts.push(words(south, 0.2 * unit, INK, name));
+        let north = place(at.x, at.y + 0.32 * unit, 0.02 * unit);
+        tiles.texts.push(words(north, 0.22 * unit, INK, name));
     }
     tiles
 }
@@ -113,7 +113,7 @@ fn numbers(maze: &Maze) -> Vec<TextPrimitive> {
         .map(|(cell, number)| {
             let at = maze.centre_m(cell);
             let top = place(at.x, at.y, 0.26 * unit);
-            words(top, 0.28 * unit, NUMBER, &number.to_string())
+            words(top, 0.22 * unit, NUMBER, &number.to_string())
         })
         .collect()
 }

@@ -23,7 +23,7 @@ use foxglove::{Encode, Schema};
 /// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Topic {
-    /// `/tf`: where the robot and its wheels are, at most 20 times a second.
+    /// `/tf`: where the robot is, 20 times a second.
     Transforms,
     /// `/scene/maze`: floor, walls, start and goals, once.
     Maze,
@@ -119,9 +119,9 @@ fn rounded(number: f64) -> f64 {
     (number * 4096.0).round() / 4096.0 + 0.0
 }
 
-/// A number as JSON messages carry it: four decimals, which is short to read.
+/// A number as JSON messages carry it: three decimals, which is short to read.
 fn decimal(number: f64) -> f64 {
-    (number * 10_000.0).round() / 10_000.0 + 0.0
+    (number * 1000.0).round() / 1000.0 + 0.0
 }
 
 #[cfg(test)]
@@ -140,6 +140,6 @@ mod tests {
         assert!(rounded(-1e-9).is_sign_positive());
         assert!(decimal(-1e-9).is_sign_positive());
         assert_eq!(rounded(0.3), 1229.0 / 4096.0);
-        assert_eq!(decimal(-49.999_96), -50.0);
+        assert_eq!(decimal(-49.999_6), -50.0);
     }
 }

@@ -12,8 +12,6 @@ use super::rounded;
 pub(super) const WORLD: &str = "world";
 /// The robot's frame: origin on the floor below its middle, x ahead, y to the left.
 pub(super) const ROBOT: &str = "robot";
-/// The frames of the wheels: origin in the hub, turning about y.
-pub(super) const WHEELS: [&str; 2] = ["wheel_left", "wheel_right"];
 
 /// A time of the simulation clock.
 pub(super) fn timestamp(time_ns: u64) -> Timestamp {

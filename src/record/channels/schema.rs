@@ -20,7 +20,7 @@ impl Kind {
     fn text(self) -> &'static str {
         match self {
             Self::Bool => r#""type":"boolean""#,
-            Self::Count => r#""type":"integer","minimum":0"#,
+            Self::Count => r#""type":"integer""#,
             Self::Number => r#""type":"number""#,
             Self::Text => r#""type":"string""#,
             Self::Numbers => r#""type":"array","items":{"type":"number"}"#,
@@ -30,7 +30,7 @@ impl Kind {
 
 /// The schema of an object whose fields are given by name, type and meaning.
 pub(super) fn object(name: &str, fields: &[(&str, Kind, &str)]) -> Schema {
-    let mut text = format!(r#"{{"title":"{name}","type":"object","properties":{{"#);
+    let mut text = r#"{"type":"object","properties":{"#.to_owned();
     for (i, (field, kind, meaning)) in fields.iter().enumerate() {
         let comma = if i == 0 { "" } else { "," };
         let kind = kind.text();

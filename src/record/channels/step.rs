@@ -65,55 +65,31 @@ fn outcome_name(outcome: Outcome) -> &'static str {
 
 pub(super) fn schema() -> Schema {
     let fields = [
-        ("episode", Kind::Count, "number of the episode, from 1"),
-        (
-            "step",
-            Kind::Count,
-            "number of the step in the episode, from 1",
-        ),
-        (
-            "col",
-            Kind::Count,
-            "column of the robot's cell before the step, from the west",
-        ),
-        (
-            "row",
-            Kind::Count,
-            "row of the robot's cell before the step, from the north",
-        ),
-        (
-            "percept",
-            Kind::Text,
-            "what the robot perceived there, bit by bit",
-        ),
-        ("action", Kind::Text, "the direction that was chosen"),
-        (
-            "explored",
-            Kind::Bool,
-            "true if chosen by chance, false if one of the best",
-        ),
+        ("episode", Kind::Count, "from 1"),
+        ("step", Kind::Count, "from 1 in each episode"),
+        ("col", Kind::Count, "cell before the step, from the west"),
+        ("row", Kind::Count, "cell before the step, from the north"),
+        ("percept", Kind::Text, "bits perceived there"),
+        ("action", Kind::Text, "direction chosen"),
+        ("explored", Kind::Bool, "chosen by chance?"),
         (
             "outcome",
             Kind::Text,
-            "what came of it: moved, collided, stalled or reached-goal",
+            "moved, collided, stalled, reached-goal",
         ),
-        ("reward", Kind::Number, "short-term reward that came of it"),
+        ("reward", Kind::Number, "short-term reward"),
         (
             "worth",
             Kind::Numbers,
-            "worth of each action before the step, clockwise from north; null if unknown",
+            "of each action, clockwise from north; null: unknown",
         ),
         (
             "error",
             Kind::Number,
-            "mean prediction error of the rules that advocated the action, in units of reward",
+            "mean prediction error of [A], in reward",
         ),
-        ("match_set", Kind::Count, "micro-classifiers that matched"),
-        (
-            "action_set",
-            Kind::Count,
-            "micro-classifiers that matched and advocated the action",
-        ),
+        ("match_set", Kind::Count, "micro-classifiers in [M]"),
+        ("action_set", Kind::Count, "micro-classifiers in [A]"),
     ];
     object("xcscr.Step", &fields)
 }

@@ -25,16 +25,31 @@ impl Explorer {
         self.probability = probability;
     }
 
-    /// An action, and whether it was chosen to explore. Ties are broken by chance.
+    /// An action, and whether it was chosen to explore.
     pub fn choose(&mut self, worth: &PredictionArray) -> (Action, bool) {
         let explores = self.stream.chance(self.probability);
-        let best = if explores { 0 } else { worth.best_actions().count() };
-        let action = if best > 0 {
-            worth.best_actions().nth(self.stream.below(best))
+        let actions = worth.as_slice().len();
+        let action = if explores {
+            self.among(Action::all(actions))
         } else {
-            Action::new(self.stream.below(worth.as_slice().len()))
+            self.exploit(worth)
         };
-        let action = action.expect("a prediction array has at least one action");
         (action, explores)
+    }
+
+    /// One of the best actions, or any where nothing is known. Ties are broken by chance.
+    pub fn exploit(&mut self, worth: &PredictionArray) -> Action {
+        if worth.greatest().is_some() {
+            self.among(worth.best_actions())
+        } else {
+            self.among(Action::all(worth.as_slice().len()))
+        }
+    }
+
+    /// One of some actions, each with the same chance.
+    pub fn among(&mut self, actions: impl Iterator<Item = Action> + Clone) -> Action {
+        let chosen = self.stream.below(actions.clone().count().max(1));
+        let action = actions.clone().nth(chosen);
+        action.expect("there is at least one action to choose from")
     }
 }

@@ -1,0 +1,80 @@
+use super::*;
+use crate::random::StreamName;
+
+/// A maze with many corners; `settings` are further keys of its world file.
+fn maze(settings: &str) -> Maze {
+    let rows = [
+        "#######", "#S..#.#", "#.#...#", "#...#.#", "#.#..G#", "#######",
+    ];
+    let text = format!(r#"{{ "name": "corners", {settings} "rows": {rows:?} }}"#);
+    Maze::from_json(text.as_bytes(), "corners.json").unwrap()
+}
+
+fn arena(settings: &str, params: &PhysicsParams, seed: u64) -> Result<PhysicsArena, PhysicsError> {
+    let noise = Stream::new(seed, StreamName::Physics);
+    PhysicsArena::new(maze(settings), params.clone(), noise)
+}
+
+/// Noise and haste bring the robot into corners, where the order of contacts counts.
+#[test]
+fn a_reset_world_goes_on_like_a_fresh_one_with_the_same_clock_and_noise() {
+    for (level, time_out_s) in [(1.0, 10.0), (3.0, 10.0), (5.0, 0.5)] {
+        let params = PhysicsParams {
+            noise: level,
+            time_out_s,
+            ..PhysicsParams::default()
+        };
+        let mut used = arena("", &params, 1).unwrap();
+        let mut actions = Stream::new(1, StreamName::Exploration);
+        for episode in 0..50 {
+            let start = used.maze.start_cells()[0];
+            used.reset(start);
+            let mut fresh = arena("", &params, 2).unwrap();
+            fresh.steps = used.steps;
+            fresh.noise.stream = used.noise.stream.clone();
+            for _ in 0..25 {
+                let action = Action::new(actions.below(4)).unwrap();
+                let outcomes = (used.act(action), fresh.act(action));
+                assert_eq!(outcomes.0, outcomes.1, "noise {level}, episode {episode}");
+                assert_eq!(used.trace, fresh.trace, "noise {level}, episode {episode}");
+                assert_eq!(used.hits.contacts(), fresh.hits.contacts());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_world_that_makes_no_sense_in_physics_is_refused_with_a_way_out() {
+    for settings in [r#""moves": 8,"#, r#""wrap": true,"#] {
+        let error = arena(settings, &PhysicsParams::default(), 1).map(|_| ());
+        let message = error.unwrap_err().to_string();
+        assert!(
+            message.contains("`corners`") && message.contains("--arena grid"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn a_setting_out_of_range_is_refused() {
+    let params = PhysicsParams {
+        noise: -1.0,
+        ..PhysicsParams::default()
+    };
+    let error = arena("", &params, 1).map(|_| ()).unwrap_err();
+    assert!(matches!(error, PhysicsError::Setting(_)), "{error}");
+}
+
+#[test]
+fn an_action_that_the_world_does_not_have_moves_nothing() {
+    let mut arena = arena("", &PhysicsParams::default(), 1).unwrap();
+    let action = Action::new(4).unwrap();
+    assert_eq!(arena.act(action), Outcome::Stalled);
+    assert_eq!(arena.view().trace.len(), 1);
+}
+
+#[test]
+fn an_arena_can_be_handed_to_another_thread() {
+    fn needs_send(_: impl Send) {}
+    needs_send(arena("", &PhysicsParams::default(), 1));
+}

@@ -1,0 +1,86 @@
+//! A learner that walks as it is told, so that no change of a learner changes what it does.
+
+use std::collections::BTreeMap;
+
+use xcscr::arena::Outcome;
+use xcscr::reward::{EndCredit, Knowledge, RewardMethod, StepCredit};
+use xcscr::signal::{Action, Percept};
+use xcscr::xcs::PredictionArray;
+
+/// Walks one way per episode; a way is written in the letters of the compass.
+pub struct Scripted {
+    ways: Vec<&'static str>,
+    episode: usize,
+    step: usize,
+}
+
+impl Scripted {
+    pub fn new(ways: &[&'static str]) -> Self {
+        Self {
+            ways: ways.to_vec(),
+            episode: 0,
+            step: 0,
+        }
+    }
+
+    fn way(&self) -> &'static str {
+        self.ways[self.episode % self.ways.len()]
+    }
+}
+
+impl RewardMethod for Scripted {
+    fn consider(&mut self, _: &Percept) -> PredictionArray {
+        let letter = self.way().as_bytes()[self.step];
+        let wanted = b"NESW".iter().position(|&l| l == letter).unwrap();
+        let mut worth = PredictionArray::new(4);
+        for action in Action::all(4) {
+            let is_wanted = action.index() == wanted;
+            worth.set(action, if is_wanted { 100.0 } else { -7.25 });
+        }
+        worth
+    }
+
+    fn credit(&mut self, _: Action, outcome: Outcome) -> StepCredit {
+        self.step += 1;
+        let hit = matches!(outcome, Outcome::Collided { .. });
+        StepCredit {
+            short_term_reward: if hit { -50.0 } else { -1.0 },
+            ..StepCredit::default()
+        }
+    }
+
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        self.episode += 1;
+        self.step = 0;
+        EndCredit {
+            long_term_reward: if reached_goal { 1000.0 } else { 0.0 },
+            learning_rate: 0.2,
+            imprinted: false,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.way().len() as u32
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        let mut worth = PredictionArray::new(4);
+        for action in Action::all(4) {
+            let sign = if percept.bit(action.index()) {
+                -1.0
+            } else {
+                1.0
+            };
+            worth.set(action, sign * (action.index() + 1) as f64 * 50.0);
+        }
+        worth
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        Knowledge::Table(BTreeMap::new())
+    }
+
+    fn rule_count(&self) -> usize {
+        0
+    }
+}

@@ -1,0 +1,122 @@
+//! Runs small trials into folders.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
+use xcscr::episode::{self, Observer};
+use xcscr::random::{Stream, StreamName};
+use xcscr::record::{RecordError, RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
+use xcscr::reward::{Explorer, Method, RewardMethod, Setup};
+use xcscr::sensor::Sensor;
+use xcscr::world::Maze;
+
+/// A trial of so many episodes.
+#[derive(Clone)]
+pub struct Trial {
+    pub world: &'static str,
+    pub seed: u64,
+    pub episodes: u32,
+    pub mode: RecordMode,
+    /// How often a step is taken by chance.
+    pub explore: f64,
+    pub arena: &'static str,
+}
+
+impl Default for Trial {
+    fn default() -> Self {
+        Self {
+            world: "maze4",
+            seed: 1,
+            episodes: 4,
+            mode: RecordMode::All,
+            explore: 0.3,
+            arena: "grid",
+        }
+    }
+}
+
+impl Trial {
+    pub fn maze(&self) -> Maze {
+        let path = format!("{}/worlds/{}.json", env!("CARGO_MANIFEST_DIR"), self.world);
+        Maze::load(Path::new(&path)).unwrap()
+    }
+
+    pub fn info(&self) -> RunInfo {
+        let maze = self.maze();
+        RunInfo {
+            world_json: maze.to_json(),
+            config_json: "{}".to_owned(),
+            seed: self.seed,
+            method: "xcscr".to_owned(),
+            arena: self.arena.to_owned(),
+            sensor: Sensor::Neighbours,
+            episodes: self.episodes,
+            robot: RobotShape::for_cell(maze.cell_size_m()),
+        }
+    }
+
+    pub fn learner(&self) -> Box<dyn RewardMethod> {
+        let actions = self.maze().action_count();
+        Method::Xcscr.build(actions, Setup::default(), self.seed)
+    }
+
+    /// Runs the trial; stops when the observer says so.
+    pub fn run(&self, method: &mut dyn RewardMethod, observer: &mut dyn Observer) {
+        let mut arena: Box<dyn Arena> = match self.arena {
+            "grid" => Box::new(GridArena::new(self.maze())),
+            _ => {
+                let params = PhysicsParams::default();
+                let stream = Stream::new(self.seed, StreamName::Physics);
+                Box::new(PhysicsArena::new(self.maze(), params, stream).unwrap())
+            }
+        };
+        let exploration = Stream::new(self.seed, StreamName::Exploration);
+        let mut explorer = Explorer::new(self.explore, exploration);
+        let (start, sensor) = (self.maze().start_cells()[0], Sensor::Neighbours);
+        for number in 1..=self.episodes {
+            let (arena, explorer) = (arena.as_mut(), &mut explorer);
+            let (_, flow) = episode::run(number, start, arena, sensor, method, explorer, observer);
+            if flow == ControlFlow::Break(()) {
+                break;
+            }
+        }
+    }
+
+    /// A recorder for the trial.
+    pub fn recorder(&self, folder: &Path) -> Result<Recorder, RecordError> {
+        Recorder::create(folder, &self.maze(), self.info(), self.mode)
+    }
+
+    /// Runs the trial with a learner and records it.
+    pub fn record_with(
+        &self,
+        folder: &Path,
+        method: &mut dyn RewardMethod,
+    ) -> Result<RecordSummary, RecordError> {
+        let mut recorder = self.recorder(folder)?;
+        self.run(method, &mut recorder);
+        recorder.finish(method)
+    }
+
+    /// Runs the trial with XCSCR and records it.
+    pub fn record(&self, folder: &Path) -> Result<RecordSummary, RecordError> {
+        self.record_with(folder, self.learner().as_mut())
+    }
+}
+
+/// The names of the files in a folder, in order.
+pub fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+/// The recordings of a summary, read back.
+pub fn contents(files: &[PathBuf]) -> Vec<Vec<u8>> {
+    files.iter().map(|file| fs::read(file).unwrap()).collect()
+}

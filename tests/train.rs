@@ -1,0 +1,395 @@
+//! `train`, `evaluate`, `replay` and `check` as their users call them.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+fn xcscr(args: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("xcscr").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args);
+    command.output().unwrap()
+}
+
+/// Runs a command that must end with `code`; gives stdout and stderr.
+#[track_caller]
+fn expect(code: i32, args: &[&str]) -> (String, String) {
+    let output = xcscr(args);
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "{args:?}\nstdout: {stdout}\nstderr: {stderr}"
+    );
+    assert!(!stderr.contains("panicked"), "{args:?}\n{stderr}");
+    (stdout, stderr)
+}
+
+#[track_caller]
+fn json(args: &[&str]) -> Value {
+    serde_json::from_str(&expect(0, args).0).unwrap()
+}
+
+/// Trains into `folder`, with more arguments if wanted.
+#[track_caller]
+fn train(folder: &Path, world: &str, more: &[&str]) -> Value {
+    let world = format!("worlds/{world}.json");
+    let out = folder.to_str().unwrap();
+    json(&[&["train", &world, "--out", out, "--json"], more].concat())
+}
+
+/// Every file of a run folder with its bytes, in order.
+fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
+    let mut files: Vec<_> = entries
+        .map(|entry| {
+            (
+                entry.file_name().into_string().unwrap(),
+                fs::read(entry.path()).unwrap(),
+            )
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn train_learns_maze4_in_physics_and_says_so_in_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let report = train(&run, "maze4", &[]);
+    for (field, expected) in [
+        ("world", "maze4".into()),
+        ("method", "xcscr".into()),
+        ("arena", "physics".into()),
+        ("sensor", "neighbours".into()),
+        ("seed", Value::from(1)),
+        ("episodes", 180.into()),
+        ("optimal_steps", 10.into()),
+        ("optimal_paths", 3.into()),
+        ("greedy_steps", 10.into()),
+        ("retained", true.into()),
+        ("run_dir", run.to_str().unwrap().into()),
+    ] {
+        assert_eq!(report[field], expected, "{field} in {report}");
+    }
+    for field in [
+        "first_optimal_episode",
+        "first_optimal_env_steps",
+        "steps",
+        "collisions",
+        "rules",
+    ] {
+        assert!(report[field].as_u64().unwrap() > 0, "{field} in {report}");
+    }
+    let names: Vec<String> = contents(&run).into_iter().map(|(name, _)| name).collect();
+    assert_eq!(
+        names.iter().filter(|name| name.starts_with("ep-")).count(),
+        180,
+        "{names:?}"
+    );
+    for name in ["config.json", "rules.json", "run.mcap", "world.json"] {
+        assert!(names.iter().any(|n| n == name), "{name} in {names:?}");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, seed: &str| {
+        let path = folder.path().join(name);
+        train(&path, "maze5", &["--episodes", "6", "--seed", seed]);
+        contents(&path)
+    };
+    let (first, second, other) = (run("a", "7"), run("b", "7"), run("c", "8"));
+    assert_eq!(
+        first.len(),
+        6 + 1 + 3 + 2,
+        "six episodes, the run, three texts, two layouts"
+    );
+    for ((name, a), (_, b)) in first.iter().zip(&second) {
+        assert!(a == b, "{name} differs between two runs of one seed");
+    }
+    let differing = first
+        .iter()
+        .zip(&other)
+        .filter(|((_, a), (_, b))| a != b)
+        .count();
+    assert!(
+        differing >= 9,
+        "only {differing} files differ between two seeds"
+    );
+}
+
+#[test]
+fn every_combination_that_makes_sense_runs_and_the_others_say_why_not() {
+    let folder = tempfile::tempdir().unwrap();
+    for world in ["maze4", "maze5", "maze6", "woods1", "maze4-classic"] {
+        for method in ["xcs", "adapted-even", "adapted-discounted", "xcscr"] {
+            for (arena, sensor) in [
+                ("grid", "neighbours"),
+                ("grid", "position"),
+                ("physics", "neighbours"),
+                ("physics", "position"),
+            ] {
+                let out = folder
+                    .path()
+                    .join(format!("{world}-{method}-{arena}-{sensor}"));
+                let path = format!("worlds/{world}.json");
+                let args = [
+                    "train",
+                    &path,
+                    "--method",
+                    method,
+                    "--arena",
+                    arena,
+                    "--sensor",
+                    sensor,
+                    "--episodes",
+                    "2",
+                    "--record",
+                    "none",
+                    "--out",
+                    out.to_str().unwrap(),
+                ];
+                let makes_sense = arena == "grid" || world.starts_with("maze") && world.len() == 5;
+                let (_, stderr) = expect(if makes_sense { 0 } else { 65 }, &args);
+                assert_eq!(
+                    makes_sense,
+                    !stderr.contains("--arena grid"),
+                    "{args:?}: {stderr}"
+                );
+                assert_eq!(makes_sense, out.exists(), "{args:?} left a folder, or none");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_folder_that_exists_is_refused_until_it_is_forced() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    train(&run, "maze4", &["--episodes", "2"]);
+    let before = contents(&run);
+    let again = [
+        "train",
+        "worlds/maze4.json",
+        "--episodes",
+        "2",
+        "--seed",
+        "2",
+        "--out",
+        run.to_str().unwrap(),
+    ];
+    let (_, stderr) = expect(73, &again);
+    assert!(stderr.contains("--force"), "{stderr}");
+    assert!(
+        contents(&run) == before,
+        "the refused run changed the folder"
+    );
+    expect(0, &[&again[..], &["--force"]].concat());
+    assert!(contents(&run) != before, "the forced run changed nothing");
+}
+
+#[test]
+fn a_folder_that_holds_no_run_is_never_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("thesis.txt"), "years of work").unwrap();
+    let out = folder.path().to_str().unwrap();
+    expect(
+        73,
+        &[
+            "train",
+            "worlds/maze4.json",
+            "--episodes",
+            "1",
+            "--force",
+            "--out",
+            out,
+        ],
+    );
+    assert_eq!(
+        fs::read(folder.path().join("thesis.txt")).unwrap(),
+        b"years of work"
+    );
+}
+
+#[test]
+fn evaluate_follows_the_greedy_policy_in_noisy_physics() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    train(&run, "maze4", &["--arena", "grid", "--record", "none"]);
+    let run = run.to_str().unwrap();
+    let evaluation = json(&[
+        "evaluate",
+        run,
+        "--arena",
+        "physics",
+        "--episodes",
+        "20",
+        "--require-optimal",
+        "--json",
+    ]);
+    assert_eq!(evaluation["successes"], 20, "{evaluation}");
+    assert_eq!(evaluation["optimal"], 20, "{evaluation}");
+    assert_eq!(evaluation["mean_steps"], 10.0, "{evaluation}");
+    assert_eq!(evaluation["collisions"], 0, "{evaluation}");
+    let seconds = evaluation["mean_seconds"].as_f64().unwrap();
+    assert!((5.0..30.0).contains(&seconds), "{evaluation}");
+    // Control: in another maze the same rules are not optimal, and the code says so.
+    let (_, stderr) = expect(
+        1,
+        &[
+            "evaluate",
+            run,
+            "--world",
+            "worlds/maze6.json",
+            "--episodes",
+            "5",
+            "--require-optimal",
+        ],
+    );
+    assert!(
+        stderr.contains("of 5 episodes took a shortest path"),
+        "{stderr}"
+    );
+}
+
+#[test]
+fn evaluate_takes_a_lone_file_of_rules_with_a_world() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    train(&run, "maze4", &["--arena", "grid", "--record", "none"]);
+    let lone = folder.path().join("my rules.json");
+    fs::copy(run.join("rules.json"), &lone).unwrap();
+    let lone = lone.to_str().unwrap();
+    let world = [
+        "--world",
+        "worlds/maze4.json",
+        "--arena",
+        "grid",
+        "--require-optimal",
+    ];
+    expect(
+        0,
+        &[&["evaluate", lone, "--episodes", "3"], &world[..]].concat(),
+    );
+    let (_, stderr) = expect(2, &["evaluate", lone]);
+    assert!(stderr.contains("--world"), "{stderr}");
+}
+
+#[test]
+fn replay_verify_accepts_a_run_and_notices_one_changed_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    train(&run, "maze4", &["--episodes", "5", "--seed", "3"]);
+    let dir = run.to_str().unwrap();
+    let (stdout, _) = expect(0, &["replay", dir, "--verify"]);
+    assert_eq!(
+        stdout,
+        "6 of 6 recordings are the same as a new run, to the bit\n"
+    );
+    let file = run.join("ep-0004.mcap");
+    let sound = fs::read(&file).unwrap();
+    for at in [10, sound.len() / 3, sound.len() / 2, sound.len() - 20] {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 1;
+        fs::write(&file, bytes).unwrap();
+        let (stdout, _) = expect(1, &["replay", dir, "--verify"]);
+        assert!(stdout.contains("ep-0004.mcap: "), "byte {at}: {stdout}");
+        expect(1, &["replay", file.to_str().unwrap(), "--verify"]);
+    }
+    fs::write(&file, sound).unwrap();
+    expect(0, &["replay", file.to_str().unwrap(), "--verify"]);
+}
+
+#[test]
+fn check_accepts_recordings_and_refuses_damaged_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    train(&run, "maze6", &["--episodes", "2"]);
+    let file = run.join("ep-0002.mcap");
+    let name = file.to_str().unwrap();
+    assert_eq!(expect(0, &["check", name]).0, format!("{name}: sound\n"));
+    let bytes = fs::read(&file).unwrap();
+    fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+    expect(65, &["check", name]);
+    expect(66, &["check", "no-such.mcap"]);
+}
+
+#[test]
+fn settings_are_checked_before_any_work_and_the_message_gives_the_way_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let with = |set: &str| {
+        let args = [
+            "train",
+            "worlds/maze4.json",
+            "--out",
+            out.to_str().unwrap(),
+            "--set",
+            set,
+        ];
+        let (_, stderr) = expect(65, &args);
+        assert!(!out.exists(), "{set} left a folder");
+        stderr
+    };
+    assert!(with("xcs.betta=0.1").contains("did you mean `xcs.beta`?"));
+    assert!(with("xcs.beta=2").contains("must be from"));
+    assert!(with("physics.noise=nan").contains("must be from"));
+    assert!(with("reward.sharing=odd").contains("`even` or `discounted`"));
+}
+
+#[test]
+fn episodes_outside_their_range_are_refused() {
+    let (_, stderr) = expect(65, &["train", "worlds/maze4.json", "--episodes", "0"]);
+    assert!(
+        stderr.contains("`episodes` is 0, but must be from 1 to 1000000"),
+        "{stderr}"
+    );
+}
+
+#[test]
+fn the_report_draws_the_policy_and_says_how_to_watch_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let out = run.to_str().unwrap();
+    let (stdout, stderr) = expect(
+        0,
+        &[
+            "train",
+            "worlds/maze4.json",
+            "--arena",
+            "grid",
+            "--out",
+            out,
+        ],
+    );
+    assert_eq!(stderr, "", "no progress where nobody watches");
+    for part in [
+        "10 steps, 3 such paths",
+        "globally optimal",
+        "██→ ↓ ██",
+        "foxglove-layout.json",
+    ] {
+        assert!(stdout.contains(part), "{part} in\n{stdout}");
+    }
+}
+
+#[test]
+fn seeds_1_to_20_find_a_globally_optimal_policy_in_at_least_12_runs_in_both_arenas() {
+    let folder = tempfile::tempdir().unwrap();
+    for arena in ["grid", "physics"] {
+        let found = (1..=20).filter(|seed| {
+            let seed = seed.to_string();
+            let out = folder.path().join(format!("{arena}-{seed}"));
+            let more = ["--arena", arena, "--seed", &seed, "--record", "none"];
+            !train(&out, "maze4", &more)["first_optimal_episode"].is_null()
+        });
+        let found = found.count();
+        assert!(found >= 12, "{found} of 20 on {arena}");
+    }
+}
