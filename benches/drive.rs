@@ -48,6 +48,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         });
     }
     let physics_steps = arena.view().now().time_ns / STEP_NS;
-    println!("{}", json!({ "moves": moves, "physics_steps": physics_steps }));
+    println!(
+        "{}",
+        json!({ "moves": moves, "physics_steps": physics_steps })
+    );
     Ok(())
 }

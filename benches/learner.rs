@@ -47,7 +47,8 @@ impl Work {
 
     fn form_match_set(&mut self) -> usize {
         let at = self.stream.below(self.percepts.len());
-        self.xcs.form_match_set(&self.percepts[at], &mut self.match_set);
+        self.xcs
+            .form_match_set(&self.percepts[at], &mut self.match_set);
         at
     }
 
@@ -105,7 +106,10 @@ fn delete_hundred(bencher: Bencher, population_size: u32) {
     let population = xcs.population();
     let inputs = || {
         let stream = Stream::new(1, StreamName::Evolution);
-        (Xcs::new(params.clone(), ACTIONS, stream), population.clone())
+        (
+            Xcs::new(params.clone(), ACTIONS, stream),
+            population.clone(),
+        )
     };
     bencher
         .with_inputs(inputs)
