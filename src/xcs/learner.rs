@@ -219,7 +219,7 @@ impl Xcs {
 
     /// Runs the GA in the niche of \[A\] when its rules have waited long enough (RUN GA).
     pub fn evolve(&mut self, set: &ActionSet) {
-        if !(self.params.ga && self.evolves) || !self.is_due(set) {
+        if !(self.params.ga && self.evolves && self.is_due(set)) {
             return;
         }
         for &id in &set.members {
