@@ -6,6 +6,7 @@ use crate::commands::check::CheckArgs;
 use crate::commands::config::ConfigCommand;
 use crate::commands::evaluate::EvaluateArgs;
 use crate::commands::replay::ReplayArgs;
+use crate::commands::study::StudyCommand;
 use crate::commands::train::TrainArgs;
 use crate::commands::world::WorldCommand;
 
@@ -45,6 +46,9 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Say what is wrong with recordings.
     Check(CheckArgs),
+    /// Run many trials, compare methods, and say what the data can decide.
+    #[command(subcommand)]
+    Study(StudyCommand),
     /// Check, show and describe world files.
     #[command(subcommand)]
     World(WorldCommand),

@@ -109,6 +109,14 @@ impl Stream {
     }
 }
 
+/// The root seed of replicate `number` of a study: below 2^53, so that every reader of JSON or
+/// CSV takes it exactly.
+pub fn replicate_seed(root: u64, number: u64) -> u64 {
+    let mut state = root;
+    let mut state = splitmix64(&mut state).wrapping_add(number);
+    splitmix64(&mut state) >> 11
+}
+
 /// The next word of the SplitMix64 sequence (Steele, Lea and Flood 2014).
 fn splitmix64(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -148,6 +156,17 @@ mod tests {
             mean.abs() < 0.02 && (variance - 1.0).abs() < 0.02,
             "{mean} {variance}"
         );
+    }
+
+    #[test]
+    fn replicates_of_neighbouring_roots_share_no_seed() {
+        let mut seeds: Vec<u64> = (0..50)
+            .flat_map(|root| (1..=200).map(move |number| replicate_seed(root, number)))
+            .collect();
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!(seeds.len(), 10_000);
+        assert!(seeds.iter().all(|seed| *seed < 1 << 53));
     }
 
     #[test]

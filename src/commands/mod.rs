@@ -9,6 +9,7 @@ pub mod interrupt;
 mod progress;
 pub mod replay;
 mod session;
+pub mod study;
 pub mod train;
 mod train_report;
 pub mod world;
@@ -30,6 +31,7 @@ pub fn run(cli: Cli, out: &mut impl Write) -> Result<(), Failure> {
         Command::Evaluate(args) => evaluate::run(&args, out)?,
         Command::Replay(args) => replay::run(&args, out)?,
         Command::Check(args) => check::run(&args, out)?,
+        Command::Study(command) => study::run(&command, out)?,
         Command::World(command) => world::run(command, out)?,
     }
     Ok(out.flush()?)

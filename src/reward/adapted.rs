@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::knowledge::Knowledge;
+use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::{Params, Sharing};
-use super::saved;
 use super::stack::{RewardStack, Shares};
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
@@ -93,7 +93,12 @@ impl RewardMethod for Adapted {
         self.mind.xcs.population().len()
     }
 
-    fn save(&self) -> Vec<u8> {
-        saved::bytes(self)
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        Ok(Box::new(method))
     }
 }

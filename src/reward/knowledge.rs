@@ -6,7 +6,6 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::method::{EndCredit, RewardMethod, StepCredit};
-use super::saved;
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
 use crate::xcs::{Population, PredictionArray, PredictionSums};
@@ -184,9 +183,5 @@ impl RewardMethod for Frozen {
 
     fn rule_count(&self) -> usize {
         self.knowledge.len()
-    }
-
-    fn save(&self) -> Vec<u8> {
-        saved::bytes(self)
     }
 }

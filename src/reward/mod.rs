@@ -12,18 +12,20 @@ mod method;
 mod mind;
 mod params;
 mod planner;
-mod saved;
+mod plus;
 mod stack;
 mod standard;
 mod tabular;
+mod transitions;
 
 pub use adapted::Adapted;
 pub use combined::Combined;
 pub use explorer::Explorer;
 pub use knowledge::{Frozen, Knowledge, Misfit};
+pub use memory::MemoryError;
 pub use method::{EndCredit, RewardMethod, StepCredit};
 pub use params::{Params, Sharing};
-pub use saved::SavedError;
+pub use plus::{Plus, PlusParams};
 pub use standard::Standard;
 pub use tabular::{Tabular, TabularParams};
 
@@ -42,6 +44,8 @@ pub enum Method {
     AdaptedDiscounted,
     /// The paper's combined reward method.
     Xcscr,
+    /// The same with each mechanism repaired.
+    XcscrPlus,
     /// Q-learning in a table.
     QLearning,
     /// Sarsa with eligibility traces in a table.
@@ -54,11 +58,12 @@ pub enum Method {
 
 impl Method {
     /// All methods, in the order in which they are reported.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Xcs,
         Self::AdaptedEven,
         Self::AdaptedDiscounted,
         Self::Xcscr,
+        Self::XcscrPlus,
         Self::QLearning,
         Self::SarsaLambda,
         Self::DynaQ,
@@ -72,6 +77,7 @@ impl Method {
             Self::AdaptedEven => "adapted-even",
             Self::AdaptedDiscounted => "adapted-discounted",
             Self::Xcscr => "xcscr",
+            Self::XcscrPlus => "xcscr-plus",
             Self::QLearning => "q-learning",
             Self::SarsaLambda => "sarsa-lambda",
             Self::DynaQ => "dyna-q",
@@ -85,14 +91,25 @@ impl Method {
             xcs,
             reward,
             tabular,
+            plus,
         } = setup;
         let stream = |name| Stream::new(seed, name);
-        let xcs = || Xcs::new(xcs, actions, stream(StreamName::Evolution));
+        let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
         match self {
-            Self::Xcs => Box::new(Standard::new(xcs(), reward)),
-            Self::AdaptedEven => Box::new(Adapted::new(xcs(), reward, Sharing::Even)),
-            Self::AdaptedDiscounted => Box::new(Adapted::new(xcs(), reward, Sharing::Discounted)),
-            Self::Xcscr => Box::new(Combined::new(xcs(), reward, stream(StreamName::Imprinting))),
+            Self::Xcs => Box::new(Standard::new(learner(), reward)),
+            Self::AdaptedEven => Box::new(Adapted::new(learner(), reward, Sharing::Even)),
+            Self::AdaptedDiscounted => {
+                Box::new(Adapted::new(learner(), reward, Sharing::Discounted))
+            }
+            Self::Xcscr => Box::new(Combined::new(
+                learner(),
+                reward,
+                stream(StreamName::Imprinting),
+            )),
+            Self::XcscrPlus => {
+                let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
+                Box::new(Plus::new(xcs, actions, reward, plus, streams))
+            }
             Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
             Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
             Self::DynaQ => {
@@ -101,50 +118,6 @@ impl Method {
             }
             Self::RMax => Box::new(Tabular::r_max(actions, reward, tabular)),
         }
-    }
-
-    /// The learner whose [`save`](RewardMethod::save) gave these bytes. All other arguments must
-    /// be those of [`build`](Self::build).
-    ///
-    /// # Errors
-    /// When the bytes are those of another method or of other settings, or are damaged.
-    pub fn restore(
-        self,
-        actions: usize,
-        setup: Setup,
-        seed: u64,
-        bytes: &[u8],
-    ) -> Result<Box<dyn RewardMethod>, SavedError> {
-        let Setup {
-            xcs,
-            reward,
-            tabular,
-        } = setup;
-        let stream = |name| Stream::new(seed, name);
-        let xcs = || Xcs::new(xcs, actions, stream(StreamName::Evolution));
-        let table = |fresh: Tabular| saved::recall(bytes, &fresh, Tabular::descends_from);
-        let adapted = |fresh: Adapted| saved::recall(bytes, &fresh, Adapted::descends_from);
-        Ok(match self {
-            Self::Xcs => {
-                let fresh = Standard::new(xcs(), reward);
-                Box::new(saved::recall(bytes, &fresh, Standard::descends_from)?)
-            }
-            Self::AdaptedEven => Box::new(adapted(Adapted::new(xcs(), reward, Sharing::Even))?),
-            Self::AdaptedDiscounted => {
-                Box::new(adapted(Adapted::new(xcs(), reward, Sharing::Discounted))?)
-            }
-            Self::Xcscr => {
-                let fresh = Combined::new(xcs(), reward, stream(StreamName::Imprinting));
-                Box::new(saved::recall(bytes, &fresh, Combined::descends_from)?)
-            }
-            Self::QLearning => Box::new(table(Tabular::q_learning(actions, reward, tabular))?),
-            Self::SarsaLambda => Box::new(table(Tabular::sarsa_lambda(actions, reward, tabular))?),
-            Self::DynaQ => {
-                let replay = stream(StreamName::Replay);
-                Box::new(table(Tabular::dyna_q(actions, reward, tabular, replay))?)
-            }
-            Self::RMax => Box::new(table(Tabular::r_max(actions, reward, tabular))?),
-        })
     }
 }
 
@@ -157,4 +130,6 @@ pub struct Setup {
     pub reward: Params,
     /// Tabular methods.
     pub tabular: TabularParams,
+    /// The repairs of `xcscr-plus`.
+    pub plus: PlusParams,
 }

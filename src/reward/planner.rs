@@ -1,6 +1,8 @@
 //! Value iteration over what is remembered.
 
-use super::memory::Memory;
+use serde::{Deserialize, Serialize};
+
+use super::transitions::Transitions;
 use crate::signal::{Action, MAX_ACTIONS};
 
 /// Value iteration ends when no value changes by more than this, in units of reward ...
@@ -9,10 +11,15 @@ const PRECISION: f64 = 1e-9;
 const MOST_SWEEPS: u32 = 1_000;
 
 /// The value of each action, by the number of the percept.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Values(Vec<[f64; MAX_ACTIONS]>);
 
 impl Values {
+    /// Is each of them a number?
+    pub fn are_finite(&self) -> bool {
+        self.0.iter().flatten().all(|value| value.is_finite())
+    }
+
     /// The value of a pair; `None` for percepts that were not met when the values were planned.
     pub fn get(&self, percept: usize, action: Action) -> Option<f64> {
         self.0.get(percept).map(|row| row[action.index()])
@@ -21,7 +28,7 @@ impl Values {
 
 /// How values are planned: pairs that were tried `known_after` times by what followed them, all
 /// others by what is believed of them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Planner {
     pub actions: usize,
     pub known_after: u32,
@@ -33,7 +40,7 @@ impl Planner {
     /// values to begin with, from which it does not take as long.
     pub fn plan(
         &self,
-        memory: &Memory,
+        memory: &Transitions,
         belief: impl Fn(usize, Action) -> f64,
         before: Values,
     ) -> Values {
@@ -60,7 +67,7 @@ impl Planner {
     }
 
     /// Updates every known pair once (Bellman's equation); gives the greatest change.
-    fn sweep(&self, memory: &Memory, known: &[(usize, Action)], values: &mut Values) -> f64 {
+    fn sweep(&self, memory: &Transitions, known: &[(usize, Action)], values: &mut Values) -> f64 {
         let mut change: f64 = 0.0;
         for &(percept, action) in known {
             let outcomes = memory.outcomes(percept, action);

@@ -7,7 +7,8 @@ use super::plan::{Config, Plan, PlanError};
 use super::trial::Progress;
 use crate::arena::Lasting;
 use crate::random::Stream;
-use crate::reward::{Explorer, SavedError};
+use crate::reward::Explorer;
+use crate::reward::MemoryError;
 use crate::world::{Maze, WorldError};
 
 /// What the file begins with.
@@ -94,7 +95,7 @@ pub enum CheckpointError {
     World(#[from] WorldError),
     /// Its learner is no good.
     #[error(transparent)]
-    Learner(#[from] SavedError),
+    Memory(#[from] MemoryError),
 }
 
 /// Wraps a value for the disk: magic, format, length, version and value, check sum.

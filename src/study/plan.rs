@@ -6,7 +6,7 @@ use super::settings::Settings;
 use crate::arena::{Arena, GridArena, PhysicsArena, PhysicsError};
 use crate::bounds::{OutOfRange, within};
 use crate::random::{Stream, StreamName};
-use crate::reward::{Method, Misfit, RewardMethod, SavedError, Setup};
+use crate::reward::{Method, Misfit, RewardMethod, Setup};
 use crate::sensor::Sensor;
 use crate::world::Maze;
 
@@ -79,35 +79,20 @@ impl Config {
 
     /// A learner that knows nothing yet. The settings must have been checked.
     pub fn build_method(&self, maze: &Maze) -> Box<dyn RewardMethod> {
-        let setup = self.setup();
-        self.method.build(maze.action_count(), setup, self.seed)
-    }
-
-    /// The learner that was saved as these bytes, by a trial of these choices.
-    ///
-    /// # Errors
-    /// When it was another one.
-    pub fn restore_method(
-        &self,
-        maze: &Maze,
-        bytes: &[u8],
-    ) -> Result<Box<dyn RewardMethod>, SavedError> {
-        let (actions, setup) = (maze.action_count(), self.setup());
-        self.method.restore(actions, setup, self.seed, bytes)
-    }
-
-    fn setup(&self) -> Setup {
         let Settings {
             xcs,
             reward,
             tabular,
+            plus,
             ..
         } = self.settings.clone();
-        Setup {
+        let setup = Setup {
             xcs,
             reward,
             tabular,
-        }
+            plus,
+        };
+        self.method.build(maze.action_count(), setup, self.seed)
     }
 }
 

@@ -84,7 +84,7 @@ impl Trial {
             config: self.plan.config.clone(),
             world: self.plan.maze.to_json(),
             progress: self.progress.clone(),
-            method: self.method.save(),
+            method: self.method.memory(),
             arena: self.arena.lasting(),
             explorer: self.explorer.clone(),
             starts: self.starts.clone(),
@@ -98,14 +98,22 @@ impl Trial {
     pub fn resume(saved: &Checkpoint) -> Result<Self, CheckpointError> {
         let mut trial = Self::new(saved.plan()?)?;
         let Plan { maze, config } = &trial.plan;
-        trial.method = config.restore_method(maze, &saved.method)?;
-        let known = trial.method.knowledge();
-        known
-            .check(config.sensor.width(maze), maze.action_count())
+        trial.method = trial.method.restored(&saved.method)?;
+        let contradiction = |what: &str| CheckpointError::Content(what.to_owned());
+        let width = config.sensor.width(maze);
+        trial
+            .method
+            .knowledge()
+            .check(width, maze.action_count())
             .map_err(|misfit| CheckpointError::Content(misfit.to_string()))?;
         if !saved.progress.is_possible(config) || saved.arena.time_ns > LONGEST_NS {
-            let what = "it counts more than can have happened";
-            return Err(CheckpointError::Content(what.to_owned()));
+            return Err(contradiction("it counts more than can have happened"));
+        }
+        let alternates = config.settings.episode.alternate;
+        if !alternates && !saved.explorer.descends_from(&trial.explorer) {
+            return Err(contradiction(
+                "it explores in another way than its settings say",
+            ));
         }
         trial.arena.continue_from(&saved.arena);
         trial.explorer = saved.explorer.clone();

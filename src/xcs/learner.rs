@@ -135,6 +135,18 @@ impl Xcs {
         sums.array(self.actions, self.params.worth_over_match_set)
     }
 
+    /// The same of the rules that were updated at least once: what was learned, without what was
+    /// assumed in covering.
+    pub fn experienced_worth(&self, percept: &Percept) -> PredictionArray {
+        let mut sums = PredictionSums::default();
+        self.population.for_each_match(percept, |_, rule| {
+            if rule.experience > 0 {
+                sums.add(rule);
+            }
+        });
+        sums.array(self.actions, self.params.worth_over_match_set)
+    }
+
     /// Micro-classifiers in a set, and their fitness-weighted mean error.
     pub fn size_and_error(&self, set: &ActionSet) -> (u32, f64) {
         let (mut micro, mut error, mut fitness) = (0, 0.0, 0.0);
@@ -210,7 +222,7 @@ impl Xcs {
 
     /// Runs the GA in the niche of \[A\] when its rules have waited long enough (RUN GA).
     pub fn evolve(&mut self, set: &ActionSet) {
-        if !(self.params.ga && self.evolves) || !self.is_due(set) {
+        if !(self.params.ga && self.evolves && self.is_due(set)) {
             return;
         }
         for &id in &set.members {

@@ -48,7 +48,7 @@ const STEP_S: f64 = 0.05;
 /// Solver iterations per step; each is a substep of the motion.
 const SOLVER_ITERATIONS: usize = 2;
 /// The largest number of wall blocks; the engine needs about a kilobyte for each.
-const MAX_BLOCKS: usize = 65_536;
+const MAX_BLOCKS: usize = 262_144;
 
 /// A robot in a maze, simulated at 20 Hz. Same maze, settings and noise: same bits.
 pub struct PhysicsArena {

@@ -19,10 +19,10 @@ use short_term_filter::ShortTermFilter;
 use step_threshold::StepThreshold;
 
 use super::knowledge::Knowledge;
+use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::Params;
-use super::saved;
 use super::stack::{RewardStack, Shares};
 use crate::arena::Outcome;
 use crate::random::Stream;
@@ -146,7 +146,12 @@ impl RewardMethod for Combined {
         self.mind.xcs.population().len()
     }
 
-    fn save(&self) -> Vec<u8> {
-        saved::bytes(self)
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        Ok(Box::new(method))
     }
 }

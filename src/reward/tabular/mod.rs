@@ -15,11 +15,11 @@ use traces::Traces;
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
-use super::memory::{Memory, Transition};
+use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::params::Params;
 use super::planner::{Planner, Values};
-use super::saved;
+use super::transitions::{Transition, Transitions};
 use crate::arena::Outcome;
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
@@ -36,9 +36,9 @@ enum Algorithm {
     /// Toward the reward plus the value of the action that was really chosen after it.
     SarsaLambda(Traces),
     /// Q-learning that replays remembered transitions, drawn from the stream.
-    DynaQ(Memory, Stream),
+    DynaQ(Transitions, Stream),
     /// Values planned on a model that takes the unknown for the best.
-    RMax(Memory),
+    RMax(Transitions),
 }
 
 /// The methods `q-learning`, `sarsa-lambda`, `dyna-q` and `r-max`.
@@ -51,10 +51,8 @@ pub struct Tabular {
     /// What the greedy policy follows, where that is not `table`.
     policy: Option<Table>,
     /// The percept under consideration.
-    #[serde(skip)]
     percept: Option<Percept>,
     /// The last step, before it is known what came after it.
-    #[serde(skip)]
     pending: Option<(Percept, Action, f64)>,
 }
 
@@ -72,13 +70,18 @@ impl Tabular {
 
     /// Dyna-Q, which draws what it replays from `stream`.
     pub fn dyna_q(actions: usize, params: Params, own: TabularParams, stream: Stream) -> Self {
-        let algorithm = Algorithm::DynaQ(Memory::default(), stream);
+        let algorithm = Algorithm::DynaQ(Transitions::default(), stream);
         Self::new(algorithm, actions, params, own)
     }
 
     /// R-max.
     pub fn r_max(actions: usize, params: Params, own: TabularParams) -> Self {
-        Self::new(Algorithm::RMax(Memory::default()), actions, params, own)
+        Self::new(
+            Algorithm::RMax(Transitions::default()),
+            actions,
+            params,
+            own,
+        )
     }
 
     fn new(algorithm: Algorithm, actions: usize, params: Params, own: TabularParams) -> Self {
@@ -94,7 +97,7 @@ impl Tabular {
     }
 
     /// Can this method, read from a file, stand for one that began as `fresh`?
-    pub(super) fn descends_from(&self, fresh: &Self) -> bool {
+    fn descends_from(&self, fresh: &Self) -> bool {
         let memory_is_sound = match &self.algorithm {
             Algorithm::DynaQ(memory, _) | Algorithm::RMax(memory) => memory.is_sound(),
             _ => true,
@@ -227,7 +230,12 @@ impl RewardMethod for Tabular {
         self.table.len()
     }
 
-    fn save(&self) -> Vec<u8> {
-        saved::bytes(self)
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        Ok(Box::new(method))
     }
 }

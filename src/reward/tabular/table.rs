@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::reward::knowledge::Knowledge;
-use crate::reward::memory::{Memory, Transition};
 use crate::reward::planner::Values;
+use crate::reward::transitions::{Transition, Transitions};
 use crate::signal::{Action, MAX_ACTIONS, Percept};
 use crate::xcs::PredictionArray;
 
@@ -32,7 +32,7 @@ impl Table {
     }
 
     /// The table of planned values.
-    pub fn from_values(memory: &Memory, values: &Values, actions: usize) -> Self {
+    pub fn from_values(memory: &Transitions, values: &Values, actions: usize) -> Self {
         let mut table = Self::new(actions);
         for (number, percept) in memory.percepts().iter().enumerate() {
             for action in Action::all(actions) {

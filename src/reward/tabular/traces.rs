@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::table::Table;
-use crate::reward::memory::Transition;
+use crate::reward::transitions::Transition;
 use crate::signal::{Action, Percept};
 
 /// How much each pair of this episode is still responsible for (replacing traces).
