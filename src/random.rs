@@ -32,7 +32,25 @@ pub enum StreamName {
 
 /// A stream of random numbers; its whole state can be saved and restored.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Pcg64")]
 pub struct Stream(Pcg64);
+
+/// A saved state from which no random numbers come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a stream of random numbers stands still")]
+pub struct StandsStill;
+
+impl TryFrom<Pcg64> for Stream {
+    type Error = StandsStill;
+
+    /// No seed leads to a generator that gives one number for ever, but a damaged file may.
+    fn try_from(generator: Pcg64) -> Result<Self, StandsStill> {
+        let mut ahead = generator.clone();
+        let first = ahead.next_u64();
+        let moves = (0..8).any(|_| ahead.next_u64() != first);
+        moves.then_some(Self(generator)).ok_or(StandsStill)
+    }
+}
 
 impl Stream {
     /// The stream called `name` under the root `seed`.

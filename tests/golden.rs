@@ -87,5 +87,15 @@ fn trained_runs_in_three_mazes_and_both_arenas_keep_their_digests() {
     for method in [Method::Xcs, Method::AdaptedEven, Method::AdaptedDiscounted] {
         found.push(digest("maze4", method, ArenaKind::Physics));
     }
-    insta::assert_snapshot!(found.join("\n"), @"");
+    insta::assert_snapshot!(found.join("\n"), @r"
+    maze4 xcscr physics edd465caf9483ba0
+    maze4 xcscr grid c2bcaa4056bb1577
+    maze5 xcscr physics 17371d2393682684
+    maze5 xcscr grid 124409767c7f9f04
+    maze6 xcscr physics 12f414b43b88b93f
+    maze6 xcscr grid 35eb9f9efac4f80a
+    maze4 xcs physics 11b7149ec7c931db
+    maze4 adapted-even physics 939e00f16ba54db7
+    maze4 adapted-discounted physics c61ec450d383429d
+    ");
 }

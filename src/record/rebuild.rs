@@ -12,9 +12,7 @@ use mcap::{McapError, McapResult};
 use super::channels::Topic;
 use super::error::RecordError;
 use super::log_file::OpenFile;
-
-/// The longest record that is read; far longer than those that are written.
-const LONGEST_RECORD: usize = 1 << 30;
+use super::reader::longest_record;
 
 /// Sends the first `messages` messages of `source` to `file` and closes chunks where the source
 /// does. Check sums are checked on the way.
@@ -28,9 +26,10 @@ pub(super) fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<
         cause: cause.to_string(),
     };
     let mut disk = File::open(source).map_err(unreadable)?;
+    let bytes = disk.metadata().map_err(unreadable)?.len();
     let options = LinearReaderOptions::default()
         .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(LONGEST_RECORD);
+        .with_record_length_limit(longest_record(bytes));
     let mut reader = LinearReader::new_with_options(options);
     let mut copy = Copy {
         file,

@@ -42,6 +42,15 @@ impl Outcomes {
         sum / f64::from(self.tries().max(1))
     }
 
+    /// Do the counts leave room, and do the numbers name one of `met` percepts?
+    fn is_sound(&self, met: usize) -> bool {
+        let known = |o: &Outcome| {
+            o.reward.is_finite() && o.next.is_none_or(|next| next < met) && o.count > 0
+        };
+        let tries: u64 = self.0.iter().map(|o| u64::from(o.count)).sum();
+        self.0.iter().all(known) && tries <= u64::from(u32::MAX / 2)
+    }
+
     /// Counts an outcome; true unless it is one more of what always happened.
     fn count(&mut self, reward: f64, next: Option<usize>) -> bool {
         let known = self
@@ -92,6 +101,22 @@ impl Transitions {
             self.pairs.push(Default::default());
         }
         number
+    }
+
+    /// Do all numbers, in a memory that was read from a file, name what they should?
+    pub fn is_sound(&self) -> bool {
+        let met = self.percepts.len();
+        let named =
+            |(percept, &number): (&Percept, &usize)| self.percepts.get(number) == Some(percept);
+        let tried = |&(percept, action): &(usize, Action)| {
+            percept < met && self.outcomes(percept, action).tries() > 0
+        };
+        let mut outcomes = self.pairs.iter().flatten();
+        self.pairs.len() == met
+            && self.numbers.len() == met
+            && self.numbers.iter().all(named)
+            && outcomes.all(|outcomes| outcomes.is_sound(met))
+            && self.tried.iter().all(tried)
     }
 
     /// The percepts that were met, by number.

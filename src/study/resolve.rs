@@ -247,7 +247,10 @@ fn checked(values: &BTreeMap<String, (Value, Origin)>) -> Result<Settings, Setti
 /// What may stand in a place, from the parser's words for what must not.
 fn allowed(fault: &str) -> String {
     let expected = fault.split_once("expected ").map(|(_, expected)| expected);
-    expected.unwrap_or(fault).trim().to_owned()
+    match expected.unwrap_or(fault).trim() {
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0".to_owned(),
+        allowed => allowed.to_owned(),
+    }
 }
 
 #[cfg(test)]

@@ -168,7 +168,9 @@ impl Xcs {
             .map(|(_, rule)| rule.numerosity)
             .sum();
         let params = &self.params;
-        let share = |rule: &Classifier| rule.accuracy(params) * f64::from(rule.numerosity);
+        // With extreme settings all accuracies are 0; then all rules count alike.
+        let accuracy = |rule: &Classifier| rule.accuracy(params).max(f64::MIN_POSITIVE);
+        let share = |rule: &Classifier| accuracy(rule) * f64::from(rule.numerosity);
         let mut total = 0.0;
         for &id in &set.members {
             let Some(rule) = self.population.get_mut(id) else {
@@ -186,7 +188,8 @@ impl Xcs {
         // without numerosities and with a wrong sign).
         for &id in &set.members {
             self.population.modify(id, |rule| {
-                rule.fitness += beta * (share(rule) / total - rule.fitness)
+                rule.fitness += beta * (share(rule) / total - rule.fitness);
+                rule.fitness = rule.fitness.max(f64::MIN_POSITIVE);
             });
         }
         if self.params.action_set_subsumption {

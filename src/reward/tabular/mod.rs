@@ -6,6 +6,8 @@ mod traces;
 
 pub use params::TabularParams;
 
+use std::mem::discriminant;
+
 use serde::{Deserialize, Serialize};
 
 use table::Table;
@@ -96,11 +98,15 @@ impl Tabular {
 
     /// Can this method, read from a file, stand for one that began as `fresh`?
     fn descends_from(&self, fresh: &Self) -> bool {
-        use std::mem::discriminant;
-        self.params == fresh.params
-            && self.own == fresh.own
-            && self.table.actions() == fresh.table.actions()
-            && discriminant(&self.algorithm) == discriminant(&fresh.algorithm)
+        let memory_is_sound = match &self.algorithm {
+            Algorithm::DynaQ(memory, _) | Algorithm::RMax(memory) => memory.is_sound(),
+            _ => true,
+        };
+        let mut tables = self.policy.iter().chain([&self.table]);
+        discriminant(&self.algorithm) == discriminant(&fresh.algorithm)
+            && (&self.params, &self.own) == (&fresh.params, &fresh.own)
+            && memory_is_sound
+            && tables.all(|table| table.descends_from(&fresh.table))
     }
 
     /// Learns the pending step, now that it is known what came after it.

@@ -25,6 +25,12 @@ impl Table {
         }
     }
 
+    /// Can this table, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let mut numbers = self.rows.values().flatten();
+        self.actions == fresh.actions && numbers.all(|number| number.is_finite())
+    }
+
     /// The table of planned values.
     pub fn from_values(memory: &Transitions, values: &Values, actions: usize) -> Self {
         let mut table = Self::new(actions);
