@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::check::CheckArgs;
+use crate::commands::config::ConfigCommand;
 use crate::commands::evaluate::EvaluateArgs;
 use crate::commands::replay::ReplayArgs;
 use crate::commands::study::StudyCommand;
@@ -19,7 +20,8 @@ Exit codes:
   70  internal fault: please report it
   73  cannot create the output
   74  input or output error, such as a full disk
-  75  interrupted, and a valid checkpoint was left";
+  75  interrupted, and a valid checkpoint was left: go on with `train --resume`
+ 130  interrupted for the second time, and ended at once";
 
 /// A mobile robot in a physics-simulated maze learns readable rules (XCS and XCSCR), and every
 /// episode can be replayed in Foxglove.
@@ -50,4 +52,12 @@ pub enum Command {
     /// Check, show and describe world files.
     #[command(subcommand)]
     World(WorldCommand),
+    /// Show all settings, and where each came from.
+    #[command(subcommand)]
+    Config(ConfigCommand),
+    /// Print completions for a shell, such as `source <(xcscr completions bash)`.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
 }

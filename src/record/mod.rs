@@ -14,6 +14,7 @@ mod log_file;
 mod mode;
 mod outbox;
 pub mod reader;
+mod rebuild;
 mod recorder;
 mod scribe;
 
@@ -23,4 +24,4 @@ pub use compare::{Difference, compare};
 pub use error::RecordError;
 pub use info::{RobotShape, RunInfo};
 pub use mode::{RecordMode, RecordModeError};
-pub use recorder::{RecordSummary, Recorder};
+pub use recorder::{RecordSummary, Recorder, RecorderMemory};

@@ -1,11 +1,13 @@
 //! Trials, from a seed to a result; and studies, from many trials to an answer.
 
+mod checkpoint;
 mod checksum;
 mod error;
 mod evaluation;
 mod figures;
 mod folder;
 mod journal;
+mod lock;
 mod plan;
 mod protocol;
 mod record;
@@ -20,6 +22,7 @@ mod summary;
 mod tables;
 mod trial;
 
+pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
 pub use error::StudyError;
 pub use evaluation::Evaluation;
 pub use folder::StudyFolder;

@@ -6,7 +6,7 @@ use super::settings::Settings;
 use crate::arena::{Arena, GridArena, PhysicsArena, PhysicsError};
 use crate::bounds::{OutOfRange, within};
 use crate::random::{Stream, StreamName};
-use crate::reward::{Method, RewardMethod, Setup};
+use crate::reward::{Method, Misfit, RewardMethod, Setup};
 use crate::sensor::Sensor;
 use crate::world::Maze;
 
@@ -83,12 +83,14 @@ impl Config {
             xcs,
             reward,
             tabular,
+            plus,
             ..
         } = self.settings.clone();
         let setup = Setup {
             xcs,
             reward,
             tabular,
+            plus,
         };
         self.method.build(maze.action_count(), setup, self.seed)
     }
@@ -132,6 +134,9 @@ pub enum PlanError {
     /// A setting lies outside of its range.
     #[error(transparent)]
     Setting(#[from] OutOfRange),
+    /// The knowledge is about another world.
+    #[error(transparent)]
+    Knowledge(#[from] Misfit),
     /// The physics arena refuses the world.
     #[error(transparent)]
     Physics(#[from] PhysicsError),

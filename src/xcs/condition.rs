@@ -45,6 +45,23 @@ impl Condition {
         condition
     }
 
+    /// The condition that demands of these alleles what they are in the percept, and nothing of
+    /// the others. Alleles beyond the width are ignored.
+    pub fn of_alleles(percept: &Percept, alleles: impl IntoIterator<Item = usize>) -> Self {
+        let mut condition = Self {
+            value: [0; PERCEPT_WORDS],
+            care: [0; PERCEPT_WORDS],
+            width: percept.width() as u16,
+        };
+        for allele in alleles
+            .into_iter()
+            .filter(|&allele| allele < percept.width())
+        {
+            condition.set(allele, percept.bit(allele));
+        }
+        condition
+    }
+
     /// The number of alleles.
     pub fn width(&self) -> usize {
         usize::from(self.width)

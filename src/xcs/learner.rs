@@ -10,6 +10,9 @@ use super::sets::{ActionSet, MatchSet};
 use crate::random::Stream;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
 
+/// More steps than any learner lives to see; counters up to here leave room for arithmetic.
+const MOST_STEPS: u64 = 1 << 40;
+
 /// XCS: a population and the procedures that cover, predict, update and evolve it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Xcs {
@@ -48,6 +51,19 @@ impl Xcs {
         self.population
             .delete_surplus(&self.params, &mut self.stream);
         self
+    }
+
+    /// Can this learner, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let known = |rule: &Classifier| {
+            let age = rule.time_stamp.max(rule.experience);
+            rule.action.index() < self.actions && age <= MOST_STEPS
+        };
+        self.params == fresh.params
+            && self.actions == fresh.actions
+            && self.time <= MOST_STEPS
+            && self.population.micro() <= self.params.population_size
+            && self.population.rules().iter().all(known)
     }
 
     /// \[P\].
@@ -116,6 +132,18 @@ impl Xcs {
         let mut sums = PredictionSums::default();
         self.population
             .for_each_match(percept, |_, rule| sums.add(rule));
+        sums.array(self.actions, self.params.worth_over_match_set)
+    }
+
+    /// The same of the rules that were updated at least once: what was learned, without what was
+    /// assumed in covering.
+    pub fn experienced_worth(&self, percept: &Percept) -> PredictionArray {
+        let mut sums = PredictionSums::default();
+        self.population.for_each_match(percept, |_, rule| {
+            if rule.experience > 0 {
+                sums.add(rule);
+            }
+        });
         sums.array(self.actions, self.params.worth_over_match_set)
     }
 
@@ -191,7 +219,7 @@ impl Xcs {
 
     /// Runs the GA in the niche of \[A\] when its rules have waited long enough (RUN GA).
     pub fn evolve(&mut self, set: &ActionSet) {
-        if !(self.params.ga && self.evolves) || !self.is_due(set) {
+        if !(self.params.ga && self.evolves && self.is_due(set)) {
             return;
         }
         for &id in &set.members {
