@@ -1,6 +1,7 @@
 //! Trials: from a seed to a result.
 
 mod evaluation;
+pub mod map;
 mod plan;
 mod resolve;
 mod run_folder;
