@@ -38,6 +38,16 @@ impl Percept {
         })
     }
 
+    /// The lowest `width` bits (at most 64) of a machine word, the lowest first.
+    pub fn from_word(word: u64, width: usize) -> Self {
+        let width = width.min(64);
+        let kept = u64::MAX.checked_shr(64 - width as u32).unwrap_or(0);
+        Self {
+            words: std::array::from_fn(|at| if at == 0 { word & kept } else { 0 }),
+            width: width as u16,
+        }
+    }
+
     /// The number of bits.
     pub fn width(&self) -> usize {
         usize::from(self.width)
@@ -143,6 +153,13 @@ mod tests {
     fn a_percept_prints_as_it_was_read() {
         let text = "0110100110010110".repeat(16);
         assert_eq!(text.parse::<Percept>().unwrap().to_string(), text);
+    }
+
+    #[test]
+    fn a_word_gives_its_lowest_bits() {
+        let of = |width| Percept::from_word(0b1101, width).to_string();
+        assert_eq!([0, 3, 5].map(of), ["", "101", "10110"]);
+        assert_eq!(Percept::from_word(u64::MAX, 64).to_string(), "1".repeat(64));
     }
 
     #[test]

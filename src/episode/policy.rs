@@ -2,7 +2,6 @@
 
 use crate::reward::RewardMethod;
 use crate::sensor::Sensor;
-use crate::signal::Action;
 use crate::world::{Cell, Maze, Paths};
 use crate::xcs::PredictionArray;
 
@@ -38,26 +37,8 @@ impl PolicyMap {
     /// Is the greedy policy globally optimal? From every start cell, every action that attains
     /// the greatest worth (all of them, on ties) must move along a shortest path to a goal.
     pub fn is_optimal(&self, maze: &Maze, paths: &Paths) -> bool {
-        let mut open = maze.start_cells();
-        let mut seen = vec![false; usize::from(maze.width()) * usize::from(maze.height())];
-        while let Some(cell) = open.pop() {
-            if maze.is_goal(cell) || std::mem::replace(&mut seen[maze.index(cell)], true) {
-                continue;
-            }
-            let Some(next) = self.optimal_successors(cell, maze, paths) else {
-                return false;
-            };
-            open.extend(next);
-        }
-        true
-    }
-
-    /// Where the best actions of a cell lead; `None` unless each follows a shortest path.
-    fn optimal_successors(&self, cell: Cell, maze: &Maze, paths: &Paths) -> Option<Vec<Cell>> {
-        let worth = self.worth(cell)?;
-        let follow = |action: Action| paths.successor(maze, cell, action);
-        let next: Option<Vec<Cell>> = worth.best_actions().map(follow).collect();
-        next.filter(|cells| !cells.is_empty())
+        let worth = |cell| self.worth(cell).copied();
+        fault(maze, paths, maze.start_cells(), worth).is_none()
     }
 
     /// The steps that the greedy policy takes from `start` to a goal, the first of the best
@@ -87,4 +68,48 @@ impl PolicyMap {
         }
         path
     }
+}
+
+/// A cell in which the greedy policy of a learner is not globally optimal, in the sense of
+/// [`PolicyMap::is_optimal`]; `None` when it is. Asks the learner about no more cells than it takes
+/// to find the first fault, beginning with `suspect`, where a fault was before.
+pub fn first_fault(
+    method: &dyn RewardMethod,
+    sensor: Sensor,
+    maze: &Maze,
+    paths: &Paths,
+    suspect: Option<Cell>,
+) -> Option<Cell> {
+    let mut starts = maze.start_cells();
+    // Of several start cells any may come first; a single one must.
+    starts.extend(suspect.filter(|_| maze.start().is_none()));
+    fault(maze, paths, starts, |cell| {
+        Some(method.worth(&sensor.perceive_at(maze, cell)))
+    })
+}
+
+/// A cell that one gets to by the best actions, and in which one of these does not lead along a
+/// shortest path. Begins with the last of the cells in `open`.
+fn fault(
+    maze: &Maze,
+    paths: &Paths,
+    mut open: Vec<Cell>,
+    worth: impl Fn(Cell) -> Option<PredictionArray>,
+) -> Option<Cell> {
+    let mut seen = vec![false; usize::from(maze.width()) * usize::from(maze.height())];
+    while let Some(cell) = open.pop() {
+        if maze.is_goal(cell) || std::mem::replace(&mut seen[maze.index(cell)], true) {
+            continue;
+        }
+        let Some(worth) = worth(cell).filter(|worth| worth.greatest().is_some()) else {
+            return Some(cell);
+        };
+        for action in worth.best_actions() {
+            let Some(next) = paths.successor(maze, cell, action) else {
+                return Some(cell);
+            };
+            open.push(next);
+        }
+    }
+    None
 }

@@ -35,6 +35,10 @@ impl Adapted {
 }
 
 impl RewardMethod for Adapted {
+    fn begin(&mut self, evolves: bool) {
+        self.mind.xcs.let_evolve(evolves);
+    }
+
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
         self.mind.consider(percept)
     }

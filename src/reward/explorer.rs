@@ -20,6 +20,11 @@ impl Explorer {
         }
     }
 
+    /// From now on explores with this probability.
+    pub fn set_probability(&mut self, probability: f64) {
+        self.probability = probability;
+    }
+
     /// An action, and whether it was chosen to explore.
     pub fn choose(&mut self, worth: &PredictionArray) -> (Action, bool) {
         let explores = self.stream.chance(self.probability);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
-use crate::xcs::{Population, PredictionArray, prediction_array};
+use crate::xcs::{Population, PredictionArray, PredictionSums};
 
 /// What was learned: enough to follow the greedy policy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,9 +24,9 @@ impl Knowledge {
     pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
         match self {
             Self::Rules(population) => {
-                let mut rules = Vec::new();
-                population.for_each_match(percept, &mut Vec::new(), |_, rule| rules.push(*rule));
-                prediction_array(rules.iter(), actions, false)
+                let mut sums = PredictionSums::default();
+                population.for_each_match(percept, |_, rule| sums.add(rule));
+                sums.array(actions, false)
             }
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);

@@ -32,9 +32,16 @@ pub struct EndCredit {
 
 /// A learner and its way of deciding who is credited, with what, and when.
 ///
-/// For each step come [`consider`](Self::consider), [`choose`](Self::choose) and
-/// [`credit`](Self::credit), at the end of the episode [`finish`](Self::finish).
+/// Each episode opens with [`begin`](Self::begin). For each step come
+/// [`consider`](Self::consider), [`choose`](Self::choose) and [`credit`](Self::credit), at the end
+/// of the episode [`finish`](Self::finish).
 pub trait RewardMethod {
+    /// Opens an episode; `evolves`: may rules be discovered by the GA in it? They may until this
+    /// is said for the first time. Methods without a GA need not listen.
+    fn begin(&mut self, evolves: bool) {
+        let _ = evolves;
+    }
+
     /// The worth of each action under a percept, as a step of learning: forms \[M\] and covers
     /// missing actions.
     fn consider(&mut self, percept: &Percept) -> PredictionArray;

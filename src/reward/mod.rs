@@ -7,9 +7,12 @@ mod adapted;
 mod combined;
 mod explorer;
 mod knowledge;
+mod memory;
 mod method;
 mod mind;
 mod params;
+mod planner;
+mod plus;
 mod stack;
 mod standard;
 mod tabular;
@@ -20,6 +23,7 @@ pub use explorer::Explorer;
 pub use knowledge::{Frozen, Knowledge};
 pub use method::{EndCredit, RewardMethod, StepCredit};
 pub use params::{Params, Sharing};
+pub use plus::{Plus, PlusParams};
 pub use standard::Standard;
 pub use tabular::{Tabular, TabularParams};
 
@@ -38,6 +42,8 @@ pub enum Method {
     AdaptedDiscounted,
     /// The paper's combined reward method.
     Xcscr,
+    /// The same with each mechanism repaired.
+    XcscrPlus,
     /// Q-learning in a table.
     QLearning,
     /// Sarsa with eligibility traces in a table.
@@ -50,11 +56,12 @@ pub enum Method {
 
 impl Method {
     /// All methods, in the order in which they are reported.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Xcs,
         Self::AdaptedEven,
         Self::AdaptedDiscounted,
         Self::Xcscr,
+        Self::XcscrPlus,
         Self::QLearning,
         Self::SarsaLambda,
         Self::DynaQ,
@@ -68,6 +75,7 @@ impl Method {
             Self::AdaptedEven => "adapted-even",
             Self::AdaptedDiscounted => "adapted-discounted",
             Self::Xcscr => "xcscr",
+            Self::XcscrPlus => "xcscr-plus",
             Self::QLearning => "q-learning",
             Self::SarsaLambda => "sarsa-lambda",
             Self::DynaQ => "dyna-q",
@@ -81,14 +89,25 @@ impl Method {
             xcs,
             reward,
             tabular,
+            plus,
         } = setup;
         let stream = |name| Stream::new(seed, name);
-        let xcs = || Xcs::new(xcs, actions, stream(StreamName::Evolution));
+        let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
         match self {
-            Self::Xcs => Box::new(Standard::new(xcs(), reward)),
-            Self::AdaptedEven => Box::new(Adapted::new(xcs(), reward, Sharing::Even)),
-            Self::AdaptedDiscounted => Box::new(Adapted::new(xcs(), reward, Sharing::Discounted)),
-            Self::Xcscr => Box::new(Combined::new(xcs(), reward, stream(StreamName::Imprinting))),
+            Self::Xcs => Box::new(Standard::new(learner(), reward)),
+            Self::AdaptedEven => Box::new(Adapted::new(learner(), reward, Sharing::Even)),
+            Self::AdaptedDiscounted => {
+                Box::new(Adapted::new(learner(), reward, Sharing::Discounted))
+            }
+            Self::Xcscr => Box::new(Combined::new(
+                learner(),
+                reward,
+                stream(StreamName::Imprinting),
+            )),
+            Self::XcscrPlus => {
+                let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
+                Box::new(Plus::new(xcs, actions, reward, plus, streams))
+            }
             Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
             Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
             Self::DynaQ => {
@@ -109,4 +128,6 @@ pub struct Setup {
     pub reward: Params,
     /// Tabular methods.
     pub tabular: TabularParams,
+    /// The repairs of `xcscr-plus`.
+    pub plus: PlusParams,
 }

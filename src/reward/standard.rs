@@ -40,6 +40,10 @@ impl Standard {
 }
 
 impl RewardMethod for Standard {
+    fn begin(&mut self, evolves: bool) {
+        self.mind.xcs.let_evolve(evolves);
+    }
+
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
         let worth = self.mind.consider(percept);
         self.greatest = worth.greatest().unwrap_or(0.0);

@@ -8,13 +8,12 @@ pub const WIDTH: usize = 16;
 
 /// Clockwise from north; what lies beyond a border looks like a wall.
 pub fn percept(maze: &Maze, cell: Cell) -> Percept {
-    let bits =
-        Direction::CLOCKWISE
-            .into_iter()
-            .flat_map(|direction| match maze.step(cell, direction) {
-                None => [false, true],
-                Some(next) if maze.is_goal(next) => [true, true],
-                Some(_) => [false, false],
-            });
-    Percept::from_bits(bits).expect("16 bits fit into a percept")
+    // The bit that is printed first is the lowest.
+    let letters = Direction::CLOCKWISE.map(|direction| match maze.step(cell, direction) {
+        None => 0b10,
+        Some(next) if maze.is_goal(next) => 0b11,
+        Some(_) => 0b00,
+    });
+    let word = letters.iter().rev().fold(0, |word, bits| word << 2 | bits);
+    Percept::from_word(word, WIDTH)
 }

@@ -83,12 +83,14 @@ impl Config {
             xcs,
             reward,
             tabular,
+            plus,
             ..
         } = self.settings.clone();
         let setup = Setup {
             xcs,
             reward,
             tabular,
+            plus,
         };
         self.method.build(maze.action_count(), setup, self.seed)
     }

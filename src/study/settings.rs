@@ -14,6 +14,8 @@ pub struct Settings {
     pub xcs: xcs::Params,
     /// Rewards and reward methods.
     pub reward: reward::Params,
+    /// The repairs of `xcscr-plus`.
+    pub plus: reward::PlusParams,
     /// Tabular methods.
     pub tabular: reward::TabularParams,
     /// Exploration.
@@ -27,6 +29,7 @@ impl Settings {
     pub fn check(&self) -> Result<(), OutOfRange> {
         self.xcs.check()?;
         self.reward.check()?;
+        self.plus.check()?;
         self.tabular.check()?;
         self.episode.check()?;
         self.physics.check()

@@ -39,7 +39,11 @@ pub struct Trial {
     arena: Box<dyn Arena>,
     method: Box<dyn RewardMethod>,
     explorer: Explorer,
+    /// The cells in which an episode can start.
+    start_cells: Vec<Cell>,
     starts: Stream,
+    /// Where the greedy policy was not globally optimal after the last episode.
+    fault: Option<Cell>,
     progress: Progress,
 }
 
@@ -54,7 +58,9 @@ impl Trial {
             arena: config.build_arena(maze)?,
             method: config.build_method(maze),
             explorer: Explorer::new(config.settings.episode.explore, exploration),
+            start_cells: maze.start_cells(),
             starts: Stream::new(config.seed, StreamName::Start),
+            fault: None,
             progress: Progress::default(),
             plan,
         })
@@ -63,8 +69,10 @@ impl Trial {
     /// Runs the next episode. `Break` means that an observer wants the trial to end.
     pub fn run_episode(&mut self, observer: &mut dyn Observer) -> (Episode, ControlFlow<()>) {
         let start = self.next_start();
+        let number = self.progress.episodes + 1;
+        self.take_turns(number);
         let (episode, flow) = episode::run(
-            self.progress.episodes + 1,
+            number,
             start,
             &mut *self.arena,
             self.plan.config.sensor,
@@ -84,19 +92,28 @@ impl Trial {
         ControlFlow::Continue(())
     }
 
+    /// Episodes that alternate explore (and evolve) or exploit; all others do both.
+    fn take_turns(&mut self, number: u32) {
+        let settings = &self.plan.config.settings.episode;
+        let turn = settings.turn_of(number);
+        let explore = turn.map_or(settings.explore, |explores| f64::from(u8::from(explores)));
+        self.explorer.set_probability(explore);
+        self.method.begin(turn.unwrap_or(true));
+    }
+
     fn next_start(&mut self) -> Cell {
-        let cells = self.plan.maze.start_cells();
-        match cells[..] {
+        match self.start_cells[..] {
             [only] => only,
             _ => *self
                 .starts
-                .choose(&cells)
+                .choose(&self.start_cells)
                 .expect("a checked maze has a start cell"),
         }
     }
 
     fn count(&mut self, episode: &Episode, start: Cell) {
-        let optimal = self.policy().is_optimal(&self.plan.maze, &self.paths);
+        self.fault = self.find_fault();
+        let optimal = self.fault.is_none();
         let shortest = self.paths.distance(&self.plan.maze, start);
         let progress = &mut self.progress;
         progress.episodes += 1;
@@ -118,6 +135,12 @@ impl Trial {
                     .get_or_insert(episode.episode);
             }
         }
+    }
+
+    /// Where the greedy policy is not globally optimal now.
+    fn find_fault(&self) -> Option<Cell> {
+        let Plan { maze, config } = &self.plan;
+        episode::first_fault(&*self.method, config.sensor, maze, &self.paths, self.fault)
     }
 
     /// The policy that the learner would follow now, without exploring.

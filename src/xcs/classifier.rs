@@ -7,6 +7,10 @@ use super::params::Params;
 use crate::signal::Action;
 
 /// A macro-classifier: `numerosity` identical rules that share their figures.
+///
+/// Two cache lines: the first is the condition's, all that a learning step needs lies in the
+/// second.
+#[repr(align(64))]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Classifier {
@@ -29,6 +33,8 @@ pub struct Classifier {
     /// as: the mean number of micro-classifiers in the action sets it took part in.
     pub set_size: f64,
 }
+
+const _: () = assert!(size_of::<Classifier>() == 128, "two cache lines");
 
 impl Classifier {
     /// A covering rule, which knows nothing yet.

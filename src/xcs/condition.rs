@@ -1,6 +1,7 @@
 //! Ternary conditions: which percepts a rule matches.
 
 use std::fmt;
+use std::hash::{Hash, Hasher};
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
@@ -14,7 +15,7 @@ type Words = [u64; PERCEPT_WORDS];
 ///
 /// Stored as the bits that must agree (`care`) and the values they must have (`value`, zero where
 /// nothing is demanded), so that equal conditions are equal word by word.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Condition {
     value: Words,
@@ -40,6 +41,23 @@ impl Condition {
             if stream.chance(dont_care) {
                 condition.set_dont_care(bit);
             }
+        }
+        condition
+    }
+
+    /// The condition that demands of these alleles what they are in the percept, and nothing of
+    /// the others. Alleles beyond the width are ignored.
+    pub fn of_alleles(percept: &Percept, alleles: impl IntoIterator<Item = usize>) -> Self {
+        let mut condition = Self {
+            value: [0; PERCEPT_WORDS],
+            care: [0; PERCEPT_WORDS],
+            width: percept.width() as u16,
+        };
+        for allele in alleles
+            .into_iter()
+            .filter(|&allele| allele < percept.width())
+        {
+            condition.set(allele, percept.bit(allele));
         }
         condition
     }
@@ -124,6 +142,17 @@ fn exchange_bits(a: &mut u64, b: &mut u64, mask: u64) {
     let difference = (*a ^ *b) & mask;
     *a ^= difference;
     *b ^= difference;
+}
+
+/// Over the words in use only: the others are zero in all conditions of the same width.
+impl Hash for Condition {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let words = self.value.iter().zip(&self.care);
+        for (value, care) in words.take(self.width().div_ceil(64)) {
+            state.write_u64(*value);
+            state.write_u64(*care);
+        }
+    }
 }
 
 impl fmt::Display for Condition {

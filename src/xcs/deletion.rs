@@ -3,11 +3,15 @@
 use super::classifier::Classifier;
 use super::params::Params;
 
-/// Rules per block. Small, because a learning step changes rules all over the population, and
-/// each change costs summing up its block again.
-const BLOCK: usize = 16;
+/// Rules per block. Small, because a learning step changes
+/// rules all over the population, and each change costs summing up its block again.
+const BLOCK: usize = 8;
+/// Blocks per group. The roulette looks at groups first, and into those only that changed.
+const GROUP: usize = 8;
 
-/// Cached sums over the deletion votes of \[P\], by position.
+const _: () = assert!(BLOCK * GROUP == 64, "one bit of `Group::dirty` per rule");
+
+/// Cached deletion votes of \[P\] and their sums, by position.
 ///
 /// A rule's vote is `as * num`; an experienced rule whose mean fitness `F / num` lies below the
 /// cut `delta * mean F` is unfit, and its vote is raised by `mean F / (F / num)` (Butz and Wilson
@@ -15,45 +19,75 @@ const BLOCK: usize = 16;
 /// which of them are unfit, so they carry no rounding errors from one step to the next.
 #[derive(Debug, Clone, Default)]
 pub(super) struct DeletionVotes {
-    blocks: Vec<Block>,
+    groups: Vec<Group>,
 }
 
+#[derive(Debug, Clone)]
+struct Group {
+    /// One bit per rule that was added, changed or removed.
+    dirty: u64,
+    sums: Sums,
+    blocks: [Sums; GROUP],
+    votes: [[Vote; BLOCK]; GROUP],
+}
+
+/// What is known of several rules together.
 #[derive(Debug, Clone, Copy)]
-struct Block {
-    dirty: bool,
+struct Sums {
     fitness: f64,
     /// The votes of the rules that are not unfit.
     plain: f64,
     /// The votes of the unfit rules, before multiplication by the mean fitness.
     raised: f64,
-    /// The classes hold for cuts above this, and
+    /// The sums of votes hold for cuts above this, and
     cut_above: f64,
     /// up to this.
     cut_up_to: f64,
 }
 
-const DIRTY: Block = Block {
-    dirty: true,
+const NO_RULES: Sums = Sums {
     fitness: 0.0,
     plain: 0.0,
     raised: 0.0,
-    cut_above: 0.0,
-    cut_up_to: 0.0,
+    cut_above: f64::NEG_INFINITY,
+    cut_up_to: f64::INFINITY,
+};
+
+/// What is known of one rule; where there is none, nothing votes.
+#[derive(Debug, Clone, Copy)]
+struct Vote {
+    fitness: f64,
+    /// `F / num` of an experienced rule; infinite for others, which are never unfit.
+    mean: f64,
+    /// `as * num`.
+    plain: f64,
+    /// `as * num / (F / num)`, still to be multiplied by the mean fitness.
+    raised: f64,
+}
+
+const NO_RULE: Vote = Vote {
+    fitness: 0.0,
+    mean: f64::INFINITY,
+    plain: 0.0,
+    raised: 0.0,
+};
+
+const EMPTY: Group = Group {
+    dirty: 0,
+    sums: NO_RULES,
+    blocks: [NO_RULES; GROUP],
+    votes: [[NO_RULE; BLOCK]; GROUP],
 };
 
 impl DeletionVotes {
-    /// Notes that the rule at `position` was added or changed.
+    /// Notes that the rule at `position` was added, changed or removed.
+    #[inline]
     pub fn touch(&mut self, position: usize) {
-        let block = position / BLOCK;
-        if block >= self.blocks.len() {
-            self.blocks.resize(block + 1, DIRTY);
+        let group = position / (BLOCK * GROUP);
+        if group >= self.groups.len() {
+            self.groups.resize(group + 1, EMPTY);
         }
-        self.blocks[block].dirty = true;
-    }
-
-    /// Forgets the blocks beyond `rules` rules.
-    pub fn truncate(&mut self, rules: usize) {
-        self.blocks.truncate(rules.div_ceil(BLOCK));
+        self.groups[group].dirty |= 1 << (position % (BLOCK * GROUP));
     }
 
     /// The position of the rule on which a roulette ball at `ball` (in `[0, 1)`) comes to rest.
@@ -65,102 +99,155 @@ impl DeletionVotes {
         params: &Params,
         ball: f64,
     ) -> usize {
-        for (block, rules) in self.blocks.iter_mut().zip(rules.chunks(BLOCK)) {
-            if block.dirty {
-                block.fitness = rules.iter().map(|rule| rule.fitness).sum();
+        let in_group = BLOCK * GROUP;
+        self.groups.truncate(rules.len().div_ceil(in_group));
+        for (group, rules) in self.groups.iter_mut().zip(rules.chunks(in_group)) {
+            if group.dirty != 0 {
+                group.refresh(rules, params);
             }
         }
-        let mean_fitness = self.blocks.iter().map(|b| b.fitness).sum::<f64>() / f64::from(micro);
+        let fitness: f64 = self.groups.iter().map(|group| group.sums.fitness).sum();
+        let mean_fitness = fitness / f64::from(micro);
         let cut = params.delta * mean_fitness;
-        for (block, rules) in self.blocks.iter_mut().zip(rules.chunks(BLOCK)) {
-            if block.dirty || cut <= block.cut_above || cut > block.cut_up_to {
-                block.sum_votes(rules, cut, params);
+        for group in &mut self.groups {
+            if !group.sums.hold_for(cut) {
+                group.sum_votes(cut);
             }
         }
-        let total: f64 = self.blocks.iter().map(|b| b.votes(mean_fitness)).sum();
-        self.walk(rules, params, mean_fitness, ball * total)
-    }
-
-    /// Walks along the votes until `left` is used up.
-    fn walk(
-        &self,
-        rules: &[Classifier],
-        params: &Params,
-        mean_fitness: f64,
-        mut left: f64,
-    ) -> usize {
-        let mut block = 0;
-        while block + 1 < self.blocks.len() && left >= self.blocks[block].votes(mean_fitness) {
-            left -= self.blocks[block].votes(mean_fitness);
-            block += 1;
-        }
-        let last = (block * BLOCK + BLOCK).min(rules.len()) - 1;
-        let cut = params.delta * mean_fitness;
-        let stops = |rule: &Classifier| {
-            left -= match vote(rule, cut, params) {
-                Vote::Plain(plain) => plain,
-                Vote::Raised(raised) => raised * mean_fitness,
-            };
-            left < 0.0
-        };
-        let found = rules[block * BLOCK..=last].iter().position(stops);
-        found.map_or(last, |at| block * BLOCK + at)
+        let votes = |group: &Group| group.sums.votes(mean_fitness);
+        let mut left = ball * self.groups.iter().map(votes).sum::<f64>();
+        let at = stop(self.groups.iter().map(votes), &mut left);
+        let at = at * in_group + self.groups[at].walk(cut, mean_fitness, left);
+        at.min(rules.len() - 1)
     }
 }
 
-impl Block {
+/// The number of the vote at which `left` is used up, or of the last one; what was left before it
+/// stays in `left`.
+fn stop(votes: impl Iterator<Item = f64>, left: &mut f64) -> usize {
+    let mut last = 0;
+    for (at, vote) in votes.enumerate() {
+        last = at;
+        if *left < vote {
+            break;
+        }
+        *left -= vote;
+    }
+    last
+}
+
+impl Group {
+    /// Looks at the rules that changed; `rules` are those of the group.
+    fn refresh(&mut self, rules: &[Classifier], params: &Params) {
+        while self.dirty != 0 {
+            let at = self.dirty.trailing_zeros() as usize;
+            self.dirty &= self.dirty - 1;
+            let vote = |rule| Vote::of(rule, params);
+            self.votes[at / BLOCK][at % BLOCK] = rules.get(at).map_or(NO_RULE, vote);
+            self.blocks[at / BLOCK].invalidate();
+        }
+        for (block, votes) in self.blocks.iter_mut().zip(&self.votes) {
+            if !block.is_valid() {
+                block.fitness = votes.iter().map(|vote| vote.fitness).sum();
+            }
+        }
+        self.sums.fitness = self.blocks.iter().map(|block| block.fitness).sum();
+        self.sums.invalidate();
+    }
+
+    /// Sums up the votes under a cut, in those blocks where the sums do not hold.
+    fn sum_votes(&mut self, cut: f64) {
+        let mut all = Sums {
+            fitness: self.sums.fitness,
+            ..NO_RULES
+        };
+        for (block, votes) in self.blocks.iter_mut().zip(&self.votes) {
+            if !block.hold_for(cut) {
+                block.sum_votes(votes, cut);
+            }
+            all.plain += block.plain;
+            all.raised += block.raised;
+            all.narrow(block.cut_above, block.cut_up_to);
+        }
+        self.sums = all;
+    }
+
+    /// Walks along the votes until `left` is used up.
+    fn walk(&self, cut: f64, mean_fitness: f64, mut left: f64) -> usize {
+        let blocks = self.blocks.iter().map(|block| block.votes(mean_fitness));
+        let block = stop(blocks, &mut left);
+        let votes = self.votes[block].iter().map(|vote| {
+            if vote.mean < cut {
+                vote.raised * mean_fitness
+            } else {
+                vote.plain
+            }
+        });
+        block * BLOCK + stop(votes, &mut left)
+    }
+}
+
+impl Sums {
     fn votes(&self, mean_fitness: f64) -> f64 {
         self.plain + self.raised * mean_fitness
     }
 
-    fn sum_votes(&mut self, rules: &[Classifier], cut: f64, params: &Params) {
+    fn hold_for(&self, cut: f64) -> bool {
+        cut > self.cut_above && cut <= self.cut_up_to
+    }
+
+    fn is_valid(&self) -> bool {
+        self.cut_above < self.cut_up_to
+    }
+
+    /// From now on the sums of votes hold for no cut.
+    fn invalidate(&mut self) {
+        (self.cut_above, self.cut_up_to) = (f64::INFINITY, f64::NEG_INFINITY);
+    }
+
+    /// From now on the sums of votes hold at most for cuts above the first and up to the second.
+    fn narrow(&mut self, above: f64, up_to: f64) {
+        // Not `max` and `min`, which care for NaN and take twice as long.
+        if above > self.cut_above {
+            self.cut_above = above;
+        }
+        if up_to < self.cut_up_to {
+            self.cut_up_to = up_to;
+        }
+    }
+
+    /// Sums up the votes of a block under a cut.
+    fn sum_votes(&mut self, votes: &[Vote; BLOCK], cut: f64) {
+        let fitness = self.fitness;
         *self = Self {
-            dirty: false,
-            fitness: self.fitness,
-            plain: 0.0,
-            raised: 0.0,
-            cut_above: f64::NEG_INFINITY,
-            cut_up_to: f64::INFINITY,
+            fitness,
+            ..NO_RULES
         };
-        for rule in rules {
-            let mean = rule.fitness / f64::from(rule.numerosity);
-            match vote(rule, cut, params) {
-                Vote::Plain(plain) => {
-                    self.plain += plain;
-                    if is_experienced(rule, params) {
-                        self.cut_up_to = self.cut_up_to.min(mean);
-                    }
-                }
-                Vote::Raised(raised) => {
-                    self.raised += raised;
-                    self.cut_above = self.cut_above.max(mean);
-                }
+        for vote in votes {
+            if vote.mean < cut {
+                self.raised += vote.raised;
+                self.narrow(vote.mean, f64::INFINITY);
+            } else {
+                self.plain += vote.plain;
+                self.narrow(f64::NEG_INFINITY, vote.mean);
             }
         }
     }
 }
 
-/// The vote of a rule.
-enum Vote {
-    /// `as * num`.
-    Plain(f64),
-    /// `as * num / (F / num)` of an unfit rule, still to be multiplied by the mean fitness.
-    Raised(f64),
-}
-
-fn vote(rule: &Classifier, cut: f64, params: &Params) -> Vote {
-    let numerosity = f64::from(rule.numerosity);
-    let plain = rule.set_size * numerosity;
-    let mean = rule.fitness / numerosity;
-    if is_experienced(rule, params) && mean < cut {
-        Vote::Raised(plain / mean)
-    } else {
-        Vote::Plain(plain)
+impl Vote {
+    fn of(rule: &Classifier, params: &Params) -> Self {
+        let numerosity = f64::from(rule.numerosity);
+        let mean = rule.fitness / numerosity;
+        let plain = rule.set_size * numerosity;
+        let is_experienced = rule.experience > u64::from(params.theta_del);
+        Self {
+            fitness: rule.fitness,
+            mean: if is_experienced { mean } else { f64::INFINITY },
+            plain,
+            raised: plain / mean,
+        }
     }
-}
-
-fn is_experienced(rule: &Classifier, params: &Params) -> bool {
-    rule.experience > u64::from(params.theta_del)
 }
 
 #[cfg(test)]

@@ -14,14 +14,23 @@ const FITNESS_INHERITANCE: f64 = 0.1;
 /// A rule of a niche, with the id under which it lives in \[P\].
 pub(super) type Parent = (ClassifierId, Classifier);
 
-/// Selects a parent by roulette over fitness; `None` from an empty niche.
-pub(super) fn select(niche: &[Parent], stream: &mut Stream) -> Option<Parent> {
-    let mut left = stream.unit() * niche.iter().map(|(_, rule)| rule.fitness).sum::<f64>();
-    let stops = |(_, rule): &&Parent| {
+/// Selects a parent by roulette over fitness, of which the niche has `total`; `None` from an
+/// empty niche.
+pub(super) fn select<'a>(
+    niche: impl Iterator<Item = (ClassifierId, &'a Classifier)>,
+    total: f64,
+    stream: &mut Stream,
+) -> Option<Parent> {
+    let mut left = stream.unit() * total;
+    let mut last = None;
+    for (id, rule) in niche {
         left -= rule.fitness;
-        left < 0.0
-    };
-    niche.iter().find(stops).or(niche.last()).copied()
+        last = Some((id, rule));
+        if left < 0.0 {
+            break;
+        }
+    }
+    last.map(|(id, rule)| (id, *rule))
 }
 
 /// Two children of two parents in one niche: crossed over, mutated within the niche, and without
@@ -72,8 +81,9 @@ fn average(a: &mut f64, b: &mut f64) {
 
 /// One of the other actions, each with the same chance.
 fn other_action(action: Action, actions: usize, stream: &mut Stream) -> Action {
-    let others: Vec<Action> = Action::all(actions)
-        .filter(|&other| other != action)
-        .collect();
-    stream.choose(&others).copied().unwrap_or(action)
+    let mut others = Action::all(actions).filter(|&other| other != action);
+    match others.clone().count() {
+        0 => action,
+        count => others.nth(stream.below(count)).unwrap_or(action),
+    }
 }

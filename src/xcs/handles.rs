@@ -10,50 +10,49 @@ pub struct ClassifierId {
 /// Where the classifiers lie that ids name.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Handles {
-    /// By slot: the generation that lives there, and its position.
+    /// By slot: the generation that lives or will live there, and its position.
     slots: Vec<(u32, u32)>,
-    /// By position: the slot.
-    slot_at: Vec<u32>,
+    /// By position.
+    ids: Vec<ClassifierId>,
     free: Vec<u32>,
 }
 
 impl Handles {
     /// An id for the classifier appended at the next position.
     pub fn push(&mut self) -> ClassifierId {
-        let position = self.slot_at.len() as u32;
         let slot = self.free.pop().unwrap_or_else(|| {
             self.slots.push((0, 0));
             self.slots.len() as u32 - 1
         });
-        self.slots[slot as usize].1 = position;
-        self.slot_at.push(slot);
-        self.id_at(position as usize)
+        let (generation, position) = &mut self.slots[slot as usize];
+        *position = self.ids.len() as u32;
+        let id = ClassifierId {
+            slot,
+            generation: *generation,
+        };
+        self.ids.push(id);
+        id
     }
 
     /// Ends the id at `position`; the last classifier takes that position.
     pub fn swap_remove(&mut self, position: usize) {
-        let slot = self.slot_at.swap_remove(position);
+        let slot = self.ids.swap_remove(position).slot;
         self.slots[slot as usize].0 += 1;
         self.free.push(slot);
-        if let Some(&moved) = self.slot_at.get(position) {
-            self.slots[moved as usize].1 = position as u32;
+        if let Some(moved) = self.ids.get(position) {
+            self.slots[moved.slot as usize].1 = position as u32;
         }
     }
 
     /// The id of the classifier at `position`.
     pub fn id_at(&self, position: usize) -> ClassifierId {
-        let slot = self.slot_at[position];
-        ClassifierId {
-            slot,
-            generation: self.slots[slot as usize].0,
-        }
+        self.ids[position]
     }
 
     /// Where a classifier lies; `None` once it was deleted.
     pub fn position(&self, id: ClassifierId) -> Option<usize> {
         let &(generation, position) = self.slots.get(id.slot as usize)?;
-        (generation == id.generation && self.slot_at.get(position as usize) == Some(&id.slot))
-            .then_some(position as usize)
+        (generation == id.generation).then_some(position as usize)
     }
 }
 

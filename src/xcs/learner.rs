@@ -3,11 +3,10 @@
 use super::classifier::Classifier;
 use super::condition::Condition;
 use super::ga::{self, Parent};
-use super::handles::ClassifierId;
 use super::params::Params;
 use super::population::Population;
-use super::prediction::{PredictionArray, prediction_array};
-use super::sets::{ActionSet, MatchSet, Member};
+use super::prediction::{PredictionArray, PredictionSums};
+use super::sets::{ActionSet, MatchSet};
 use crate::random::Stream;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
 
@@ -20,6 +19,8 @@ pub struct Xcs {
     /// t: match sets formed so far.
     time: u64,
     stream: Stream,
+    /// May the GA run now?
+    evolves: bool,
 }
 
 impl Xcs {
@@ -32,7 +33,13 @@ impl Xcs {
             population: Population::default(),
             time: 0,
             stream,
+            evolves: true,
         }
+    }
+
+    /// Lets the GA run from now on, or rest until further notice.
+    pub fn let_evolve(&mut self, evolves: bool) {
+        self.evolves = evolves;
     }
 
     /// Starts from rules that were learned before.
@@ -62,8 +69,10 @@ impl Xcs {
     pub fn form_match_set(&mut self, percept: &Percept, set: &mut MatchSet) {
         self.time += 1;
         loop {
-            self.collect_matching(percept, set);
-            let missing = |action: &Action| !set.covered[action.index()];
+            set.clear(percept);
+            self.population
+                .for_each_match(percept, |id, rule| set.add(id, rule));
+            let missing = |action: &Action| !set.covers(*action);
             if !Action::all(self.actions).any(|action| missing(&action)) {
                 return;
             }
@@ -76,29 +85,6 @@ impl Xcs {
         }
     }
 
-    fn collect_matching(&self, percept: &Percept, set: &mut MatchSet) {
-        set.percept = Some(*percept);
-        set.members.clear();
-        set.micro = 0;
-        set.covered = [false; MAX_ACTIONS];
-        let MatchSet {
-            members,
-            micro,
-            covered,
-            scratch,
-            ..
-        } = set;
-        self.population
-            .for_each_match(percept, scratch, |id, rule| {
-                members.push(Member {
-                    id,
-                    action: rule.action,
-                });
-                *micro += rule.numerosity;
-                covered[rule.action.index()] = true;
-            });
-    }
-
     fn cover(&mut self, percept: &Percept, action: Action) {
         let condition = Condition::covering(percept, self.params.dont_care, &mut self.stream);
         let rule = Classifier::new(condition, action, self.time, &self.params);
@@ -108,12 +94,11 @@ impl Xcs {
     /// The rules of \[P\] that match a percept and advocate an action, without covering.
     pub fn matching_action_set(&self, percept: &Percept, action: Action) -> ActionSet {
         let mut members = Vec::new();
-        self.population
-            .for_each_match(percept, &mut Vec::new(), |id, rule| {
-                if rule.action == action {
-                    members.push(id);
-                }
-            });
+        self.population.for_each_match(percept, |id, rule| {
+            if rule.action == action {
+                members.push(id);
+            }
+        });
         ActionSet {
             percept: *percept,
             action,
@@ -121,33 +106,39 @@ impl Xcs {
         }
     }
 
-    /// The prediction array of \[M\] (Eq. 6).
+    /// The prediction array of \[M\] (Eq. 6), as it was when \[M\] was formed.
     pub fn predict(&self, set: &MatchSet) -> PredictionArray {
-        let rules = set
-            .members
-            .iter()
-            .filter_map(|member| self.population.get(member.id));
-        prediction_array(rules, self.actions, self.params.worth_over_match_set)
+        set.prediction(self.actions, self.params.worth_over_match_set)
     }
 
     /// The prediction array in a percept, read from \[P\] without covering or changing anything.
     pub fn worth(&self, percept: &Percept) -> PredictionArray {
-        let mut rules = Vec::new();
+        let mut sums = PredictionSums::default();
         self.population
-            .for_each_match(percept, &mut Vec::new(), |_, rule| rules.push(*rule));
-        prediction_array(rules.iter(), self.actions, self.params.worth_over_match_set)
+            .for_each_match(percept, |_, rule| sums.add(rule));
+        sums.array(self.actions, self.params.worth_over_match_set)
+    }
+
+    /// The same of the rules that were updated at least once: what was learned, without what was
+    /// assumed in covering.
+    pub fn experienced_worth(&self, percept: &Percept) -> PredictionArray {
+        let mut sums = PredictionSums::default();
+        self.population.for_each_match(percept, |_, rule| {
+            if rule.experience > 0 {
+                sums.add(rule);
+            }
+        });
+        sums.array(self.actions, self.params.worth_over_match_set)
     }
 
     /// Micro-classifiers in a set, and their fitness-weighted mean error.
     pub fn size_and_error(&self, set: &ActionSet) -> (u32, f64) {
-        let rules = set.members.iter().filter_map(|&id| self.population.get(id));
-        let (micro, error, fitness) = rules.fold((0, 0.0, 0.0), |(micro, error, fitness), rule| {
-            (
-                micro + rule.numerosity,
-                error + rule.error * rule.fitness,
-                fitness + rule.fitness,
-            )
-        });
+        let (mut micro, mut error, mut fitness) = (0, 0.0, 0.0);
+        for (_, rule) in self.population.living(set.members()) {
+            micro += rule.numerosity;
+            error += rule.error * rule.fitness;
+            fitness += rule.fitness;
+        }
         (micro, if fitness > 0.0 { error / fitness } else { 0.0 })
     }
 
@@ -155,43 +146,42 @@ impl Xcs {
     /// experience, error with the old prediction (Eq. 2), prediction (Eq. 1, whose printed sign
     /// is wrong), set size, fitness; then action-set subsumption.
     pub fn update(&mut self, set: &ActionSet, target: f64, beta: f64) {
-        let (micro, _) = self.size_and_error(set);
+        let micro: u32 = self
+            .population
+            .living(set.members())
+            .map(|(_, rule)| rule.numerosity)
+            .sum();
+        let params = &self.params;
+        let share = |rule: &Classifier| rule.accuracy(params) * f64::from(rule.numerosity);
+        let mut total = 0.0;
+        for &id in &set.members {
+            let Some(rule) = self.population.get_mut(id) else {
+                continue;
+            };
+            rule.experience += 1;
+            // Moving average with the mean of all so far while the rule is young.
+            let rate = beta.max(1.0 / rule.experience as f64);
+            rule.error += rate * ((target - rule.prediction).abs() - rule.error);
+            rule.prediction += rate * (target - rule.prediction);
+            rule.set_size += rate * (f64::from(micro) - rule.set_size);
+            total += share(rule);
+        }
+        // Fitness moves toward the relative accuracy kappa' (Eq. 4 and 5, which are printed
+        // without numerosities and with a wrong sign).
         for &id in &set.members {
             self.population.modify(id, |rule| {
-                rule.experience += 1;
-                // Moving average with the mean of all so far while the rule is young.
-                let rate = beta.max(1.0 / rule.experience as f64);
-                rule.error += rate * ((target - rule.prediction).abs() - rule.error);
-                rule.prediction += rate * (target - rule.prediction);
-                rule.set_size += rate * (f64::from(micro) - rule.set_size);
+                rule.fitness += beta * (share(rule) / total - rule.fitness)
             });
         }
-        self.update_fitness(set, beta);
         if self.params.action_set_subsumption {
             self.subsume_in_action_set(set);
-        }
-    }
-
-    /// Fitness moves toward the relative accuracy kappa' (Eq. 4 and 5, which are printed without
-    /// numerosities and with a wrong sign).
-    fn update_fitness(&mut self, set: &ActionSet, beta: f64) {
-        let share = |rule: &Classifier| rule.accuracy(&self.params) * f64::from(rule.numerosity);
-        let rules = set.members.iter().filter_map(|&id| self.population.get(id));
-        let total: f64 = rules.map(share).sum();
-        for &id in &set.members {
-            let params = &self.params;
-            self.population.modify(id, |rule| {
-                let share = rule.accuracy(params) * f64::from(rule.numerosity);
-                rule.fitness += beta * (share / total - rule.fitness);
-            });
         }
     }
 
     /// The most general accurate rule of \[A\] takes over the numerosity of all less general ones
     /// (DO ACTION SET SUBSUMPTION).
     fn subsume_in_action_set(&mut self, set: &ActionSet) {
-        let rule = |id: &ClassifierId| self.population.get(*id).map(|rule| (*id, rule));
-        let able = set.members.iter().filter_map(rule);
+        let able = self.population.living(set.members());
         let able = able.filter(|(_, rule)| rule.could_subsume(&self.params));
         let most_general = able.reduce(|best, next| {
             let less_specific = next.1.condition.specificity() < best.1.condition.specificity();
@@ -213,20 +203,17 @@ impl Xcs {
 
     /// Runs the GA in the niche of \[A\] when its rules have waited long enough (RUN GA).
     pub fn evolve(&mut self, set: &ActionSet) {
-        if !self.params.ga || !self.is_due(set) {
+        if !(self.params.ga && self.evolves) || !self.is_due(set) {
             return;
         }
         for &id in &set.members {
-            self.population
-                .modify(id, |rule| rule.time_stamp = self.time);
+            if let Some(rule) = self.population.get_mut(id) {
+                rule.time_stamp = self.time;
+            }
         }
-        let parent = |&id: &ClassifierId| self.population.get(id).map(|rule| (id, *rule));
-        let niche: Vec<Parent> = set.members.iter().filter_map(parent).collect();
-        let parents = [0; 2].map(|_| ga::select(&niche, &mut self.stream));
-        let [Some(mother), Some(father)] = parents else {
+        let Some(parents) = self.select_parents(set) else {
             return;
         };
-        let parents = [mother, father];
         let (actions, stream) = (self.actions, &mut self.stream);
         for child in ga::children(&parents, &set.percept, actions, &self.params, stream) {
             self.insert_child(child, &parents);
@@ -235,13 +222,22 @@ impl Xcs {
         }
     }
 
+    /// Two rules of \[A\], which may be the same; `None` when all of them were deleted.
+    fn select_parents(&mut self, set: &ActionSet) -> Option<[Parent; 2]> {
+        let niche = self.population.living(set.members());
+        let total = niche.clone().map(|(_, rule)| rule.fitness).sum();
+        let mother = ga::select(niche.clone(), total, &mut self.stream);
+        let father = ga::select(niche, total, &mut self.stream);
+        Some([mother?, father?])
+    }
+
     /// Have the rules of \[A\] waited longer than theta_GA on average?
     fn is_due(&self, set: &ActionSet) -> bool {
-        let rules = set.members.iter().filter_map(|&id| self.population.get(id));
-        let (stamps, micro) = rules.fold((0, 0), |(stamps, micro), rule| {
-            let numerosity = u64::from(rule.numerosity);
-            (stamps + rule.time_stamp * numerosity, micro + numerosity)
-        });
+        let (mut stamps, mut micro) = (0, 0);
+        for (_, rule) in self.population.living(set.members()) {
+            stamps += rule.time_stamp * u64::from(rule.numerosity);
+            micro += u64::from(rule.numerosity);
+        }
         // Multiplied out, so that whole numbers decide.
         micro > 0 && self.time * micro > stamps + u64::from(self.params.theta_ga) * micro
     }

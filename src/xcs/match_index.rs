@@ -3,30 +3,35 @@
 use super::condition::Condition;
 use crate::signal::Percept;
 
+/// Alleles between two looks at whether any rule is left; most wide percepts end at the first.
+const GROUP: usize = 16;
+
 /// For each percept bit and each value of it, a bitmap of the rules which that value rules out.
 ///
-/// A percept is matched by the rules that none of its bits rules out. The cost of a match is
-/// `width * rules / 64` machine words, and adding or removing a rule touches `2 * width` bits.
+/// A percept is matched by the rules that none of its bits rules out. The bitmaps of each 64 rules
+/// lie together, so that matching runs through memory once and stops early where no rule is left,
+/// and adding or removing a rule touches one stretch of `2 * width` words.
 #[derive(Debug, Clone, Default)]
 pub(super) struct MatchIndex {
-    /// Row `2 * bit + value`; one bit per rule, by position.
-    ruled_out: Vec<Vec<u64>>,
+    /// For each 64 rules, `width` pairs: who is ruled out by a 0 and by a 1 in that place.
+    ruled_out: Vec<[u64; 2]>,
+    width: usize,
     rules: usize,
 }
 
 impl MatchIndex {
     /// Adds a rule at the next position. All rules have the same width.
     pub fn push(&mut self, condition: &Condition) {
-        let rows = 2 * condition.width();
-        self.ruled_out
-            .resize(rows, vec![0; self.rules.div_ceil(64)]);
-        let (word, bit) = (self.rules / 64, self.rules % 64);
-        if bit == 0 {
-            self.ruled_out.iter_mut().for_each(|row| row.push(0));
+        if self.rules == 0 {
+            self.width = condition.width();
         }
-        for allele in 0..condition.width() {
+        let (block, bit) = (self.rules / 64 * self.width, self.rules % 64);
+        if bit == 0 {
+            self.ruled_out.resize(block + self.width, [0; 2]);
+        }
+        for (allele, pair) in self.ruled_out[block..].iter_mut().enumerate() {
             if let Some(value) = condition.allele(allele) {
-                self.ruled_out[2 * allele + usize::from(!value)][word] |= 1 << bit;
+                pair[usize::from(!value)] |= 1 << bit;
             }
         }
         self.rules += 1;
@@ -35,46 +40,50 @@ impl MatchIndex {
     /// Removes the rule at `position`; the last rule takes its place.
     pub fn swap_remove(&mut self, position: usize) {
         self.rules -= 1;
-        let (to, from) = (
-            (position / 64, position % 64),
-            (self.rules / 64, self.rules % 64),
-        );
-        for row in &mut self.ruled_out {
-            let moved = row[from.0] >> from.1 & 1;
-            row[from.0] &= !(1 << from.1);
-            if position != self.rules {
-                row[to.0] = row[to.0] & !(1 << to.1) | moved << to.1;
+        let (to, from) = (position % 64, self.rules % 64);
+        let (to_block, from_block) = (position / 64 * self.width, self.rules / 64 * self.width);
+        for at in 0..self.width {
+            for value in 0..2 {
+                let moved = self.ruled_out[from_block + at][value] >> from & 1;
+                self.ruled_out[from_block + at][value] &= !(1 << from);
+                if position != self.rules {
+                    let word = &mut self.ruled_out[to_block + at][value];
+                    *word = *word & !(1 << to) | moved << to;
+                }
             }
-            row.truncate(self.rules.div_ceil(64));
         }
+        self.ruled_out
+            .truncate(self.rules.div_ceil(64) * self.width);
     }
 
     /// Calls `found` with the position of each rule that matches, in ascending order.
-    /// `scratch` is working space.
-    pub fn for_each_match(
-        &self,
-        percept: &Percept,
-        scratch: &mut Vec<u64>,
-        mut found: impl FnMut(usize),
-    ) {
-        scratch.clear();
-        scratch.resize(self.rules.div_ceil(64), 0);
-        for bit in 0..self.ruled_out.len() / 2 {
-            let row = &self.ruled_out[2 * bit + usize::from(percept.bit(bit))];
-            scratch
-                .iter_mut()
-                .zip(row)
-                .for_each(|(out, word)| *out |= word);
-        }
-        for (word, &out) in scratch.iter().enumerate() {
-            let existing = u64::MAX >> (64 - (self.rules - 64 * word).min(64));
-            let mut matching = !out & existing;
+    pub fn for_each_match(&self, percept: &Percept, mut found: impl FnMut(usize)) {
+        for first in (0..self.rules).step_by(64) {
+            let block = &self.ruled_out[first / 64 * self.width..][..self.width];
+            let existing = u64::MAX >> (64 - (self.rules - first).min(64));
+            let mut matching = !ruled_out_by(percept, block) & existing;
             while matching != 0 {
-                found(64 * word + matching.trailing_zeros() as usize);
+                found(first + matching.trailing_zeros() as usize);
                 matching &= matching - 1;
             }
         }
     }
+}
+
+/// Which of 64 rules does a percept rule out?
+fn ruled_out_by(percept: &Percept, block: &[[u64; 2]]) -> u64 {
+    let mut out = 0;
+    for (group, pairs) in block.chunks(GROUP).enumerate() {
+        let mut bits = percept.words()[group * GROUP / 64] >> (group * GROUP % 64);
+        for pair in pairs {
+            out |= pair[(bits & 1) as usize];
+            bits >>= 1;
+        }
+        if out == u64::MAX {
+            break;
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -102,7 +111,7 @@ mod tests {
                 }
             }
             let mut found = Vec::new();
-            index.for_each_match(&percept, &mut Vec::new(), |position| found.push(position));
+            index.for_each_match(&percept, |position| found.push(position));
             let expected: Vec<usize> =
                 (0..rules.len()).filter(|&i| rules[i].matches(&percept)).collect();
             prop_assert_eq!(found, expected);

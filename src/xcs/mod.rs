@@ -24,5 +24,5 @@ pub use handles::ClassifierId;
 pub use learner::Xcs;
 pub use params::Params;
 pub use population::{Population, PopulationError};
-pub use prediction::{PredictionArray, prediction_array};
+pub use prediction::{PredictionArray, PredictionSums};
 pub use sets::{ActionSet, MatchSet};

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use foldhash::fast::FixedState;
 use serde::{Deserialize, Serialize};
 
 use super::classifier::Classifier;
@@ -25,8 +26,8 @@ pub struct Population {
     handles: Handles,
     index: MatchIndex,
     votes: DeletionVotes,
-    /// Which position holds a rule of this condition and action. Never iterated over.
-    twins: HashMap<(Condition, Action), ClassifierId>,
+    /// The rule of a condition and action. Never iterated over.
+    twins: HashMap<(Condition, Action), ClassifierId, FixedState>,
     micro: u32,
 }
 
@@ -54,6 +55,20 @@ impl Population {
     /// The rule that an id names; `None` once it was deleted.
     pub fn get(&self, id: ClassifierId) -> Option<&Classifier> {
         self.handles.position(id).map(|at| &self.rules[at])
+    }
+
+    /// Those of some rules that have not been deleted.
+    pub(super) fn living<'a>(
+        &'a self,
+        ids: &'a [ClassifierId],
+    ) -> impl Iterator<Item = (ClassifierId, &'a Classifier)> + Clone {
+        ids.iter().filter_map(|&id| Some((id, self.get(id)?)))
+    }
+
+    /// A rule to be changed in anything but its condition, action and numerosity. If that moves
+    /// its deletion vote, [`Self::modify`] must be called on it afterwards.
+    pub(super) fn get_mut(&mut self, id: ClassifierId) -> Option<&mut Classifier> {
+        self.handles.position(id).map(|at| &mut self.rules[at])
     }
 
     /// Changes a rule; does nothing once it was deleted. Condition and action must stay.
@@ -92,12 +107,8 @@ impl Population {
         let rule = self.rules.swap_remove(at);
         self.twins.remove(&(rule.condition, rule.action));
         self.micro -= rule.numerosity;
-        self.votes.truncate(self.rules.len());
-        for changed in [at, self.rules.len().saturating_sub(1)] {
-            if changed < self.rules.len() {
-                self.votes.touch(changed);
-            }
-        }
+        self.votes.touch(at);
+        self.votes.touch(self.rules.len());
         Some(rule)
     }
 
@@ -115,17 +126,14 @@ impl Population {
         }
     }
 
-    /// Calls `found` with each rule that matches, in the order of the population. `scratch` is
-    /// working space.
+    /// Calls `found` with each rule that matches, in the order of the population.
     pub fn for_each_match(
         &self,
         percept: &Percept,
-        scratch: &mut Vec<u64>,
         mut found: impl FnMut(ClassifierId, &Classifier),
     ) {
-        self.index.for_each_match(percept, scratch, |at| {
-            found(self.handles.id_at(at), &self.rules[at])
-        });
+        self.index
+            .for_each_match(percept, |at| found(self.handles.id_at(at), &self.rules[at]));
     }
 }
 
@@ -227,7 +235,7 @@ mod tests {
         population.remove(first);
         let mut found = Vec::new();
         let percept = "000".parse().unwrap();
-        population.for_each_match(&percept, &mut Vec::new(), |_, r| found.push(r.condition));
+        population.for_each_match(&percept, |_, r| found.push(r.condition));
         assert!(found.is_empty(), "{found:?}");
         assert_ne!(population.insert(rule("0##", 1)), first);
     }

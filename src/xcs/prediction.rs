@@ -47,28 +47,35 @@ impl PredictionArray {
     }
 }
 
-/// The fitness-weighted mean prediction of each of `actions` actions. Eq. 6 as printed divides by
-/// the fitness of all of \[M\] (`over_match_set`); XCS divides by that of the rules with the action.
-pub fn prediction_array<'a>(
-    match_set: impl Iterator<Item = &'a Classifier>,
-    actions: usize,
-    over_match_set: bool,
-) -> PredictionArray {
-    let mut sums = [(0.0, 0.0); MAX_ACTIONS];
-    for rule in match_set {
-        let (weighted, fitness) = &mut sums[rule.action.index()];
+/// What the worth of each action comes from, added up rule by rule.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PredictionSums {
+    /// By action: the fitness-weighted predictions, and the fitness.
+    sums: [(f64, f64); MAX_ACTIONS],
+}
+
+impl PredictionSums {
+    /// Adds a rule that matches.
+    pub fn add(&mut self, rule: &Classifier) {
+        let (weighted, fitness) = &mut self.sums[rule.action.index()];
         *weighted += rule.prediction * rule.fitness;
         *fitness += rule.fitness;
     }
-    let all: f64 = sums.iter().map(|(_, fitness)| fitness).sum();
-    let mut array = PredictionArray::new(actions);
-    for action in Action::all(actions) {
-        let (weighted, own) = sums[action.index()];
-        if own > 0.0 {
-            array.set(action, weighted / if over_match_set { all } else { own });
+
+    /// The fitness-weighted mean prediction of each of `actions` actions. Eq. 6 as printed divides
+    /// by the fitness of all of \[M\] (`over_match_set`); XCS divides by that of the rules with
+    /// the action.
+    pub fn array(&self, actions: usize, over_match_set: bool) -> PredictionArray {
+        let all: f64 = self.sums.iter().map(|(_, fitness)| fitness).sum();
+        let mut array = PredictionArray::new(actions);
+        for action in Action::all(actions) {
+            let (weighted, own) = self.sums[action.index()];
+            if own > 0.0 {
+                array.set(action, weighted / if over_match_set { all } else { own });
+            }
         }
+        array
     }
-    array
 }
 
 #[cfg(test)]

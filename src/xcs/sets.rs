@@ -1,27 +1,50 @@
 //! The match set \[M\] and the action set \[A\].
 
+use super::classifier::Classifier;
 use super::handles::ClassifierId;
+use super::prediction::{PredictionArray, PredictionSums};
 use crate::signal::{Action, MAX_ACTIONS, Percept};
 
-/// \[M\]: the rules that match a percept. Reused from step to step.
+/// \[M\]: the rules that match a percept, as they were when it was formed. Reused from step to
+/// step.
 #[derive(Debug, Clone, Default)]
 pub struct MatchSet {
-    pub(super) percept: Option<Percept>,
-    pub(super) members: Vec<Member>,
+    percept: Option<Percept>,
+    /// The rules that advocate each action, in the order of the population.
+    members: [Vec<ClassifierId>; MAX_ACTIONS],
     /// Micro-classifiers.
-    pub(super) micro: u32,
-    /// Does a rule advocate the action?
-    pub(super) covered: [bool; MAX_ACTIONS],
-    pub(super) scratch: Vec<u64>,
-}
-
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Member {
-    pub id: ClassifierId,
-    pub action: Action,
+    micro: u32,
+    /// Added up while the rules are at hand: looking them up again would cost as much as finding
+    /// them.
+    sums: PredictionSums,
 }
 
 impl MatchSet {
+    /// Begins \[M\] of another percept.
+    pub(super) fn clear(&mut self, percept: &Percept) {
+        self.percept = Some(*percept);
+        self.members.iter_mut().for_each(Vec::clear);
+        self.micro = 0;
+        self.sums = PredictionSums::default();
+    }
+
+    /// Adds a rule that matches.
+    pub(super) fn add(&mut self, id: ClassifierId, rule: &Classifier) {
+        self.members[rule.action.index()].push(id);
+        self.micro += rule.numerosity;
+        self.sums.add(rule);
+    }
+
+    /// Does a rule advocate the action?
+    pub(super) fn covers(&self, action: Action) -> bool {
+        !self.members[action.index()].is_empty()
+    }
+
+    /// The prediction array of `actions` actions (Eq. 6).
+    pub(super) fn prediction(&self, actions: usize, over_match_set: bool) -> PredictionArray {
+        self.sums.array(actions, over_match_set)
+    }
+
     /// Micro-classifiers in \[M\] when it was formed.
     pub fn micro(&self) -> u32 {
         self.micro
@@ -29,21 +52,20 @@ impl MatchSet {
 
     /// Macro-classifiers in \[M\] when it was formed.
     pub fn len(&self) -> usize {
-        self.members.len()
+        self.members.iter().map(Vec::len).sum()
     }
 
     /// Does no rule match?
     pub fn is_empty(&self) -> bool {
-        self.members.is_empty()
+        self.len() == 0
     }
 
     /// \[A\]: the rules of \[M\] that advocate `action`; `None` before \[M\] was ever formed.
     pub fn action_set(&self, action: Action) -> Option<ActionSet> {
-        let members = self.members.iter().filter(|member| member.action == action);
         Some(ActionSet {
             percept: self.percept?,
             action,
-            members: members.map(|member| member.id).collect(),
+            members: self.members[action.index()].clone(),
         })
     }
 }

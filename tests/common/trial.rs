@@ -5,13 +5,12 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
-use xcscr::episode::{self, Explorer, Observer};
+use xcscr::episode::{self, Observer};
 use xcscr::random::{Stream, StreamName};
 use xcscr::record::{RecordError, RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
-use xcscr::reward::{self, Method, RewardMethod};
+use xcscr::reward::{Explorer, Method, RewardMethod, Setup};
 use xcscr::sensor::Sensor;
 use xcscr::world::Maze;
-use xcscr::xcs;
 
 /// A trial of so many episodes.
 #[derive(Clone)]
@@ -60,8 +59,7 @@ impl Trial {
 
     pub fn learner(&self) -> Box<dyn RewardMethod> {
         let actions = self.maze().action_count();
-        let (xcs, params) = (xcs::Params::default(), reward::Params::default());
-        Method::Xcscr.build(actions, xcs, params, self.seed)
+        Method::Xcscr.build(actions, Setup::default(), self.seed)
     }
 
     /// Runs the trial; stops when the observer says so.

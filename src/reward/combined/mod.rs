@@ -68,6 +68,10 @@ impl Combined {
 }
 
 impl RewardMethod for Combined {
+    fn begin(&mut self, evolves: bool) {
+        self.mind.xcs.let_evolve(evolves);
+    }
+
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
         self.mind.consider(percept)
     }

@@ -1,22 +1,20 @@
 //! Tabular rivals on the same percepts, so that every claim about rules has its control.
 
-mod model;
 mod params;
-mod planner;
 mod table;
 mod traces;
 
 pub use params::TabularParams;
 
-use model::Model;
-use planner::Planner;
-use table::{Table, Transition};
+use table::Table;
 use traces::Traces;
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
+use super::memory::{Memory, Transition};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::params::Params;
+use super::planner::{Planner, Values};
 use crate::arena::Outcome;
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
@@ -33,9 +31,9 @@ enum Algorithm {
     /// Toward the reward plus the value of the action that was really chosen after it.
     SarsaLambda(Traces),
     /// Q-learning that replays remembered transitions, drawn from the stream.
-    DynaQ(Model, Stream),
+    DynaQ(Memory, Stream),
     /// Values planned on a model that takes the unknown for the best.
-    RMax(Model),
+    RMax(Memory),
 }
 
 /// The methods `q-learning`, `sarsa-lambda`, `dyna-q` and `r-max`.
@@ -67,13 +65,13 @@ impl Tabular {
 
     /// Dyna-Q, which draws what it replays from `stream`.
     pub fn dyna_q(actions: usize, params: Params, own: TabularParams, stream: Stream) -> Self {
-        let algorithm = Algorithm::DynaQ(Model::default(), stream);
+        let algorithm = Algorithm::DynaQ(Memory::default(), stream);
         Self::new(algorithm, actions, params, own)
     }
 
     /// R-max.
     pub fn r_max(actions: usize, params: Params, own: TabularParams) -> Self {
-        Self::new(Algorithm::RMax(Model::default()), actions, params, own)
+        Self::new(Algorithm::RMax(Memory::default()), actions, params, own)
     }
 
     fn new(algorithm: Algorithm, actions: usize, params: Params, own: TabularParams) -> Self {
@@ -106,45 +104,40 @@ impl Tabular {
                 let decay = self.own.lambda * gamma;
                 traces.learn(&mut self.table, &step, next_action, [alpha, gamma, decay]);
             }
-            Algorithm::DynaQ(model, stream) => {
-                model.learn(&step, 1);
+            Algorithm::DynaQ(memory, stream) => {
+                memory.learn(&step, 1);
                 self.table.q_update(&step, alpha, gamma);
                 for _ in 0..self.own.replays {
-                    if let Some(recalled) = model.recall(stream) {
+                    if let Some(recalled) = memory.recall(stream) {
                         self.table.q_update(&recalled, alpha, gamma);
                     }
                 }
             }
-            Algorithm::RMax(model) => {
-                if model.learn(&step, self.own.known_after) {
+            Algorithm::RMax(memory) => {
+                if memory.learn(&step, self.own.known_after) {
                     self.plan();
                 }
             }
         }
     }
 
-    /// R-max: plans again on the model.
+    /// R-max: plans again on what is remembered.
     fn plan(&mut self) {
-        let Algorithm::RMax(model) = &self.algorithm else {
+        let Algorithm::RMax(memory) = &self.algorithm else {
             return;
         };
-        let optimist = Planner {
+        let actions = self.table.actions();
+        let planner = Planner {
+            actions,
             known_after: self.own.known_after,
-            unknown: self.params.goal,
             gamma: self.params.gamma,
         };
-        let actions = self.table.actions();
-        self.table = optimist.plan(model, actions);
-        if !self.own.optimistic_policy {
-            let unknown = UNTRIED;
-            self.policy = Some(
-                Planner {
-                    unknown,
-                    ..optimist
-                }
-                .plan(model, actions),
-            );
-        }
+        let table = |unknown: f64| {
+            let values = planner.plan(memory, |_, _| unknown, Values::default());
+            Table::from_values(memory, &values, actions)
+        };
+        self.policy = (!self.own.optimistic_policy).then(|| table(UNTRIED));
+        self.table = table(self.params.goal);
     }
 }
 

@@ -3,18 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::reward::knowledge::Knowledge;
+use crate::reward::memory::{Memory, Transition};
+use crate::reward::planner::Values;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
 use crate::xcs::PredictionArray;
-
-/// One step as a tabular method sees it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Transition {
-    pub percept: Percept,
-    pub action: Action,
-    pub reward: f64,
-    /// What was perceived afterwards; `None` at a goal.
-    pub next: Option<Percept>,
-}
 
 /// Q: the value of each action in each percept that was met; 0 where nothing was learned.
 #[derive(Debug, Clone)]
@@ -31,6 +23,17 @@ impl Table {
         }
     }
 
+    /// The table of planned values.
+    pub fn from_values(memory: &Memory, values: &Values, actions: usize) -> Self {
+        let mut table = Self::new(actions);
+        for (number, percept) in memory.percepts().iter().enumerate() {
+            for action in Action::all(actions) {
+                *table.entry(*percept, action) = values.get(number, action).unwrap_or(0.0);
+            }
+        }
+        table
+    }
+
     pub fn actions(&self) -> usize {
         self.actions
     }
@@ -38,11 +41,6 @@ impl Table {
     /// The number of pairs that were met.
     pub fn len(&self) -> usize {
         self.rows.len() * self.actions
-    }
-
-    /// Was the percept met?
-    pub fn knows(&self, percept: &Percept) -> bool {
-        self.rows.contains_key(percept)
     }
 
     /// Q of a pair.

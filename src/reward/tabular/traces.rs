@@ -1,6 +1,7 @@
 //! Eligibility traces of Sarsa(lambda).
 
-use super::table::{Table, Transition};
+use super::table::Table;
+use crate::reward::memory::Transition;
 use crate::signal::{Action, Percept};
 
 /// How much each pair of this episode is still responsible for (replacing traces).

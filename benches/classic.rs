@@ -1,0 +1,92 @@
+//! The classic Maze4 work of learning classifier systems, once: what `peers.py` times.
+//!
+//! `cargo bench --bench classic -- N SEED [PROBLEMS]` learns with a population of N and prints, as
+//! JSON, how many learning steps that took and how good the greedy policy became. It takes no
+//! times: whoever runs it measures the CPU time of the process.
+
+use std::error::Error;
+use std::path::Path;
+
+use serde_json::json;
+use xcscr::arena::GridArena;
+use xcscr::episode;
+use xcscr::random::{Stream, StreamName};
+use xcscr::reward::{self, Explorer, Method, RewardMethod, Setup};
+use xcscr::sensor::Sensor;
+use xcscr::world::Maze;
+use xcscr::xcs;
+
+const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4-classic.json");
+
+/// The learner with the parameters of the literature; no subsumption.
+fn learner(maze: &Maze, population_size: u32, seed: u64) -> Box<dyn RewardMethod> {
+    let xcs = xcs::Params {
+        population_size,
+        dont_care: 0.4,
+        epsilon_0: 1.0,
+        ga_subsumption: false,
+        action_set_subsumption: false,
+        ..xcs::Params::default()
+    };
+    let reward = reward::Params {
+        goal: 1000.0,
+        step: 0.0,
+        collision: 0.0,
+        gamma: 0.71,
+        ..reward::Params::default()
+    };
+    let setup = Setup {
+        xcs,
+        reward,
+        ..Setup::default()
+    };
+    Method::Xcs.build(maze.action_count(), setup, seed)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // Cargo adds `--bench` to the arguments.
+    let numbers = std::env::args().skip(1).filter(|arg| arg != "--bench");
+    let numbers: Vec<u32> = numbers.map(|arg| arg.parse()).collect::<Result<_, _>>()?;
+    let number = |at: usize, default| numbers.get(at).copied().unwrap_or(default);
+    let (population_size, seed, problems) = (number(0, 2000), number(1, 1), number(2, 1000));
+
+    let maze = Maze::load(Path::new(WORLD))?;
+    let mut learner = learner(&maze, population_size, seed.into());
+    let mut explorer = Explorer::new(1.0, Stream::new(seed.into(), StreamName::Exploration));
+    let mut starts = Stream::new(seed.into(), StreamName::Start);
+    let cells = maze.start_cells();
+    let mut arena = GridArena::new(maze);
+    let (mut steps, mut exploit_steps) = (0_u64, Vec::new());
+    for problem in 1..=problems {
+        for explores in [true, false] {
+            explorer.set_probability(f64::from(u8::from(explores)));
+            learner.begin(explores);
+            let start = cells[starts.below(cells.len())];
+            let (sensor, learner) = (Sensor::Neighbours, &mut *learner);
+            let (episode, _) = episode::run(
+                problem,
+                start,
+                &mut arena,
+                sensor,
+                learner,
+                &mut explorer,
+                &mut (),
+            );
+            steps += u64::from(episode.steps);
+            if !explores {
+                exploit_steps.push(episode.steps);
+            }
+        }
+    }
+    let last = &exploit_steps[exploit_steps.len().saturating_sub(100)..];
+    let report = json!({
+        "population_size": population_size,
+        "seed": seed,
+        "problems": problems,
+        "learning_steps": steps,
+        "rules": learner.rule_count(),
+        "exploit_steps_in_last_100": f64::from(last.iter().sum::<u32>()) / last.len() as f64,
+    });
+    println!("{report}");
+    Ok(())
+}

@@ -1,0 +1,84 @@
+//! Value iteration over what is remembered.
+
+use super::memory::Memory;
+use crate::signal::{Action, MAX_ACTIONS};
+
+/// Value iteration ends when no value changes by more than this, in units of reward ...
+const PRECISION: f64 = 1e-9;
+/// ... or after this many sweeps.
+const MOST_SWEEPS: u32 = 1_000;
+
+/// The value of each action, by the number of the percept.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Values(Vec<[f64; MAX_ACTIONS]>);
+
+impl Values {
+    /// The value of a pair; `None` for percepts that were not met when the values were planned.
+    pub fn get(&self, percept: usize, action: Action) -> Option<f64> {
+        self.0.get(percept).map(|row| row[action.index()])
+    }
+}
+
+/// How values are planned: pairs that were tried `known_after` times by what followed them, all
+/// others by what is believed of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Planner {
+    pub actions: usize,
+    pub known_after: u32,
+    pub gamma: f64,
+}
+
+impl Planner {
+    /// Plans anew. `belief` gives the value of a pair that is not known; `before` are earlier
+    /// values to begin with, from which it does not take as long.
+    pub fn plan(
+        &self,
+        memory: &Memory,
+        belief: impl Fn(usize, Action) -> f64,
+        before: Values,
+    ) -> Values {
+        let mut values = before;
+        values.0.resize(memory.percepts().len(), [0.0; MAX_ACTIONS]);
+        let mut known = Vec::new();
+        for percept in 0..memory.percepts().len() {
+            for action in Action::all(self.actions) {
+                if memory.outcomes(percept, action).tries() >= self.known_after {
+                    known.push((percept, action));
+                } else {
+                    values.0[percept][action.index()] = belief(percept, action);
+                }
+            }
+        }
+        // Backward in the order of discovery, because goals are found last.
+        known.reverse();
+        for _ in 0..MOST_SWEEPS {
+            if self.sweep(memory, &known, &mut values) < PRECISION {
+                break;
+            }
+        }
+        values
+    }
+
+    /// Updates every known pair once (Bellman's equation); gives the greatest change.
+    fn sweep(&self, memory: &Memory, known: &[(usize, Action)], values: &mut Values) -> f64 {
+        let mut change: f64 = 0.0;
+        for &(percept, action) in known {
+            let outcomes = memory.outcomes(percept, action);
+            let value = outcomes.mean(|o| o.reward + self.gamma * self.after(values, o.next));
+            let old = &mut values.0[percept][action.index()];
+            change = change.max((value - *old).abs());
+            *old = value;
+        }
+        change
+    }
+
+    fn after(&self, values: &Values, next: Option<usize>) -> f64 {
+        let best = |row: &[f64; MAX_ACTIONS]| {
+            row[..self.actions]
+                .iter()
+                .copied()
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        next.map_or(0.0, |number| best(&values.0[number]))
+    }
+}

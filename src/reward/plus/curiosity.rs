@@ -1,0 +1,71 @@
+//! Exploration that heads for the least-tried actions.
+
+use crate::reward::memory::Memory;
+use crate::reward::params::Params;
+use crate::reward::planner::{Planner, Values};
+use crate::signal::{Action, Percept};
+use crate::xcs::PredictionArray;
+
+use super::collision_rules::CollisionRules;
+
+/// Plans over what is remembered, in the belief that an untried action leads straight to the goal
+/// unless a collision is foretold: the nearest promising action becomes the best one, and where
+/// nothing promising is nearer than the goal, the goal is. Untried actions of the present percept
+/// come first, likely collisions last.
+#[derive(Debug, Clone)]
+pub(super) struct Curiosity {
+    planner: Planner,
+    /// What an untried action is believed to be worth, and one that bumps.
+    goal: f64,
+    collision: f64,
+    certainty: i32,
+    values: Values,
+    stale: bool,
+}
+
+impl Curiosity {
+    pub fn new(actions: usize, params: &Params, certainty: u32) -> Self {
+        Self {
+            planner: Planner {
+                actions,
+                known_after: 1,
+                gamma: params.gamma,
+            },
+            goal: params.goal,
+            collision: params.collision,
+            certainty: certainty as i32,
+            values: Values::default(),
+            stale: true,
+        }
+    }
+
+    /// Something was learned that may change the plan.
+    pub fn wake(&mut self) {
+        self.stale = true;
+    }
+
+    /// How promising each action of a percept is.
+    pub fn promise(
+        &mut self,
+        percept: usize,
+        memory: &Memory,
+        collisions: &CollisionRules,
+    ) -> PredictionArray {
+        if std::mem::take(&mut self.stale) {
+            let before = std::mem::take(&mut self.values);
+            let belief = |number: usize, action| {
+                let percept: &Percept = &memory.percepts()[number];
+                let bump = collisions.forecast(percept, action).powi(self.certainty);
+                (1.0 - bump) * self.goal + bump * self.collision
+            };
+            self.values = self.planner.plan(memory, belief, before);
+        }
+        let mut array = PredictionArray::new(self.planner.actions);
+        for action in Action::all(self.planner.actions) {
+            if let Some(value) = self.values.get(percept, action) {
+                array.set(action, value);
+            }
+        }
+        array
+    }
+}

@@ -1,0 +1,236 @@
+//! XCSCR-plus: the paper's architecture with each mechanism repaired.
+//!
+//! Rules are learned specific, from Bellman targets over remembered transitions; exploration is
+//! planned; collisions are foretold by general rules. The mechanisms, each with its switch in
+//! [`PlusParams`], in the order in which they come into play:
+//! 1. `curiosity`: exploration heads for the least-tried actions;
+//! 2. `collision_rules`: general rules learned from bumps spare later ones;
+//! 3. `sweep`: Bellman targets, replayed by frequency and swept backward;
+//! 4. `imprinting`: loop-erased successes, where they returned more than expected;
+//! 5. `step_threshold`: tightens with slack.
+
+mod collision_rules;
+mod curiosity;
+mod imprinting;
+mod params;
+mod step_threshold;
+mod sweep;
+
+pub use params::PlusParams;
+
+use collision_rules::CollisionRules;
+use curiosity::Curiosity;
+use imprinting::Path;
+use step_threshold::StepThreshold;
+
+use super::explorer::Explorer;
+use super::knowledge::Knowledge;
+use super::memory::{Memory, Transition};
+use super::method::{EndCredit, RewardMethod, StepCredit};
+use super::mind::Mind;
+use super::params::Params;
+use crate::arena::Outcome;
+use crate::random::Stream;
+use crate::signal::{Action, Percept};
+use crate::xcs::{Params as XcsParams, PredictionArray, Xcs};
+
+/// The method `xcscr-plus`.
+#[derive(Debug, Clone)]
+pub struct Plus {
+    mind: Mind,
+    params: Params,
+    own: PlusParams,
+    memory: Memory,
+    collisions: CollisionRules,
+    curiosity: Curiosity,
+    step_threshold: StepThreshold,
+    /// Draws what is replayed.
+    stream: Stream,
+    /// The number of the percept under consideration.
+    percept: usize,
+    /// The steps of this episode.
+    path: Path,
+    /// Did the last step bump? Then what comes after it is known at once.
+    bumped: bool,
+    /// Was anything learned since values last settled?
+    unsettled: bool,
+}
+
+impl Plus {
+    /// A learner for `actions` actions, whose rules draw from `evolution` and whose replays draw
+    /// from `replay`. The parameters must have been checked.
+    pub fn new(
+        xcs: XcsParams,
+        actions: usize,
+        params: Params,
+        own: PlusParams,
+        [evolution, replay]: [Stream; 2],
+    ) -> Self {
+        // Specific rules while learning: the GA and subsumption would mix what is not yet known
+        // to be alike. Generalisation comes last, when the rules are condensed.
+        let xcs = XcsParams {
+            dont_care: own.dont_care,
+            ga: false,
+            ga_subsumption: false,
+            action_set_subsumption: false,
+            ..xcs
+        };
+        Self {
+            mind: Mind::new(Xcs::new(xcs, actions, evolution)),
+            memory: Memory::default(),
+            collisions: CollisionRules::default(),
+            curiosity: Curiosity::new(actions, &params, own.certainty),
+            step_threshold: StepThreshold::new(params.step_threshold, params.beta_success, &own),
+            stream: replay,
+            percept: 0,
+            path: Path::new(),
+            bumped: false,
+            unsettled: false,
+            params,
+            own,
+        }
+    }
+
+    /// Learns the last step, now that it is known what came after it.
+    fn learn_last_step(&mut self, next: Option<Percept>) {
+        let Some(&(percept, action, reward)) = self.path.last() else {
+            return;
+        };
+        let step = Transition {
+            percept,
+            action,
+            reward,
+            next,
+        };
+        if self.memory.learn(&step, 1) {
+            self.curiosity.wake();
+            self.unsettled = true;
+        }
+        if !self.own.bellman {
+            return;
+        }
+        if !self.bumped || self.own.short_term_target {
+            let number = self.memory.meet(&percept);
+            self.update((number, action));
+        }
+        for _ in 0..self.own.replays {
+            if let Some(&pair) = self.stream.choose(self.memory.tried()) {
+                self.update(pair);
+            }
+        }
+    }
+
+    fn update(&mut self, pair: (usize, Action)) {
+        let (gamma, beta) = (self.params.gamma, self.own.beta);
+        sweep::update(&mut self.mind.xcs, &self.memory, pair, gamma, beta);
+    }
+
+    /// Without Bellman targets: every step takes the return that followed it, as in Eq. 9.
+    fn learn_returns(&mut self, path: &[(Percept, Action, f64)]) {
+        let mut return_ = 0.0;
+        for (percept, action, reward) in path.iter().rev() {
+            return_ = reward + self.params.gamma * return_;
+            let set = self.mind.xcs.matching_action_set(percept, *action);
+            let beta = self.mind.xcs.params().beta;
+            self.mind.xcs.update(&set, return_, beta);
+        }
+    }
+
+    /// Learns from the whole episode; true if a policy was imprinted.
+    fn learn_episode(&mut self, path: &[(Percept, Action, f64)], reached_goal: bool) -> bool {
+        let (gamma, beta) = (self.params.gamma, self.own.beta);
+        if !self.own.bellman {
+            self.learn_returns(path);
+        }
+        let imprinted = self.own.imprinting && reached_goal && {
+            let erased = imprinting::loop_erased(path);
+            imprinting::imprint(&mut self.mind.xcs, &erased, gamma, beta)
+        };
+        let unsettled = std::mem::take(&mut self.unsettled) || imprinted;
+        if self.own.bellman && self.own.sweep && unsettled {
+            sweep::sweep(&mut self.mind.xcs, &self.memory, gamma, beta);
+        }
+        imprinted
+    }
+}
+
+impl RewardMethod for Plus {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.percept = self.memory.meet(percept);
+        self.learn_last_step(Some(*percept));
+        self.mind.consider(percept);
+        self.mind.xcs.experienced_worth(percept)
+    }
+
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
+        if !self.own.least_tried_first {
+            return explorer.choose(worth);
+        }
+        let promise = self
+            .curiosity
+            .promise(self.percept, &self.memory, &self.collisions);
+        let action = explorer.exploit(&promise);
+        let explores = !worth.best_actions().any(|best| best == action);
+        (action, explores)
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let set = self.mind.action_set(action);
+        let short_term_reward = self.params.short_term(outcome);
+        let credit = self.mind.step_credit(&set, short_term_reward);
+        self.bumped = matches!(outcome, Outcome::Collided { .. });
+        let costless = !self.own.step_cost && !self.bumped;
+        let reward = if costless { 0.0 } else { short_term_reward };
+        if self.own.collision_rules && self.collisions.learn(&set.percept, action, self.bumped) {
+            self.curiosity.wake();
+        }
+        self.path.push((set.percept, action, reward));
+        credit
+    }
+
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        let steps = self.path.len();
+        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
+        if let Some((percept, _, reward)) = self.path.last_mut() {
+            *reward += long_term_reward;
+            let percept = *percept;
+            if reached_goal {
+                self.learn_last_step(None);
+                self.step_threshold.learn(steps);
+            } else if self.bumped {
+                self.learn_last_step(Some(percept));
+            }
+        }
+        let path = std::mem::take(&mut self.path);
+        let imprinted = self.learn_episode(&path, reached_goal);
+        EndCredit {
+            long_term_reward,
+            learning_rate: self.own.beta,
+            imprinted,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.step_threshold.steps()
+    }
+
+    /// Only rules with experience count: the others say what was assumed, not what was learned.
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.mind.xcs.experienced_worth(percept)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        let rules = self.mind.xcs.population().rules().iter();
+        let experienced: Vec<_> = rules.filter(|rule| rule.experience > 0).copied().collect();
+        Knowledge::Rules(
+            experienced
+                .try_into()
+                .expect("rules of a population form one"),
+        )
+    }
+
+    fn rule_count(&self) -> usize {
+        let rules = self.mind.xcs.population().rules().iter();
+        rules.filter(|rule| rule.experience > 0).count()
+    }
+}
