@@ -86,8 +86,8 @@ fn an_animated_map_shows_the_policy_as_it_forms() {
     let svg = String::from_utf8(map(&run, "a.svg", &["--animate"])).unwrap();
     assert_eq!(
         svg.matches("episode ").count(),
-        45 + 1,
-        "45 captions and the legend"
+        45,
+        "a caption for each moment"
     );
     assert!(svg.contains("episode 90: ") && svg.contains("<animateTransform "));
     let png = map(&run, "a.png", &["--animate"]);

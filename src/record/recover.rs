@@ -6,8 +6,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use mcap::read::{ChunkReader, parse_record};
-use mcap::records::{AttachmentHeader, ChunkHeader, MessageHeader, Record};
+use mcap::parse_record;
+use mcap::records::{AttachmentHeader, MessageHeader, Record};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError, McapResult, Summary};
 
 use super::error::RecordError;
@@ -16,6 +17,8 @@ use super::reader::Recording;
 
 /// The opcode and the length before each record.
 const HEAD_BYTES: usize = 9;
+/// A broken length must not ask for all memory.
+const LARGEST_RECORD: usize = 1 << 30;
 
 /// What was saved, and what was not.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -167,6 +170,7 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
                 salvor.check_sum(&bytes[..at], end.data_section_crc);
                 break;
             }
+            Ok(Record::Chunk { .. }) => salvor.take_chunk(&bytes[at..at + size], at)?,
             Ok(record) => salvor.take(record, at)?,
             Err(fault) => salvor.recovery.lose(size, at, &fault),
         }
@@ -183,6 +187,32 @@ fn record_at(bytes: &[u8], at: usize) -> Option<(u8, &[u8])> {
     let start = at + HEAD_BYTES;
     let end = start.checked_add(usize::try_from(length).ok()?)?;
     Some((*opcode, bytes.get(start..end)?))
+}
+
+/// The records of a chunk, whose check sum is right.
+fn records_of(chunk: &[u8]) -> McapResult<Vec<Record<'static>>> {
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_prevalidate_chunk_crcs(true)
+        .with_record_length_limit(LARGEST_RECORD);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut rest = chunk;
+    let mut records = Vec::new();
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (now, later) = rest.split_at(wanted.min(rest.len()));
+                reader.insert(now.len()).copy_from_slice(now);
+                reader.notify_read(now.len());
+                rest = later;
+            }
+            LinearReadEvent::Record { opcode, data } => {
+                records.push(parse_record(opcode, data)?.into_owned());
+            }
+        }
+    }
+    Ok(records)
 }
 
 /// What a channel's record says of it.
@@ -247,7 +277,6 @@ impl<W: Write> Salvor<W> {
     /// Saves a record of the data section.
     fn take(&mut self, record: Record<'_>, at: usize) -> McapResult<()> {
         match record {
-            Record::Chunk { header, data } => self.take_chunk(header, &data, at)?,
             Record::Schema { header, data } => {
                 self.add_schema(header.id, &header.name, &header.encoding, &data)?;
             }
@@ -267,15 +296,13 @@ impl<W: Write> Salvor<W> {
     }
 
     /// Saves what a chunk holds; nothing of it if its check sum is wrong.
-    fn take_chunk(&mut self, header: ChunkHeader, data: &[u8], at: usize) -> McapResult<()> {
-        let records = ChunkReader::new(header, data).and_then(Iterator::collect);
-        let records: McapResult<Vec<Record<'_>>> = records;
-        match records {
+    fn take_chunk(&mut self, chunk: &[u8], at: usize) -> McapResult<()> {
+        match records_of(chunk) {
             Ok(records) => records
                 .into_iter()
                 .try_for_each(|record| self.take(record, at)),
             Err(fault) => {
-                self.recovery.lose(data.len(), at, &fault);
+                self.recovery.lose(chunk.len(), at, &fault);
                 Ok(())
             }
         }
