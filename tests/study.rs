@@ -186,7 +186,7 @@ fn different_studies_do_not_mix() {
 #[test]
 fn a_trial_that_fails_is_a_row_with_its_error() {
     let desk = Desk::new();
-    // Physics refuses diagonal moves.
+    // Physics refuses a world whose edges join.
     let text = SMALL.replace("\"maze5\"", "\"woods1\"") + "arenas = [\"physics\"]\n";
     desk.write("mixed.toml", &text);
     let message = desk.refused("run mixed.toml --out a --trials 1 --episodes 2", 1);
@@ -199,7 +199,7 @@ fn a_trial_that_fails_is_a_row_with_its_error() {
         "{table}"
     );
     assert!(
-        rows[3].starts_with("woods1,xcs,physics,") && rows[3].contains("eight moves"),
+        rows[3].starts_with("woods1,xcs,physics,") && rows[3].contains("joins its edges"),
         "{table}"
     );
     desk.refused("run mixed.toml --out a --trials 1 --episodes 2", 1);
