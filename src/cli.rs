@@ -5,6 +5,8 @@ use clap::{Parser, Subcommand};
 use crate::commands::check::CheckArgs;
 use crate::commands::config::ConfigCommand;
 use crate::commands::evaluate::EvaluateArgs;
+use crate::commands::map::MapArgs;
+use crate::commands::recover::RecoverArgs;
 use crate::commands::replay::ReplayArgs;
 use crate::commands::study::StudyCommand;
 use crate::commands::train::TrainArgs;
@@ -15,6 +17,7 @@ Exit codes:
    0  done
    1  a condition you asked for does not hold (--require-optimal, --verify, failed trials)
    2  wrong usage of the command line
+   3  recover: done, but some data was lost
   65  bad input data
   66  an input file is missing
   70  internal fault: please report it
@@ -42,13 +45,17 @@ pub enum Command {
     Train(TrainArgs),
     /// Run the greedy policy of a finished run, without learning.
     Evaluate(EvaluateArgs),
-    /// Show what recordings hold, or verify them against a new run.
+    /// Show what recordings hold, open them in a viewer, or verify them against a new run.
     Replay(ReplayArgs),
     /// Say what is wrong with recordings.
     Check(CheckArgs),
     /// Run many trials, compare methods, and say what the data can decide.
     #[command(subcommand)]
     Study(StudyCommand),
+    /// Make a whole recording of what can be read of a broken one.
+    Recover(RecoverArgs),
+    /// Draw the learned policy over the maze, or how it forms.
+    Map(MapArgs),
     /// Check, show and describe world files.
     #[command(subcommand)]
     World(WorldCommand),

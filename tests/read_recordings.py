@@ -35,7 +35,8 @@ SCHEMAS = {
     "/log": "foxglove.Log",
 }
 ONLY_IN_EPISODES = {"/tf", "/scene/robot", "/contact", "/curve"}
-ATTACHED = {"world.json", "config.json", "foxglove-layout.json"}
+ATTACHED = {"world.json", "config.json"}
+ATTACHED_TO_RUN = {"foxglove-layout.json", "rules.json"}
 FACTS = {"seed", "method", "arena", "sensor", "world", "episode", "episodes", "version"}
 TYPES = {
     "boolean": bool,
@@ -104,7 +105,9 @@ def check_facts(reader):
         json.loads(text)
     metadata = {one.name: one.metadata for one in reader.iter_metadata()}
     expect("run" in metadata, "the metadata record `run` is missing")
-    missing = (ATTACHED - set(attached)) | (FACTS - set(metadata["run"]))
+    is_run = metadata["run"].get("episode") == "run"
+    wanted = ATTACHED | (ATTACHED_TO_RUN if is_run else set())
+    missing = (wanted - set(attached)) | (FACTS - set(metadata["run"]))
     expect(not missing, f"missing: {', '.join(sorted(missing))}")
     return metadata["run"]
 

@@ -131,6 +131,28 @@ fn killed_at_random_moments_and_run_again_it_ends_with_the_same_bytes() {
 }
 
 #[test]
+#[cfg(unix)]
+fn a_signal_ends_it_in_order_and_the_same_command_goes_on() {
+    let desk = Desk::new();
+    let words = "run small.toml --out a --trials 200 --jobs 1";
+    let mut child = desk.command(words).stderr(Stdio::null()).spawn().unwrap();
+    // The first lines of the journal show that trials are running.
+    let begun = || fs::metadata(desk.path("a/journal")).is_ok_and(|file| file.len() > 500);
+    while !begun() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let pid = child.id().to_string();
+    std::process::Command::new("kill")
+        .args(["-TERM", &pid])
+        .status()
+        .unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    let status: serde_json::Value = serde_json::from_str(&desk.done("status a --json")).unwrap();
+    assert!(status["finished"].as_u64() > Some(0), "{status}");
+    assert!(!desk.path("a/trials.csv").exists());
+}
+
+#[test]
 fn an_incomplete_study_is_no_result_and_status_says_what_is_missing() {
     let desk = Desk::new();
     desk.done("run small.toml --out a --shard 1/4");
@@ -164,7 +186,7 @@ fn different_studies_do_not_mix() {
 #[test]
 fn a_trial_that_fails_is_a_row_with_its_error() {
     let desk = Desk::new();
-    // Physics refuses diagonal moves.
+    // Physics refuses a world whose edges join.
     let text = SMALL.replace("\"maze5\"", "\"woods1\"") + "arenas = [\"physics\"]\n";
     desk.write("mixed.toml", &text);
     let message = desk.refused("run mixed.toml --out a --trials 1 --episodes 2", 1);
@@ -177,7 +199,7 @@ fn a_trial_that_fails_is_a_row_with_its_error() {
         "{table}"
     );
     assert!(
-        rows[3].starts_with("woods1,xcs,physics,") && rows[3].contains("eight moves"),
+        rows[3].starts_with("woods1,xcs,physics,") && rows[3].contains("joins its edges"),
         "{table}"
     );
     desk.refused("run mixed.toml --out a --trials 1 --episodes 2", 1);

@@ -17,6 +17,8 @@ pub enum Exit {
     Refuted = 1,
     /// Arguments that make no sense together.
     Usage = 2,
+    /// Done, but some data was lost.
+    Lossy = 3,
     /// Bad input data.
     BadData = 65,
     /// An input file is missing.

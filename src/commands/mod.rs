@@ -6,10 +6,13 @@ pub mod config;
 pub mod evaluate;
 pub mod failure;
 pub mod interrupt;
+pub mod map;
 mod progress;
+pub mod recover;
 pub mod replay;
 mod session;
 pub mod study;
+mod source;
 pub mod train;
 mod train_report;
 pub mod world;
@@ -32,6 +35,8 @@ pub fn run(cli: Cli, out: &mut impl Write) -> Result<(), Failure> {
         Command::Replay(args) => replay::run(&args, out)?,
         Command::Check(args) => check::run(&args, out)?,
         Command::Study(command) => study::run(&command, out)?,
+        Command::Recover(args) => recover::run(&args)?,
+        Command::Map(args) => map::run(&args)?,
         Command::World(command) => world::run(command, out)?,
     }
     Ok(out.flush()?)

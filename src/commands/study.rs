@@ -14,6 +14,7 @@ use xcscr::study::{
 
 use super::choices;
 use super::failure::{Exit, Failure};
+use super::interrupt::Interrupt;
 
 const TEMPLATE: &str = "{bar:30} trial {pos}/{len}, {eta} left";
 
@@ -108,7 +109,7 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
             finish(&folder, false, out)
         }
         StudyCommand::Report { folder, json } => {
-            let folder = StudyFolder::read(folder)?;
+            let folder = StudyFolder::read_locked(folder)?;
             folder.require_complete()?;
             finish(&folder, *json, out)
         }
@@ -124,14 +125,21 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         sets: args.set.clone(),
     };
     let protocol = Protocol::new(&StudyFile::load(&args.study)?, &overrides)?;
-    let mut progress = Progress::new(args.quiet);
+    let interrupt = Interrupt::watch()?;
+    let mut progress = Progress::new(args.quiet, interrupt.clone());
     let folder = run_study(&protocol, &args.out, args.shard, args.jobs, &mut progress)?;
     drop(progress);
-    if folder.missing().is_empty() {
-        finish(&folder, args.json, out)
-    } else {
-        Status::new(&folder, None).print(args.json, out)
+    let missing = folder.missing();
+    if missing.is_empty() {
+        return finish(&folder, args.json, out);
     }
+    if missing.iter().any(|trial| args.shard.holds(*trial)) {
+        let (done, all) = (protocol.len() - missing.len(), protocol.len());
+        let message = format!("interrupted after {done} of {all} trials; the same command goes on");
+        return Err(Failure::new(Exit::Interrupted, message));
+    }
+    Status::new(&folder, None).print(args.json, out)?;
+    refuse_failed(&folder)
 }
 
 /// Writes the tables and the report of a complete study, and prints the result.
@@ -233,35 +241,43 @@ fn ranges(numbers: &[usize]) -> String {
     runs.map(run).collect::<Vec<_>>().join(" ")
 }
 
-/// A progress bar on stderr, when that is a terminal. It wipes itself away at the end.
-struct Progress(ProgressBar);
+/// A progress bar on stderr, when that is a terminal. It wipes itself away at the end. A signal
+/// ends the study after the trials that are running.
+struct Progress {
+    bar: ProgressBar,
+    interrupt: Interrupt,
+}
 
 impl Progress {
-    fn new(quiet: bool) -> Self {
+    fn new(quiet: bool, interrupt: Interrupt) -> Self {
         let target = match quiet {
             true => ProgressDrawTarget::hidden(),
             false => ProgressDrawTarget::stderr(),
         };
         let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
-        Self(ProgressBar::with_draw_target(Some(0), target).with_style(style))
+        let bar = ProgressBar::with_draw_target(Some(0), target).with_style(style);
+        Self { bar, interrupt }
     }
 }
 
 impl StudyWatcher for Progress {
     fn begins(&mut self, trials: usize) {
-        self.0.set_length(trials as u64);
-        self.0.reset_eta();
+        self.bar.set_length(trials as u64);
+        self.bar.reset_eta();
     }
 
     fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
-        self.0.inc(1);
-        ControlFlow::Continue(())
+        self.bar.inc(1);
+        match self.interrupt.came() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
     }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 }
 

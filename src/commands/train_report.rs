@@ -138,9 +138,9 @@ impl TrainReport {
         writeln!(out, "Recorded {files} files, {megabytes:.1} MB, in {dir}.")?;
         writeln!(
             out,
-            "Watch it: open {dir}/ep-*.mcap in Foxglove or Lichtblick and import the layout\n\
-             {dir}/foxglove-layout.json; open run.mcap with foxglove-layout-run.json to see how\n\
-             learning went."
+            "Watch it: `xcscr replay {dir} --serve` prints links that open it in Foxglove or\n\
+             Lichtblick; or open its files there and import {dir}/foxglove-layout.json\n\
+             (for run.mcap: foxglove-layout-run.json)."
         )?;
         Ok(())
     }

@@ -44,15 +44,29 @@ impl PolicyMap {
     /// The steps that the greedy policy takes from `start` to a goal, the first of the best
     /// actions on ties; `None` when it hits a wall, knows no action or walks in a circle.
     pub fn greedy_steps(&self, maze: &Maze, start: Cell) -> Option<u32> {
+        let path = self.greedy_path(maze, start);
+        let arrives = path.last().is_some_and(|&cell| maze.is_goal(cell));
+        arrives.then(|| path.len() as u32 - 1)
+    }
+
+    /// The cells through which the greedy policy goes from `start`, the first of the best actions
+    /// on ties: to a goal, or until it hits a wall, knows no action, or has taken as many steps as
+    /// there are cells.
+    pub fn greedy_path(&self, maze: &Maze, start: Cell) -> Vec<Cell> {
+        let mut path = vec![start];
         let mut cell = start;
-        for step in 0..=self.cells.len() as u32 {
-            if maze.is_goal(cell) {
-                return Some(step);
-            }
-            let action = self.worth(cell)?.best_actions().next()?;
-            cell = maze.step(cell, maze.direction(action)?)?;
+        while path.len() <= self.cells.len() && !maze.is_goal(cell) {
+            let action = self
+                .worth(cell)
+                .and_then(|worth| worth.best_actions().next());
+            let ahead = action.and_then(|action| maze.direction(action));
+            let Some(next) = ahead.and_then(|ahead| maze.step(cell, ahead)) else {
+                break;
+            };
+            path.push(next);
+            cell = next;
         }
-        None
+        path
     }
 }
 

@@ -8,13 +8,16 @@ use super::channels::Topic;
 use super::error::RecordError;
 use super::layout;
 use super::reader::Recording;
+use crate::world::Maze;
 
 /// Gaps between poses up to this long are normal: the grid moves once a second.
 const GRID_GAP_NS: u64 = 1_000_000_000;
 /// The same for a robot that drives, which is logged 20 times a second.
 const DRIVE_GAP_NS: u64 = 200_000_000;
 /// What every recording carries.
-const ATTACHED: [&str; 3] = ["world.json", "config.json", "foxglove-layout.json"];
+const ATTACHED: [&str; 2] = ["world.json", "config.json"];
+/// What that of a whole run carries beside.
+const ATTACHED_TO_RUN: [&str; 1] = ["foxglove-layout.json"];
 
 /// Something that is wrong with a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -80,7 +83,12 @@ fn finding(kind: FindingKind, what: String) -> Finding {
 }
 
 fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
-    for name in ATTACHED {
+    let of_run: &[&str] = if is_run(recording) {
+        &ATTACHED_TO_RUN
+    } else {
+        &[]
+    };
+    for &name in ATTACHED.iter().chain(of_run) {
         let data = recording.attachment(name);
         let what = match data.map(serde_json::from_slice::<serde::de::IgnoredAny>) {
             None => format!("the attachment {name} is missing"),
@@ -186,7 +194,7 @@ fn check_index(recording: &Recording, counts: &BTreeMap<String, u64>, findings: 
 }
 
 fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
-    let Some(layout) = recording.attachment("foxglove-layout.json") else {
+    let Some(layout) = layout_of(recording) else {
         return;
     };
     let fields: BTreeMap<String, BTreeSet<String>> = recording
@@ -194,7 +202,7 @@ fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
         .into_iter()
         .map(|topic| (topic.name, json_fields(&topic.schema_data)))
         .collect();
-    for path in layout::paths(layout) {
+    for path in layout::paths(&layout) {
         let what = match fields.get(&path.topic) {
             None => format!("the layout shows {path}, but there is no such topic"),
             Some(known) if path.field.as_ref().is_some_and(|f| !known.contains(f)) => {
@@ -204,6 +212,16 @@ fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
         };
         findings.push(finding(FindingKind::Layout, what));
     }
+}
+
+/// The layout that lies beside a recording, if its world can be read.
+fn layout_of(recording: &Recording) -> Option<Vec<u8>> {
+    if let Some(attached) = recording.attachment("foxglove-layout.json") {
+        return Some(attached.to_vec());
+    }
+    let world = recording.attachment("world.json")?;
+    let maze = Maze::from_json(world, "world.json").ok()?;
+    Some(layout::of_episode(&maze).into_bytes())
 }
 
 /// The fields that a JSON schema has; none for other schemas.

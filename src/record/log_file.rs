@@ -18,9 +18,26 @@ const CHUNK_BYTES: u64 = 512 * 1024;
 /// What the header says about who wrote the file.
 const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
 
+/// How all our files are written.
+pub(super) type Sink<W> = Writer<NoSeek<W>>;
+
+/// Begins an MCAP stream.
+pub(super) fn writer<W: Write>(sink: W) -> McapResult<Sink<W>> {
+    // Seeking would patch a chunk's length in afterwards: a killed writer would then leave a
+    // chunk of length 2^64-1. Threads would be started anew for every file.
+    WriteOptions::new()
+        .compression(Some(Compression::Zstd))
+        .compression_level(1)
+        .compression_threads(0)
+        .chunk_size(Some(CHUNK_BYTES))
+        .disable_seeking(true)
+        .library(LIBRARY)
+        .create(NoSeek::new(sink))
+}
+
 /// An MCAP stream with a fixed set of topics. The same calls give the same bytes.
 pub(super) struct LogFile<W: Write> {
-    writer: Writer<NoSeek<W>>,
+    writer: Sink<W>,
     /// By [`Topic`]: the channel, if this file has one.
     channels: [Option<u16>; Topic::ALL.len()],
     /// Messages written so far.
@@ -30,16 +47,7 @@ pub(super) struct LogFile<W: Write> {
 impl<W: Write> LogFile<W> {
     /// Begins a file; the topics must have been declared before the first message.
     pub fn new(sink: W) -> McapResult<Self> {
-        // Seeking would patch a chunk's length in afterwards: a killed writer would then leave a
-        // chunk of length 2^64-1. Threads would be started anew for every file.
-        let writer = WriteOptions::new()
-            .compression(Some(Compression::Zstd))
-            .compression_level(1)
-            .compression_threads(0)
-            .chunk_size(Some(CHUNK_BYTES))
-            .disable_seeking(true)
-            .library(LIBRARY)
-            .create(NoSeek::new(sink))?;
+        let writer = writer(sink)?;
         Ok(Self {
             writer,
             channels: [None; Topic::ALL.len()],

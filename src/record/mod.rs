@@ -4,6 +4,7 @@
 //! run. All times in a file are simulation time; no real date is in it. The same run gives the
 //! same bytes, so that a recording can be verified by running it again.
 
+mod byte_range;
 mod channels;
 mod check;
 mod compare;
@@ -16,7 +17,9 @@ mod outbox;
 pub mod reader;
 mod rebuild;
 mod recorder;
+mod recover;
 mod scribe;
+pub mod server;
 
 pub use channels::Topic;
 pub use check::{Finding, FindingKind, check, check_recording};
@@ -25,3 +28,4 @@ pub use error::RecordError;
 pub use info::{RobotShape, RunInfo};
 pub use mode::{RecordMode, RecordModeError};
 pub use recorder::{RecordSummary, Recorder, RecorderMemory};
+pub use recover::{Recovery, recover};

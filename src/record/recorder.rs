@@ -32,8 +32,9 @@ const RUN_FILE: &str = "run.mcap";
 /// error nothing more is written: [`Observer::ended`] then ends the trial, and
 /// [`finish`](Self::finish) gives the error out.
 ///
-/// All files carry the run's facts: the attachments `world.json`, `config.json` and
-/// `foxglove-layout.json`, and the metadata record `run`. The rules, some hundred kilobytes that
+/// All files carry the run's facts: the attachments `world.json` and `config.json`, and the
+/// metadata record `run`. The layout is attached to `run.mcap` only: it was a tenth of what an
+/// episode took, no viewer looks for it there, and it lies beside the files. The rules, some hundred kilobytes that
 /// MCAP does not compress, are attached to `run.mcap` as they are at the end, and to the episode
 /// that [`RecordMode::Best`] keeps; those of any other episode come from running it again.
 pub struct Recorder {
@@ -240,7 +241,9 @@ impl Recorder {
             log.metadata("run", self.info.metadata(&self.world, self.mode, episode))?;
             log.attach("world.json", self.clock_ns, &self.info.world_json)?;
             log.attach("config.json", self.clock_ns, &self.info.config_json)?;
-            log.attach("foxglove-layout.json", self.clock_ns, layout)?;
+            if episode.is_none() {
+                log.attach("foxglove-layout.json", self.clock_ns, layout)?;
+            }
             log.declare(topics)
         })?;
         Ok(file)

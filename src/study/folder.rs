@@ -1,7 +1,7 @@
 //! The folder of a study.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -10,6 +10,7 @@ use serde_json::value::RawValue;
 
 use super::error::StudyError;
 use super::journal::{self, Journal};
+use super::lock::{FolderLock, LockError};
 use super::protocol::{Protocol, id_of};
 use super::record::TrialRecord;
 
@@ -17,9 +18,6 @@ use super::record::TrialRecord;
 const PLAN: &str = "plan.json";
 /// Finished trials.
 const JOURNAL: &str = "journal";
-/// Locked while a process works in the folder; empty when none does.
-const LOCK: &str = ".lock";
-
 /// A folder with a frozen study and its finished trials.
 #[derive(Debug)]
 pub struct StudyFolder {
@@ -28,6 +26,8 @@ pub struct StudyFolder {
     /// The protocol's id, as it was when it was frozen: a newer program may know more settings.
     plan: String,
     records: BTreeMap<usize, TrialRecord>,
+    /// Held by who writes in the folder.
+    _lock: Option<FolderLock>,
 }
 
 impl StudyFolder {
@@ -40,6 +40,19 @@ impl StudyFolder {
             read_plan(path)?.ok_or_else(|| StudyError::NoStudy(path.to_owned()))?;
         let (records, _) = journal::read(&path.join(JOURNAL), &plan)?;
         Self::checked(path, protocol, plan, records)
+    }
+
+    /// Reads the folder of a study in order to write in it.
+    ///
+    /// # Errors
+    /// The same, or [`StudyError::Locked`].
+    pub fn read_locked(path: &Path) -> Result<Self, StudyError> {
+        let lock = path.is_dir().then(|| lock(path)).transpose()?;
+        let folder = Self::read(path)?;
+        Ok(Self {
+            _lock: lock,
+            ..folder
+        })
     }
 
     /// Joins folders of one study, in any order.
@@ -95,6 +108,7 @@ impl StudyFolder {
                 .into_iter()
                 .map(|record| (record.trial, record))
                 .collect(),
+            _lock: None,
         })
     }
 
@@ -150,7 +164,6 @@ impl StudyFolder {
 pub struct OpenFolder {
     folder: StudyFolder,
     journal: Journal,
-    lock: File,
 }
 
 impl OpenFolder {
@@ -176,11 +189,11 @@ impl OpenFolder {
         }
         let (journal, records) = Journal::open(&path.join(JOURNAL), &wanted)?;
         let folder = StudyFolder::checked(path, protocol.clone(), wanted, records)?;
-        Ok(Self {
-            folder,
-            journal,
-            lock,
-        })
+        let folder = StudyFolder {
+            _lock: Some(lock),
+            ..folder
+        };
+        Ok(Self { folder, journal })
     }
 
     /// What is in the folder.
@@ -211,57 +224,28 @@ impl OpenFolder {
         self.add(missing.cloned().collect())
     }
 
-    /// Puts the journal in order and gives the folder free.
+    /// Puts the journal in order. The folder stays locked as long as it is held.
     ///
     /// # Errors
     /// An error of the file system.
     pub fn close(self) -> Result<StudyFolder, StudyError> {
-        let Self {
-            folder,
-            journal,
-            lock,
-        } = self;
+        let Self { folder, journal } = self;
         drop(journal);
         let records: Vec<TrialRecord> = folder.records().cloned().collect();
         let text = journal::text(&folder.plan, &records);
         write_whole(&folder.path.join(JOURNAL), text.as_bytes())?;
-        lock.set_len(0)
-            .map_err(|cause| StudyError::io(&folder.path.join(LOCK), cause))?;
         Ok(folder)
     }
 }
 
-/// The system gives the lock free when its holder dies, however that happens.
-fn lock(folder: &Path) -> Result<File, StudyError> {
-    let path = folder.join(LOCK);
-    let opened = OpenOptions::new()
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(&path);
-    let mut file = opened.map_err(|cause| StudyError::create(&path, cause))?;
-    match file.try_lock() {
-        Ok(()) => (),
-        Err(TryLockError::WouldBlock) => {
-            let holder = fs::read_to_string(&path).unwrap_or_default();
-            let holder = match holder.trim() {
-                "" => "another process".to_owned(),
-                pid => format!("process {pid}"),
-            };
-            return Err(StudyError::Locked {
-                folder: folder.to_owned(),
-                holder,
-            });
-        }
-        Err(TryLockError::Error(cause)) => return Err(StudyError::create(&path, cause)),
-    }
-    let pid = format!("{}\n", std::process::id());
-    let noted = file
-        .set_len(0)
-        .and_then(|()| file.write_all(pid.as_bytes()));
-    noted.map_err(|cause| StudyError::io(&path, cause))?;
-    Ok(file)
+fn lock(folder: &Path) -> Result<FolderLock, StudyError> {
+    FolderLock::acquire(folder).map_err(|fault| match fault {
+        LockError::Held(pid) => StudyError::Locked {
+            folder: folder.to_owned(),
+            holder: pid.map_or("another process".to_owned(), |pid| format!("process {pid}")),
+        },
+        LockError::File(path, cause) => StudyError::create(&path, cause),
+    })
 }
 
 /// What `plan.json` holds.

@@ -8,6 +8,7 @@ mod figures;
 mod folder;
 mod journal;
 mod lock;
+pub mod map;
 mod plan;
 mod protocol;
 mod record;

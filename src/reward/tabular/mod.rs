@@ -4,9 +4,9 @@ mod params;
 mod table;
 mod traces;
 
-use std::mem::discriminant;
-
 pub use params::TabularParams;
+
+use std::mem::discriminant;
 
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,7 @@
 //! What switches contribute: the success of every combination, and the effect of each switch.
 
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -27,6 +28,8 @@ const LEFT: Pos = Pos {
 /// The series whose colours bars and dots have.
 const BLUE: usize = 2;
 const RED: usize = 3;
+
+type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// For each place a row: bars of the success of every combination, over a table of dots that
 /// tells which switches are on; and beside them the main effect of each switch.
@@ -223,18 +226,32 @@ impl Ablation<'_> {
             .axis_desc_style(theme.text(11))
             .label_style(theme.text(11))
             .draw()?;
-        let zero = PathElement::new([(0.0, 0.0), (0.0, own.len() as f64)], theme.line(INK, 1));
+        self.dots(root, &mut chart, theme, &own)
+    }
+
+    /// A line for each effect: its name, its interval and its value.
+    fn dots<DB: DrawingBackend>(
+        &self,
+        root: &DrawingArea<DB, Shift>,
+        chart: &mut Chart<'_, DB>,
+        theme: Theme,
+        effects: &[&SwitchEffect],
+    ) -> Drawn<DB> {
+        let height = effects.len() as f64;
+        let zero = PathElement::new([(0.0, 0.0), (0.0, height)], theme.line(INK, 1));
         chart.draw_series([zero])?;
-        for (i, effect) in own.iter().enumerate() {
-            let y = own.len() as f64 - i as f64 - 0.5;
+        for (i, effect) in effects.iter().enumerate() {
+            let y = height - i as f64 - 0.5;
             let Interval { value, low, high } = effect.main_effect;
             let range = [(100.0 * low, y), (100.0 * high, y)];
             chart.draw_series([PathElement::new(range, theme.line(colour(RED), 2))])?;
             let dot = Circle::new((100.0 * value, y), theme.px(4), colour(RED).filled());
             chart.draw_series([dot])?;
-            let (_, y) = chart.backend_coord(&(0.0, y));
-            let x = theme.px(NAMES + BARS.0 + 26) as i32;
-            root.draw_text(&short(&effect.switch), &theme.text(12).pos(LEFT), (x, y))?;
+            let place = (
+                theme.px(NAMES + BARS.0 + 26) as i32,
+                chart.backend_coord(&(0.0, y)).1,
+            );
+            root.draw_text(&short(&effect.switch), &theme.text(12).pos(LEFT), place)?;
         }
         Ok(())
     }

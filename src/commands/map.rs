@@ -1,0 +1,89 @@
+//! `xcscr map`: the policy over the maze as a picture, still or moving.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use xcscr::study::map::{Film, FilmError, Scenes};
+use xcscr::study::{Plan, RunFolder};
+
+use super::failure::{Exit, Failure};
+use super::source::Source;
+
+/// Arguments of `map`.
+#[derive(Debug, clap::Args)]
+pub struct MapArgs {
+    /// The folder of a run, or one of its recordings.
+    run: PathBuf,
+    /// The picture: .svg or .png.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// The policy after this episode [default: that of the recording, or the last].
+    #[arg(long, value_name = "N", conflicts_with = "animate")]
+    episode: Option<u32>,
+    /// The policy as it forms over the episodes.
+    #[arg(long)]
+    animate: bool,
+}
+
+/// The kinds of pictures.
+#[derive(Clone, Copy)]
+enum Kind {
+    Svg,
+    Png,
+}
+
+/// Runs the trial again and draws.
+pub fn run(args: &MapArgs) -> Result<(), Failure> {
+    let kind = Kind::of(&args.output)?;
+    let (plan, shown) = plan(&args.run)?;
+    let scenes = match args.episode.or(shown) {
+        _ if args.animate => Scenes::Forming,
+        Some(episode) => Scenes::After(episode),
+        None => Scenes::Last,
+    };
+    let film = Film::of(&plan, scenes)?;
+    let picture = match kind {
+        Kind::Svg => film.svg().into_bytes(),
+        Kind::Png => film.png()?,
+    };
+    fs::write(&args.output, picture).map_err(|cause| {
+        let message = format!("cannot write {}: {cause}", args.output.display());
+        Failure::new(Exit::CannotCreate, message)
+    })
+}
+
+impl Kind {
+    fn of(file: &Path) -> Result<Self, Failure> {
+        let extension = file.extension().map(|e| e.to_ascii_lowercase());
+        match extension.as_ref().and_then(|e| e.to_str()) {
+            Some("svg") => Ok(Self::Svg),
+            Some("png" | "apng") => Ok(Self::Png),
+            _ => {
+                let message = format!(
+                    "{} is no name of a picture: it must end in .svg or .png",
+                    file.display()
+                );
+                Err(Failure::new(Exit::Usage, message))
+            }
+        }
+    }
+}
+
+/// The plan of a run, and the episode that a recording shows.
+fn plan(run: &Path) -> Result<(Plan, Option<u32>), Failure> {
+    if run.is_file() {
+        let source = Source::of(run)?;
+        return Ok((source.plan, source.episode));
+    }
+    Ok((RunFolder::open(run).plan()?, None))
+}
+
+impl From<FilmError> for Failure {
+    fn from(error: FilmError) -> Self {
+        match error {
+            FilmError::Plan(error) => error.into(),
+            FilmError::NoSuchEpisode { .. } => Self::new(Exit::Usage, error.to_string()),
+            FilmError::Picture(_) => Self::new(Exit::BadData, error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! `xcscr recover`: a whole recording of what can be read of a broken one.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use xcscr::record::{self, Recovery};
+
+use super::failure::{Exit, Failure};
+
+/// Arguments of `recover`.
+#[derive(Debug, clap::Args)]
+pub struct RecoverArgs {
+    /// The recording, such as run.mcap.part; it is left as it is.
+    file: PathBuf,
+    /// The new recording.
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Replace OUT if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Recovers, and says on stderr how much.
+pub fn run(args: &RecoverArgs) -> Result<(), Failure> {
+    let Recovery {
+        messages,
+        attachments,
+        metadata,
+        lost_bytes,
+        fault,
+    } = record::recover(&args.file, &args.output, args.force)?;
+    let saved = format!(
+        "saved {messages} messages, {attachments} attachments and {metadata} metadata records"
+    );
+    match fault {
+        None => {
+            // A closed stderr is no reason to fail.
+            let _ = writeln!(io::stderr(), "{saved}; nothing was lost");
+            Ok(())
+        }
+        Some(fault) => {
+            let message = format!("{saved}; lost {lost_bytes} bytes, {fault}");
+            Err(Failure::new(Exit::Lossy, message))
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! The policy over the maze as a picture: Figure 5 of the paper, and how it forms over episodes.
+
+mod arrow;
+mod drawing;
+mod film;
+mod letters;
+mod moving_png;
+mod pixels;
+mod shapes;
+mod svg;
+
+pub use film::{Film, FilmError, Moment, Scenes};

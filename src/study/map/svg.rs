@@ -1,0 +1,250 @@
+//! Drawings as SVG, still or moving (SMIL).
+
+use std::fmt::Write;
+
+use super::arrow::OUTLINE;
+use super::shapes::{Colour, Drawing, LAST_MS, MOMENT_MS, Shape};
+
+/// The document.
+pub(super) fn document(drawing: &Drawing) -> String {
+    let (width, height) = (drawing.width, drawing.height);
+    let mut text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
+         width=\"{width}\" height=\"{height}\" \
+         font-family=\"DejaVu Sans, Verdana, sans-serif\">\n<title>{}</title>\n<defs>\
+         <path id=\"a\" d=\"{}\"/></defs>\n",
+        escaped(&drawing.title),
+        arrow_path()
+    );
+    let clock = Clock::new(drawing.frames.len());
+    for shape in &drawing.ground {
+        element(&mut text, &[shape], &clock);
+    }
+    for number in 0..drawing.frames[0].len() {
+        let track: Vec<&Shape> = drawing.frames.iter().map(|frame| &frame[number]).collect();
+        element(&mut text, &track, &clock);
+    }
+    for shape in &drawing.labels {
+        element(&mut text, &[shape], &clock);
+    }
+    text.push_str("</svg>\n");
+    text
+}
+
+fn arrow_path() -> String {
+    let points = OUTLINE.map(|(x, y)| format!("{} {}", short(x), short(y)));
+    format!("M{}z", points.join("L"))
+}
+
+/// When each moment begins, as shares of the whole time.
+struct Clock {
+    key_times: String,
+    total_ms: u32,
+}
+
+impl Clock {
+    fn new(frames: usize) -> Self {
+        let total_ms = (frames as u32 - 1) * MOMENT_MS + LAST_MS;
+        let share = |frame: usize| frame as f64 * f64::from(MOMENT_MS) / f64::from(total_ms);
+        let shares: Vec<String> = (0..frames).map(|frame| decimals(share(frame), 3)).collect();
+        Self {
+            key_times: shares.join(";"),
+            total_ms,
+        }
+    }
+
+    /// What every animation says about time; it jumps from value to value.
+    fn attributes(&self) -> String {
+        format!(
+            "keyTimes=\"{}\" dur=\"{}ms\" calcMode=\"discrete\" repeatCount=\"indefinite\"",
+            self.key_times, self.total_ms
+        )
+    }
+
+    /// Animates an attribute, unless its values are all the same.
+    fn animate(&self, text: &mut String, kind: &str, attribute: &str, values: &[String]) {
+        if values.iter().all(|value| *value == values[0]) {
+            return;
+        }
+        let (values, time) = (values.join(";"), self.attributes());
+        let _ = write!(
+            text,
+            "<{kind} attributeName=\"{attribute}\" {time} values=\"{values}\"/>"
+        );
+    }
+}
+
+/// One shape over all moments; nothing if it is never there.
+fn element(text: &mut String, track: &[&Shape], clock: &Clock) {
+    // A string takes everything.
+    let _ = match track[0] {
+        Shape::Rect { .. } => rect(text, track, clock),
+        Shape::Line { .. } => line(text, track, clock),
+        Shape::Arrow { .. } => arrow(text, track, clock),
+        Shape::Text { .. } => words(text, track, clock),
+    };
+}
+
+fn rect(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result {
+    let Shape::Rect {
+        left,
+        top,
+        width,
+        height,
+        ..
+    } = track[0]
+    else {
+        return Ok(());
+    };
+    let fills = track.iter().filter_map(|shape| match shape {
+        Shape::Rect { fill, .. } => Some(hex(*fill)),
+        _ => None,
+    });
+    let fills: Vec<String> = fills.collect();
+    let [left, top, width, height] = [left, top, width, height].map(|&length| short(length));
+    write!(
+        text,
+        "<rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"{}\">",
+        fills[0]
+    )?;
+    clock.animate(text, "animate", "fill", &fills);
+    text.write_str("</rect>\n")
+}
+
+fn line(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result {
+    let Shape::Line { width, colour, .. } = track[0] else {
+        return Ok(());
+    };
+    let ways = track.iter().filter_map(|shape| match shape {
+        Shape::Line { points, .. } => Some(points.as_slice()),
+        _ => None,
+    });
+    let longest = ways.clone().map(<[_]>::len).max().unwrap_or(0);
+    let ways: Vec<String> = ways.map(|points| way(points, longest)).collect();
+    write!(
+        text,
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" \
+         stroke-linecap=\"round\" stroke-linejoin=\"round\">",
+        ways[0],
+        hex(*colour),
+        short(*width)
+    )?;
+    clock.animate(text, "animate", "points", &ways);
+    text.write_str("</polyline>\n")
+}
+
+/// The points of a line, the last one again and again: viewers blend lines of different lengths
+/// in different ways.
+fn way(points: &[(f64, f64)], longest: usize) -> String {
+    let last = points.iter().cycle().skip(points.len().saturating_sub(1));
+    let padding = last.step_by(points.len().max(1));
+    let points = points.iter().chain(padding).take(longest);
+    let points = points.map(|(x, y)| format!("{},{}", short(*x), short(*y)));
+    points.collect::<Vec<_>>().join(" ")
+}
+
+fn arrow(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result {
+    let Shape::Arrow { tail, heading, .. } = track[0] else {
+        return Ok(());
+    };
+    let looks = track.iter().filter_map(|shape| match shape {
+        Shape::Arrow { length, fill, .. } => Some((decimals(*length, 1), hex(*fill))),
+        _ => None,
+    });
+    let (lengths, fills): (Vec<String>, Vec<String>) = looks.unzip();
+    if lengths.iter().all(|length| length == "0") {
+        return Ok(());
+    }
+    write!(
+        text,
+        "<g transform=\"translate({} {})rotate({})\"><use href=\"#a\" \
+         transform=\"scale({})\" fill=\"{}\">",
+        short(tail.0),
+        short(tail.1),
+        heading.degrees(),
+        lengths[0],
+        fills[0]
+    )?;
+    let kind = "animateTransform type=\"scale\"";
+    clock.animate(text, kind, "transform", &lengths);
+    clock.animate(text, "animate", "fill", &fills);
+    text.write_str("</use></g>\n")
+}
+
+/// Words cannot be animated: each of them is shown for its moment.
+fn words(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result {
+    for (number, shape) in track.iter().enumerate() {
+        let Shape::Text {
+            at,
+            size,
+            colour,
+            text: said,
+        } = shape
+        else {
+            continue;
+        };
+        let (x, y) = (short(at.0), short(at.1));
+        write!(
+            text,
+            "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" fill=\"{}\"",
+            short(*size),
+            hex(*colour)
+        )?;
+        // Viewers without animation show the last.
+        let shown = |at: usize| if at == number { "inline" } else { "none" };
+        let now = shown(track.len() - 1);
+        let hidden = if now == "none" {
+            " display=\"none\""
+        } else {
+            ""
+        };
+        write!(text, "{hidden}>{}", escaped(said))?;
+        let values: Vec<String> = (0..track.len()).map(|at| shown(at).to_owned()).collect();
+        clock.animate(text, "animate", "display", &values);
+        text.write_str("</text>\n")?;
+    }
+    Ok(())
+}
+
+fn hex(Colour(red, green, blue): Colour) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+/// A length with at most two decimals.
+fn short(length: f64) -> String {
+    decimals(length, 2)
+}
+
+/// A number with at most so many decimals.
+fn decimals(number: f64, most: usize) -> String {
+    let text = format!("{number:.most$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_as_short_as_they_can_be() {
+        assert_eq!(short(12.0), "12");
+        assert_eq!(short(0.5), "0.5");
+        assert_eq!(short(100.0), "100");
+        assert_eq!(short(1.239), "1.24");
+        assert_eq!(decimals(0.0, 1), "0");
+    }
+
+    #[test]
+    fn text_of_a_world_cannot_become_markup() {
+        assert_eq!(escaped("<b>&"), "&lt;b&gt;&amp;");
+    }
+}

@@ -1,0 +1,473 @@
+//! Pictures, serving and rescue, as their users call them.
+
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
+mod common;
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use common::trial::{Trial, names};
+use xcscr::record::reader::Recording;
+use xcscr::record::{RecordError, recover};
+
+/// Runs the program; gives the exit code, stdout and stderr.
+fn xcscr(args: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args);
+    let output = command.output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (
+        output.status.code(),
+        text(&output.stdout),
+        text(&output.stderr),
+    )
+}
+
+/// A run of so many episodes.
+fn train(folder: &Path, more: &[&str]) -> PathBuf {
+    let run = folder.join("run");
+    let args = [
+        "train",
+        "worlds/maze4.json",
+        "--quiet",
+        "--out",
+        run.to_str().unwrap(),
+    ];
+    let (code, _, stderr) = xcscr(&[&args[..], more].concat());
+    assert_eq!(code, Some(0), "{stderr}");
+    run
+}
+
+/// Draws a picture of a run into `name`; returns its bytes.
+fn map(run: &Path, name: &str, more: &[&str]) -> Vec<u8> {
+    let picture = run.join(name);
+    let args = [
+        "map",
+        run.to_str().unwrap(),
+        "-o",
+        picture.to_str().unwrap(),
+    ];
+    let (code, _, stderr) = xcscr(&[&args[..], more].concat());
+    assert_eq!(code, Some(0), "{stderr}");
+    fs::read(picture).unwrap()
+}
+
+#[test]
+fn a_map_shows_the_policy_of_any_episode_and_is_the_same_every_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), &["--arena", "grid", "--record", "none"]);
+    let last = String::from_utf8(map(&run, "a.svg", &[])).unwrap();
+    assert!(last.contains("episode 180: "), "{last}");
+    assert!(
+        last.contains("greedy path now: 10 steps, the fewest"),
+        "{last}"
+    );
+    assert!(!last.contains("<animate"), "a still picture moves");
+    assert_eq!(last.as_bytes(), map(&run, "b.svg", &["--episode", "180"]));
+    let first = String::from_utf8(map(&run, "c.svg", &["--episode", "1"])).unwrap();
+    assert!(first.contains("episode 1: 50 steps and gave up"), "{first}");
+    let arrows = |svg: &str| svg.matches("<use ").count();
+    assert!(arrows(&first) < arrows(&last), "learning added no arrow");
+    let (one, two) = (map(&run, "a.png", &[]), map(&run, "b.png", &[]));
+    assert!(one.starts_with(b"\x89PNG") && one == two);
+}
+
+#[test]
+fn an_animated_map_shows_the_policy_as_it_forms() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(
+        folder.path(),
+        &["--arena", "grid", "--record", "none", "--episodes", "90"],
+    );
+    let svg = String::from_utf8(map(&run, "a.svg", &["--animate"])).unwrap();
+    assert_eq!(
+        svg.matches("episode ").count(),
+        45,
+        "a caption for each moment"
+    );
+    assert!(svg.contains("episode 90: ") && svg.contains("<animateTransform "));
+    let png = map(&run, "a.png", &["--animate"]);
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(png))
+        .read_info()
+        .unwrap();
+    let frames = decoder.info().animation_control().unwrap().num_frames;
+    assert_eq!(frames, 45);
+    let mut pixels = vec![0; decoder.output_buffer_size().unwrap()];
+    for frame in 0..frames {
+        decoder
+            .next_frame(&mut pixels)
+            .unwrap_or_else(|e| panic!("frame {frame}: {e}"));
+    }
+}
+
+#[test]
+fn a_map_that_cannot_be_drawn_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), &["--arena", "grid", "--episodes", "3"]);
+    let run = run.to_str().unwrap();
+    let (code, _, stderr) = xcscr(&["map", run, "-o", "x.gif"]);
+    assert_eq!(code, Some(2), "{stderr}");
+    assert!(stderr.contains(".svg or .png"), "{stderr}");
+    let (code, _, stderr) = xcscr(&["map", run, "-o", "x.svg", "--episode", "4"]);
+    assert_eq!(code, Some(2), "{stderr}");
+    assert!(stderr.contains("the run has 3"), "{stderr}");
+    let (code, ..) = xcscr(&["map", "no-such-run", "-o", "x.svg"]);
+    assert_eq!(code, Some(66));
+}
+
+/// A server that is killed at the latest when the test ends.
+struct Served {
+    child: Child,
+    lines: Vec<String>,
+    port: u16,
+}
+
+impl Served {
+    fn new(files: &[&str]) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
+        command
+            .arg("replay")
+            .args(files)
+            .arg("--serve")
+            .stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut reader = BufReader::new(child.stdout.take().unwrap());
+        let mut lines = Vec::new();
+        while !lines
+            .last()
+            .is_some_and(|line: &String| line.starts_with("Serving on"))
+        {
+            let mut line = String::new();
+            assert!(reader.read_line(&mut line).unwrap() > 0, "{lines:?}");
+            lines.push(line);
+        }
+        let address = lines.last().unwrap().split(['/', ';']).nth(2).unwrap();
+        let port = address.strip_prefix("127.0.0.1:").unwrap().parse().unwrap();
+        Self { child, lines, port }
+    }
+
+    /// Sends a request; gives the head of the answer and its body.
+    fn ask(&self, method: &str, path: &str, headers: &str) -> (String, Vec<u8>) {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        write!(
+            stream,
+            "{method} {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n{headers}\r\n"
+        )
+        .unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let end = answer
+            .windows(4)
+            .position(|four| four == b"\r\n\r\n")
+            .unwrap();
+        let head = String::from_utf8(answer[..end].to_vec()).unwrap();
+        (head, answer[end + 4..].to_vec())
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn a_viewer_gets_the_ranges_it_asks_for_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), &["--episodes", "2"]);
+    let file = run.join("ep-0001.mcap");
+    let bytes = fs::read(&file).unwrap();
+    let size = bytes.len();
+    let server = Served::new(&[file.to_str().unwrap()]);
+    let path = "/1/ep-0001.mcap";
+    let (head, body) = server.ask("GET", path, "");
+    assert!(head.starts_with("HTTP/1.1 200") && body == bytes, "{head}");
+    for said in ["Access-Control-Allow-Origin: *", "Cache-Control: no-store"] {
+        assert!(head.contains(said), "{said} in {head}");
+    }
+    let (head, body) = server.ask("GET", path, "Range: bytes=8-99\r\n");
+    assert!(
+        head.starts_with("HTTP/1.1 206") && body == bytes[8..100],
+        "{head}"
+    );
+    assert!(
+        head.contains(&format!("Content-Range: bytes 8-99/{size}")),
+        "{head}"
+    );
+    let (_, body) = server.ask("GET", path, "Range: bytes=-8\r\n");
+    assert_eq!(body, b"\x89MCAP0\r\n");
+    let (head, body) = server.ask("GET", path, &format!("Range: bytes={size}-\r\n"));
+    assert!(
+        head.starts_with("HTTP/1.1 416") && body.is_empty(),
+        "{head}"
+    );
+    assert!(
+        head.contains(&format!("Content-Range: bytes */{size}")),
+        "{head}"
+    );
+    let (head, body) = server.ask("HEAD", path, "");
+    assert!(
+        head.contains(&format!("Content-Length: {size}")) && body.is_empty(),
+        "{head}"
+    );
+    let (head, _) = server.ask("OPTIONS", path, "Origin: https://example.org\r\n");
+    assert!(head.starts_with("HTTP/1.1 204"), "{head}");
+    assert!(head.contains("Access-Control-Allow-Headers: *"), "{head}");
+    let (head, _) = server.ask("POST", path, "Content-Length: 0\r\n");
+    assert!(head.starts_with("HTTP/1.1 405"), "{head}");
+    for path in [
+        "/",
+        "/1/",
+        "/1/ep-0002.mcap",
+        "/1/../config.json",
+        "/2/ep-0001.mcap",
+        "/etc/passwd",
+        "//1/ep-0001.mcap",
+        "/1/%2e%2e/config.json",
+    ] {
+        let (head, body) = server.ask("GET", path, "");
+        assert!(
+            head.starts_with("HTTP/1.1 404") && body.is_empty(),
+            "{path}: {head}"
+        );
+    }
+    let (head, layout) = server.ask("GET", "/0/foxglove-layout.json", "");
+    assert!(head.starts_with("HTTP/1.1 200"), "{head}");
+    assert_eq!(layout, fs::read(run.join("foxglove-layout.json")).unwrap());
+}
+
+#[test]
+fn the_links_name_the_files_and_the_layout_of_each_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), &["--episodes", "12", "--arena", "grid"]);
+    let server = Served::new(&[run.to_str().unwrap()]);
+    let text = server.lines.concat();
+    assert!(text.contains("Episodes (the last 10 of 12)"), "{text}");
+    assert!(text.contains("The whole run\n"), "{text}");
+    let count = |what: &str| text.matches(what).count();
+    assert_eq!(
+        count("ds.url=http%3A%2F%2F127.0.0.1%3A"),
+        2 * (10 + 1),
+        "{text}"
+    );
+    assert_eq!(count("&layoutUrl=http%3A%2F%2F"), 2, "{text}");
+    assert_eq!(count("https://app.foxglove.dev/"), 2, "{text}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_server_ends_with_code_0_when_it_is_interrupted() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), &["--episodes", "1", "--arena", "grid"]);
+    let mut server = Served::new(&[run.to_str().unwrap()]);
+    let id = server.child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    assert_eq!(server.child.wait().unwrap().code(), Some(0));
+}
+
+/// A recording of an episode, and what is in it.
+fn recorded(folder: &Path) -> (PathBuf, Vec<u8>) {
+    let trial = Trial {
+        episodes: 1,
+        arena: "physics",
+        ..Trial::default()
+    };
+    let file = trial.record(folder).unwrap().files.swap_remove(0);
+    let bytes = fs::read(&file).unwrap();
+    (file, bytes)
+}
+
+fn said(recording: &Recording) -> Vec<(String, u64, Vec<u8>)> {
+    let messages = recording.messages().map(|message| message.unwrap());
+    messages
+        .map(|m| (m.topic().to_owned(), m.time_ns, m.data))
+        .collect()
+}
+
+#[test]
+fn a_sound_recording_is_recovered_without_loss_and_stays_sound() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let out = folder.path().join("out.mcap");
+    let recovery = recover(&file, &out, false).unwrap();
+    assert!(recovery.is_lossless(), "{recovery:?}");
+    let (old, new) = (
+        Recording::open(&file).unwrap(),
+        Recording::open(&out).unwrap(),
+    );
+    assert_eq!(said(&old), said(&new));
+    assert_eq!(old.attachments(), new.attachments());
+    assert_eq!(old.metadata("run"), new.metadata("run"));
+    assert_eq!(old.topics(), new.topics());
+    assert_eq!(bytes, fs::read(&file).unwrap(), "the input changed");
+}
+
+#[test]
+fn a_recording_cut_anywhere_gives_its_whole_records_and_says_what_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let whole = said(&Recording::open(&file).unwrap());
+    let (cut, out) = (
+        folder.path().join("cut.mcap.part"),
+        folder.path().join("out.mcap"),
+    );
+    let mut before = 0;
+    for part in 1..50 {
+        let length = bytes.len() * part / 50;
+        fs::write(&cut, &bytes[..length]).unwrap();
+        let recovery = recover(&cut, &out, true).unwrap();
+        let recording = Recording::open(&out).unwrap();
+        let saved = said(&recording);
+        assert!(
+            saved.len() >= before,
+            "{part}/50: {} after {before}",
+            saved.len()
+        );
+        assert_eq!(saved, whole[..saved.len()], "{part}/50");
+        assert_eq!(recovery.messages, saved.len() as u64);
+        let all = saved.len() == whole.len();
+        assert!(all || !recovery.is_lossless(), "{part}/50: {recovery:?}");
+        before = saved.len();
+    }
+    assert_eq!(before, whole.len(), "only the index was missing at 49/50");
+}
+
+#[test]
+fn a_flipped_bit_costs_at_most_its_chunk_and_is_never_called_lossless() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let (bad, out) = (
+        folder.path().join("bad.mcap"),
+        folder.path().join("out.mcap"),
+    );
+    let data_end = mcap::read::footer(&bytes).unwrap().summary_start as usize - 13;
+    for at in (8..data_end).step_by(211) {
+        let mut bytes = bytes.clone();
+        bytes[at] ^= 0x10;
+        fs::write(&bad, bytes).unwrap();
+        match recover(&bad, &out, true) {
+            Ok(recovery) => {
+                assert!(!recovery.is_lossless(), "bit at {at}: {recovery:?}");
+                Recording::open(&out).unwrap();
+            }
+            Err(error) => panic!("bit at {at} of {}: {error}", file.display()),
+        }
+    }
+}
+
+#[test]
+fn recover_never_touches_its_input_and_overwrites_only_by_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let name = file.to_str().unwrap();
+    for more in [&[][..], &["--force"]] {
+        let (code, _, stderr) = xcscr(&[&["recover", name, "-o", name], more].concat());
+        assert_eq!(code, Some(73), "{stderr}");
+    }
+    assert_eq!(bytes, fs::read(&file).unwrap());
+    let out = folder.path().join("out.mcap");
+    fs::write(&out, "mine").unwrap();
+    let out = out.to_str().unwrap();
+    let (code, _, stderr) = xcscr(&["recover", name, "-o", out]);
+    assert_eq!(code, Some(73), "{stderr}");
+    assert!(stderr.contains("--force"), "{stderr}");
+    assert_eq!(fs::read(out).unwrap(), b"mine");
+    let (code, stdout, stderr) = xcscr(&["recover", name, "-o", out, "--force"]);
+    assert_eq!((code, stdout.as_str()), (Some(0), ""), "{stderr}");
+    assert!(stderr.contains("nothing was lost"), "{stderr}");
+    fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+    let (code, _, stderr) = xcscr(&["recover", name, "-o", out, "--force"]);
+    assert_eq!(code, Some(3), "{stderr}");
+    assert!(
+        stderr.contains("lost ") && stderr.contains("from byte"),
+        "{stderr}"
+    );
+    fs::write(&file, "no recording").unwrap();
+    assert_eq!(xcscr(&["recover", name, "-o", out, "--force"]).0, Some(65));
+    assert_eq!(xcscr(&["recover", "no-such.mcap", "-o", out]).0, Some(66));
+    assert!(
+        !names(folder.path())
+            .iter()
+            .any(|name| name.ends_with(".recovering"))
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn recover_onto_a_full_disk_is_an_error_and_no_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, _) = recorded(folder.path());
+    let out = folder.path().join("out.mcap");
+    let aside = folder.path().join("out.mcap.recovering");
+    std::os::unix::fs::symlink("/dev/full", &aside).unwrap();
+    let error = recover(&file, &out, false).unwrap_err();
+    assert!(matches!(error, RecordError::Write { .. }), "{error}");
+    assert!(!out.exists() && !aside.exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_run_leaves_whole_episodes_and_parts_that_are_recovered() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
+    let args = [
+        "train",
+        "worlds/maze4.json",
+        "--quiet",
+        "--episodes",
+        "100000",
+        "--out",
+    ];
+    command
+        .args(args)
+        .arg(&run)
+        .current_dir(env!("CARGO_MANIFEST_DIR"));
+    let mut child = command.stdout(Stdio::null()).spawn().unwrap();
+    let tenth = run.join("ep-0010.mcap");
+    let begun = std::time::Instant::now();
+    while !tenth.exists() {
+        assert!(
+            begun.elapsed().as_secs() < 60,
+            "no tenth episode: {:?}",
+            names(&run)
+        );
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let names = names(&run);
+    let episodes: Vec<_> = names
+        .iter()
+        .filter(|n| n.starts_with("ep-") && n.ends_with(".mcap"))
+        .collect();
+    assert!(episodes.len() >= 10, "{names:?}");
+    for name in &episodes {
+        let found = xcscr::record::check(&run.join(name)).unwrap();
+        assert_eq!(found, [], "{name}");
+    }
+    let out = run.join("recovered.mcap");
+    recover(&run.join("run.mcap.part"), &out, false).unwrap();
+    let recording = Recording::open(&out).unwrap();
+    let told = said(&recording)
+        .iter()
+        .filter(|(topic, ..)| topic == "/episode")
+        .count();
+    // The file of an episode gets its name after the run's file was flushed, or right before.
+    assert!(
+        told.abs_diff(episodes.len()) <= 1,
+        "{told} episodes told, {} kept",
+        episodes.len()
+    );
+}
