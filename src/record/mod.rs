@@ -14,6 +14,7 @@ pub mod layout;
 mod log_file;
 mod mode;
 mod outbox;
+mod parse;
 pub mod reader;
 mod rebuild;
 mod recorder;

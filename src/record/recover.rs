@@ -6,13 +6,13 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use mcap::parse_record;
 use mcap::records::{AttachmentHeader, MessageHeader, Record};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError, McapResult, Summary};
 
 use super::error::RecordError;
 use super::log_file::{Sink, writer};
+use super::parse::parse_record;
 use super::reader::Recording;
 
 /// The opcode and the length before each record.

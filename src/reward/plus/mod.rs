@@ -97,7 +97,10 @@ impl Plus {
 
     /// Can this method, read from a file, stand for one that began as `fresh`?
     fn descends_from(&self, fresh: &Self) -> bool {
-        self.params == fresh.params && self.own == fresh.own && self.mind.descends_from(&fresh.mind)
+        (&self.params, &self.own) == (&fresh.params, &fresh.own)
+            && self.mind.descends_from(&fresh.mind)
+            && self.memory.is_sound()
+            && self.percept < self.memory.percepts().len().max(1)
     }
 
     /// Learns the last step, now that it is known what came after it.
