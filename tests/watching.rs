@@ -471,3 +471,19 @@ fn a_killed_run_leaves_whole_episodes_and_parts_that_are_recovered() {
         episodes.len()
     );
 }
+
+/// When the program changes what a run gives, make the sample anew: `cargo run -- train
+/// worlds/maze4.json --out RUN`, then copy `RUN/ep-0065.mcap` over it.
+#[test]
+fn the_sample_in_the_repository_is_sound_small_and_the_same_as_a_new_run() {
+    let sample = "recordings/sample-maze4.mcap";
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(sample);
+    assert!(fs::metadata(&path).unwrap().len() < 300_000);
+    assert_eq!(xcscr::record::check(&path).unwrap(), []);
+    let (code, stdout, stderr) = xcscr(&["replay", sample, "--verify"]);
+    assert_eq!(code, Some(0), "{stdout}{stderr}");
+    let shown = Recording::open(&path).unwrap();
+    let told = shown.messages().map(|message| message.unwrap());
+    let end = told.filter(|m| m.topic() == "/episode").last().unwrap();
+    assert_eq!(end.json().unwrap()["outcome"], "goal");
+}
