@@ -43,47 +43,59 @@ fn learner(maze: &Maze, population_size: u32, seed: u64) -> Box<dyn RewardMethod
     Method::Xcs.build(maze.action_count(), setup, seed)
 }
 
+/// What came of a run.
+#[derive(Default)]
+struct Tally {
+    steps: u64,
+    /// The steps of each exploit episode.
+    exploits: Vec<u32>,
+}
+
+/// `problems` times an explore and an exploit episode, each from a random cell.
+fn learn(maze: Maze, learner: &mut dyn RewardMethod, seed: u64, problems: u32) -> Tally {
+    let mut explorer = Explorer::new(1.0, Stream::new(seed, StreamName::Exploration));
+    let mut starts = Stream::new(seed, StreamName::Start);
+    let cells = maze.start_cells();
+    let mut arena = GridArena::new(maze);
+    let mut tally = Tally::default();
+    for number in 1..=2 * problems {
+        let explores = number % 2 == 1;
+        explorer.set_probability(f64::from(u8::from(explores)));
+        learner.begin(explores);
+        let start = cells[starts.below(cells.len())];
+        let (sensor, explorer) = (Sensor::Neighbours, &mut explorer);
+        let (episode, _) = episode::run(
+            number,
+            start,
+            &mut arena,
+            sensor,
+            learner,
+            explorer,
+            &mut (),
+        );
+        tally.steps += u64::from(episode.steps);
+        if !explores {
+            tally.exploits.push(episode.steps);
+        }
+    }
+    tally
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     // Cargo adds `--bench` to the arguments.
     let numbers = std::env::args().skip(1).filter(|arg| arg != "--bench");
     let numbers: Vec<u32> = numbers.map(|arg| arg.parse()).collect::<Result<_, _>>()?;
     let number = |at: usize, default| numbers.get(at).copied().unwrap_or(default);
     let (population_size, seed, problems) = (number(0, 2000), number(1, 1), number(2, 1000));
-
     let maze = Maze::load(Path::new(WORLD))?;
     let mut learner = learner(&maze, population_size, seed.into());
-    let mut explorer = Explorer::new(1.0, Stream::new(seed.into(), StreamName::Exploration));
-    let mut starts = Stream::new(seed.into(), StreamName::Start);
-    let cells = maze.start_cells();
-    let mut arena = GridArena::new(maze);
-    let (mut steps, mut exploit_steps) = (0_u64, Vec::new());
-    for problem in 1..=problems {
-        for explores in [true, false] {
-            explorer.set_probability(f64::from(u8::from(explores)));
-            learner.begin(explores);
-            let start = cells[starts.below(cells.len())];
-            let (sensor, learner) = (Sensor::Neighbours, &mut *learner);
-            let (episode, _) = episode::run(
-                problem,
-                start,
-                &mut arena,
-                sensor,
-                learner,
-                &mut explorer,
-                &mut (),
-            );
-            steps += u64::from(episode.steps);
-            if !explores {
-                exploit_steps.push(episode.steps);
-            }
-        }
-    }
-    let last = &exploit_steps[exploit_steps.len().saturating_sub(100)..];
+    let tally = learn(maze, &mut *learner, seed.into(), problems);
+    let last = &tally.exploits[tally.exploits.len().saturating_sub(100)..];
     let report = json!({
         "population_size": population_size,
         "seed": seed,
         "problems": problems,
-        "learning_steps": steps,
+        "learning_steps": tally.steps,
         "rules": learner.rule_count(),
         "exploit_steps_in_last_100": f64::from(last.iter().sum::<u32>()) / last.len() as f64,
     });

@@ -3,10 +3,12 @@
 use clap::{Parser, Subcommand};
 
 use crate::commands::check::CheckArgs;
+use crate::commands::config::ConfigCommand;
 use crate::commands::evaluate::EvaluateArgs;
 use crate::commands::map::MapArgs;
 use crate::commands::recover::RecoverArgs;
 use crate::commands::replay::ReplayArgs;
+use crate::commands::study::StudyCommand;
 use crate::commands::train::TrainArgs;
 use crate::commands::world::WorldCommand;
 
@@ -21,7 +23,8 @@ Exit codes:
   70  internal fault: please report it
   73  cannot create the output
   74  input or output error, such as a full disk
-  75  interrupted, and a valid checkpoint was left";
+  75  interrupted, and a valid checkpoint was left: go on with `train --resume`
+ 130  interrupted for the second time, and ended at once";
 
 /// A mobile robot in a physics-simulated maze learns readable rules (XCS and XCSCR), and every
 /// episode can be replayed in Foxglove.
@@ -46,6 +49,9 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Say what is wrong with recordings.
     Check(CheckArgs),
+    /// Run many trials, compare methods, and say what the data can decide.
+    #[command(subcommand)]
+    Study(StudyCommand),
     /// Make a whole recording of what can be read of a broken one.
     Recover(RecoverArgs),
     /// Draw the learned policy over the maze, or how it forms.
@@ -53,4 +59,12 @@ pub enum Command {
     /// Check, show and describe world files.
     #[command(subcommand)]
     World(WorldCommand),
+    /// Show all settings, and where each came from.
+    #[command(subcommand)]
+    Config(ConfigCommand),
+    /// Print completions for a shell, such as `source <(xcscr completions bash)`.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
 }

@@ -60,6 +60,7 @@
 pub mod signal;
 pub mod random;
 pub mod bounds;
+pub mod disk;
 pub mod world;
 pub mod arena;
 pub mod sensor;

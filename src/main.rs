@@ -12,9 +12,13 @@ use clap::Parser;
 
 use cli::Cli;
 use commands::failure::Failure;
+use commands::interrupt::ignore_file_size_signal;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    if let Err(error) = ignore_file_size_signal() {
+        return Failure::from(error).report();
+    }
     let outcome = catch_unwind(|| commands::run(cli, &mut std::io::stdout().lock()))
         .unwrap_or_else(|_| Err(Failure::internal()));
     match outcome {

@@ -32,7 +32,25 @@ pub enum StreamName {
 
 /// A stream of random numbers; its whole state can be saved and restored.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Pcg64")]
 pub struct Stream(Pcg64);
+
+/// A saved state from which no random numbers come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a stream of random numbers stands still")]
+pub struct StandsStill;
+
+impl TryFrom<Pcg64> for Stream {
+    type Error = StandsStill;
+
+    /// No seed leads to a generator that gives one number for ever, but a damaged file may.
+    fn try_from(generator: Pcg64) -> Result<Self, StandsStill> {
+        let mut ahead = generator.clone();
+        let first = ahead.next_u64();
+        let moves = (0..8).any(|_| ahead.next_u64() != first);
+        moves.then_some(Self(generator)).ok_or(StandsStill)
+    }
+}
 
 impl Stream {
     /// The stream called `name` under the root `seed`.
@@ -91,6 +109,14 @@ impl Stream {
     }
 }
 
+/// The root seed of replicate `number` of a study: below 2^53, so that every reader of JSON or
+/// CSV takes it exactly.
+pub fn replicate_seed(root: u64, number: u64) -> u64 {
+    let mut state = root;
+    let mut state = splitmix64(&mut state).wrapping_add(number);
+    splitmix64(&mut state) >> 11
+}
+
 /// The next word of the SplitMix64 sequence (Steele, Lea and Flood 2014).
 fn splitmix64(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -130,6 +156,17 @@ mod tests {
             mean.abs() < 0.02 && (variance - 1.0).abs() < 0.02,
             "{mean} {variance}"
         );
+    }
+
+    #[test]
+    fn replicates_of_neighbouring_roots_share_no_seed() {
+        let mut seeds: Vec<u64> = (0..50)
+            .flat_map(|root| (1..=200).map(move |number| replicate_seed(root, number)))
+            .collect();
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!(seeds.len(), 10_000);
+        assert!(seeds.iter().all(|seed| *seed < 1 << 53));
     }
 
     #[test]

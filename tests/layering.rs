@@ -4,10 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Who may import what, in the order in which `lib.rs` lists the modules.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("signal", &[]),
     ("random", &[]),
     ("bounds", &[]),
+    ("disk", &[]),
     ("world", &["signal", "random"]),
     ("arena", &["signal", "random", "bounds", "world"]),
     ("sensor", &["signal", "world", "arena"]),
@@ -22,13 +23,14 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     (
         "record",
         &[
-            "signal", "bounds", "world", "arena", "sensor", "xcs", "reward", "episode",
+            "signal", "bounds", "disk", "world", "arena", "sensor", "xcs", "reward", "episode",
         ],
     ),
     (
         "study",
         &[
-            "signal", "random", "bounds", "world", "arena", "sensor", "xcs", "reward", "episode",
+            "signal", "random", "bounds", "disk", "world", "arena", "sensor", "xcs", "reward",
+            "episode",
         ],
     ),
 ];

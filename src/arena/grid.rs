@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, Isometry2, UnitComplex};
 
-use super::{Arena, Contact, Outcome, Sample, View};
+use super::{Arena, Contact, Lasting, Outcome, Sample, View};
 use crate::signal::Action;
 use crate::world::{Cell, Direction, Maze};
 
@@ -80,6 +80,17 @@ impl Arena for GridArena {
             trace: &self.trace,
             contacts: &self.contacts,
         }
+    }
+
+    fn lasting(&self) -> Lasting {
+        Lasting {
+            time_ns: self.trace[1].time_ns,
+            noise: None,
+        }
+    }
+
+    fn continue_from(&mut self, lasting: &Lasting) {
+        self.trace[1].time_ns = lasting.time_ns;
     }
 }
 

@@ -8,10 +8,12 @@ mod grid;
 mod physics;
 
 use nalgebra::{Isometry2, Point2, Vector2};
+use serde::{Deserialize, Serialize};
 
 pub use grid::GridArena;
 pub use physics::{PhysicsArena, PhysicsError, PhysicsParams, Snapshot};
 
+use crate::random::Stream;
 use crate::signal::Action;
 use crate::world::{Cell, Maze};
 
@@ -78,6 +80,15 @@ impl View<'_> {
     }
 }
 
+/// What outlasts an episode: everything else a reset makes anew.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lasting {
+    /// Simulation time since the trial began, in nanoseconds.
+    pub time_ns: u64,
+    /// The noise to come; `None` where there is none.
+    pub noise: Option<Stream>,
+}
+
 /// A maze with a robot in it. The clock runs on over all episodes of a trial.
 pub trait Arena {
     /// Puts the robot at rest into the middle of `start`, a free cell.
@@ -88,4 +99,10 @@ pub trait Arena {
 
     /// What can be seen now.
     fn view(&self) -> View<'_>;
+
+    /// What the next reset will not undo.
+    fn lasting(&self) -> Lasting;
+
+    /// Continues where another arena of the same maze and settings was; a reset must follow.
+    fn continue_from(&mut self, lasting: &Lasting);
 }

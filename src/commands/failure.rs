@@ -29,6 +29,8 @@ pub enum Exit {
     CannotCreate = 73,
     /// Input or output error.
     Io = 74,
+    /// Interrupted, and a valid checkpoint was left.
+    Interrupted = 75,
 }
 
 /// An exit code, and the message for it.
@@ -46,6 +48,11 @@ impl Failure {
             exit,
             message: message.into(),
         }
+    }
+
+    /// The same failure with one more thing to say.
+    pub fn and(self, more: &str) -> Self {
+        Self::new(self.exit, format!("{}; {more}", self.message))
     }
 
     /// The failure after a panic, whose own message is already on stderr.
@@ -122,10 +129,14 @@ impl From<RunFolderError> for Failure {
     fn from(error: RunFolderError) -> Self {
         let exit = match error {
             RunFolderError::World(error) => return error.into(),
-            RunFolderError::Exists(_) | RunFolderError::Create { .. } => Exit::CannotCreate,
-            RunFolderError::Missing(_) => Exit::Missing,
-            RunFolderError::Damaged { .. } => Exit::BadData,
-            RunFolderError::Io { .. } => Exit::Io,
+            RunFolderError::Exists(_)
+            | RunFolderError::Foreign(_)
+            | RunFolderError::Interrupted(_)
+            | RunFolderError::InUse { .. }
+            | RunFolderError::Create { .. } => Exit::CannotCreate,
+            RunFolderError::Missing(_) | RunFolderError::NothingToResume(_) => Exit::Missing,
+            RunFolderError::Damaged { .. } | RunFolderError::Checkpoint { .. } => Exit::BadData,
+            RunFolderError::Io { .. } | RunFolderError::Write { .. } => Exit::Io,
         };
         Self::new(exit, error.to_string())
     }

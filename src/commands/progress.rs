@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use xcscr::episode::{Ending, Episode, Learned, Observer};
+use xcscr::study;
 
 const TEMPLATE: &str = "{bar:30} episode {pos}/{len}, {msg}, {eta} left";
 
@@ -24,6 +25,14 @@ impl Progress {
         let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
         let bar = ProgressBar::with_draw_target(Some(episodes.into()), target).with_style(style);
         Self { bar, best: None }
+    }
+
+    /// The bar of a trial that has come so far.
+    pub fn after(mut self, progress: &study::Progress) -> Self {
+        self.bar.set_position(progress.episodes.into());
+        self.bar.reset_eta();
+        self.best = progress.best_steps;
+        self
     }
 }
 

@@ -12,14 +12,21 @@ use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
-use super::progress::Progress;
+use super::session::Session;
 use super::train_report::TrainReport;
+
+/// What is settled once a run has begun.
+const CHOICES: [&str; 11] = [
+    "world", "method", "arena", "sensor", "episodes", "seed", "out", "force", "config", "set",
+    "record",
+];
 
 /// Arguments of `train`.
 #[derive(Debug, clap::Args)]
 pub struct TrainArgs {
     /// The world file, such as worlds/maze4.json.
-    world: PathBuf,
+    #[arg(required_unless_present = "resume")]
+    world: Option<PathBuf>,
     /// The reward method.
     #[arg(long, default_value = "xcscr", value_parser = choices::method())]
     method: Method,
@@ -41,6 +48,10 @@ pub struct TrainArgs {
     /// Replace the folder of an earlier run.
     #[arg(long)]
     force: bool,
+    /// Go on with the run in this folder, which was interrupted; it gives the same bytes as one
+    /// that never was.
+    #[arg(long, value_name = "DIR", conflicts_with_all = CHOICES)]
+    resume: Option<PathBuf>,
     #[command(flatten)]
     settings: SettingsArgs,
     /// Which episodes to keep: all, best, last, every:N or none.
@@ -55,7 +66,7 @@ pub struct TrainArgs {
 }
 
 impl TrainArgs {
-    fn plan(&self) -> Result<Plan, Failure> {
+    fn plan(&self, world: &Path) -> Result<Plan, Failure> {
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: self.method,
@@ -65,22 +76,25 @@ impl TrainArgs {
             seed: self.seed,
             settings: self.settings.resolve(&Settings::default())?.settings,
         };
-        let maze = Maze::load(&self.world)?;
+        let maze = Maze::load(world)?;
         Ok(Plan { maze, config })
     }
 }
 
 /// Trains, records, saves and reports.
 pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let plan = args.plan()?;
-    let mut trial = Trial::new(plan.clone())?;
-    let default = || PathBuf::from("recordings").join(plan.folder_name());
-    let folder = RunFolder::create(&args.out.clone().unwrap_or_else(default), args.force)?;
-    folder.save_plan(&plan)?;
-    let recorder = recorder(folder.path(), &plan, args.record)?;
-    let progress = Progress::new(args.episodes, args.quiet);
-    let recording = train(&mut trial, recorder, progress)?;
-    folder.save_knowledge(&trial.method().knowledge())?;
+    let session = match (&args.world, &args.resume) {
+        (Some(world), _) => begin(args, world)?,
+        // As a run names its folder itself, without a slash at the end.
+        (None, folder) => {
+            let folder: PathBuf = folder.iter().flat_map(|path| path.components()).collect();
+            match Session::resume(&folder, args.quiet)? {
+                Ok(session) => session,
+                Err(finished) => return say_finished(&finished, args.json, out),
+            }
+        }
+    };
+    let (trial, folder, recording) = session.run()?;
     let report = TrainReport::new(&trial, folder.path());
     if args.json {
         return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?);
@@ -88,10 +102,39 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     report.print(&trial, &recording, out)
 }
 
+fn begin(args: &TrainArgs, world: &Path) -> Result<Session, Failure> {
+    let plan = args.plan(world)?;
+    let default = || PathBuf::from("recordings").join(plan.folder_name());
+    let path = args.out.clone().unwrap_or_else(default);
+    let trial = Trial::new(plan)?;
+    let folder = RunFolder::create(&path, args.force)?;
+    Session::begin(folder, trial, args.record, args.quiet)
+}
+
+/// There is nothing left to do, which is a success.
+fn say_finished(folder: &RunFolder, json: bool, out: &mut impl Write) -> Result<(), Failure> {
+    let episodes = folder.plan()?.config.episodes;
+    let run_dir = folder.path().display().to_string();
+    if json {
+        let said =
+            serde_json::json!({ "run_dir": run_dir, "finished": true, "episodes": episodes });
+        return Ok(writeln!(out, "{said:#}")?);
+    }
+    Ok(writeln!(
+        out,
+        "{run_dir} is finished: all {episodes} episodes were run before"
+    )?)
+}
+
 /// A recorder for a run of this plan, into `folder`.
 pub fn recorder(folder: &Path, plan: &Plan, mode: RecordMode) -> Result<Recorder, Failure> {
+    Ok(Recorder::create(folder, &plan.maze, run_info(plan)?, mode)?)
+}
+
+/// What the recordings of a run say about it.
+pub fn run_info(plan: &Plan) -> Result<RunInfo, Failure> {
     let config = &plan.config;
-    let info = RunInfo {
+    Ok(RunInfo {
         world_json: plan.maze.to_json(),
         config_json: serde_json::to_string(config)?,
         seed: config.seed,
@@ -100,8 +143,7 @@ pub fn recorder(folder: &Path, plan: &Plan, mode: RecordMode) -> Result<Recorder
         sensor: config.sensor,
         episodes: config.episodes,
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
-    };
-    Ok(Recorder::create(folder, &plan.maze, info, mode)?)
+    })
 }
 
 /// Runs a trial to its end while it is recorded and watched.

@@ -11,6 +11,7 @@ use mcap::{Attachment, Compression, McapError, McapResult, WriteOptions, Writer}
 
 use super::channels::Topic;
 use super::error::RecordError;
+use crate::disk;
 
 /// Uncompressed size at which a chunk is closed, in bytes.
 const CHUNK_BYTES: u64 = 512 * 1024;
@@ -39,6 +40,8 @@ pub(super) struct LogFile<W: Write> {
     writer: Sink<W>,
     /// By [`Topic`]: the channel, if this file has one.
     channels: [Option<u16>; Topic::ALL.len()],
+    /// Messages written so far.
+    messages: u64,
 }
 
 impl<W: Write> LogFile<W> {
@@ -48,6 +51,7 @@ impl<W: Write> LogFile<W> {
         Ok(Self {
             writer,
             channels: [None; Topic::ALL.len()],
+            messages: 0,
         })
     }
 
@@ -80,7 +84,13 @@ impl<W: Write> LogFile<W> {
             log_time: time_ns,
             publish_time: time_ns,
         };
+        self.messages += 1;
         self.writer.write_to_known_channel(&header, encoded)
+    }
+
+    /// Messages written so far.
+    pub fn messages(&self) -> u64 {
+        self.messages
     }
 
     /// Attaches a JSON text.
@@ -117,6 +127,8 @@ impl<W: Write> LogFile<W> {
 /// A [`LogFile`] on the disk, called `NAME.part` until it is finished.
 pub(super) struct OpenFile {
     log: LogFile<BufWriter<File>>,
+    /// The same file once more, to bring it to the disk while it is written.
+    disk: File,
     path: PathBuf,
     part: PathBuf,
 }
@@ -124,17 +136,46 @@ pub(super) struct OpenFile {
 impl OpenFile {
     /// Creates `folder/name.part`, in place of an older one.
     pub fn create(folder: &Path, name: &str) -> Result<Self, RecordError> {
-        let part = folder.join(format!("{name}.part"));
-        let file = File::create(&part).map_err(|cause| RecordError::Create {
+        Self::create_as(folder, name, "part")
+    }
+
+    /// The same with another extension than `part`.
+    pub fn create_as(folder: &Path, name: &str, extension: &str) -> Result<Self, RecordError> {
+        let path = folder.join(name);
+        let part = folder.join(format!("{name}.{extension}"));
+        let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
+        let (disk, file) = created.map_err(|cause| RecordError::Create {
             path: part.clone(),
             cause,
         })?;
         let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file));
         Ok(Self {
             log: log.map_err(|cause| write_error(&part, &cause))?,
-            path: folder.join(name),
+            disk,
+            path,
             part,
         })
+    }
+
+    /// Brings to the disk what was flushed so far.
+    pub fn sync(&self) -> Result<(), RecordError> {
+        let synced = self.disk.sync_data();
+        synced.map_err(|cause| write_error(&self.part, &McapError::Io(cause)))
+    }
+
+    /// Takes the place of `folder/name.part`.
+    pub fn become_part(&mut self) -> Result<(), RecordError> {
+        self.sync()?;
+        let part = disk::part(&self.path);
+        disk::rename(&self.part, &part)
+            .map_err(|cause| write_error(&self.part, &McapError::Io(cause)))?;
+        self.part = part;
+        Ok(())
+    }
+
+    /// Messages written so far.
+    pub fn messages(&self) -> u64 {
+        self.log.messages()
     }
 
     /// Does something to the stream; an error names the file.
@@ -148,7 +189,9 @@ impl OpenFile {
     /// Finishes the file, brings it safely to the disk and gives it its name. Returns the path
     /// and the size in bytes.
     pub fn finish(self) -> Result<(PathBuf, u64), RecordError> {
-        let Self { log, path, part } = self;
+        let Self {
+            log, path, part, ..
+        } = self;
         let saved = log.finish().and_then(|sink| {
             let file = sink
                 .into_inner()

@@ -126,7 +126,7 @@ impl Recording {
             .with_prevalidate_chunk_crcs(true)
             .with_validate_data_section_crc(true)
             .with_validate_summary_section_crc(true)
-            .with_record_length_limit(bytes.len().max(1 << 30));
+            .with_record_length_limit(longest_record(bytes.len() as u64));
         let mut reader = LinearReader::new_with_options(options);
         let mut rest = bytes;
         while let Some(event) = reader.next_event() {
@@ -233,4 +233,11 @@ impl Recording {
     pub(super) fn summary(&self) -> &Summary {
         &self.summary
     }
+}
+
+/// The longest record that is believed in a file of this many bytes: damaged lengths must not
+/// make a small file fill the memory.
+pub(super) fn longest_record(bytes: u64) -> usize {
+    let most = bytes.saturating_mul(10).saturating_add(64 << 20);
+    usize::try_from(most).unwrap_or(usize::MAX)
 }

@@ -4,16 +4,21 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::channels::Topic;
+use super::channels::curve::Curve;
 use super::error::RecordError;
 use super::info::RunInfo;
 use super::layout;
 use super::log_file::OpenFile;
 use super::mode::RecordMode;
 use super::outbox::Outbox;
+use super::rebuild;
 use super::scribe::Scribe;
 use crate::arena::View;
-use crate::episode::{Ending, Episode, Learned, Observer, Step};
+use crate::disk;
+use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
 use crate::reward::RewardMethod;
 use crate::world::Maze;
 
@@ -40,12 +45,38 @@ pub struct Recorder {
     layout: String,
     scribe: Scribe,
     outbox: Outbox,
-    /// The files that are whole, with their sizes in bytes.
-    kept: Vec<(PathBuf, u64)>,
+    /// The episodes whose files are kept, with their sizes in bytes.
+    kept: Vec<(u32, u64)>,
     /// Steps of the episode that is the best so far.
     best: Option<u32>,
     clock_ns: u64,
     error: Option<RecordError>,
+}
+
+/// What a recorder keeps between two episodes, beside the files on the disk.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecorderMemory {
+    mode: RecordMode,
+    /// Messages in `run.mcap`.
+    messages: u64,
+    kept: Vec<(u32, u64)>,
+    best: Option<u32>,
+    clock_ns: u64,
+    scribe: (Curve, bool),
+}
+
+impl RecorderMemory {
+    /// Before anything was recorded.
+    pub fn new(mode: RecordMode) -> Self {
+        Self {
+            mode,
+            messages: 0,
+            kept: Vec::new(),
+            best: None,
+            clock_ns: 0,
+            scribe: (Curve::default(), false),
+        }
+    }
 }
 
 /// What a recorder leaves behind.
@@ -69,7 +100,55 @@ impl Recorder {
         info: RunInfo,
         mode: RecordMode,
     ) -> Result<Self, RecordError> {
-        let mut recorder = Self {
+        let mut recorder = Self::new(folder, maze, info, mode);
+        if mode != RecordMode::None {
+            recorder.lay_out(maze)?;
+            recorder.outbox.run = Some(recorder.open_run(maze, "part")?);
+        }
+        Ok(recorder)
+    }
+
+    /// Goes on where a recorder was of which this is the memory; `learned` is what the episodes
+    /// before taught. What `run.mcap.part` holds beyond them is given up, because the episodes
+    /// after them will be run again.
+    ///
+    /// # Errors
+    /// When `run.mcap.part` is missing, damaged or too short, or a file cannot be made.
+    pub fn resume(
+        folder: &Path,
+        maze: &Maze,
+        info: RunInfo,
+        memory: RecorderMemory,
+        learned: PolicyMap,
+    ) -> Result<Self, RecordError> {
+        if memory.mode == RecordMode::None || memory.messages == 0 {
+            return Self::create(folder, maze, info, memory.mode);
+        }
+        let mut recorder = Self::new(folder, maze, info, memory.mode);
+        recorder.lay_out(maze)?;
+        recorder.outbox.run = Some(recorder.rebuilt_run(maze, memory.messages)?);
+        recorder.scribe.resume(memory.scribe, learned);
+        recorder.kept = memory.kept;
+        recorder.best = memory.best;
+        recorder.clock_ns = memory.clock_ns;
+        Ok(recorder)
+    }
+
+    /// `run.mcap.part` with its first `messages` messages only. When the run was stopped on its
+    /// last steps, it may have its final name already.
+    fn rebuilt_run(&self, maze: &Maze, messages: u64) -> Result<OpenFile, RecordError> {
+        let whole = self.folder.join(RUN_FILE);
+        let part = disk::part(&whole);
+        let source = if part.exists() { part } else { whole };
+        // Aside, so that nothing is lost if this is stopped, too.
+        let mut run = self.open_run(maze, "again")?;
+        rebuild::copy(&source, messages, &mut run)?;
+        run.become_part()?;
+        Ok(run)
+    }
+
+    fn new(folder: &Path, maze: &Maze, info: RunInfo, mode: RecordMode) -> Self {
+        Self {
             folder: folder.to_owned(),
             mode,
             world: maze.name().to_owned(),
@@ -81,11 +160,28 @@ impl Recorder {
             best: None,
             clock_ns: 0,
             error: None,
-        };
-        if mode != RecordMode::None {
-            recorder.open_run(maze)?;
         }
-        Ok(recorder)
+    }
+
+    /// What is needed to go on after the last episode; brings the files of all episodes so far
+    /// safely to the disk.
+    ///
+    /// # Errors
+    /// The first error of the whole recording.
+    pub fn memory(&mut self) -> Result<RecorderMemory, RecordError> {
+        if let Some(error) = self.error.take() {
+            return Err(error);
+        }
+        let run = self.outbox.run.as_ref();
+        run.map_or(Ok(()), OpenFile::sync)?;
+        Ok(RecorderMemory {
+            mode: self.mode,
+            messages: run.map_or(0, OpenFile::messages),
+            kept: self.kept.clone(),
+            best: self.best,
+            clock_ns: self.clock_ns,
+            scribe: self.scribe.memory(),
+        })
     }
 
     /// Finishes `run.mcap` with the rules that `method` ended with.
@@ -96,43 +192,51 @@ impl Recorder {
         if let Some(error) = self.error.take() {
             return Err(error);
         }
+        let kept = std::mem::take(&mut self.kept).into_iter();
+        let mut files: Vec<_> = kept
+            .map(|(episode, bytes)| (self.folder.join(episode_file(episode)), bytes))
+            .collect();
         if let Some(mut run) = self.outbox.run.take() {
             let rules = rules_json(method);
             run.with(|log| log.attach("rules.json", self.clock_ns, &rules))?;
-            self.kept.push(run.finish()?);
+            files.push(run.finish()?);
         }
         Ok(RecordSummary {
-            bytes: self.kept.iter().map(|(_, bytes)| bytes).sum(),
-            files: self.kept.into_iter().map(|(path, _)| path).collect(),
+            bytes: files.iter().map(|(_, bytes)| bytes).sum(),
+            files: files.into_iter().map(|(path, _)| path).collect(),
         })
     }
 
-    fn open_run(&mut self, maze: &Maze) -> Result<(), RecordError> {
-        let layout = layout::of_run(maze);
+    /// Makes the folder and lays both layouts into it.
+    fn lay_out(&self, maze: &Maze) -> Result<(), RecordError> {
         fs::create_dir_all(&self.folder).map_err(|cause| RecordError::Create {
             path: self.folder.clone(),
             cause,
         })?;
         for (name, text) in [
             ("foxglove-layout.json", &self.layout),
-            ("foxglove-layout-run.json", &layout),
+            ("foxglove-layout-run.json", &layout::of_run(maze)),
         ] {
             let path = self.folder.join(name);
-            fs::write(&path, text).map_err(|cause| RecordError::Create { path, cause })?;
+            disk::replace(&path, text.as_bytes())
+                .map_err(|cause| RecordError::Create { path, cause })?;
         }
-        self.outbox.run = Some(self.open(RUN_FILE, None, &layout, &Topic::OF_RUN)?);
         Ok(())
     }
 
+    fn open_run(&self, maze: &Maze, extension: &str) -> Result<OpenFile, RecordError> {
+        let file = OpenFile::create_as(&self.folder, RUN_FILE, extension)?;
+        self.introduce(file, None, &layout::of_run(maze), &Topic::OF_RUN)
+    }
+
     /// Begins a file with the facts of the run and its topics.
-    fn open(
+    fn introduce(
         &self,
-        name: &str,
+        mut file: OpenFile,
         episode: Option<u32>,
         layout: &str,
         topics: &[Topic],
     ) -> Result<OpenFile, RecordError> {
-        let mut file = OpenFile::create(&self.folder, name)?;
         file.with(|log| {
             log.metadata("run", self.info.metadata(&self.world, self.mode, episode))?;
             log.attach("world.json", self.clock_ns, &self.info.world_json)?;
@@ -148,8 +252,8 @@ impl Recorder {
     fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), RecordError> {
         self.clock_ns = view.now().time_ns;
         if self.mode.wants(episode) {
-            let name = format!("ep-{episode:04}.mcap");
-            let file = self.open(&name, Some(episode), &self.layout, &Topic::ALL)?;
+            let file = OpenFile::create(&self.folder, &episode_file(episode))?;
+            let file = self.introduce(file, Some(episode), &self.layout, &Topic::ALL)?;
             self.outbox.episode = Some(file);
         }
         self.scribe.began(&mut self.outbox, episode, view)
@@ -183,17 +287,19 @@ impl Recorder {
             let rules = rules_json(method);
             file.with(|log| log.attach("rules.json", self.clock_ns, &rules))?;
         }
-        let whole = file.finish()?;
+        let (_, bytes) = file.finish()?;
         if matches!(self.mode, RecordMode::Best | RecordMode::Last) {
             self.drop_kept()?;
         }
-        self.kept.push(whole);
+        self.kept.push((episode.episode, bytes));
         Ok(())
     }
 
     fn drop_kept(&mut self) -> Result<(), RecordError> {
-        for (path, _) in self.kept.drain(..) {
-            fs::remove_file(&path).map_err(|cause| RecordError::Write {
+        for (episode, _) in std::mem::take(&mut self.kept) {
+            let path = self.folder.join(episode_file(episode));
+            // It is gone already when this episode is run for the second time.
+            disk::remove(&path).map_err(|cause| RecordError::Write {
                 path,
                 cause: cause.to_string(),
             })?;
@@ -225,6 +331,10 @@ impl Observer for Recorder {
             None => ControlFlow::Continue(()),
         }
     }
+}
+
+fn episode_file(episode: u32) -> String {
+    format!("ep-{episode:04}.mcap")
 }
 
 /// What a learner knows, as the text of `rules.json`.

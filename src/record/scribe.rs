@@ -51,6 +51,19 @@ impl Scribe {
         }
     }
 
+    /// The learning curve so far, and whether the policy was globally optimal.
+    pub fn memory(&self) -> (Curve, bool) {
+        (self.curve.clone(), self.was_optimal)
+    }
+
+    /// Goes on after episodes of which this is the memory; `policy` is what they taught.
+    pub fn resume(&mut self, (curve, was_optimal): (Curve, bool), policy: PolicyMap) {
+        self.curve = curve.restored();
+        self.was_optimal = was_optimal;
+        self.policy = Some(policy);
+        self.maze_shown = true;
+    }
+
     /// An episode begins: everything that a viewer needs to draw its first picture.
     pub fn began(
         &mut self,

@@ -1,6 +1,9 @@
 //! XCS adapted to robots (Williams et al.): one reward at the end, shared out along \[R\].
 
+use serde::{Deserialize, Serialize};
+
 use super::knowledge::Knowledge;
+use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::{Params, Sharing};
@@ -11,11 +14,12 @@ use crate::xcs::{PredictionArray, Xcs};
 
 /// The methods `adapted-even` and `adapted-discounted`: every \[A\] of an episode waits in \[R\]
 /// for its share of the long-term reward (Eq. 7 with 8 or 9).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Adapted {
     mind: Mind,
     params: Params,
     sharing: Sharing,
+    #[serde(skip)]
     stack: RewardStack,
     /// Length of the shortest success so far; `usize::MAX` before the first.
     shortest: usize,
@@ -31,6 +35,13 @@ impl Adapted {
             stack: RewardStack::default(),
             shortest: usize::MAX,
         }
+    }
+
+    /// Can this method, read from a file, stand for one that began as `fresh`?
+    pub(super) fn descends_from(&self, fresh: &Self) -> bool {
+        self.params == fresh.params
+            && self.sharing == fresh.sharing
+            && self.mind.descends_from(&fresh.mind)
     }
 }
 
@@ -80,5 +91,14 @@ impl RewardMethod for Adapted {
 
     fn rule_count(&self) -> usize {
         self.mind.xcs.population().len()
+    }
+
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        Ok(Box::new(method))
     }
 }

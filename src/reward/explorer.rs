@@ -20,6 +20,11 @@ impl Explorer {
         }
     }
 
+    /// Can this explorer, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        self.probability == fresh.probability
+    }
+
     /// From now on explores with this probability.
     pub fn set_probability(&mut self, probability: f64) {
         self.probability = probability;

@@ -1,6 +1,7 @@
 //! What a learner knows, and a learner that only uses it.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +40,29 @@ impl Knowledge {
         }
     }
 
+    /// Accepts what is known when it is about percepts of `width` bits and `actions` actions.
+    ///
+    /// # Errors
+    /// The first rule or row that is not.
+    pub fn check(&self, width: usize, actions: usize) -> Result<(), Misfit> {
+        match self {
+            Self::Rules(population) => population.rules().iter().try_for_each(|rule| {
+                let action = rule.action.index();
+                Misfit::check(
+                    &rule.condition,
+                    rule.condition.width(),
+                    width,
+                    action,
+                    actions,
+                )
+            }),
+            Self::Table(table) => table.iter().try_for_each(|(percept, row)| {
+                let last = row.len().saturating_sub(1);
+                Misfit::check(percept, percept.width(), width, last, actions)
+            }),
+        }
+    }
+
     /// The number of rules, or of pairs in the table.
     pub fn len(&self) -> usize {
         match self {
@@ -53,8 +77,64 @@ impl Knowledge {
     }
 }
 
+/// Knowledge of another world.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Misfit {
+    /// A rule looks at percepts of another width.
+    #[error("rule {rule} looks at {width} bits, but percepts in this world have {wanted}")]
+    Width {
+        /// Its condition.
+        rule: String,
+        /// The width of the condition.
+        width: usize,
+        /// The width of percepts.
+        wanted: usize,
+    },
+    /// A rule advocates an action that is no move.
+    #[error(
+        "rule {rule} advocates action {action}, but this world has only {actions} moves, counted from 0"
+    )]
+    Action {
+        /// Its condition.
+        rule: String,
+        /// The action.
+        action: usize,
+        /// How many there are.
+        actions: usize,
+    },
+}
+
+impl Misfit {
+    fn check(
+        rule: &dyn fmt::Display,
+        width: usize,
+        wanted: usize,
+        action: usize,
+        actions: usize,
+    ) -> Result<(), Self> {
+        let rule = || rule.to_string();
+        if width != wanted {
+            let rule = rule();
+            return Err(Self::Width {
+                rule,
+                width,
+                wanted,
+            });
+        }
+        if action >= actions {
+            let rule = rule();
+            return Err(Self::Action {
+                rule,
+                action,
+                actions,
+            });
+        }
+        Ok(())
+    }
+}
+
 /// A method that no longer learns: it acts on what is known and changes nothing.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Frozen {
     knowledge: Knowledge,
     actions: usize,

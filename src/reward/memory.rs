@@ -1,181 +1,33 @@
-//! Remembered transitions: what followed each pair of percept and action, and how often.
+//! What a method keeps from one episode to the next, as bytes.
 
-use std::collections::BTreeMap;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
-use crate::random::Stream;
-use crate::signal::{Action, MAX_ACTIONS, Percept};
-
-/// One step, after it is known what came of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Transition {
-    pub percept: Percept,
-    pub action: Action,
-    pub reward: f64,
-    /// What was perceived afterwards; `None` at a goal.
-    pub next: Option<Percept>,
+/// Why a learner cannot go on from what was saved.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum MemoryError {
+    /// The bytes do not make a learner.
+    #[error("the learner cannot be read: {0}")]
+    Unreadable(String),
+    /// They make a learner, but one that the settings rule out.
+    #[error("the learner was made with other settings")]
+    Foreign,
 }
 
-/// What followed a pair: the reward, the number of the next percept (`None` at a goal), and how
-/// often that was seen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Outcome {
-    pub reward: f64,
-    pub next: Option<usize>,
-    pub count: u32,
+/// The memory of a method.
+pub(super) fn of(method: &impl Serialize) -> Vec<u8> {
+    postcard::to_allocvec(method).expect("a learner is plain data and a vector has room")
 }
 
-/// Everything that followed one pair.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Outcomes(Vec<Outcome>);
-
-impl Outcomes {
-    /// How often the pair was tried.
-    pub fn tries(&self) -> u32 {
-        self.0.iter().map(|outcome| outcome.count).sum()
+/// The method whose memory this is, if it could come of the settings.
+pub(super) fn recall<T: DeserializeOwned>(
+    saved: &[u8],
+    belongs: impl FnOnce(&T) -> bool,
+) -> Result<T, MemoryError> {
+    let (method, rest) = postcard::take_from_bytes(saved)
+        .map_err(|fault| MemoryError::Unreadable(fault.to_string()))?;
+    if !rest.is_empty() {
+        return Err(MemoryError::Unreadable("it is too long".to_owned()));
     }
-
-    /// The mean of `value` over all outcomes, each by its frequency; 0 for an untried pair.
-    pub fn mean(&self, value: impl Fn(&Outcome) -> f64) -> f64 {
-        let sum: f64 = self.0.iter().map(|o| f64::from(o.count) * value(o)).sum();
-        sum / f64::from(self.tries().max(1))
-    }
-
-    /// Counts an outcome; true unless it is one more of what always happened.
-    fn count(&mut self, reward: f64, next: Option<usize>) -> bool {
-        let known = self
-            .0
-            .iter_mut()
-            .find(|o| o.reward == reward && o.next == next);
-        if let Some(outcome) = known {
-            outcome.count += 1;
-            return self.0.len() > 1;
-        }
-        self.0.push(Outcome {
-            reward,
-            next,
-            count: 1,
-        });
-        true
-    }
-
-    /// One of the outcomes, each as likely as it was seen to be.
-    fn draw(&self, stream: &mut Stream) -> Option<Outcome> {
-        let mut left = stream.below(self.tries().max(1) as usize);
-        let stops = |outcome: &&Outcome| {
-            let found = left < outcome.count as usize;
-            left = left.saturating_sub(outcome.count as usize);
-            found
-        };
-        self.0.iter().find(stops).copied()
-    }
-}
-
-/// All percepts that were met, numbered in the order of meeting, and what followed their pairs.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Memory {
-    numbers: BTreeMap<Percept, usize>,
-    percepts: Vec<Percept>,
-    pairs: Vec<[Outcomes; MAX_ACTIONS]>,
-    /// The pairs in the order in which they were first tried.
-    tried: Vec<(usize, Action)>,
-}
-
-impl Memory {
-    /// The number of a percept, which is met now if it never was.
-    pub fn meet(&mut self, percept: &Percept) -> usize {
-        let next = self.percepts.len();
-        let number = *self.numbers.entry(*percept).or_insert(next);
-        if number == next {
-            self.percepts.push(*percept);
-            self.pairs.push(Default::default());
-        }
-        number
-    }
-
-    /// The percepts that were met, by number.
-    pub fn percepts(&self) -> &[Percept] {
-        &self.percepts
-    }
-
-    /// What followed a pair.
-    pub fn outcomes(&self, percept: usize, action: Action) -> &Outcomes {
-        &self.pairs[percept][action.index()]
-    }
-
-    /// The pairs in the order in which they were first tried.
-    pub fn tried(&self) -> &[(usize, Action)] {
-        &self.tried
-    }
-
-    /// Remembers a transition; true if a plan over what is known may change, where a pair is
-    /// known that was tried `known_after` times.
-    pub fn learn(&mut self, step: &Transition, known_after: u32) -> bool {
-        let met = self.percepts.len();
-        let percept = self.meet(&step.percept);
-        let next = step.next.map(|next| self.meet(&next));
-        let outcomes = &mut self.pairs[percept][step.action.index()];
-        let news = outcomes.count(step.reward, next);
-        if outcomes.tries() == 1 {
-            self.tried.push((percept, step.action));
-        }
-        news || outcomes.tries() <= known_after || self.percepts.len() > met
-    }
-
-    /// A remembered transition: any tried pair, each with the same chance, and one of its
-    /// outcomes by frequency.
-    pub fn recall(&self, stream: &mut Stream) -> Option<Transition> {
-        let &(percept, action) = stream.choose(&self.tried)?;
-        let Outcome { reward, next, .. } = self.outcomes(percept, action).draw(stream)?;
-        Some(Transition {
-            percept: self.percepts[percept],
-            action,
-            reward,
-            next: next.map(|number| self.percepts[number]),
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::random::StreamName;
-
-    fn step(from: &str, reward: f64, to: Option<&str>) -> Transition {
-        Transition {
-            percept: from.parse().unwrap(),
-            action: Action::new(0).unwrap(),
-            reward,
-            next: to.map(|bits| bits.parse().unwrap()),
-        }
-    }
-
-    #[test]
-    fn outcomes_count_by_their_frequency() {
-        let mut memory = Memory::default();
-        for reward in [-1.0, -1.0, -1.0, -50.0] {
-            memory.learn(&step("00", reward, Some("01")), 1);
-        }
-        let outcomes = memory.outcomes(0, Action::new(0).unwrap());
-        assert_eq!(outcomes.tries(), 4);
-        assert_eq!(outcomes.mean(|o| o.reward), -13.25);
-        let mut stream = Stream::new(1, StreamName::Replay);
-        let bumps = (0..1000).filter(|_| memory.recall(&mut stream).unwrap().reward == -50.0);
-        assert!((200..300).contains(&bumps.count()));
-    }
-
-    #[test]
-    fn one_more_of_what_always_happened_is_no_news() {
-        let mut memory = Memory::default();
-        assert!(memory.learn(&step("00", -1.0, Some("01")), 1));
-        assert!(!memory.learn(&step("00", -1.0, Some("01")), 1));
-        assert!(memory.learn(&step("00", -1.0, None), 1), "another outcome");
-        assert!(memory.learn(&step("00", -1.0, None), 1), "the odds changed");
-        assert!(
-            memory.learn(&step("01", -1.0, None), 2) && memory.learn(&step("01", -1.0, None), 2)
-        );
-        assert!(
-            !memory.learn(&step("01", -1.0, None), 2),
-            "known after two tries"
-        );
-    }
+    Some(method).filter(belongs).ok_or(MemoryError::Foreign)
 }

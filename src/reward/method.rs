@@ -2,6 +2,7 @@
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
+use super::memory::MemoryError;
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
 use crate::xcs::PredictionArray;
@@ -69,4 +70,20 @@ pub trait RewardMethod {
 
     /// Macro-classifiers in \[P\], or stored pairs of a tabular method.
     fn rule_count(&self) -> usize;
+
+    /// All that the method keeps from one episode to the next, for [`restored`](Self::restored);
+    /// nothing by default.
+    fn memory(&self) -> Vec<u8> {
+        Vec::new()
+    }
+
+    /// The method that goes on as the one whose [`memory`](Self::memory) this is. `self` must have
+    /// been made with the same settings.
+    ///
+    /// # Errors
+    /// When the memory is that of another method or of other settings, or is damaged; by default, always.
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let _ = saved;
+        Err(MemoryError::Foreign)
+    }
 }

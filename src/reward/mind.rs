@@ -1,13 +1,16 @@
 //! XCS in the middle of a step: what all its reward methods share.
 
+use serde::{Deserialize, Serialize};
+
 use super::method::StepCredit;
 use crate::signal::{Action, Percept};
 use crate::xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
 
 /// A learner together with the match set that it is deciding on.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Mind {
     pub xcs: Xcs,
+    #[serde(skip)]
     match_set: MatchSet,
 }
 
@@ -17,6 +20,11 @@ impl Mind {
             xcs,
             match_set: MatchSet::default(),
         }
+    }
+
+    /// Can this mind, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        self.xcs.descends_from(&fresh.xcs)
     }
 
     /// Forms \[M\] and predicts.

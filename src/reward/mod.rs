@@ -16,11 +16,13 @@ mod plus;
 mod stack;
 mod standard;
 mod tabular;
+mod transitions;
 
 pub use adapted::Adapted;
 pub use combined::Combined;
 pub use explorer::Explorer;
-pub use knowledge::{Frozen, Knowledge};
+pub use knowledge::{Frozen, Knowledge, Misfit};
+pub use memory::MemoryError;
 pub use method::{EndCredit, RewardMethod, StepCredit};
 pub use params::{Params, Sharing};
 pub use plus::{Plus, PlusParams};

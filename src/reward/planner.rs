@@ -1,6 +1,8 @@
 //! Value iteration over what is remembered.
 
-use super::memory::Memory;
+use serde::{Deserialize, Serialize};
+
+use super::transitions::Transitions;
 use crate::signal::{Action, MAX_ACTIONS};
 
 /// Value iteration ends when no value changes by more than this, in units of reward ...
@@ -9,7 +11,7 @@ const PRECISION: f64 = 1e-9;
 const MOST_SWEEPS: u32 = 1_000;
 
 /// The value of each action, by the number of the percept.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Values(Vec<[f64; MAX_ACTIONS]>);
 
 impl Values {
@@ -21,7 +23,7 @@ impl Values {
 
 /// How values are planned: pairs that were tried `known_after` times by what followed them, all
 /// others by what is believed of them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Planner {
     pub actions: usize,
     pub known_after: u32,
@@ -33,7 +35,7 @@ impl Planner {
     /// values to begin with, from which it does not take as long.
     pub fn plan(
         &self,
-        memory: &Memory,
+        memory: &Transitions,
         belief: impl Fn(usize, Action) -> f64,
         before: Values,
     ) -> Values {
@@ -60,7 +62,7 @@ impl Planner {
     }
 
     /// Updates every known pair once (Bellman's equation); gives the greatest change.
-    fn sweep(&self, memory: &Memory, known: &[(usize, Action)], values: &mut Values) -> f64 {
+    fn sweep(&self, memory: &Transitions, known: &[(usize, Action)], values: &mut Values) -> f64 {
         let mut change: f64 = 0.0;
         for &(percept, action) in known {
             let outcomes = memory.outcomes(percept, action);

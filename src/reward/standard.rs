@@ -1,6 +1,9 @@
 //! Standard XCS: the reward travels back one step at a time, as in Q-learning.
 
+use serde::{Deserialize, Serialize};
+
 use super::knowledge::Knowledge;
+use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::Params;
@@ -12,12 +15,14 @@ use crate::xcs::{ActionSet, PredictionArray, Xcs};
 /// worth of the present percept; the last \[A\] of an episode with its reward alone.
 ///
 /// The step limit counts as an end without a reward (the paper: r_l is 0 if the task fails).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Standard {
     mind: Mind,
     params: Params,
     /// The greatest worth of the present percept.
+    #[serde(skip)]
     greatest: f64,
+    #[serde(skip)]
     previous: Option<(ActionSet, f64)>,
 }
 
@@ -30,6 +35,11 @@ impl Standard {
             greatest: 0.0,
             previous: None,
         }
+    }
+
+    /// Can this method, read from a file, stand for one that began as `fresh`?
+    pub(super) fn descends_from(&self, fresh: &Self) -> bool {
+        self.params == fresh.params && self.mind.descends_from(&fresh.mind)
     }
 
     fn learn(&mut self, set: &ActionSet, payoff: f64) {
@@ -86,5 +96,14 @@ impl RewardMethod for Standard {
 
     fn rule_count(&self) -> usize {
         self.mind.xcs.population().len()
+    }
+
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        Ok(Box::new(method))
     }
 }

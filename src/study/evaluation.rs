@@ -43,10 +43,11 @@ impl Evaluation {
     /// follows from `knowledge`. Ties are broken by chance.
     ///
     /// # Errors
-    /// When the plan cannot be run.
+    /// When the plan cannot be run, or the knowledge is that of another world.
     pub fn run(plan: &Plan, knowledge: &Knowledge, episodes: u32) -> Result<Self, PlanError> {
         plan.check()?;
         let Plan { maze, config } = plan;
+        knowledge.check(config.sensor.width(maze), maze.action_count())?;
         let paths = Paths::new(maze);
         let mut arena = config.build_arena(maze)?;
         let limit = config.settings.reward.step_threshold;

@@ -6,7 +6,7 @@ use super::settings::Settings;
 use crate::arena::{Arena, GridArena, PhysicsArena, PhysicsError};
 use crate::bounds::{OutOfRange, within};
 use crate::random::{Stream, StreamName};
-use crate::reward::{Method, RewardMethod, Setup};
+use crate::reward::{Method, Misfit, RewardMethod, Setup};
 use crate::sensor::Sensor;
 use crate::world::Maze;
 
@@ -134,6 +134,9 @@ pub enum PlanError {
     /// A setting lies outside of its range.
     #[error(transparent)]
     Setting(#[from] OutOfRange),
+    /// The knowledge is about another world.
+    #[error(transparent)]
+    Knowledge(#[from] Misfit),
     /// The physics arena refuses the world.
     #[error(transparent)]
     Physics(#[from] PhysicsError),

@@ -147,7 +147,7 @@ fn value_of(text: &str) -> Value {
 }
 
 /// Tables within tables as one list with full names.
-fn flatten(table: Table) -> Vec<(String, Value)> {
+pub(super) fn flatten(table: Table) -> Vec<(String, Value)> {
     let mut flat = Vec::new();
     for (key, value) in table {
         match value {
@@ -170,7 +170,7 @@ fn overlay(
 ) -> Result<(), SettingsError> {
     let Some((present, _)) = values.get(&key) else {
         return Err(SettingsError::Unknown {
-            suggestion: similar(&key, values.keys()),
+            suggestion: similar(&key, values.keys().map(String::as_str)),
             key,
             origin: origin.clone(),
         });
@@ -201,10 +201,10 @@ fn kind(value: &Value) -> &'static str {
 }
 
 /// The most similar of the known keys, if one is similar at all.
-fn similar<'a>(key: &str, known: impl Iterator<Item = &'a String>) -> Option<String> {
+pub(super) fn similar<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     let ranked = known.map(|name| (strsim::jaro_winkler(key, name), name));
     let best = ranked.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 > 0.8).then(|| best.1.clone())
+    (best.0 > 0.8).then(|| best.1.to_owned())
 }
 
 /// The settings that the values make, each in its range.
@@ -247,7 +247,10 @@ fn checked(values: &BTreeMap<String, (Value, Origin)>) -> Result<Settings, Setti
 /// What may stand in a place, from the parser's words for what must not.
 fn allowed(fault: &str) -> String {
     let expected = fault.split_once("expected ").map(|(_, expected)| expected);
-    expected.unwrap_or(fault).trim().to_owned()
+    match expected.unwrap_or(fault).trim() {
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0".to_owned(),
+        allowed => allowed.to_owned(),
+    }
 }
 
 #[cfg(test)]

@@ -1,12 +1,19 @@
 //! The folder that a run leaves behind.
 
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::checkpoint::{CheckpointError, seal, unseal};
+use super::lock::{FolderLock, LOCK, LockError};
 use super::plan::{Config, Plan};
+use super::run_folder_error::RunFolderError;
+use crate::disk;
 use crate::reward::Knowledge;
-use crate::world::{Maze, WorldError};
+use crate::world::Maze;
 
 /// The world, as the run used it.
 const WORLD: &str = "world.json";
@@ -14,83 +21,112 @@ const WORLD: &str = "world.json";
 const CONFIG: &str = "config.json";
 /// What was learned.
 const RULES: &str = "rules.json";
+/// The run as it was a moment ago, while it lasts.
+const CHECKPOINT: &str = "checkpoint";
+/// What recordings leave beside numbered episodes.
+const RECORDINGS: [&str; 3] = [
+    "run.mcap",
+    "foxglove-layout.json",
+    "foxglove-layout-run.json",
+];
 
-/// Why a run folder cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum RunFolderError {
-    /// There is a run already.
-    #[error("{0} exists: choose another folder with `--out`, or replace it with `--force`")]
-    Exists(PathBuf),
-    /// A file of the run is missing.
-    #[error("{0} is missing: is {parent} the folder of a finished run?", parent = .0.parent().unwrap_or(.0).display())]
-    Missing(PathBuf),
-    /// A file of the run holds something else.
-    #[error("{path} is damaged: {fault}")]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        fault: String,
-    },
-    /// The world of the run is no good.
-    #[error(transparent)]
-    World(#[from] WorldError),
-    /// A file cannot be made.
-    #[error("cannot create {path}: {cause}")]
-    Create {
-        /// The file or folder.
-        path: PathBuf,
-        /// Why.
-        cause: io::Error,
-    },
-    /// A file cannot be read or written.
-    #[error("{path}: {cause}")]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        cause: io::Error,
-    },
-}
-
-/// A folder with the files of one run: `world.json`, `config.json`, `rules.json`, recordings.
-#[derive(Debug, Clone)]
+/// A folder with the files of one run: `world.json`, `config.json`, `rules.json`, recordings, and
+/// a checkpoint while the run lasts.
+#[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
+    /// Held by whoever writes.
+    _lock: Option<FolderLock>,
+}
+
+/// What a folder holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Holds {
+    /// Nothing, or what a run leaves that was killed before it had begun.
+    Nothing,
+    /// A run with a checkpoint.
+    Interrupted,
+    /// A run without one.
+    Run,
+    /// Something else.
+    Foreign,
 }
 
 impl RunFolder {
-    /// Makes the folder of a new run. One that exists is replaced only if `force` is set, and only
-    /// if it is empty or holds a run.
+    /// Makes the folder of a new run, and locks it. A run that is there already is replaced only
+    /// if `force` is set; then its files are removed, and nothing else.
     ///
     /// # Errors
-    /// [`RunFolderError::Exists`], or an error of the file system.
+    /// When the folder holds something, is in use, or cannot be made.
     pub fn create(path: &Path, force: bool) -> Result<Self, RunFolderError> {
-        let is_empty = |path: &Path| path.read_dir().is_ok_and(|mut dir| dir.next().is_none());
-        if path.exists() && !is_empty(path) {
-            if !force || !path.join(CONFIG).is_file() {
-                return Err(RunFolderError::Exists(path.to_owned()));
-            }
-            let create = |cause| RunFolderError::Create {
-                path: path.to_owned(),
-                cause,
-            };
-            fs::remove_dir_all(path).map_err(create)?;
+        // Without a lock yet, so that nothing is left in a folder that is none of ours. Another
+        // process may be about to begin there: then it has the lock.
+        if holds(path) == Holds::Foreign && !path.join(LOCK).exists() {
+            return Err(RunFolderError::Foreign(path.to_owned()));
         }
-        let create = |cause| RunFolderError::Create {
+        fs::create_dir_all(path).map_err(|cause| RunFolderError::Create {
             path: path.to_owned(),
             cause,
-        };
-        fs::create_dir_all(path).map_err(create)?;
+        })?;
+        let folder = Self::locked(path)?;
+        match holds(path) {
+            Holds::Foreign => Err(RunFolderError::Foreign(path.to_owned())),
+            Holds::Interrupted if !force => Err(RunFolderError::Interrupted(path.to_owned())),
+            Holds::Run if !force => Err(RunFolderError::Exists(path.to_owned())),
+            Holds::Run | Holds::Interrupted => folder.clear().map(|()| folder),
+            Holds::Nothing => Ok(folder),
+        }
+    }
+
+    /// Locks the folder of a run that is to go on, or that turns out to be finished.
+    ///
+    /// # Errors
+    /// When there is no run, or another process works on it.
+    pub fn resume(path: &Path) -> Result<Self, RunFolderError> {
+        match holds(path) {
+            Holds::Interrupted | Holds::Run => Self::locked(path),
+            _ => Err(RunFolderError::NothingToResume(path.to_owned())),
+        }
+    }
+
+    fn locked(path: &Path) -> Result<Self, RunFolderError> {
+        let lock = FolderLock::acquire(path).map_err(|error| match error {
+            LockError::File(path, cause) => RunFolderError::Create { path, cause },
+            LockError::Held(pid) => RunFolderError::InUse {
+                folder: path.to_owned(),
+                pid,
+            },
+        })?;
         Ok(Self {
             path: path.to_owned(),
+            _lock: Some(lock),
         })
     }
 
-    /// The folder of a run that exists.
+    /// Removes the files of the run, those last by which a folder is known as that of a run.
+    fn clear(&self) -> Result<(), RunFolderError> {
+        let entries = self.path.read_dir().and_then(Iterator::collect);
+        let entries: Vec<fs::DirEntry> = entries.map_err(|cause| RunFolderError::Io {
+            path: self.path.clone(),
+            cause,
+        })?;
+        let names = entries.iter().map(fs::DirEntry::file_name);
+        let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
+        names.retain(|name| is_of_a_run(name) && name != CONFIG && name != CHECKPOINT);
+        names.extend([CHECKPOINT.to_owned(), CONFIG.to_owned()]);
+        names.iter().try_for_each(|name| self.remove(name))
+    }
+
+    fn remove(&self, name: &str) -> Result<(), RunFolderError> {
+        let path = self.path.join(name);
+        disk::remove(&path).map_err(|cause| RunFolderError::Write { path, cause })
+    }
+
+    /// The folder of a run that exists, to be read.
     pub fn open(path: &Path) -> Self {
         Self {
             path: path.to_owned(),
+            _lock: None,
         }
     }
 
@@ -104,8 +140,8 @@ impl RunFolder {
     /// # Errors
     /// An error of the file system.
     pub fn save_plan(&self, plan: &Plan) -> Result<(), RunFolderError> {
-        self.write(WORLD, &plan.maze.to_json())?;
-        self.write(CONFIG, &to_json(&plan.config))
+        self.write(WORLD, plan.maze.to_json().as_bytes())?;
+        self.write(CONFIG, to_json(&plan.config).as_bytes())
     }
 
     /// The plan of the run.
@@ -125,7 +161,7 @@ impl RunFolder {
     /// # Errors
     /// An error of the file system.
     pub fn save_knowledge(&self, knowledge: &Knowledge) -> Result<(), RunFolderError> {
-        self.write(RULES, &to_json(knowledge))
+        self.write(RULES, to_json(knowledge).as_bytes())
     }
 
     /// What was learned.
@@ -134,6 +170,48 @@ impl RunFolder {
     /// When the file is missing, damaged or unreadable.
     pub fn knowledge(&self) -> Result<Knowledge, RunFolderError> {
         self.read(RULES)
+    }
+
+    /// Saves where the run is, in place of an earlier checkpoint.
+    ///
+    /// # Errors
+    /// An error of the file system; the earlier checkpoint is kept.
+    pub fn save_checkpoint(&self, state: &impl Serialize) -> Result<(), RunFolderError> {
+        self.write(CHECKPOINT, &seal(state))
+    }
+
+    /// Where the run was; `None` when it is finished.
+    ///
+    /// # Errors
+    /// When the checkpoint cannot be read, or is damaged, or of another version.
+    pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Option<T>, RunFolderError> {
+        let path = self.path.join(CHECKPOINT);
+        if !path.is_file() && self.path.join(RULES).is_file() {
+            return Ok(None);
+        }
+        let bytes = fs::read(&path).map_err(|cause| match cause.kind() {
+            io::ErrorKind::NotFound => RunFolderError::NothingToResume(self.path.clone()),
+            _ => RunFolderError::Io {
+                path: path.clone(),
+                cause,
+            },
+        })?;
+        let state = unseal(&bytes).map_err(|fault| self.bad_checkpoint(fault))?;
+        Ok(Some(state))
+    }
+
+    /// That the checkpoint is of no use, for this reason.
+    pub fn bad_checkpoint(&self, fault: CheckpointError) -> RunFolderError {
+        let path = self.path.join(CHECKPOINT);
+        RunFolderError::Checkpoint { path, fault }
+    }
+
+    /// Ends the run: without a checkpoint it is finished.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn remove_checkpoint(&self) -> Result<(), RunFolderError> {
+        self.remove(CHECKPOINT)
     }
 
     fn existing(&self, name: &str) -> Result<PathBuf, RunFolderError> {
@@ -145,7 +223,7 @@ impl RunFolder {
         }
     }
 
-    fn read<T: serde::de::DeserializeOwned>(&self, name: &str) -> Result<T, RunFolderError> {
+    fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunFolderError> {
         let path = self.existing(name)?;
         let text = fs::read(&path).map_err(|cause| RunFolderError::Io { path, cause })?;
         serde_json::from_slice(&text).map_err(|fault| self.damaged(name, &fault))
@@ -158,21 +236,75 @@ impl RunFolder {
         }
     }
 
-    /// Writes a file so that it is there either whole or not at all.
-    fn write(&self, name: &str, text: &str) -> Result<(), RunFolderError> {
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RunFolderError> {
         let path = self.path.join(name);
-        let part = self.path.join(format!("{name}.part"));
-        let written = File::create(&part).and_then(|mut file| {
-            file.write_all(text.as_bytes())?;
-            file.sync_all()?;
-            fs::rename(&part, &path)
-        });
-        written.map_err(|cause| RunFolderError::Io { path, cause })
+        disk::replace(&path, bytes).map_err(|cause| RunFolderError::Write { path, cause })
     }
 }
 
-fn to_json(value: &impl serde::Serialize) -> String {
+/// What is in a folder, which need not exist.
+fn holds(path: &Path) -> Holds {
+    let entries = path.read_dir().into_iter().flatten().flatten();
+    let mut names: Vec<_> = entries.map(|entry| entry.file_name()).collect();
+    let has = |name: &str| names.iter().any(|one| one == name);
+    if has(CHECKPOINT) {
+        return Holds::Interrupted;
+    }
+    if has(CONFIG) {
+        return Holds::Run;
+    }
+    // What is there before the first checkpoint.
+    let part = disk::part(Path::new(CHECKPOINT));
+    names.retain(|name| name != LOCK && name != part.as_os_str());
+    match names.is_empty() {
+        true => Holds::Nothing,
+        false => Holds::Foreign,
+    }
+}
+
+/// Is this one of the names that runs give to files?
+fn is_of_a_run(name: &str) -> bool {
+    let whole = name.strip_suffix(".part").unwrap_or(name);
+    let number = whole
+        .strip_prefix("ep-")
+        .and_then(|rest| rest.strip_suffix(".mcap"));
+    let is_number = |text: &str| text.len() >= 4 && text.bytes().all(|b| b.is_ascii_digit());
+    number.is_some_and(is_number)
+        || [WORLD, CONFIG, RULES, CHECKPOINT].contains(&whole)
+        || RECORDINGS.contains(&whole)
+        || whole == "run.mcap.again"
+}
+
+fn to_json(value: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(value).expect("plain data becomes JSON");
     text.push('\n');
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_names_that_runs_give_are_those_of_a_run() {
+        for name in [
+            "ep-0001.mcap",
+            "ep-123456.mcap.part",
+            "run.mcap",
+            "rules.json",
+            "checkpoint",
+        ] {
+            assert!(is_of_a_run(name), "{name}");
+        }
+        for name in [
+            "ep-1.mcap",
+            "ep-best.mcap",
+            "notes.txt",
+            "ep-0001.mcap.bak",
+            "run",
+            "ep-.mcap",
+        ] {
+            assert!(!is_of_a_run(name), "{name}");
+        }
+    }
 }

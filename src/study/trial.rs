@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::{Plan, PlanError};
+use super::checkpoint::{Checkpoint, CheckpointError};
+use super::plan::{Config, Plan, PlanError};
 use crate::arena::Arena;
 use crate::episode::{self, Episode, Observer, PolicyMap};
 use crate::random::{Stream, StreamName};
@@ -30,6 +31,17 @@ pub struct Progress {
     pub optimal: bool,
     /// The fewest steps of an episode that reached a goal.
     pub best_steps: Option<u32>,
+}
+
+/// More simulated time than any trial takes: 36 years, in nanoseconds.
+const LONGEST_NS: u64 = 1 << 60;
+
+impl Progress {
+    /// Can a trial of these choices have come so far?
+    fn is_possible(&self, config: &Config) -> bool {
+        let most = u64::from(self.episodes) * u64::from(config.settings.reward.step_threshold);
+        self.episodes <= config.episodes && self.steps <= most && self.collisions <= self.steps
+    }
 }
 
 /// A trial in progress: run it episode by episode, or all at once.
@@ -66,6 +78,55 @@ impl Trial {
         })
     }
 
+    /// The trial as it is between two episodes.
+    pub fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
+            config: self.plan.config.clone(),
+            world: self.plan.maze.to_json(),
+            progress: self.progress.clone(),
+            method: self.method.memory(),
+            arena: self.arena.lasting(),
+            explorer: self.explorer.clone(),
+            starts: self.starts.clone(),
+        }
+    }
+
+    /// The trial that a checkpoint was made of. It goes on as that one did, to the bit.
+    ///
+    /// # Errors
+    /// When the checkpoint contradicts itself.
+    pub fn resume(saved: &Checkpoint) -> Result<Self, CheckpointError> {
+        let mut trial = Self::new(saved.plan()?)?;
+        let Plan { maze, config } = &trial.plan;
+        trial.method = trial.method.restored(&saved.method)?;
+        let contradiction = |what: &str| CheckpointError::Content(what.to_owned());
+        let width = config.sensor.width(maze);
+        trial
+            .method
+            .knowledge()
+            .check(width, maze.action_count())
+            .map_err(|misfit| CheckpointError::Content(misfit.to_string()))?;
+        if !saved.progress.is_possible(config) || saved.arena.time_ns > LONGEST_NS {
+            return Err(contradiction("it counts more than can have happened"));
+        }
+        let alternates = config.settings.episode.alternate;
+        if !alternates && !saved.explorer.descends_from(&trial.explorer) {
+            return Err(contradiction(
+                "it explores in another way than its settings say",
+            ));
+        }
+        trial.arena.continue_from(&saved.arena);
+        trial.explorer = saved.explorer.clone();
+        trial.starts = saved.starts.clone();
+        trial.progress = saved.progress.clone();
+        Ok(trial)
+    }
+
+    /// Is every episode done?
+    pub fn is_finished(&self) -> bool {
+        self.progress.episodes >= self.plan.config.episodes
+    }
+
     /// Runs the next episode. `Break` means that an observer wants the trial to end.
     pub fn run_episode(&mut self, observer: &mut dyn Observer) -> (Episode, ControlFlow<()>) {
         let start = self.next_start();
@@ -86,7 +147,7 @@ impl Trial {
 
     /// Runs all episodes that are left, until an observer wants the trial to end.
     pub fn run(&mut self, observer: &mut dyn Observer) -> ControlFlow<()> {
-        while self.progress.episodes < self.plan.config.episodes {
+        while !self.is_finished() {
             self.run_episode(observer).1?;
         }
         ControlFlow::Continue(())

@@ -10,6 +10,9 @@ use super::sets::{ActionSet, MatchSet};
 use crate::random::Stream;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
 
+/// More steps than any learner lives to see; counters up to here leave room for arithmetic.
+const MOST_STEPS: u64 = 1 << 40;
+
 /// XCS: a population and the procedures that cover, predict, update and evolve it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Xcs {
@@ -48,6 +51,19 @@ impl Xcs {
         self.population
             .delete_surplus(&self.params, &mut self.stream);
         self
+    }
+
+    /// Can this learner, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let known = |rule: &Classifier| {
+            let age = rule.time_stamp.max(rule.experience);
+            rule.action.index() < self.actions && age <= MOST_STEPS
+        };
+        self.params == fresh.params
+            && self.actions == fresh.actions
+            && self.time <= MOST_STEPS
+            && self.population.micro() <= self.params.population_size
+            && self.population.rules().iter().all(known)
     }
 
     /// \[P\].
@@ -152,7 +168,9 @@ impl Xcs {
             .map(|(_, rule)| rule.numerosity)
             .sum();
         let params = &self.params;
-        let share = |rule: &Classifier| rule.accuracy(params) * f64::from(rule.numerosity);
+        // With extreme settings all accuracies are 0; then all rules count alike.
+        let accuracy = |rule: &Classifier| rule.accuracy(params).max(f64::MIN_POSITIVE);
+        let share = |rule: &Classifier| accuracy(rule) * f64::from(rule.numerosity);
         let mut total = 0.0;
         for &id in &set.members {
             let Some(rule) = self.population.get_mut(id) else {
@@ -170,7 +188,8 @@ impl Xcs {
         // without numerosities and with a wrong sign).
         for &id in &set.members {
             self.population.modify(id, |rule| {
-                rule.fitness += beta * (share(rule) / total - rule.fitness)
+                rule.fitness += beta * (share(rule) / total - rule.fitness);
+                rule.fitness = rule.fitness.max(f64::MIN_POSITIVE);
             });
         }
         if self.params.action_set_subsumption {
@@ -203,7 +222,7 @@ impl Xcs {
 
     /// Runs the GA in the niche of \[A\] when its rules have waited long enough (RUN GA).
     pub fn evolve(&mut self, set: &ActionSet) {
-        if !(self.params.ga && self.evolves) || !self.is_due(set) {
+        if !(self.params.ga && self.evolves && self.is_due(set)) {
             return;
         }
         for &id in &set.members {

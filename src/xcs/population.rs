@@ -195,7 +195,7 @@ fn fault_of(rule: &Classifier, width: usize) -> Option<&'static str> {
         Some("has numerosity 0, but must have at least 1")
     } else if !figures.iter().all(|figure| figure.is_finite()) {
         Some("has a figure that is not finite")
-    } else if rule.fitness <= 0.0 || rule.error < 0.0 || rule.set_size < 0.0 {
+    } else if rule.fitness < 0.0 || rule.error < 0.0 || rule.set_size < 0.0 {
         Some("has a fitness, error or set size below its range")
     } else {
         None

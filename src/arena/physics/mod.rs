@@ -36,7 +36,7 @@ use self::noise::Noise;
 use self::robot::{Command, Motion, Wheels};
 use self::simulation::{Simulation, State, eastward};
 use self::walls::Block;
-use super::{Arena, Contact, Outcome, Sample, View};
+use super::{Arena, Contact, Lasting, Outcome, Sample, View};
 use crate::random::Stream;
 use crate::signal::Action;
 use crate::world::{Cell, Direction, Maze, Moves};
@@ -48,7 +48,7 @@ const STEP_S: f64 = 0.05;
 /// Solver iterations per step; each is a substep of the motion.
 const SOLVER_ITERATIONS: usize = 2;
 /// The largest number of wall blocks; the engine needs about a kilobyte for each.
-const MAX_BLOCKS: usize = 65_536;
+const MAX_BLOCKS: usize = 262_144;
 
 /// A robot in a maze, simulated at 20 Hz. Same maze, settings and noise: same bits.
 pub struct PhysicsArena {
@@ -240,6 +240,21 @@ impl Arena for PhysicsArena {
             trace: &self.trace,
             contacts: self.hits.contacts(),
         }
+    }
+
+    fn lasting(&self) -> Lasting {
+        Lasting {
+            time_ns: self.time_ns(),
+            noise: Some(self.noise.stream.clone()),
+        }
+    }
+
+    fn continue_from(&mut self, lasting: &Lasting) {
+        self.steps = lasting.time_ns / STEP_NS;
+        if let Some(stream) = &lasting.noise {
+            self.noise.stream = stream.clone();
+        }
+        self.begin_trace();
     }
 }
 

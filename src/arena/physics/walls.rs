@@ -34,7 +34,10 @@ pub(super) fn merge(
         .map(|i| is_wall(i % width, i / width))
         .collect();
     let mut blocks = Vec::new();
-    while let Some(first) = open.iter().position(|&wall| wall) {
+    for first in 0..open.len() {
+        if !open[first] {
+            continue;
+        }
         let block = grow(&open, width, first);
         for (col, row) in block.cells() {
             open[row * width + col] = false;

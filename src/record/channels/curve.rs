@@ -1,7 +1,7 @@
 //! `/curve`: the learning curve up to here, so that a single episode's file can show it.
 
 use foxglove::Schema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::schema::{Kind, object};
 use crate::episode::Episode;
@@ -10,7 +10,7 @@ use crate::episode::Episode;
 const MOST: usize = 512;
 
 /// Steps and collisions of the episodes so far.
-#[derive(Debug, Default, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(in crate::record) struct Curve {
     episode: Vec<u32>,
     steps: Vec<u32>,
@@ -21,6 +21,16 @@ pub(in crate::record) struct Curve {
 }
 
 impl Curve {
+    /// The curve that was saved, whose stride shows in its first two points.
+    pub fn restored(mut self) -> Self {
+        let stride = match self.episode[..] {
+            [first, second, ..] => second.saturating_sub(first),
+            _ => 1,
+        };
+        self.stride = stride.clamp(1, 1 << 20);
+        self
+    }
+
     /// Adds an episode.
     pub fn push(&mut self, episode: &Episode) {
         self.stride = self.stride.max(1);

@@ -1,5 +1,7 @@
 //! The imprinting mechanism (Alg. 2 to 4).
 
+use serde::{Deserialize, Serialize};
+
 use crate::random::Stream;
 use crate::reward::params::Params;
 use crate::reward::stack::Shares;
@@ -10,7 +12,7 @@ use crate::xcs::Xcs;
 pub(super) type Policy = Vec<(Percept, Action)>;
 
 /// Keeps the best executed policies, and decides when one of them is rehearsed.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Imprinting {
     on: bool,
     theta_x: f64,
@@ -27,6 +29,12 @@ impl Imprinting {
             policies: Vec::new(),
             stream,
         }
+    }
+
+    /// Can this mechanism, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        (self.on, self.theta_x) == (fresh.on, fresh.theta_x)
+            && self.policies.iter().all(|policy| !policy.is_empty())
     }
 
     /// Alg. 2: a success updates \[PS\]; a failure names, with probability 1 - theta_x, one of its

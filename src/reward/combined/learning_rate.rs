@@ -1,9 +1,11 @@
 //! The learning-rate switching mechanism (paper, section III-C).
 
+use serde::{Deserialize, Serialize};
+
 use crate::reward::params::Params;
 
 /// Chooses the rate with which the end of an episode is learned.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct LearningRate {
     success: f64,
     failure: f64,

@@ -11,12 +11,15 @@ mod learning_rate;
 mod short_term_filter;
 mod step_threshold;
 
+use serde::{Deserialize, Serialize};
+
 use imprinting::Imprinting;
 use learning_rate::LearningRate;
 use short_term_filter::ShortTermFilter;
 use step_threshold::StepThreshold;
 
 use super::knowledge::Knowledge;
+use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::Params;
@@ -27,10 +30,11 @@ use crate::signal::{Action, Percept};
 use crate::xcs::{PredictionArray, Xcs};
 
 /// The method `xcscr` (paper, section III and figure 1.c).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Combined {
     mind: Mind,
     params: Params,
+    #[serde(skip)]
     stack: RewardStack,
     /// Length of the shortest success so far; `usize::MAX` before the first.
     shortest: usize,
@@ -53,6 +57,16 @@ impl Combined {
             stack: RewardStack::default(),
             shortest: usize::MAX,
         }
+    }
+
+    /// Can this method, read from a file, stand for one that began as `fresh`?
+    pub(super) fn descends_from(&self, fresh: &Self) -> bool {
+        self.params == fresh.params
+            && self.mind.descends_from(&fresh.mind)
+            && self.filter == fresh.filter
+            && self.learning_rate == fresh.learning_rate
+            && self.imprinting.descends_from(&fresh.imprinting)
+            && self.step_threshold.descends_from(&fresh.step_threshold)
     }
 
     /// The shares of a reward r_l among the steps of an episode or policy.
@@ -130,5 +144,14 @@ impl RewardMethod for Combined {
 
     fn rule_count(&self) -> usize {
         self.mind.xcs.population().len()
+    }
+
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        Ok(Box::new(method))
     }
 }

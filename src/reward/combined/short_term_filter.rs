@@ -1,10 +1,12 @@
 //! The short-term reward filter (Alg. 1).
 
+use serde::{Deserialize, Serialize};
+
 use crate::reward::params::Params;
 use crate::xcs::{ActionSet, Xcs};
 
 /// Answers severe short-term rewards at once, and only in the rules that caused them.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct ShortTermFilter {
     on: bool,
     threshold: f64,

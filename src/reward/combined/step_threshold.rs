@@ -1,9 +1,11 @@
 //! The learning step-threshold mechanism (Eq. 10).
 
+use serde::{Deserialize, Serialize};
+
 use crate::reward::params::Params;
 
 /// The most steps of an episode; shrinks toward the lengths of successful ones.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct StepThreshold {
     learns: bool,
     rate: f64,
@@ -17,6 +19,12 @@ impl StepThreshold {
             rate: params.beta_success,
             threshold: f64::from(params.step_threshold),
         }
+    }
+
+    /// Can this mechanism, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        (self.learns, self.rate) == (fresh.learns, fresh.rate)
+            && (1.0..=fresh.threshold).contains(&self.threshold)
     }
 
     /// The whole steps that the threshold allows.

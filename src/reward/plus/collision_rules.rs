@@ -7,6 +7,8 @@
 //! the candidates vote. The conditions are those of XCS, and so are the fitness-like weights; the
 //! rules say nothing of a maze, only of the percept, so they hold in the next maze, too.
 
+use serde::{Deserialize, Serialize};
+
 use std::collections::BTreeMap;
 
 use crate::signal::{Action, MAX_ACTIONS, Percept};
@@ -20,7 +22,7 @@ const LEAST_ACCURACY: f64 = 0.9;
 const EMPHASIS: i32 = 8;
 
 /// A rule that foretells a collision.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Candidate {
     pub condition: Condition,
     /// Percepts that it matches in which the action bumped ...
@@ -30,7 +32,7 @@ pub(super) struct Candidate {
 }
 
 /// What is known of one action.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Bumps {
     /// In each percept, how often the action bumped and moved.
     evidence: BTreeMap<Percept, [u32; 2]>,
@@ -38,7 +40,7 @@ struct Bumps {
 }
 
 /// The rules for all actions.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct CollisionRules {
     actions: [Bumps; MAX_ACTIONS],
 }

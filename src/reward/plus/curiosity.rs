@@ -1,8 +1,10 @@
 //! Exploration that heads for the least-tried actions.
 
-use crate::reward::memory::Memory;
+use serde::{Deserialize, Serialize};
+
 use crate::reward::params::Params;
 use crate::reward::planner::{Planner, Values};
+use crate::reward::transitions::Transitions;
 use crate::signal::{Action, Percept};
 use crate::xcs::PredictionArray;
 
@@ -12,7 +14,7 @@ use super::collision_rules::CollisionRules;
 /// unless a collision is foretold: the nearest promising action becomes the best one, and where
 /// nothing promising is nearer than the goal, the goal is. Untried actions of the present percept
 /// come first, likely collisions last.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Curiosity {
     planner: Planner,
     /// What an untried action is believed to be worth, and one that bumps.
@@ -48,7 +50,7 @@ impl Curiosity {
     pub fn promise(
         &mut self,
         percept: usize,
-        memory: &Memory,
+        memory: &Transitions,
         collisions: &CollisionRules,
     ) -> PredictionArray {
         if std::mem::take(&mut self.stale) {

@@ -18,6 +18,8 @@ mod sweep;
 
 pub use params::PlusParams;
 
+use serde::{Deserialize, Serialize};
+
 use collision_rules::CollisionRules;
 use curiosity::Curiosity;
 use imprinting::Path;
@@ -25,22 +27,23 @@ use step_threshold::StepThreshold;
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
-use super::memory::{Memory, Transition};
+use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::mind::Mind;
 use super::params::Params;
+use super::transitions::{Transition, Transitions};
 use crate::arena::Outcome;
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
 use crate::xcs::{Params as XcsParams, PredictionArray, Xcs};
 
 /// The method `xcscr-plus`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Plus {
     mind: Mind,
     params: Params,
     own: PlusParams,
-    memory: Memory,
+    memory: Transitions,
     collisions: CollisionRules,
     curiosity: Curiosity,
     step_threshold: StepThreshold,
@@ -49,6 +52,7 @@ pub struct Plus {
     /// The number of the percept under consideration.
     percept: usize,
     /// The steps of this episode.
+    #[serde(skip)]
     path: Path,
     /// Did the last step bump? Then what comes after it is known at once.
     bumped: bool,
@@ -77,7 +81,7 @@ impl Plus {
         };
         Self {
             mind: Mind::new(Xcs::new(xcs, actions, evolution)),
-            memory: Memory::default(),
+            memory: Transitions::default(),
             collisions: CollisionRules::default(),
             curiosity: Curiosity::new(actions, &params, own.certainty),
             step_threshold: StepThreshold::new(params.step_threshold, params.beta_success, &own),
@@ -89,6 +93,11 @@ impl Plus {
             params,
             own,
         }
+    }
+
+    /// Can this method, read from a file, stand for one that began as `fresh`?
+    fn descends_from(&self, fresh: &Self) -> bool {
+        self.params == fresh.params && self.own == fresh.own && self.mind.descends_from(&fresh.mind)
     }
 
     /// Learns the last step, now that it is known what came after it.
@@ -232,5 +241,14 @@ impl RewardMethod for Plus {
     fn rule_count(&self) -> usize {
         let rules = self.mind.xcs.population().rules().iter();
         rules.filter(|rule| rule.experience > 0).count()
+    }
+
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        Ok(Box::new(method))
     }
 }

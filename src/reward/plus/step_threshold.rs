@@ -1,9 +1,11 @@
 //! A step-threshold that tightens with slack, so that a detour can still finish.
 
+use serde::{Deserialize, Serialize};
+
 use super::params::PlusParams;
 
 /// The most steps of an episode (Eq. 10, with slack).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct StepThreshold {
     learns: bool,
     slack: f64,

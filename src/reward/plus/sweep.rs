@@ -1,6 +1,6 @@
 //! Bellman targets for the rules, from remembered transitions.
 
-use crate::reward::memory::Memory;
+use crate::reward::transitions::Transitions;
 use crate::signal::{Action, Percept};
 use crate::xcs::Xcs;
 
@@ -12,7 +12,7 @@ const MOST_ROUNDS: u32 = 200;
 /// The mean over all remembered outcomes of reward plus discounted greatest worth after it.
 pub(super) fn target(
     xcs: &Xcs,
-    memory: &Memory,
+    memory: &Transitions,
     percept: usize,
     action: Action,
     gamma: f64,
@@ -32,7 +32,7 @@ fn greatest(xcs: &Xcs, percept: Option<&Percept>) -> f64 {
 /// Updates the rules of a pair toward its target; gives how far their worth was from it.
 pub(super) fn update(
     xcs: &mut Xcs,
-    memory: &Memory,
+    memory: &Transitions,
     (percept, action): (usize, Action),
     gamma: f64,
     beta: f64,
@@ -49,7 +49,7 @@ pub(super) fn update(
 }
 
 /// Sweeps backward over all that is remembered, again and again, until the values settle.
-pub(super) fn sweep(xcs: &mut Xcs, memory: &Memory, gamma: f64, beta: f64) {
+pub(super) fn sweep(xcs: &mut Xcs, memory: &Transitions, gamma: f64, beta: f64) {
     for _ in 0..MOST_ROUNDS {
         let pairs = memory.tried().iter().rev();
         let surprises = pairs.map(|&pair| update(xcs, memory, pair, gamma, beta));

@@ -6,15 +6,20 @@ mod traces;
 
 pub use params::TabularParams;
 
+use std::mem::discriminant;
+
+use serde::{Deserialize, Serialize};
+
 use table::Table;
 use traces::Traces;
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
-use super::memory::{Memory, Transition};
+use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::params::Params;
 use super::planner::{Planner, Values};
+use super::transitions::{Transition, Transitions};
 use crate::arena::Outcome;
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
@@ -24,20 +29,20 @@ use crate::xcs::PredictionArray;
 const UNTRIED: f64 = -1e9;
 
 /// How a table of values is learned (Sutton and Barto 2018; R-max: Brafman and Tennenholtz 2002).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 enum Algorithm {
     /// Toward the reward plus the best value after it.
     QLearning,
     /// Toward the reward plus the value of the action that was really chosen after it.
     SarsaLambda(Traces),
     /// Q-learning that replays remembered transitions, drawn from the stream.
-    DynaQ(Memory, Stream),
+    DynaQ(Transitions, Stream),
     /// Values planned on a model that takes the unknown for the best.
-    RMax(Memory),
+    RMax(Transitions),
 }
 
 /// The methods `q-learning`, `sarsa-lambda`, `dyna-q` and `r-max`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Tabular {
     algorithm: Algorithm,
     params: Params,
@@ -65,13 +70,18 @@ impl Tabular {
 
     /// Dyna-Q, which draws what it replays from `stream`.
     pub fn dyna_q(actions: usize, params: Params, own: TabularParams, stream: Stream) -> Self {
-        let algorithm = Algorithm::DynaQ(Memory::default(), stream);
+        let algorithm = Algorithm::DynaQ(Transitions::default(), stream);
         Self::new(algorithm, actions, params, own)
     }
 
     /// R-max.
     pub fn r_max(actions: usize, params: Params, own: TabularParams) -> Self {
-        Self::new(Algorithm::RMax(Memory::default()), actions, params, own)
+        Self::new(
+            Algorithm::RMax(Transitions::default()),
+            actions,
+            params,
+            own,
+        )
     }
 
     fn new(algorithm: Algorithm, actions: usize, params: Params, own: TabularParams) -> Self {
@@ -84,6 +94,19 @@ impl Tabular {
             percept: None,
             pending: None,
         }
+    }
+
+    /// Can this method, read from a file, stand for one that began as `fresh`?
+    fn descends_from(&self, fresh: &Self) -> bool {
+        let memory_is_sound = match &self.algorithm {
+            Algorithm::DynaQ(memory, _) | Algorithm::RMax(memory) => memory.is_sound(),
+            _ => true,
+        };
+        let mut tables = self.policy.iter().chain([&self.table]);
+        discriminant(&self.algorithm) == discriminant(&fresh.algorithm)
+            && (&self.params, &self.own) == (&fresh.params, &fresh.own)
+            && memory_is_sound
+            && tables.all(|table| table.descends_from(&fresh.table))
     }
 
     /// Learns the pending step, now that it is known what came after it.
@@ -205,5 +228,14 @@ impl RewardMethod for Tabular {
 
     fn rule_count(&self) -> usize {
         self.table.len()
+    }
+
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn RewardMethod>, MemoryError> {
+        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        Ok(Box::new(method))
     }
 }

@@ -1,15 +1,17 @@
 //! The table of values Q.
 
+use serde::{Deserialize, Serialize};
+
 use std::collections::BTreeMap;
 
 use crate::reward::knowledge::Knowledge;
-use crate::reward::memory::{Memory, Transition};
 use crate::reward::planner::Values;
+use crate::reward::transitions::{Transition, Transitions};
 use crate::signal::{Action, MAX_ACTIONS, Percept};
 use crate::xcs::PredictionArray;
 
 /// Q: the value of each action in each percept that was met; 0 where nothing was learned.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Table {
     actions: usize,
     rows: BTreeMap<Percept, [f64; MAX_ACTIONS]>,
@@ -23,8 +25,14 @@ impl Table {
         }
     }
 
+    /// Can this table, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let mut numbers = self.rows.values().flatten();
+        self.actions == fresh.actions && numbers.all(|number| number.is_finite())
+    }
+
     /// The table of planned values.
-    pub fn from_values(memory: &Memory, values: &Values, actions: usize) -> Self {
+    pub fn from_values(memory: &Transitions, values: &Values, actions: usize) -> Self {
         let mut table = Self::new(actions);
         for (number, percept) in memory.percepts().iter().enumerate() {
             for action in Action::all(actions) {

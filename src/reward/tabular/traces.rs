@@ -1,11 +1,13 @@
 //! Eligibility traces of Sarsa(lambda).
 
+use serde::{Deserialize, Serialize};
+
 use super::table::Table;
-use crate::reward::memory::Transition;
+use crate::reward::transitions::Transition;
 use crate::signal::{Action, Percept};
 
 /// How much each pair of this episode is still responsible for (replacing traces).
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Traces {
     pairs: Vec<(Percept, Action, f64)>,
 }

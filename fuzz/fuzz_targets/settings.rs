@@ -1,0 +1,10 @@
+//! Any text as a settings file.
+#![no_main]
+
+use xcscr::study::{Resolved, Settings};
+
+libfuzzer_sys::fuzz_target!(|text: &str| {
+    if let Ok(resolved) = Resolved::new(&Settings::default(), Some(("fuzz.toml", text)), &[]) {
+        resolved.settings.check().expect("resolved settings are checked");
+    }
+});

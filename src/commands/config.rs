@@ -1,0 +1,83 @@
+//! `xcscr config`: the settings, and where each came from.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use clap::Subcommand;
+use xcscr::study::{Resolved, Settings};
+
+use super::choices::SettingsArgs;
+use super::failure::{Exit, Failure};
+
+/// What to do with settings.
+#[derive(Debug, Subcommand)]
+pub enum ConfigCommand {
+    /// Print all settings as a file for --config, or each one with its origin.
+    Show(ShowArgs),
+}
+
+/// Arguments of `config show`.
+#[derive(Debug, clap::Args)]
+pub struct ShowArgs {
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Print each setting on a line of its own, with where it came from.
+    #[arg(long)]
+    resolved: bool,
+    /// Print one JSON document: the value and the origin of each setting.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A setting, as `--json` prints it.
+#[derive(serde::Serialize)]
+struct Entry<'a> {
+    value: serde_json::Value,
+    origin: &'a str,
+}
+
+/// Runs one of the config commands.
+pub fn run(command: &ConfigCommand, out: &mut impl Write) -> Result<(), Failure> {
+    let ConfigCommand::Show(args) = command;
+    let resolved = args.settings.resolve(&Settings::default())?;
+    match (args.json, args.resolved) {
+        (true, _) => print_json(&resolved, out),
+        (_, true) => print_origins(&resolved, out),
+        _ => Ok(write!(out, "{}", as_file(&resolved)?)?),
+    }
+}
+
+/// A settings file that gives these settings again.
+fn as_file(resolved: &Resolved) -> Result<String, Failure> {
+    toml::to_string(&resolved.settings)
+        .map_err(|fault| Failure::new(Exit::Internal, format!("no TOML for settings: {fault}")))
+}
+
+fn print_origins(resolved: &Resolved, out: &mut impl Write) -> Result<(), Failure> {
+    for (key, value, origin) in resolved.entries() {
+        writeln!(out, "{key:34} = {value:<12} # {origin}")?;
+    }
+    Ok(())
+}
+
+fn print_json(resolved: &Resolved, out: &mut impl Write) -> Result<(), Failure> {
+    let values = serde_json::to_value(&resolved.settings)?;
+    let origins = resolved
+        .entries()
+        .map(|(key, _, origin)| (key, origin.to_string()));
+    let origins: BTreeMap<&str, String> = origins.collect();
+    let entry = |(key, origin)| {
+        let path = format!("/{}", str::replace(key, ".", "/"));
+        let value = values.pointer(&path).cloned().unwrap_or_default();
+        (key, Entry { value, origin })
+    };
+    let entries: BTreeMap<&str, Entry<'_>> = origins
+        .iter()
+        .map(|(key, origin)| entry((*key, origin.as_str())))
+        .collect();
+    Ok(writeln!(
+        out,
+        "{}",
+        serde_json::to_string_pretty(&entries)?
+    )?)
+}

@@ -1,0 +1,301 @@
+//! `xcscr study`: many trials, and what they say.
+
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use clap::Subcommand;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+use xcscr::study::{
+    ArenaKind, Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder,
+    StudyWatcher, TrialRecord, merge_studies, run_study,
+};
+
+use super::choices;
+use super::failure::{Exit, Failure};
+use super::interrupt::Interrupt;
+
+const TEMPLATE: &str = "{bar:30} trial {pos}/{len}, {eta} left";
+
+/// What to do with studies.
+#[derive(Debug, Subcommand)]
+pub enum StudyCommand {
+    /// Run a study; one that was interrupted goes on where it stopped.
+    Run(RunArgs),
+    /// List the trials that are missing or failed in a study, or in its shards together.
+    Status {
+        /// Folders of one study.
+        #[arg(required = true, value_name = "DIR")]
+        folders: Vec<PathBuf>,
+        /// List the shards, of so many, that have trials to run.
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+        shards: Option<u32>,
+        /// Print one JSON document.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Join the shards of a study, in any order, into one folder.
+    Merge {
+        /// Folders of one study.
+        #[arg(required = true, value_name = "DIR")]
+        folders: Vec<PathBuf>,
+        /// The folder of the whole study.
+        #[arg(short, long, value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Print the result of a study, and write report.md and the figures into its folder.
+    Report {
+        /// The folder of a study.
+        folder: PathBuf,
+        /// Print one JSON document instead of the report.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// Arguments of `study run`.
+#[derive(Debug, clap::Args)]
+pub struct RunArgs {
+    /// A study file (TOML), or one of the studies that come with the program: paper, ablation.
+    study: PathBuf,
+    /// The folder of the study.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Trials of each method in each world.
+    #[arg(long, value_name = "N")]
+    trials: Option<usize>,
+    /// Episodes of each trial.
+    #[arg(long, value_name = "N")]
+    episodes: Option<u32>,
+    /// The root of the trials' seeds.
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Run in this arena instead of the study's.
+    #[arg(long, value_parser = choices::arena())]
+    arena: Option<ArenaKind>,
+    /// Set one setting of all trials, such as `xcs.beta=0.1`; wins over the study.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Run only one part of several, such as 2/7.
+    #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
+    shard: Shard,
+    /// Trials at a time; 0 for as many as there are cores.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    jobs: usize,
+    /// Print one JSON document instead of the report.
+    #[arg(long)]
+    json: bool,
+    /// Show no progress.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Runs one of the study commands.
+pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> {
+    match command {
+        StudyCommand::Run(args) => run_trials(args, out),
+        StudyCommand::Status {
+            folders,
+            shards,
+            json,
+        } => {
+            let folder = StudyFolder::join(folders)?;
+            let status = Status::new(&folder, shards.map(|shards| shards as usize));
+            status.print(*json, out)
+        }
+        StudyCommand::Merge { folders, out: path } => {
+            let folder = merge_studies(folders, path)?;
+            finish(&folder, false, out)
+        }
+        StudyCommand::Report { folder, json } => {
+            let folder = StudyFolder::read_locked(folder)?;
+            folder.require_complete()?;
+            finish(&folder, *json, out)
+        }
+    }
+}
+
+fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let overrides = Overrides {
+        trials: args.trials,
+        episodes: args.episodes,
+        seed: args.seed,
+        arena: args.arena,
+        sets: args.set.clone(),
+    };
+    let protocol = Protocol::new(&StudyFile::load(&args.study)?, &overrides)?;
+    let interrupt = Interrupt::watch()?;
+    let mut progress = Progress::new(args.quiet, interrupt.clone());
+    let folder = run_study(&protocol, &args.out, args.shard, args.jobs, &mut progress)?;
+    drop(progress);
+    let missing = folder.missing();
+    if missing.is_empty() {
+        return finish(&folder, args.json, out);
+    }
+    if missing.iter().any(|trial| args.shard.holds(*trial)) {
+        let (done, all) = (protocol.len() - missing.len(), protocol.len());
+        let message = format!("interrupted after {done} of {all} trials; the same command goes on");
+        return Err(Failure::new(Exit::Interrupted, message));
+    }
+    Status::new(&folder, None).print(args.json, out)?;
+    refuse_failed(&folder)
+}
+
+/// Writes the tables and the report of a complete study, and prints the result.
+fn finish(folder: &StudyFolder, json: bool, out: &mut impl Write) -> Result<(), Failure> {
+    folder.write_tables()?;
+    let mut report = Report::new(folder);
+    report.write(folder)?;
+    match json {
+        true => writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?,
+        false => write!(out, "{}", report.terminal())?,
+    }
+    refuse_failed(folder)
+}
+
+fn refuse_failed(folder: &StudyFolder) -> Result<(), Failure> {
+    let mut faults = folder
+        .records()
+        .filter_map(|record| record.result.as_ref().err());
+    let Some(first) = faults.next() else {
+        return Ok(());
+    };
+    let (count, path) = (1 + faults.count(), folder.path().display());
+    let message = format!("{count} trials failed, see {path}/trials.csv; the first: {first}");
+    Err(Failure::new(Exit::Refuted, message))
+}
+
+/// What is finished of a study, as `study status --json` prints it.
+#[derive(Debug, Serialize)]
+struct Status {
+    study: String,
+    plan: String,
+    trials: usize,
+    finished: usize,
+    failed: Vec<usize>,
+    missing: Vec<usize>,
+    /// The shards that have trials to run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shards: Option<Vec<String>>,
+}
+
+impl Status {
+    fn new(folder: &StudyFolder, shards: Option<usize>) -> Self {
+        let (protocol, missing) = (folder.protocol(), folder.missing());
+        let open = |count| {
+            let shards = Shard::all(count);
+            let open = shards.filter(|shard| missing.iter().any(|trial| shard.holds(*trial)));
+            open.map(|shard| shard.to_string()).collect()
+        };
+        Self {
+            study: protocol.name.clone(),
+            plan: folder.plan().to_owned(),
+            trials: protocol.len(),
+            finished: protocol.len() - missing.len(),
+            failed: folder.failed(),
+            shards: shards.map(open),
+            missing,
+        }
+    }
+
+    fn print(&self, json: bool, out: &mut impl Write) -> Result<(), Failure> {
+        if json {
+            return Ok(writeln!(out, "{}", serde_json::to_string_pretty(self)?)?);
+        }
+        let Self {
+            study,
+            plan,
+            trials,
+            finished,
+            ..
+        } = self;
+        writeln!(
+            out,
+            "study {study}, plan {plan}: {finished} of {trials} trials finished"
+        )?;
+        for (name, trials) in [("missing", &self.missing), ("failed", &self.failed)] {
+            if !trials.is_empty() {
+                writeln!(out, "  {name} ({}): {}", trials.len(), ranges(trials))?;
+            }
+        }
+        if let Some(shards) = &self.shards {
+            writeln!(
+                out,
+                "  shards to run ({}): {}",
+                shards.len(),
+                shards.join(" ")
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// Ascending numbers as ranges, such as `1-3 7`.
+fn ranges(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let run = |run: &[usize]| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        _ => run.iter().map(usize::to_string).collect(),
+    };
+    runs.map(run).collect::<Vec<_>>().join(" ")
+}
+
+/// A progress bar on stderr, when that is a terminal. It wipes itself away at the end. A signal
+/// ends the study after the trials that are running.
+struct Progress {
+    bar: ProgressBar,
+    interrupt: Interrupt,
+}
+
+impl Progress {
+    fn new(quiet: bool, interrupt: Interrupt) -> Self {
+        let target = match quiet {
+            true => ProgressDrawTarget::hidden(),
+            false => ProgressDrawTarget::stderr(),
+        };
+        let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
+        let bar = ProgressBar::with_draw_target(Some(0), target).with_style(style);
+        Self { bar, interrupt }
+    }
+}
+
+impl StudyWatcher for Progress {
+    fn begins(&mut self, trials: usize) {
+        self.bar.set_length(trials as u64);
+        self.bar.reset_eta();
+    }
+
+    fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
+        self.bar.inc(1);
+        match self.interrupt.came() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        let exit = match error {
+            StudyError::Settings(error) => return error.into(),
+            StudyError::World(error) => return error.into(),
+            StudyError::Plan(error) => return error.into(),
+            StudyError::Incomplete { .. } => Exit::Refuted,
+            StudyError::Missing(_) | StudyError::NoStudy(_) => Exit::Missing,
+            StudyError::OtherStudy { .. }
+            | StudyError::Locked { .. }
+            | StudyError::Create { .. } => Exit::CannotCreate,
+            StudyError::Io { .. } => Exit::Io,
+            StudyError::Figure { .. } | StudyError::Jobs { .. } => Exit::Internal,
+            _ => Exit::BadData,
+        };
+        Self::new(exit, error.to_string())
+    }
+}

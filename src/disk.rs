@@ -1,0 +1,73 @@
+//! Files that are there whole or not at all.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// The name under which a file is written until it is whole.
+pub fn part(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".part");
+    name.into()
+}
+
+/// Makes a new file in place of an older one. A link of this name is replaced, never followed.
+///
+/// # Errors
+/// Those of the file system.
+pub fn create(path: &Path) -> io::Result<File> {
+    remove(path)?;
+    OpenOptions::new().write(true).create_new(true).open(path)
+}
+
+/// Removes a file that may be there.
+///
+/// # Errors
+/// Those of the file system; that there is no such file is none.
+pub fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(cause) if cause.kind() != io::ErrorKind::NotFound => Err(cause),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a file so that after a crash or a power failure either the old one is there or the new
+/// one: aside, to the disk, into its place.
+///
+/// # Errors
+/// Those of the file system; then the old file is untouched.
+pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let part = part(path);
+    let written = create(&part).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.sync_all()
+    });
+    if let Err(cause) = written {
+        // It may lie on a full disk, where its space is needed.
+        let _ = fs::remove_file(&part);
+        return Err(cause);
+    }
+    rename(&part, path)
+}
+
+/// Gives a file that is safely on the disk its name, and brings the name to the disk, too.
+///
+/// # Errors
+/// Those of the file system.
+pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
+    fs::rename(from, to)?;
+    // Only Unix can do so for a folder.
+    match to.parent() {
+        Some(folder) if cfg!(unix) => sync_folder(folder),
+        _ => Ok(()),
+    }
+}
+
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    let here = Path::new(".");
+    let folder = match folder.as_os_str().is_empty() {
+        true => here,
+        false => folder,
+    };
+    File::open(folder)?.sync_all()
+}

@@ -1,0 +1,139 @@
+//! Why a study cannot be had, run or read.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::plan::PlanError;
+use super::resolve::SettingsError;
+use crate::world::WorldError;
+
+/// Why a study cannot go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// There is no such file.
+    #[error("there is no {}: give a study file, or `paper` or `ablation`", .0.display())]
+    Missing(PathBuf),
+    /// The folder holds no study.
+    #[error("{} holds no study: there is no plan.json in it", .0.display())]
+    NoStudy(PathBuf),
+    /// The study file describes no study.
+    #[error("{origin}: {fault}")]
+    File {
+        /// The file.
+        origin: String,
+        /// What is wrong with it.
+        fault: String,
+    },
+    /// A setting is no good.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// A world is no good.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// A number of the study is no good.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The folder holds another study.
+    #[error(
+        "{} holds another study (plan {found}, this one is {wanted}): choose another folder with `--out`",
+        .folder.display()
+    )]
+    OtherStudy {
+        /// The folder.
+        folder: PathBuf,
+        /// The plan in the folder.
+        found: String,
+        /// The plan that was to be run.
+        wanted: String,
+    },
+    /// Another process works in the folder.
+    #[error("{} is in use by {holder}: wait for it, or choose another folder with `--out`", .folder.display())]
+    Locked {
+        /// The folder.
+        folder: PathBuf,
+        /// Who works in it.
+        holder: String,
+    },
+    /// Folders of different studies cannot be joined.
+    #[error("{} and {} hold different studies (plans {} and {})", .0.display(), .1.display(), .2, .3)]
+    Mixed(PathBuf, PathBuf, String, String),
+    /// Two folders hold different results of one trial.
+    #[error("{} holds another result of trial {trial} than the folders before it: same plan, different program or machine?", .folder.display())]
+    Contradiction {
+        /// The second folder.
+        folder: PathBuf,
+        /// The trial.
+        trial: usize,
+    },
+    /// Trials are missing.
+    #[error("{missing} of {total} trials are missing; `xcscr study status` lists them")]
+    Incomplete {
+        /// How many are missing.
+        missing: usize,
+        /// How many there are.
+        total: usize,
+    },
+    /// A file of the study holds something else.
+    #[error("{} is damaged: {fault}", .path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        fault: String,
+    },
+    /// A folder or file cannot be made.
+    #[error("cannot create {}: {cause}", .path.display())]
+    Create {
+        /// The folder or file.
+        path: PathBuf,
+        /// Why.
+        cause: io::Error,
+    },
+    /// A file cannot be read or written.
+    #[error("{}: {cause}", .path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        cause: io::Error,
+    },
+    /// A picture cannot be drawn.
+    #[error("cannot draw {name}: {fault}")]
+    Figure {
+        /// The figure.
+        name: String,
+        /// Why.
+        fault: String,
+    },
+    /// The threads cannot be started.
+    #[error("cannot start {jobs} jobs: {fault}")]
+    Jobs {
+        /// How many.
+        jobs: usize,
+        /// Why.
+        fault: String,
+    },
+}
+
+impl StudyError {
+    pub(super) fn file(origin: &str, fault: &str) -> Self {
+        let (origin, fault) = (origin.to_owned(), fault.to_owned());
+        Self::File { origin, fault }
+    }
+
+    pub(super) fn io(path: &Path, cause: io::Error) -> Self {
+        let path = path.to_owned();
+        Self::Io { path, cause }
+    }
+
+    pub(super) fn create(path: &Path, cause: io::Error) -> Self {
+        let path = path.to_owned();
+        Self::Create { path, cause }
+    }
+
+    pub(super) fn damaged(path: &Path, fault: impl ToString) -> Self {
+        let (path, fault) = (path.to_owned(), fault.to_string());
+        Self::Damaged { path, fault }
+    }
+}

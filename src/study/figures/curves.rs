@@ -1,0 +1,157 @@
+//! Success curves: the share of trials that had found an optimal policy, episode by episode.
+
+use plotters::coord::Shift;
+use plotters::coord::combinators::WithKeyPoints;
+use plotters::coord::types::{RangedCoordf64, RangedCoordu32};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::canvas::{Drawing, Drawn, Size};
+use super::panels::Panels;
+use super::theme::{FAINT, INK, Theme, colour, ticks};
+use crate::study::statistics::{Lifetime, Point, Survival};
+
+const PANEL: Size = (340, 300);
+const TOP: u32 = 36;
+/// Room for the names beside the table of trials still searching.
+const NAMES: u32 = 176;
+const ROW: u32 = 17;
+
+type Chart<'a, DB> =
+    ChartContext<'a, DB, Cartesian2d<WithKeyPoints<RangedCoordu32>, RangedCoordf64>>;
+
+/// 1 - Kaplan-Meier with 95 % bands for each series, a panel for each place, and under it how
+/// many trials were still searching.
+#[derive(Debug)]
+pub struct Curves<'a>(pub(super) &'a Panels<'a>);
+
+impl Drawing for Curves<'_> {
+    fn size(&self) -> Size {
+        let (columns, rows) = (self.0.places.len() as u32, self.0.series.len() as u32);
+        (
+            NAMES + columns * PANEL.0 + 10,
+            TOP + PANEL.1 + (rows + 2) * ROW + 12,
+        )
+    }
+
+    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
+        let middle = i32::try_from(root.dim_in_pixel().0 / 2).unwrap_or(0);
+        let style = theme.text(17).pos(Pos::new(HPos::Center, VPos::Center));
+        let title = "Trials that had found a globally optimal policy (95 % bands)";
+        root.draw_text(title, &style, (middle, theme.ipx(18)))?;
+        self.names(root, theme)?;
+        (0..self.0.places.len()).try_for_each(|place| self.panel(root, theme, place))
+    }
+}
+
+impl Curves<'_> {
+    /// The names of the series, which head the rows of the table and explain the colours.
+    fn names<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
+        let style = theme.text(12).pos(Pos::new(HPos::Left, VPos::Center));
+        root.draw_text("still searching", &style, (theme.ipx(8), row(theme, 0)))?;
+        for (series, name) in self.0.series.iter().enumerate() {
+            let y = row(theme, series + 1);
+            let line = vec![(theme.ipx(8), y), (theme.ipx(28), y)];
+            root.draw(&PathElement::new(line, theme.line(colour(series), 3)))?;
+            root.draw_text(name, &style, (theme.ipx(34), y))?;
+        }
+        Ok(())
+    }
+
+    fn panel<DB: DrawingBackend>(
+        &self,
+        root: &DrawingArea<DB, Shift>,
+        theme: Theme,
+        place: usize,
+    ) -> Drawn<DB> {
+        let left = NAMES - 46 + place as u32 * PANEL.0;
+        let corner = (theme.px(left), theme.px(TOP));
+        let area = root
+            .clone()
+            .shrink(corner, (theme.px(PANEL.0), theme.px(PANEL.1)));
+        let mut chart = ChartBuilder::on(&area)
+            .caption(&self.0.places[place], theme.text(15))
+            .set_label_area_size(LabelAreaPosition::Left, theme.px(46))
+            .set_label_area_size(LabelAreaPosition::Bottom, theme.px(34))
+            .margin_right(theme.px(16))
+            .build_cartesian_2d(
+                (0..self.0.episodes).with_key_points(ticks(self.0.episodes)),
+                0.0..1.0,
+            )?;
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(theme.line(FAINT, 1))
+            .axis_style(theme.line(INK, 1))
+            .x_labels(20)
+            .y_labels(6)
+            .y_label_formatter(&|share| format!("{:.0} %", 100.0 * share))
+            .x_desc("episode")
+            .axis_desc_style(theme.text(12))
+            .label_style(theme.text(11))
+            .draw()?;
+        for series in 0..self.0.series.len() {
+            if let Some(records) = self.0.at(place, series) {
+                let lifetimes = records.lifetimes();
+                self.curve(&mut chart, theme, series, &lifetimes)?;
+                self.still_searching(root, &chart, theme, series, &lifetimes)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn curve<DB: DrawingBackend>(
+        &self,
+        chart: &mut Chart<'_, DB>,
+        theme: Theme,
+        series: usize,
+        lifetimes: &[Lifetime],
+    ) -> Drawn<DB> {
+        let survival = Survival::new(lifetimes);
+        let steps = |share: fn(&Point) -> f64| staircase(survival.points(), self.0.episodes, share);
+        let mut band = steps(|point| 1.0 - point.low);
+        band.extend(steps(|point| 1.0 - point.high).into_iter().rev());
+        let hue = colour(series);
+        chart.draw_series([Polygon::new(band, hue.mix(0.18).filled())])?;
+        let line = steps(|point| 1.0 - point.value);
+        chart.draw_series([PathElement::new(line, theme.line(hue, 2))])?;
+        Ok(())
+    }
+
+    /// How many trials still search at some episodes, under the chart.
+    fn still_searching<DB: DrawingBackend>(
+        &self,
+        root: &DrawingArea<DB, Shift>,
+        chart: &Chart<'_, DB>,
+        theme: Theme,
+        series: usize,
+        lifetimes: &[Lifetime],
+    ) -> Drawn<DB> {
+        let style = theme.text(11).pos(Pos::new(HPos::Center, VPos::Center));
+        for episode in ticks(self.0.episodes) {
+            let (x, _) = chart.backend_coord(&(episode, 0.0));
+            let found = |one: &&Lifetime| one.happened && one.time <= episode;
+            let searching = lifetimes.len() - lifetimes.iter().filter(found).count();
+            root.draw_text(&searching.to_string(), &style, (x, row(theme, series + 1)))?;
+        }
+        Ok(())
+    }
+}
+
+/// The middle of a row of the table; row 0 is its heading.
+fn row(theme: Theme, row: usize) -> i32 {
+    theme.ipx((TOP + PANEL.1 + row as u32 * ROW + ROW / 2 + 4) as i32)
+}
+
+/// The corners of a staircase through the points, up to the last episode.
+fn staircase(points: &[Point], episodes: u32, share: impl Fn(&Point) -> f64) -> Vec<(u32, f64)> {
+    let mut corners = Vec::new();
+    let mut before = 0.0;
+    for point in points {
+        corners.push((point.time, before));
+        before = share(point);
+        corners.push((point.time, before));
+    }
+    corners.push((episodes, before));
+    corners
+}

@@ -1,0 +1,219 @@
+//! Study files: what the user writes.
+
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use super::shipped;
+use crate::reward::Method;
+use crate::sensor::Sensor;
+use crate::study::error::StudyError;
+use crate::study::plan::ArenaKind;
+use crate::study::resolve::{flatten, similar};
+use crate::world::Maze;
+
+/// The keys of a study file.
+const KEYS: [&str; 11] = [
+    "name",
+    "worlds",
+    "methods",
+    "arenas",
+    "sensors",
+    "trials",
+    "episodes",
+    "seed",
+    "settings",
+    "method-settings",
+    "sweep",
+];
+
+/// What a study file says, before it is frozen into a [`Protocol`](super::Protocol).
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyFile {
+    pub(super) origin: String,
+    /// Where relative paths of worlds begin.
+    folder: PathBuf,
+    pub(super) document: Document,
+}
+
+/// The keys and values of a study file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct Document {
+    pub name: String,
+    pub worlds: Vec<String>,
+    pub methods: Vec<Method>,
+    #[serde(default = "Document::grid")]
+    pub arenas: Vec<ArenaKind>,
+    #[serde(default = "Document::neighbours")]
+    pub sensors: Vec<Sensor>,
+    pub trials: usize,
+    pub episodes: u32,
+    #[serde(default = "Document::one")]
+    pub seed: u64,
+    /// Settings of all trials.
+    #[serde(default)]
+    pub settings: Table,
+    /// Settings of all trials of a method, which win over those of all.
+    #[serde(default)]
+    pub method_settings: BTreeMap<String, Table>,
+    /// Settings, each with the list of its values: every combination is tried.
+    #[serde(default)]
+    pub sweep: Table,
+}
+
+impl Document {
+    fn grid() -> Vec<ArenaKind> {
+        vec![ArenaKind::Grid]
+    }
+
+    fn neighbours() -> Vec<Sensor> {
+        vec![Sensor::Neighbours]
+    }
+
+    fn one() -> u64 {
+        1
+    }
+}
+
+impl StudyFile {
+    /// A study that comes with the program (`paper`, `ablation`), or else a file.
+    ///
+    /// # Errors
+    /// When there is no such file, or it describes no study.
+    pub fn load(name: &Path) -> Result<Self, StudyError> {
+        if let Some(text) = name.to_str().and_then(shipped::study) {
+            return Self::parse(text, &name.display().to_string(), Path::new(""));
+        }
+        let text = std::fs::read_to_string(name).map_err(|cause| match cause.kind() {
+            ErrorKind::NotFound => StudyError::Missing(name.to_owned()),
+            _ => StudyError::io(name, cause),
+        })?;
+        let folder = name.parent().unwrap_or(Path::new(""));
+        Self::parse(&text, &name.display().to_string(), folder)
+    }
+
+    /// Reads the text of a study file, which `origin` names in messages. Paths of worlds begin
+    /// at `folder`.
+    ///
+    /// # Errors
+    /// When the text describes no study.
+    pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, StudyError> {
+        let fault = |fault: String| StudyError::file(origin, fault.trim_end());
+        let table: Table = text
+            .parse()
+            .map_err(|e: toml::de::Error| fault(e.to_string()))?;
+        if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.as_str())) {
+            return Err(fault(unknown_key(key)));
+        }
+        let document: Document =
+            toml::from_str(text).map_err(|e: toml::de::Error| fault(e.to_string()))?;
+        Ok(Self {
+            origin: origin.to_owned(),
+            folder: folder.to_owned(),
+            document,
+        })
+    }
+
+    /// The worlds: names of shipped ones, or paths.
+    pub(super) fn worlds(&self) -> Result<Vec<Maze>, StudyError> {
+        self.document
+            .worlds
+            .iter()
+            .map(|name| self.world(name))
+            .collect()
+    }
+
+    fn world(&self, name: &str) -> Result<Maze, StudyError> {
+        if let Some(text) = shipped::world(name) {
+            return Ok(Maze::from_json(text.as_bytes(), name)?);
+        }
+        if !name.ends_with(".json") {
+            let names = shipped::world_names();
+            let fault = format!(
+                "there is no world `{name}`: give a path to a .json file, or one of {names}"
+            );
+            return Err(StudyError::file(&self.origin, &fault));
+        }
+        Ok(Maze::load(&self.folder.join(name))?)
+    }
+
+    /// The settings of one method, by its name.
+    pub(super) fn method_settings(&self, method: Method) -> Result<Table, StudyError> {
+        let settings = &self.document.method_settings;
+        let known = |name: &str| Method::ALL.iter().any(|method| method.name() == name);
+        if let Some(name) = settings.keys().find(|name| !known(name)) {
+            let names: Vec<&str> = Method::ALL.iter().map(|method| method.name()).collect();
+            let fault = format!("there is no method `{name}`, only {}", names.join(", "));
+            return Err(StudyError::file(&self.origin, &fault));
+        }
+        Ok(settings.get(method.name()).cloned().unwrap_or_default())
+    }
+
+    /// The swept settings in the order of their full names, each with its values.
+    pub(super) fn sweep(&self) -> Result<Vec<(String, Vec<Value>)>, StudyError> {
+        let mut entries = flatten(self.document.sweep.clone());
+        entries.sort_by(|a, b| a.0.cmp(&b.0));
+        let list = |(key, value): (String, Value)| match value {
+            Value::Array(values) if !values.is_empty() => Ok((key, values)),
+            _ => Err(StudyError::file(
+                &self.origin,
+                &format!("`sweep.{key}` must be a list of values, such as [0.1, 0.2]"),
+            )),
+        };
+        entries.into_iter().map(list).collect()
+    }
+}
+
+fn unknown_key(key: &str) -> String {
+    match similar(key, KEYS.into_iter()) {
+        Some(known) => format!("there is no key `{key}`; did you mean `{known}`?"),
+        None => format!("there is no key `{key}`, only {}", KEYS.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SMALL: &str =
+        "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [\"xcs\"]\ntrials = 2\nepisodes = 3\n";
+
+    fn message(text: &str) -> String {
+        let file = StudyFile::parse(text, "s.toml", Path::new(""));
+        let frozen = file.and_then(|file| super::super::Protocol::new(&file, &Default::default()));
+        frozen.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn an_unknown_key_is_answered_with_a_similar_one() {
+        let text = format!("{SMALL}episods = 4\n");
+        assert_eq!(
+            message(&text),
+            "s.toml: there is no key `episods`; did you mean `episodes`?"
+        );
+        let text = format!("{SMALL}[sweep]\n\"xcs.betta\" = [0.1]\n");
+        assert_eq!(
+            message(&text),
+            "s.toml, sweep: there is no setting `xcs.betta`; did you mean `xcs.beta`?"
+        );
+    }
+
+    #[test]
+    fn a_world_that_is_not_shipped_needs_a_path() {
+        let text = SMALL.replace("maze4", "maze7");
+        assert!(message(&text).contains("there is no world `maze7`"));
+    }
+
+    #[test]
+    fn a_sweep_needs_lists_and_methods_must_exist() {
+        assert!(
+            message(&format!("{SMALL}[sweep]\n\"xcs.beta\" = 0.1\n")).contains("must be a list")
+        );
+        let text = format!("{SMALL}[method-settings.xcsr]\n\"xcs.beta\" = 0.1\n");
+        assert!(message(&text).contains("there is no method `xcsr`"));
+    }
+}

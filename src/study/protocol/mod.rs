@@ -1,0 +1,179 @@
+//! What a study is going to do, fixed before its first trial.
+
+mod file;
+mod freeze;
+mod shipped;
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::value::RawValue;
+
+pub use file::StudyFile;
+pub use freeze::Overrides;
+
+use super::checksum::checksum;
+use super::error::StudyError;
+use super::plan::{ArenaKind, Config, Plan};
+use super::settings::Settings;
+use crate::random::replicate_seed;
+use crate::reward::Method;
+use crate::sensor::Sensor;
+use crate::world::Maze;
+
+/// The values that a sweep gives to settings, by their full names.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Variant(pub BTreeMap<String, serde_json::Value>);
+
+impl fmt::Display for Variant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, (key, value)) in self.0.iter().enumerate() {
+            let gap = if i == 0 { "" } else { " " };
+            match value.as_str() {
+                Some(text) => write!(f, "{gap}{key}={text}")?,
+                None => write!(f, "{gap}{key}={value}")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One combination of all that a study varies, but the seed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Arm {
+    /// The world's name.
+    pub world: String,
+    /// The reward method.
+    pub method: Method,
+    /// The arena.
+    pub arena: ArenaKind,
+    /// The percept.
+    pub sensor: Sensor,
+    /// What the sweep sets.
+    pub variant: Variant,
+    /// All settings, the sweep's among them.
+    pub settings: Settings,
+}
+
+/// A study with everything decided: each trial's plan follows from it.
+///
+/// Trials are numbered through: all of the first arm, then all of the second, and so on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Protocol {
+    /// The version of this program; another one may give other results.
+    pub version: String,
+    /// The study's name.
+    pub name: String,
+    /// The root of the trials' seeds.
+    pub seed: u64,
+    /// Trials per arm.
+    pub trials: usize,
+    /// Episodes per trial.
+    pub episodes: u32,
+    /// The worlds, each with a name of its own.
+    #[serde(serialize_with = "write_mazes", deserialize_with = "read_mazes")]
+    pub worlds: Vec<Maze>,
+    /// What is compared.
+    pub arms: Vec<Arm>,
+}
+
+impl Protocol {
+    /// Freezes a study file, with what the command line says otherwise.
+    ///
+    /// # Errors
+    /// When a world, a setting or a number is no good.
+    pub fn new(file: &StudyFile, overrides: &Overrides) -> Result<Self, StudyError> {
+        freeze::freeze(file, overrides)
+    }
+
+    /// Tells this study from every other one: a checksum of all that is in it.
+    pub fn id(&self) -> String {
+        id_of(&self.to_json())
+    }
+
+    /// All that is in it, as a JSON document.
+    pub(super) fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("plain data becomes JSON")
+    }
+
+    /// The number of all trials.
+    pub fn len(&self) -> usize {
+        self.arms.len() * self.trials
+    }
+
+    /// Are there no trials?
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The arm of a trial.
+    pub fn arm(&self, trial: usize) -> &Arm {
+        &self.arms[trial / self.trials]
+    }
+
+    /// Which of the trials of its arm a trial is, counted from 1.
+    pub fn replicate(&self, trial: usize) -> usize {
+        trial % self.trials + 1
+    }
+
+    /// The seed of a trial: the same for the same replicate of every arm, so that comparisons
+    /// are paired.
+    pub fn trial_seed(&self, trial: usize) -> u64 {
+        replicate_seed(self.seed, self.replicate(trial) as u64)
+    }
+
+    /// The plan of a trial.
+    pub fn plan(&self, trial: usize) -> Plan {
+        let arm = self.arm(trial);
+        let maze = self.worlds.iter().find(|maze| maze.name() == arm.world);
+        let config = Config {
+            version: self.version.clone(),
+            method: arm.method,
+            arena: arm.arena,
+            sensor: arm.sensor,
+            episodes: self.episodes,
+            seed: self.trial_seed(trial),
+            settings: arm.settings.clone(),
+        };
+        Plan {
+            maze: maze.expect("arms name worlds of their study").clone(),
+            config,
+        }
+    }
+
+    /// Does every arm name a world of the study, and is no setting out of range?
+    pub(super) fn check(&self) -> Result<(), String> {
+        let known = |arm: &Arm| self.worlds.iter().any(|maze| maze.name() == arm.world);
+        if self.is_empty() || !self.arms.iter().all(known) {
+            return Err("it has no trials, or trials in worlds that it does not hold".to_owned());
+        }
+        let faults = (0..self.arms.len()).map(|arm| self.plan(arm * self.trials).check());
+        faults
+            .collect::<Result<(), _>>()
+            .map_err(|fault| fault.to_string())
+    }
+}
+
+/// The id of the study with this text.
+pub(super) fn id_of(json: &str) -> String {
+    format!("{:016x}", checksum(json.as_bytes()))
+}
+
+fn write_mazes<S: Serializer>(mazes: &[Maze], out: S) -> Result<S::Ok, S::Error> {
+    let raw = |maze: &Maze| RawValue::from_string(maze.to_json().trim_end().to_owned());
+    let raws: Result<Vec<_>, _> = mazes.iter().map(raw).collect();
+    raws.map_err(serde::ser::Error::custom)?.serialize(out)
+}
+
+fn read_mazes<'de, D: Deserializer<'de>>(source: D) -> Result<Vec<Maze>, D::Error> {
+    let raws = Vec::<Box<RawValue>>::deserialize(source)?;
+    let maze = |raw: &RawValue| Maze::from_json(raw.get().as_bytes(), "the study's world");
+    raws.iter()
+        .map(|raw| maze(raw))
+        .collect::<Result<_, _>>()
+        .map_err(serde::de::Error::custom)
+}

@@ -1,0 +1,41 @@
+//! Worlds and studies that come with the program.
+
+/// The worlds, by name.
+const WORLDS: [(&str, &str); 5] = [
+    ("maze4", include_str!("../../../worlds/maze4.json")),
+    ("maze5", include_str!("../../../worlds/maze5.json")),
+    ("maze6", include_str!("../../../worlds/maze6.json")),
+    (
+        "maze4-classic",
+        include_str!("../../../worlds/maze4-classic.json"),
+    ),
+    ("woods1", include_str!("../../../worlds/woods1.json")),
+];
+
+/// The studies, by name.
+const STUDIES: [(&str, &str); 2] = [
+    ("paper", include_str!("../presets/paper.toml")),
+    ("ablation", include_str!("../presets/ablation.toml")),
+];
+
+/// The text of a world file that comes with the program.
+pub fn world(name: &str) -> Option<&'static str> {
+    find(&WORLDS, name)
+}
+
+/// The text of a study file that comes with the program.
+pub fn study(name: &str) -> Option<&'static str> {
+    find(&STUDIES, name)
+}
+
+/// The names of the worlds that come with the program.
+pub fn world_names() -> String {
+    let names: Vec<&str> = WORLDS.iter().map(|(name, _)| *name).collect();
+    names.join(", ")
+}
+
+fn find(list: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
+    list.iter()
+        .find(|(known, _)| *known == name)
+        .map(|(_, text)| *text)
+}

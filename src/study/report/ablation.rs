@@ -1,0 +1,202 @@
+//! What switches contribute that a study turns on and off.
+
+use serde::Serialize;
+
+use super::comparisons::{p_value, points, points_range};
+use super::document::Table;
+use crate::study::protocol::Arm;
+use crate::study::statistics::{Interval, Proportion, fisher_exact, holm};
+use crate::study::summary::{ArmRecords, rounded};
+
+/// What one switch does in one world.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SwitchEffect {
+    /// The world.
+    pub world: String,
+    /// Method, arena and sensor.
+    pub setting: String,
+    /// The setting that is switched.
+    pub switch: String,
+    /// The share of successes with it minus that without it, over all settings of the others.
+    pub main_effect: Interval,
+    /// The same with all others on.
+    pub last_added: Interval,
+    /// The same with all others off.
+    pub alone: Interval,
+    /// Fisher's exact p of `main_effect`, after Holm's correction over the switches.
+    pub holm_p: f64,
+}
+
+/// The settings that take only the values true and false in a study, and both of them.
+pub fn switches(arms: &[ArmRecords<'_>]) -> Vec<String> {
+    let Some(first) = arms.first() else {
+        return Vec::new();
+    };
+    let takes = |key: &str, value: bool| arms.iter().any(|one| state(one.arm, key) == Some(value));
+    let always = |key: &str| arms.iter().all(|one| state(one.arm, key).is_some());
+    let keys = first.arm.variant.0.keys();
+    keys.filter(|key| always(key) && takes(key, true) && takes(key, false))
+        .cloned()
+        .collect()
+}
+
+/// Is the switch on in this arm?
+pub fn state(arm: &Arm, switch: &str) -> Option<bool> {
+    arm.variant.0.get(switch)?.as_bool()
+}
+
+/// All that a study does not switch: the world, and method, arena and sensor.
+pub type Place = (String, String);
+
+/// Where the arms ran, in the order of the study.
+pub fn places(arms: &[ArmRecords<'_>]) -> Vec<Place> {
+    let mut places: Vec<Place> = Vec::new();
+    for one in arms {
+        let place = place(one.arm);
+        if !places.contains(&place) {
+            places.push(place);
+        }
+    }
+    places
+}
+
+/// Where an arm ran.
+pub fn place(arm: &Arm) -> Place {
+    let (method, arena) = (arm.method.name(), arm.arena.name());
+    (
+        arm.world.clone(),
+        format!("{method}, {arena}, {}", arm.sensor.name()),
+    )
+}
+
+impl SwitchEffect {
+    /// The effect of each switch in each place.
+    pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
+        let switches = switches(arms);
+        let in_place = |name: Place| {
+            let own: Vec<&ArmRecords<'_>> =
+                arms.iter().filter(|one| place(one.arm) == name).collect();
+            Self::in_place(&name, &own, &switches)
+        };
+        places(arms).into_iter().flat_map(in_place).collect()
+    }
+
+    fn in_place(place: &Place, arms: &[&ArmRecords<'_>], switches: &[String]) -> Vec<Self> {
+        let tests: Vec<f64> = switches
+            .iter()
+            .map(|switch| fisher_exact(pooled(arms, switch, true), pooled(arms, switch, false)))
+            .collect();
+        let effect = |(switch, p): (&String, f64)| {
+            let others = |on: bool| -> Vec<&ArmRecords<'_>> {
+                let others = |one: &&&ArmRecords<'_>| {
+                    let mut others = switches.iter().filter(|other| *other != switch);
+                    others.all(|other| state(one.arm, other) == Some(on))
+                };
+                arms.iter().filter(others).copied().collect()
+            };
+            Self {
+                world: place.0.clone(),
+                setting: place.1.clone(),
+                switch: switch.clone(),
+                main_effect: difference(arms, switch),
+                last_added: difference(&others(true), switch),
+                alone: difference(&others(false), switch),
+                holm_p: rounded(p),
+            }
+        };
+        switches.iter().zip(holm(&tests)).map(effect).collect()
+    }
+}
+
+fn pooled(arms: &[&ArmRecords<'_>], switch: &str, on: bool) -> Proportion {
+    let arms = arms.iter().filter(|one| state(one.arm, switch) == Some(on));
+    let none = Proportion {
+        successes: 0,
+        trials: 0,
+    };
+    arms.map(|one| one.successes())
+        .fold(none, |sum, one| Proportion {
+            successes: sum.successes + one.successes,
+            trials: sum.trials + one.trials,
+        })
+}
+
+fn difference(arms: &[&ArmRecords<'_>], switch: &str) -> Interval {
+    let difference = pooled(arms, switch, true).difference(pooled(arms, switch, false));
+    Interval {
+        value: rounded(difference.value),
+        low: rounded(difference.low),
+        high: rounded(difference.high),
+    }
+}
+
+/// The effects as a table, in percentage points.
+pub fn table(effects: &[SwitchEffect]) -> Table {
+    let mut table = Table::new([
+        "world",
+        "setting",
+        "switch",
+        "main effect",
+        "95 % interval",
+        "Holm p",
+        "added last",
+        "95 % interval ",
+        "alone",
+        "95 % interval  ",
+    ]);
+    table.rows = effects
+        .iter()
+        .map(|one| {
+            vec![
+                one.world.clone(),
+                one.setting.clone(),
+                short(&one.switch),
+                points(one.main_effect.value),
+                points_range(one.main_effect),
+                p_value(one.holm_p),
+                points(one.last_added.value),
+                points_range(one.last_added),
+                points(one.alone.value),
+                points_range(one.alone),
+            ]
+        })
+        .collect();
+    table.without_dull(|name| name == "setting")
+}
+
+/// What the effects mean, in a sentence for each place.
+pub fn verdict(effects: &[SwitchEffect]) -> String {
+    let sentence = |effects: &[SwitchEffect]| {
+        let words = |one: &SwitchEffect| {
+            let unsure = if one.holm_p < 0.05 {
+                ""
+            } else {
+                " (not distinguishable from 0)"
+            };
+            format!(
+                "{} {}{unsure}",
+                short(&one.switch),
+                points(one.main_effect.value)
+            )
+        };
+        let mut sorted: Vec<&SwitchEffect> = effects.iter().collect();
+        sorted.sort_by(|a, b| b.main_effect.value.total_cmp(&a.main_effect.value));
+        let words: Vec<String> = sorted.into_iter().map(words).collect();
+        format!("{}: {}.", effects[0].world, words.join(", "))
+    };
+    let sentences: Vec<String> = effects
+        .chunk_by(|a, b| (&a.world, &a.setting) == (&b.world, &b.setting))
+        .map(sentence)
+        .collect();
+    format!(
+        "Points that each switch adds to the share of successes, averaged over all settings of the \
+         others. {}",
+        sentences.join(" ")
+    )
+}
+
+/// A setting without its section, in words.
+pub fn short(switch: &str) -> String {
+    let name = switch.rsplit('.').next().unwrap_or(switch);
+    name.replace('_', " ")
+}

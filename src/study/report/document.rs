@@ -1,0 +1,211 @@
+//! A report as headings, paragraphs, tables and pictures; as Markdown, and for a terminal.
+
+use std::fmt::Write;
+
+/// A part of a report.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A heading.
+    Heading(String),
+    /// A paragraph.
+    Text(String),
+    /// A table.
+    Table(Table),
+    /// A picture: its file name without ending, and what it shows. Not for terminals.
+    Picture(&'static str, String),
+}
+
+/// Rows under a header; the first column, and others that hold words, are aligned to the left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The names of the columns.
+    pub header: Vec<String>,
+    /// The cells, as many in each row as in the header.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// An empty table with these columns.
+    pub fn new<T: Into<String>>(header: impl IntoIterator<Item = T>) -> Self {
+        Self {
+            header: header.into_iter().map(Into::into).collect(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Leaves out the columns that `is_dull` names if they say the same in every row.
+    pub fn without_dull(mut self, is_dull: impl Fn(&str) -> bool) -> Self {
+        let same = |column: usize| {
+            let mut cells = self.rows.iter().map(|row| &row[column]);
+            let first = cells.next();
+            cells.all(|cell| Some(cell) == first)
+        };
+        let kept: Vec<bool> = self
+            .header
+            .iter()
+            .enumerate()
+            .map(|(column, name)| !(is_dull(name) && same(column)))
+            .collect();
+        for row in std::iter::once(&mut self.header).chain(&mut self.rows) {
+            let mut keep = kept.iter();
+            row.retain(|_| keep.next().is_none_or(|kept| *kept));
+        }
+        self
+    }
+
+    fn widths(&self) -> Vec<usize> {
+        let width = |column: usize| {
+            let cells = self.rows.iter().map(|row| &row[column]);
+            let widest = cells
+                .chain([&self.header[column]])
+                .map(|cell| cell.chars().count());
+            widest.max().unwrap_or(0)
+        };
+        (0..self.header.len()).map(width).collect()
+    }
+
+    /// Is the column to be aligned to the right, since it begins with digits throughout?
+    fn is_number(&self, column: usize) -> bool {
+        let numeric = |cell: &str| {
+            let bare = cell.trim_start_matches(['+', '-', '−', '<', ' ', '–']);
+            bare.is_empty() || bare.starts_with(|c: char| c.is_ascii_digit())
+        };
+        column > 0 && self.rows.iter().all(|row| numeric(&row[column]))
+    }
+
+    fn line(&self, row: &[String], gap: &str) -> String {
+        let widths = self.widths();
+        let cell = |(column, text): (usize, &String)| {
+            let width = widths[column];
+            match self.is_number(column) {
+                true => format!("{text:>width$}"),
+                false => format!("{text:<width$}"),
+            }
+        };
+        let cells: Vec<String> = row.iter().enumerate().map(cell).collect();
+        cells.join(gap)
+    }
+
+    fn markdown(&self) -> String {
+        let rule: Vec<String> = self
+            .widths()
+            .iter()
+            .enumerate()
+            .map(|(column, &width)| {
+                let dashes = "-".repeat(width.saturating_sub(1));
+                if self.is_number(column) {
+                    dashes + ":"
+                } else {
+                    ":".to_owned() + &dashes
+                }
+            })
+            .collect();
+        let mut text = format!(
+            "| {} |\n| {} |\n",
+            self.line(&self.header, " | "),
+            rule.join(" | ")
+        );
+        for row in &self.rows {
+            let _ = writeln!(text, "| {} |", self.line(row, " | "));
+        }
+        text
+    }
+
+    fn text(&self) -> String {
+        let rule = "-".repeat(
+            self.widths()
+                .iter()
+                .map(|width| width + 2)
+                .sum::<usize>()
+                .max(2)
+                - 2,
+        );
+        let mut text = format!("{}\n{rule}\n", self.line(&self.header, "  ").trim_end());
+        for row in &self.rows {
+            let _ = writeln!(text, "{}", self.line(row, "  ").trim_end());
+        }
+        text
+    }
+}
+
+/// The blocks as Markdown.
+pub fn markdown(blocks: &[Block]) -> String {
+    let part = |block: &Block| match block {
+        Block::Heading(text) => format!("## {text}\n"),
+        Block::Text(text) => format!("{text}\n"),
+        Block::Table(table) => table.markdown(),
+        Block::Picture(name, text) => format!("![{text}]({name}.svg)\n"),
+    };
+    blocks.iter().map(part).collect::<Vec<_>>().join("\n")
+}
+
+/// The blocks for a terminal of 100 columns.
+pub fn terminal(blocks: &[Block]) -> String {
+    let part = |block: &Block| match block {
+        Block::Heading(text) => Some(format!("{}\n", text.to_uppercase())),
+        Block::Text(text) => Some(format!("{}\n", wrapped(text, 98))),
+        Block::Table(table) => Some(table.text()),
+        Block::Picture(..) => None,
+    };
+    blocks
+        .iter()
+        .filter_map(part)
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// The text in lines of at most `width` characters, broken between words.
+fn wrapped(text: &str, width: usize) -> String {
+    let mut lines = String::new();
+    let mut length = 0;
+    for word in text.replace("**", "").replace('`', "").split_whitespace() {
+        let size = word.chars().count();
+        match length {
+            0 => (),
+            _ if length + 1 + size > width => {
+                lines.push('\n');
+                length = 0;
+            }
+            _ => {
+                lines.push(' ');
+                length += 1;
+            }
+        }
+        lines.push_str(word);
+        length += size;
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> Table {
+        let mut table = Table::new(["world", "arena", "p"]);
+        let rows = [["maze4", "grid", "0.5"], ["woods12", "grid", "< 0.0001"]];
+        table.rows = rows.map(|row| row.map(str::to_owned).to_vec()).to_vec();
+        table
+    }
+
+    #[test]
+    fn a_table_aligns_words_to_the_left_and_numbers_to_the_right() {
+        insta::assert_snapshot!(table().without_dull(|name| name == "arena").markdown(), @r"
+        | world   |        p |
+        | :------ | -------: |
+        | maze4   |      0.5 |
+        | woods12 | < 0.0001 |
+        ");
+        insta::assert_snapshot!(table().text(), @r"
+        world    arena         p
+        ------------------------
+        maze4    grid        0.5
+        woods12  grid   < 0.0001
+        ");
+    }
+
+    #[test]
+    fn long_text_is_wrapped_between_words() {
+        assert_eq!(wrapped("one **two** three", 8), "one two\nthree");
+    }
+}

@@ -1,0 +1,168 @@
+//! A study next to the numbers of the paper.
+
+use serde::Serialize;
+
+use super::comparisons::p_value;
+use super::document::Table;
+use crate::reward::Method;
+use crate::study::statistics::{Proportion, fisher_exact, quantile};
+use crate::study::summary::{ArmRecords, rounded};
+
+/// The episodes before which the paper looks for successes, by world: `xcscr` mainly succeeds
+/// before them.
+const EARLY: [(&str, u32); 3] = [("maze4", 40), ("maze5", 70), ("maze6", 70)];
+
+/// The paper's successes of 100 trials, in the same worlds. It has one adapted method.
+const SUCCESSES: [(Method, [u64; 3]); 4] = [
+    (Method::Xcs, [7, 2, 0]),
+    (Method::AdaptedEven, [77, 29, 25]),
+    (Method::AdaptedDiscounted, [77, 29, 25]),
+    (Method::Xcscr, [79, 54, 65]),
+];
+
+/// An arm whose experiment the paper reports, too.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AgainstPaper {
+    /// The world.
+    pub world: String,
+    /// The reward method.
+    pub method: &'static str,
+    /// The arena.
+    pub arena: &'static str,
+    /// Successes of 100 in the paper.
+    pub paper: u64,
+    /// Successes here.
+    pub successes: u64,
+    /// Trials here.
+    pub trials: u64,
+    /// Fisher's exact p that both are the same.
+    pub fisher_p: f64,
+    /// The difference in units of its own standard error.
+    pub z: f64,
+    /// The median first optimal episode of the successful trials.
+    pub median_of_successes: Option<f64>,
+    /// The episode up to which a success counts as early.
+    pub early_episode: u32,
+    /// The share of the successes that were early.
+    pub early: Option<f64>,
+}
+
+impl AgainstPaper {
+    /// All arms whose experiment the paper reports; none with swept settings.
+    pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
+        arms.iter().filter_map(Self::new).collect()
+    }
+
+    fn new(records: &ArmRecords<'_>) -> Option<Self> {
+        let arm = records.arm;
+        if !arm.variant.0.is_empty() {
+            return None;
+        }
+        let paper = successes(arm.method, &arm.world)?;
+        let (_, early_episode) = *EARLY.iter().find(|(world, _)| *world == arm.world)?;
+        let (ours, theirs) = (
+            records.successes(),
+            Proportion {
+                successes: paper,
+                trials: 100,
+            },
+        );
+        let firsts = records.first_episodes();
+        let early = firsts
+            .iter()
+            .filter(|first| **first <= f64::from(early_episode))
+            .count();
+        let share = early as f64 / firsts.len().max(1) as f64;
+        Some(Self {
+            world: arm.world.clone(),
+            method: arm.method.name(),
+            arena: arm.arena.name(),
+            paper,
+            successes: ours.successes,
+            trials: ours.trials,
+            fisher_p: rounded(fisher_exact(ours, theirs)),
+            z: rounded(standard_score(ours, theirs)),
+            median_of_successes: quantile(&firsts, 0.5),
+            early_episode,
+            early: (!firsts.is_empty()).then_some(rounded(share)),
+        })
+    }
+}
+
+/// What the paper reports: successes of 100 trials.
+fn successes(method: Method, world: &str) -> Option<u64> {
+    let world = EARLY.iter().position(|(known, _)| *known == world)?;
+    let row = SUCCESSES.iter().find(|(known, _)| *known == method);
+    row.map(|(_, successes)| successes[world])
+}
+
+/// The difference of two shares in units of its standard error, with one success and one failure
+/// added to both together, so that it is finite.
+fn standard_score(a: Proportion, b: Proportion) -> f64 {
+    let (n, m) = (a.trials.max(1) as f64, b.trials as f64);
+    let pooled = (a.successes + b.successes + 1) as f64 / (n + m + 2.0);
+    (a.share() - b.share()) / (pooled * (1.0 - pooled) * (1.0 / n + 1.0 / m)).sqrt()
+}
+
+/// The comparison as a table.
+pub fn table(rows: &[AgainstPaper]) -> Table {
+    let mut table = Table::new([
+        "world",
+        "method",
+        "arena",
+        "paper",
+        "here",
+        "of",
+        "points",
+        "Fisher p",
+        "median of successes",
+        "early",
+    ]);
+    table.rows = rows
+        .iter()
+        .map(|row| {
+            let share = 100.0 * row.successes as f64 / row.trials.max(1) as f64;
+            let median = row.median_of_successes;
+            vec![
+                row.world.clone(),
+                row.method.to_owned(),
+                row.arena.to_owned(),
+                row.paper.to_string(),
+                row.successes.to_string(),
+                row.trials.to_string(),
+                format!("{:+.0}", share - row.paper as f64),
+                p_value(row.fisher_p),
+                median.map_or("–".to_owned(), |episode| episode.to_string()),
+                row.early.map_or("–".to_owned(), |early| {
+                    format!("{:.0} % by {}", 100.0 * early, row.early_episode)
+                }),
+            ]
+        })
+        .collect();
+    table.without_dull(|name| name == "arena")
+}
+
+/// How near the study is to the paper, in sentences.
+pub fn verdict(rows: &[AgainstPaper]) -> String {
+    let far: Vec<&AgainstPaper> = rows.iter().filter(|row| row.fisher_p < 0.05).collect();
+    let distance: f64 = rows.iter().map(|row| row.z * row.z).sum();
+    let names: Vec<String> = far
+        .iter()
+        .map(|row| format!("{} in {}", row.method, row.world))
+        .collect();
+    let differ = match names.len() {
+        0 => "none of them differs from the paper by more than chance explains (Fisher, 5 %)"
+            .to_owned(),
+        _ => format!(
+            "{} differ by more than chance explains (Fisher, 5 %): {}",
+            names.len(),
+            names.join(", ")
+        ),
+    };
+    format!(
+        "Of {} numbers, {differ}. The sum of the squared standard scores is {distance:.0}; by chance \
+         it would be about {}.",
+        rows.len(),
+        rows.len()
+    )
+}

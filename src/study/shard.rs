@@ -1,0 +1,66 @@
+//! A part of a study, for one machine of several.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Shard `index` of `count`, counted from 1: every `count`-th trial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    index: usize,
+    count: usize,
+}
+
+impl Shard {
+    /// All trials.
+    pub const WHOLE: Self = Self { index: 1, count: 1 };
+
+    /// Does the trial belong to this shard?
+    pub fn holds(self, trial: usize) -> bool {
+        trial % self.count == self.index - 1
+    }
+
+    /// All shards of so many.
+    pub fn all(count: usize) -> impl Iterator<Item = Self> {
+        (1..=count).map(move |index| Self { index, count })
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(index, count)| {
+            let (index, count) = (index.parse().ok()?, count.parse().ok()?);
+            (1..=count)
+                .contains(&index)
+                .then_some(Self { index, count })
+        });
+        numbers.ok_or_else(|| "write shard 2 of 7 as 2/7; shards are counted from 1".to_owned())
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_share_out_all_trials() {
+        for trial in 0..50 {
+            assert_eq!(Shard::all(7).filter(|shard| shard.holds(trial)).count(), 1);
+        }
+    }
+
+    #[test]
+    fn only_shards_that_exist_are_read() {
+        assert_eq!("2/7".parse(), Ok(Shard { index: 2, count: 7 }));
+        for text in ["0/7", "8/7", "1/0", "2", "a/b", "-1/2"] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+    }
+}

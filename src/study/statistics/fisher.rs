@@ -1,0 +1,91 @@
+//! Are two shares different? And are several such differences real?
+
+use statrs::stats_tests::Alternative;
+use statrs::stats_tests::fisher::fishers_exact;
+
+use super::Proportion;
+
+/// The two-sided p of Fisher's exact test that two shares are the same.
+pub fn fisher_exact(a: Proportion, b: Proportion) -> f64 {
+    let failures = |p: Proportion| p.trials - p.successes;
+    let table = [a.successes, b.successes, failures(a), failures(b)];
+    // An error means a table without trials, which tells nothing. Rounding can leave [0, 1].
+    fishers_exact(&table, Alternative::TwoSided).map_or(1.0, |p| p.clamp(0.0, 1.0))
+}
+
+/// Holm's correction (1979) for several tests that answer one question.
+pub fn holm(ps: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..ps.len()).collect();
+    order.sort_by(|&a, &b| ps[a].total_cmp(&ps[b]));
+    let mut corrected = vec![0.0; ps.len()];
+    let mut least: f64 = 0.0;
+    for (rank, &i) in order.iter().enumerate() {
+        least = least.max(ps[i] * (ps.len() - rank) as f64).min(1.0);
+        corrected[i] = least;
+    }
+    corrected
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_close(actual: f64, expected: f64) {
+        assert!(
+            (actual - expected).abs() < 1e-9,
+            "{actual} is not {expected}"
+        );
+    }
+
+    fn of_100(successes: u64) -> Proportion {
+        Proportion {
+            successes,
+            trials: 100,
+        }
+    }
+
+    #[test]
+    fn the_papers_own_comparisons_as_in_scipy() {
+        // scipy 1.17.1: fisher_exact([[a, 100 - a], [b, 100 - b]]).pvalue
+        for (a, b, p) in FISHER {
+            assert_close(fisher_exact(of_100(a), of_100(b)), p);
+            assert_close(fisher_exact(of_100(b), of_100(a)), p);
+        }
+    }
+
+    const FISHER: [(u64, u64, f64); 5] = [
+        (79, 77, 0.8646226720683615),
+        (54, 29, 0.0005359383566450098),
+        (65, 25, 1.917475680382752e-8),
+        (0, 0, 1.0),
+        (100, 0, 2.208760693199503e-59),
+    ];
+
+    #[test]
+    fn p_stays_between_zero_and_one() {
+        for a in 0..=100 {
+            for b in 0..=100 {
+                let p = fisher_exact(of_100(a), of_100(b));
+                assert!((0.0..=1.0).contains(&p), "{a} {b}: {p}");
+            }
+        }
+        let none = Proportion {
+            successes: 0,
+            trials: 0,
+        };
+        assert_eq!(fisher_exact(none, none), 1.0);
+    }
+
+    #[test]
+    fn holm_as_in_r() {
+        // R: p.adjust(c(0.04, 0.01, 0.03), "holm") gives 0.06 0.03 0.06.
+        for (actual, expected) in holm(&[0.04, 0.01, 0.03])
+            .into_iter()
+            .zip([0.06, 0.03, 0.06])
+        {
+            assert_close(actual, expected);
+        }
+        assert_eq!(holm(&[0.9, 0.8]), [1.0, 1.0]);
+        assert!(holm(&[]).is_empty());
+    }
+}

@@ -1,0 +1,135 @@
+//! Shares of successes.
+
+use super::{Interval, Z_95};
+
+/// So many successes in so many trials.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Proportion {
+    /// Trials that succeeded.
+    pub successes: u64,
+    /// All trials.
+    pub trials: u64,
+}
+
+impl Proportion {
+    /// The share of successes; 0 without trials.
+    pub fn share(self) -> f64 {
+        match self.trials {
+            0 => 0.0,
+            trials => self.successes as f64 / trials as f64,
+        }
+    }
+
+    /// Wilson's 95 % interval of the share (1927), without correction for continuity; 0 to 1
+    /// without trials.
+    pub fn wilson(self) -> Interval {
+        let value = self.share();
+        if self.trials == 0 {
+            return Interval {
+                value,
+                low: 0.0,
+                high: 1.0,
+            };
+        }
+        let n = self.trials as f64;
+        let z2 = Z_95 * Z_95;
+        let centre = value + z2 / (2.0 * n);
+        let half = Z_95 * (value * (1.0 - value) / n + z2 / (4.0 * n * n)).sqrt();
+        let scale = 1.0 + z2 / n;
+        // Rounding must not push a limit past what was observed.
+        Interval {
+            value,
+            low: ((centre - half) / scale).clamp(0.0, value),
+            high: ((centre + half) / scale).clamp(value, 1.0),
+        }
+    }
+
+    /// How much larger this share is than `other`, with Newcombe's 95 % interval (1998, method
+    /// 10), which comes from the two Wilson intervals.
+    pub fn difference(self, other: Self) -> Interval {
+        let (a, b) = (self.wilson(), other.wilson());
+        let value = a.value - b.value;
+        Interval {
+            value,
+            low: value - (a.value - a.low).hypot(b.high - b.value),
+            high: value + (a.high - a.value).hypot(b.value - b.low),
+        }
+    }
+}
+
+/// The trials per group that tell two shares apart with a chance of 80 %, at 5 % error;
+/// `None` when they are equal.
+pub fn trials_needed(a: f64, b: f64) -> Option<u64> {
+    /// The normal deviate below which 80 % lie.
+    const Z_80: f64 = 0.841_621_233_572_914_3;
+    if a == b {
+        return None;
+    }
+    let mean = f64::midpoint(a, b);
+    let under_equality = (2.0 * mean * (1.0 - mean)).sqrt();
+    let under_difference = (a * (1.0 - a) + b * (1.0 - b)).sqrt();
+    let root = (Z_95 * under_equality + Z_80 * under_difference) / (a - b);
+    Some((root * root).ceil() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_close(actual: f64, expected: f64) {
+        assert!(
+            (actual - expected).abs() < 1e-9,
+            "{actual} is not {expected}"
+        );
+    }
+
+    #[test]
+    fn wilson_intervals_as_in_scipy() {
+        // scipy 1.17.1: binomtest(k, n).proportion_ci(method="wilson")
+        for (successes, trials, low, high) in WILSON {
+            let interval = Proportion { successes, trials }.wilson();
+            assert_close(interval.low, low);
+            assert_close(interval.high, high);
+        }
+    }
+
+    const WILSON: [(u64, u64, f64, f64); 4] = [
+        (79, 100, 0.7002003116591013, 0.858343459380847),
+        (0, 100, 0.0, 0.03699349820698568),
+        (100, 100, 0.9630065017930143, 1.0),
+        (1, 3, 0.06149194472039626, 0.7923403991979523),
+    ];
+
+    #[test]
+    fn nothing_is_known_without_trials() {
+        let none = Proportion {
+            successes: 0,
+            trials: 0,
+        }
+        .wilson();
+        assert_eq!((none.low, none.high), (0.0, 1.0));
+    }
+
+    #[test]
+    fn the_difference_of_newcombes_first_example() {
+        // Newcombe (1998), table II, row (a): 56/70 against 48/80, method 10.
+        let larger = Proportion {
+            successes: 56,
+            trials: 70,
+        };
+        let smaller = Proportion {
+            successes: 48,
+            trials: 80,
+        };
+        let difference = larger.difference(smaller);
+        assert_close((difference.low * 1e4).round() / 1e4, 0.0524);
+        assert_close((difference.high * 1e4).round() / 1e4, 0.3339);
+    }
+
+    #[test]
+    fn the_papers_maze4_would_need_thousands_of_trials() {
+        // By the same formula in Python with scipy 1.17.1's norm.ppf: 6733.17.
+        assert_eq!(trials_needed(0.79, 0.77), Some(6734));
+        assert_eq!(trials_needed(0.5, 0.5), None);
+    }
+}

@@ -1,0 +1,482 @@
+//! Full disks, folders that cannot be used, several processes in one folder, signals, and names
+//! that lead elsewhere: a message with file and way out, and nothing whole is harmed.
+
+mod program;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use program::{contents, ended, expect, signal, spawn, xcscr};
+use xcscr::record;
+
+const WORLD: &str = "worlds/maze4.json";
+
+/// A run that takes many seconds unless it is stopped.
+fn long_run<'a>(out: &'a str) -> [&'a str; 8] {
+    [
+        "train",
+        WORLD,
+        "--episodes",
+        "1000000",
+        "--arena",
+        "grid",
+        "--out",
+        out,
+    ]
+}
+
+/// Waits until a file is there.
+#[track_caller]
+fn wait_for(path: &Path) {
+    let begun = Instant::now();
+    while !path.exists() {
+        assert!(
+            begun.elapsed() < Duration::from_secs(60),
+            "no {}",
+            path.display()
+        );
+        sleep(Duration::from_millis(5));
+    }
+}
+
+/// Waits for the end; gives the time that it took, stdout and stderr.
+#[track_caller]
+fn end_of(child: Child, code: i32, what: &str) -> (Duration, String, String) {
+    let begun = Instant::now();
+    let output = child.wait_with_output().unwrap();
+    let (stdout, stderr) = ended(&output, code, what);
+    (begun.elapsed(), stdout, stderr)
+}
+
+/// A world that is one long winding corridor: to walk it by chance takes a million steps.
+fn winding_world(folder: &Path) -> String {
+    let (wall, floor) = ("#".repeat(103), format!("#{}#", ".".repeat(101)));
+    let door = |left: bool| {
+        let closed = "#".repeat(101);
+        if left {
+            format!("#.{closed}")
+        } else {
+            format!("{closed}.#")
+        }
+    };
+    let mut rows = vec![wall.clone()];
+    for level in 0..40 {
+        rows.push(floor.clone());
+        rows.push(door(level % 2 == 1));
+    }
+    rows.push(floor);
+    rows.push(wall);
+    rows[1].replace_range(1..2, "S");
+    rows[81].replace_range(1..2, "G");
+    let path = folder.join("winding.json");
+    let text = serde_json::json!({ "name": "winding", "rows": rows });
+    fs::write(&path, text.to_string()).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn the_first_signal_ends_the_run_within_five_seconds_with_a_checkpoint() {
+    for name in ["INT", "TERM", "USR1"] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("run");
+        let dir = out.to_str().unwrap();
+        let child = spawn(&long_run(dir));
+        wait_for(&out.join("ep-0005.mcap"));
+        signal(&child, name);
+        let (time, stdout, stderr) = end_of(child, 75, name);
+        assert!(time < Duration::from_secs(5), "{name}: {time:?}");
+        assert_eq!(stdout, "", "{name}");
+        assert!(
+            stderr.contains(&format!("`xcscr train --resume {dir}`")),
+            "{name}: {stderr}"
+        );
+        assert!(!out.join("run.lock").exists(), "{name}");
+        let again = spawn(&["train", "--resume", dir]);
+        sleep(Duration::from_millis(300));
+        signal(&again, name);
+        end_of(again, 75, "the resumed run");
+    }
+}
+
+#[test]
+fn an_episode_without_end_is_left_after_a_signal_and_a_second_one_ends_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let world = winding_world(folder.path());
+    let out = folder.path().join("run");
+    let dir = out.to_str().unwrap();
+    let endless = [
+        "train",
+        &world,
+        "--out",
+        dir,
+        "--record",
+        "none",
+        "--method",
+        "adapted-even",
+        "--set",
+        "reward.step_threshold=1000000",
+        "--set",
+        "episode.explore=1",
+    ];
+    let child = spawn(&endless);
+    wait_for(&out.join("config.json"));
+    sleep(Duration::from_millis(200));
+    signal(&child, "TERM");
+    let (time, _, stderr) = end_of(child, 75, "one signal");
+    assert!(time < Duration::from_secs(5), "{time:?}");
+    assert!(stderr.contains("--resume"), "{stderr}");
+    let child = spawn(&["train", "--resume", dir]);
+    sleep(Duration::from_millis(300));
+    signal(&child, "TERM");
+    sleep(Duration::from_millis(100));
+    signal(&child, "INT");
+    let (time, ..) = end_of(child, 130, "two signals");
+    assert!(time < Duration::from_millis(500), "{time:?}");
+}
+
+#[test]
+fn a_reader_of_stdout_that_goes_away_is_a_clean_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let args = [
+        "train",
+        WORLD,
+        "--episodes",
+        "5",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    for args in [
+        &args[..],
+        &["config", "show"],
+        &["completions", "bash"],
+        &["--help"],
+    ] {
+        let mut child = spawn(args);
+        drop(child.stdout.take());
+        let (_, _, stderr) = end_of(child, 0, &format!("{args:?}"));
+        assert_eq!(stderr, "", "{args:?}");
+    }
+    assert!(out.join("rules.json").is_file());
+}
+
+#[test]
+fn a_full_device_for_the_result_is_an_error_with_its_code() {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full");
+    let Ok(full) = full else {
+        return println!("skipped: this system has no /dev/full");
+    };
+    let output = xcscr(&["config", "show"])
+        .stdout(full)
+        .stderr(Stdio::piped())
+        .output();
+    let (_, stderr) = ended(&output.unwrap(), 74, "stdout on /dev/full");
+    assert!(stderr.contains("cannot write the result"), "{stderr}");
+}
+
+/// Every file that has its final name is whole: recordings are sound, the checkpoint resumes.
+#[track_caller]
+fn assert_whole(folder: &Path) {
+    for (name, bytes) in contents(folder) {
+        if name.ends_with(".mcap") {
+            let findings = record::check(&folder.join(&name)).unwrap();
+            assert!(findings.is_empty(), "{name}: {findings:?}");
+        } else if name.ends_with(".json") {
+            serde_json::from_slice::<serde_json::Value>(&bytes).expect(&name);
+        }
+    }
+}
+
+#[test]
+fn a_file_size_limit_ends_in_code_74_and_the_run_goes_on_when_it_is_lifted() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, wanted) = (folder.path().join("run"), folder.path().join("wanted"));
+    let args = |out: &Path| {
+        let dir = out.to_str().unwrap().to_owned();
+        ["train", WORLD, "--episodes", "60", "--quiet", "--out"]
+            .map(str::to_owned)
+            .into_iter()
+            .chain([dir])
+            .collect::<Vec<_>>()
+    };
+    let program = assert_cmd::cargo::cargo_bin("xcscr");
+    let limited = Command::new("sh")
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(["-c", "ulimit -f 300; exec \"$0\" \"$@\""])
+        .arg(program)
+        .args(args(&out))
+        .output()
+        .unwrap();
+    let (_, stderr) = ended(&limited, 74, "ulimit -f");
+    assert!(
+        stderr.contains(".mcap.part") && stderr.contains("--resume"),
+        "{stderr}"
+    );
+    assert_whole(&out);
+    expect(0, &["train", "--resume", out.to_str().unwrap()]);
+    expect(
+        0,
+        &args(&wanted).iter().map(String::as_str).collect::<Vec<_>>(),
+    );
+    program::assert_same(&out, &wanted, "after the limit was lifted");
+}
+
+/// A file system of its own with a few megabytes, while this lives.
+struct SmallDisk(tempfile::TempDir);
+
+impl SmallDisk {
+    fn mount(size: &str) -> Option<Self> {
+        let folder = tempfile::tempdir().unwrap();
+        let options = format!("size={size}");
+        let mounted = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", &options, "xcscr-test"])
+            .arg(folder.path())
+            .output();
+        mounted
+            .is_ok_and(|output| output.status.success())
+            .then_some(Self(folder))
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(self.0.path()).output();
+    }
+}
+
+#[test]
+fn a_full_disk_ends_in_code_74_and_the_run_goes_on_when_there_is_room() {
+    let Some(disk) = SmallDisk::mount("2m") else {
+        return println!("skipped: only root may mount a small disk, and not everywhere");
+    };
+    let (out, ballast) = (disk.0.path().join("run"), disk.0.path().join("ballast"));
+    let dir = out.to_str().unwrap();
+    for room in [4, 40, 400, 1200] {
+        fs::write(&ballast, vec![0; (2048 - room) * 1024]).unwrap();
+        let begun = Instant::now();
+        let output = xcscr(&["train", WORLD, "--out", dir]).output().unwrap();
+        assert!(begun.elapsed() < Duration::from_secs(30));
+        let code = output.status.code();
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            matches!(code, Some(73 | 74)),
+            "{room} kB: {code:?} {stderr}"
+        );
+        assert!(
+            stderr.contains("No space left") && stderr.contains(dir),
+            "{room} kB: {stderr}"
+        );
+        if out.exists() {
+            assert_whole(&out);
+        }
+        if room < 1200 {
+            let _ = fs::remove_dir_all(&out);
+        }
+    }
+    fs::remove_file(&ballast).unwrap();
+    let options = "remount,size=60m";
+    let grown = Command::new("mount")
+        .args(["-o", options])
+        .arg(disk.0.path())
+        .status();
+    assert!(grown.unwrap().success());
+    expect(0, &["train", "--resume", dir]);
+    let wanted = disk.0.path().join("wanted");
+    expect(0, &["train", WORLD, "--out", wanted.to_str().unwrap()]);
+    program::assert_same(&out, &wanted, "after the disk was full");
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_ends_in_code_73() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "precious").unwrap();
+    let long = folder.path().join("x".repeat(300));
+    for out in [&file, &file.join("below"), &long, Path::new("/proc/run")] {
+        let out = out.to_str().unwrap();
+        let (_, stderr) = expect(73, &["train", WORLD, "--episodes", "1", "--out", out]);
+        assert!(stderr.contains("--out"), "{out}: {stderr}");
+    }
+    assert_eq!(fs::read(&file).unwrap(), b"precious");
+}
+
+#[test]
+fn of_eight_processes_in_one_folder_one_wins_and_the_others_name_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let dir = out.to_str().unwrap();
+    let mut children: Vec<Child> = (0..8).map(|_| spawn(&long_run(dir))).collect();
+    let begun = Instant::now();
+    let mut running = children.len();
+    while running > 1 {
+        assert!(
+            begun.elapsed() < Duration::from_secs(60),
+            "{running} still run"
+        );
+        sleep(Duration::from_millis(20));
+        running = children
+            .iter_mut()
+            .filter_map(|child| child.try_wait().unwrap().is_none().then_some(()))
+            .count();
+    }
+    let alive = children
+        .iter_mut()
+        .position(|child| child.try_wait().unwrap().is_none());
+    let winner = children.swap_remove(alive.expect("one runs"));
+    let holder = format!("is in use by process {}", winner.id());
+    for loser in children {
+        let (_, _, stderr) = end_of(loser, 73, "a loser");
+        assert!(stderr.contains(&holder), "{stderr}");
+    }
+    for args in [
+        &["train", "--resume", dir][..],
+        &["train", WORLD, "--force", "--out", dir],
+    ] {
+        let (_, stderr) = expect(73, args);
+        assert!(stderr.contains(&holder), "{args:?}: {stderr}");
+    }
+    signal(&winner, "KILL");
+    winner.wait_with_output().unwrap();
+    assert!(
+        out.join("run.lock").is_file(),
+        "a killed process removes nothing"
+    );
+    let again = spawn(&["train", "--resume", dir]);
+    sleep(Duration::from_millis(400));
+    signal(&again, "TERM");
+    end_of(
+        again,
+        75,
+        "the lock that a killed process left kept the next one out",
+    );
+}
+
+#[test]
+fn a_forced_run_removes_the_files_of_the_run_before_it_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, fresh) = (folder.path().join("run"), folder.path().join("fresh"));
+    let (dir, fresh_dir) = (out.to_str().unwrap(), fresh.to_str().unwrap());
+    expect(0, &["train", WORLD, "--episodes", "9", "--out", dir]);
+    for name in [
+        "ep-0007.mcap.part",
+        "run.mcap.part",
+        "run.mcap.again",
+        "rules.json.part",
+    ] {
+        fs::write(out.join(name), "left behind").unwrap();
+    }
+    fs::write(out.join("notes.txt"), "mine").unwrap();
+    fs::create_dir(out.join("figures")).unwrap();
+    fs::write(out.join("figures/ep-0001.mcap"), "mine, too").unwrap();
+    let anew = ["train", WORLD, "--episodes", "2", "--seed", "4", "--out"];
+    expect(0, &[&anew[..], &[dir, "--force"]].concat());
+    assert_eq!(fs::read(out.join("notes.txt")).unwrap(), b"mine");
+    assert_eq!(
+        fs::read(out.join("figures/ep-0001.mcap")).unwrap(),
+        b"mine, too"
+    );
+    fs::remove_file(out.join("notes.txt")).unwrap();
+    fs::remove_dir_all(out.join("figures")).unwrap();
+    expect(0, &[&anew[..], &[fresh_dir]].concat());
+    program::assert_same(&out, &fresh, "something of the run before was left");
+}
+
+#[cfg(unix)]
+#[test]
+fn links_in_a_run_folder_lead_nobody_out_of_it() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let dir = out.to_str().unwrap();
+    expect(0, &["train", WORLD, "--episodes", "2", "--out", dir]);
+    let outside = folder.path().join("outside");
+    let links = [
+        "ep-0001.mcap",
+        "ep-0001.mcap.part",
+        "ep-0002.mcap.part",
+        "run.mcap.part",
+        "rules.json",
+        "rules.json.part",
+        "world.json.part",
+        "checkpoint.part",
+        "foxglove-layout.json",
+    ];
+    for name in links {
+        let target = outside.join(name);
+        fs::create_dir_all(&outside).unwrap();
+        fs::write(&target, "precious").unwrap();
+        let _ = fs::remove_file(out.join(name));
+        symlink(&target, out.join(name)).unwrap();
+    }
+    expect(
+        0,
+        &["train", WORLD, "--episodes", "2", "--force", "--out", dir],
+    );
+    for (name, bytes) in contents(&outside) {
+        assert_eq!(bytes, b"precious", "{name} was written through a link");
+    }
+    symlink(outside.join("rules.json"), out.join("run.lock")).unwrap();
+    let (_, stderr) = expect(73, &["train", WORLD, "--force", "--out", dir]);
+    assert!(stderr.contains("run.lock"), "{stderr}");
+    assert_eq!(fs::read(outside.join("rules.json")).unwrap(), b"precious");
+}
+
+#[cfg(unix)]
+#[test]
+fn odd_names_of_files_are_taken_as_they_are() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let names: [&[u8]; 4] = [
+        b"with spaces and 'quotes'",
+        b"\xff\xfe not UTF-8",
+        b"-leading",
+        "größe ⌘".as_bytes(),
+    ];
+    for name in names {
+        let out = folder.path().join(OsStr::from_bytes(name));
+        let run = |args: &[&str]| {
+            let mut command = xcscr(args);
+            ended(
+                &command.arg(&out).output().unwrap(),
+                0,
+                &format!("{args:?} {out:?}"),
+            )
+        };
+        run(&["train", WORLD, "--episodes", "2", "--json", "--out"]);
+        run(&["train", "--resume"]);
+        run(&["evaluate", "--episodes", "2"]);
+        run(&["replay", "--verify"]);
+    }
+}
+
+#[test]
+fn the_name_of_a_world_never_becomes_a_path_elsewhere() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in [
+        "../up",
+        "/etc/x",
+        "a/b",
+        "..",
+        "con",
+        &"x".repeat(300),
+        "nul\\u0000",
+        "a b",
+    ] {
+        let path = folder.path().join("world.json");
+        fs::write(
+            &path,
+            format!(r#"{{"name": "{name}", "wrap": true, "rows": ["S.G"]}}"#),
+        )
+        .unwrap();
+        let output = xcscr(&["train", path.to_str().unwrap(), "--episodes", "1"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        ended(&output, 65, name);
+        assert_eq!(contents(folder.path()).len(), 1, "{name} made something");
+    }
+}

@@ -1,0 +1,101 @@
+//! Digests of trained runs: three mazes in both arenas.
+//!
+//! Each digest covers what was learned (the text of `rules.json`), the figures of every episode,
+//! and time and pose after every step, all with their last bit. A change here means that the same seed gives other
+//! results than before: other users' recordings no longer verify, and tables made with an earlier
+//! version no longer reproduce. That may be right (a fault in an algorithm was found), but never
+//! by accident: say in the commit what changed the results, and raise the version.
+//!
+//! The digests are the same in debug and release and on every platform with IEEE numbers: run
+//! `cargo test --release --test golden`, too.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use xcscr::episode::{Episode, Learned, Observer, Step};
+use xcscr::reward::Method;
+use xcscr::sensor::Sensor;
+use xcscr::study::{ArenaKind, Config, Plan, Settings, Trial};
+use xcscr::world::Maze;
+
+/// FNV-1a, 64 bits: short, and enough to notice a change.
+struct Digest(u64);
+
+impl Digest {
+    fn add(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+}
+
+impl Observer for Digest {
+    fn stepped(&mut self, step: &Step<'_>) {
+        let now = step.view.now();
+        let pose = now.robot_in_world.to_homogeneous();
+        self.add(&now.time_ns.to_le_bytes());
+        pose.iter()
+            .for_each(|number| self.add(&number.to_bits().to_le_bytes()));
+    }
+
+    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+        let figures = [
+            episode.steps.into(),
+            episode.collisions.into(),
+            episode.explored.into(),
+            episode.reward.to_bits(),
+            episode.step_threshold.into(),
+            episode.rules as u64,
+            episode.imprinted.into(),
+        ];
+        figures
+            .iter()
+            .for_each(|figure: &u64| self.add(&figure.to_le_bytes()));
+        ControlFlow::Continue(())
+    }
+}
+
+fn digest(world: &str, method: Method, arena: ArenaKind) -> String {
+    let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
+    let config = Config {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        method,
+        arena,
+        sensor: Sensor::Neighbours,
+        episodes: 60,
+        seed: 1,
+        settings: Settings::default(),
+    };
+    let maze = Maze::load(Path::new(&path)).unwrap();
+    let mut trial = Trial::new(Plan { maze, config }).unwrap();
+    let mut digest = Digest(0xcbf2_9ce4_8422_2325);
+    let _ = trial.run(&mut digest);
+    let rules = serde_json::to_string_pretty(&trial.method().knowledge()).unwrap();
+    digest.add(rules.as_bytes());
+    let (method, arena) = (method.name(), arena.name());
+    format!("{world} {method} {arena} {:016x}", digest.0)
+}
+
+#[test]
+fn trained_runs_in_three_mazes_and_both_arenas_keep_their_digests() {
+    let mut found = Vec::new();
+    for world in ["maze4", "maze5", "maze6"] {
+        for arena in ArenaKind::ALL {
+            found.push(digest(world, Method::Xcscr, arena));
+        }
+    }
+    for method in [Method::Xcs, Method::AdaptedEven, Method::AdaptedDiscounted] {
+        found.push(digest("maze4", method, ArenaKind::Physics));
+    }
+    insta::assert_snapshot!(found.join("\n"), @r"
+    maze4 xcscr physics edd465caf9483ba0
+    maze4 xcscr grid c2bcaa4056bb1577
+    maze5 xcscr physics 17371d2393682684
+    maze5 xcscr grid 124409767c7f9f04
+    maze6 xcscr physics 12f414b43b88b93f
+    maze6 xcscr grid 35eb9f9efac4f80a
+    maze4 xcs physics 11b7149ec7c931db
+    maze4 adapted-even physics 939e00f16ba54db7
+    maze4 adapted-discounted physics c61ec450d383429d
+    ");
+}

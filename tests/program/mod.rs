@@ -1,0 +1,90 @@
+//! Runs the program as a user would. Each test file uses a part of this.
+#![allow(dead_code)]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+
+use xcscr::random::{Stream, StreamName};
+
+/// How often a random experiment is repeated: `commit` times, or `long` times when the
+/// environment variable `XCSCR_LONG` is set.
+pub fn rounds(commit: usize, long: usize) -> usize {
+    match std::env::var_os("XCSCR_LONG") {
+        Some(_) => long,
+        None => commit,
+    }
+}
+
+/// Random numbers for tests: the same in every run.
+pub fn dice(seed: u64) -> Stream {
+    Stream::new(seed, StreamName::World)
+}
+
+/// The program with these arguments, in the folder of the project.
+pub fn xcscr(args: &[&str]) -> Command {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("xcscr"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args);
+    command
+}
+
+/// The same in the background, with its output kept for later.
+pub fn spawn(args: &[&str]) -> Child {
+    let mut command = xcscr(args);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().unwrap()
+}
+
+/// Stdout and stderr of a program that ended with this code and did not panic.
+#[track_caller]
+pub fn ended(output: &Output, code: i32, what: &str) -> (String, String) {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+    let status = output.status;
+    assert_eq!(
+        status.code(),
+        Some(code),
+        "{what}: {status}\n{stdout}\n{stderr}"
+    );
+    assert!(!stderr.contains("panicked"), "{what}\n{stderr}");
+    (stdout, stderr)
+}
+
+/// Runs the program, which must end with `code`; gives stdout and stderr.
+#[track_caller]
+pub fn expect(code: i32, args: &[&str]) -> (String, String) {
+    ended(&xcscr(args).output().unwrap(), code, &format!("{args:?}"))
+}
+
+/// Sends a signal, such as `TERM`, to a program that runs.
+pub fn signal(child: &Child, name: &str) {
+    let pid = child.id().to_string();
+    // The program may have ended by itself, which is no fault of this.
+    let _ = Command::new("kill").args(["-s", name, &pid]).output();
+}
+
+/// Every file of a folder with its bytes, in order.
+pub fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
+    let mut files: Vec<_> = entries
+        .map(|entry| {
+            let name = entry.file_name().into_string().unwrap();
+            (name, fs::read(entry.path()).unwrap())
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+/// Two folders hold the same files with the same bytes.
+#[track_caller]
+pub fn assert_same(found: &Path, wanted: &Path, what: &str) {
+    let (found, wanted) = (contents(found), contents(wanted));
+    let names = |files: &[(String, Vec<u8>)]| -> Vec<String> {
+        files.iter().map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(names(&found), names(&wanted), "{what}");
+    for ((name, a), (_, b)) in found.iter().zip(&wanted) {
+        assert!(a == b, "{what}: {name} differs");
+    }
+}

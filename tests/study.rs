@@ -1,0 +1,342 @@
+//! Studies as their users run them: whole, in shards, interrupted, mixed up.
+//!
+//! The promise is that the folder of a finished study holds the same bytes, however it came
+//! about.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Output, Stdio};
+use std::time::Duration;
+
+use assert_cmd::cargo::CommandCargoExt;
+use tempfile::TempDir;
+use xcscr::random::{Stream, StreamName};
+
+/// 2 worlds x 2 methods x 4 trials.
+const SMALL: &str = r#"
+name = "small"
+worlds = ["maze4", "maze5"]
+methods = ["xcs", "xcscr"]
+trials = 4
+episodes = 12
+seed = 7
+"#;
+
+/// A folder with the study file `small.toml`, and studies in it.
+struct Desk(TempDir);
+
+impl Desk {
+    fn new() -> Self {
+        let desk = Self(tempfile::tempdir().unwrap());
+        desk.write("small.toml", SMALL);
+        desk
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    fn command(&self, words: &str) -> std::process::Command {
+        let mut command = std::process::Command::cargo_bin("xcscr").unwrap();
+        command
+            .current_dir(self.0.path())
+            .arg("study")
+            .args(words.split(' '));
+        command
+    }
+
+    fn study(&self, words: &str) -> Output {
+        self.command(words).output().unwrap()
+    }
+
+    /// Runs a command that must succeed.
+    fn done(&self, words: &str) -> String {
+        let output = self.study(words);
+        assert_eq!(output.status.code(), Some(0), "study {words}: {output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs a command that must end with `code`, and gives its message.
+    fn refused(&self, words: &str, code: i32) -> String {
+        let output = self.study(words);
+        assert_eq!(
+            output.status.code(),
+            Some(code),
+            "study {words}: {output:?}"
+        );
+        String::from_utf8(output.stderr).unwrap()
+    }
+
+    /// All files of a study.
+    fn bytes(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
+        let file = |entry: fs::DirEntry| {
+            let name = entry.file_name().into_string().unwrap();
+            (name, fs::read(entry.path()).unwrap())
+        };
+        let entries = fs::read_dir(self.path(folder)).unwrap();
+        entries.map(|entry| file(entry.unwrap())).collect()
+    }
+
+    fn assert_same(&self, folder: &str, other: &str) {
+        let (a, b) = (self.bytes(folder), self.bytes(other));
+        assert!(a.keys().eq(b.keys()), "{:?} {:?}", a.keys(), b.keys());
+        let differing: Vec<&String> = a.keys().filter(|name| a[*name] != b[*name]).collect();
+        assert!(
+            differing.is_empty(),
+            "{folder} and {other} differ in {differing:?}"
+        );
+    }
+}
+
+#[test]
+fn the_same_bytes_for_any_number_of_jobs_and_any_shards() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out one --jobs 1");
+    for jobs in [2, 8] {
+        desk.done(&format!("run small.toml --out jobs{jobs} --jobs {jobs}"));
+        desk.assert_same("one", &format!("jobs{jobs}"));
+    }
+    for index in 1..=7 {
+        desk.done(&format!(
+            "run small.toml --out s{index} --shard {index}/7 --json"
+        ));
+    }
+    desk.done("merge s1 s2 s3 s4 s5 s6 s7 --out forward");
+    desk.done("merge s5 s3 s7 s1 s6 s2 s4 --out shuffled");
+    desk.assert_same("one", "forward");
+    desk.assert_same("one", "shuffled");
+}
+
+#[test]
+fn killed_at_random_moments_and_run_again_it_ends_with_the_same_bytes() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out whole");
+    let mut moments = Stream::new(1, StreamName::World);
+    for round in 0..4 {
+        let words = format!("run small.toml --out round{round} --jobs 2 --quiet");
+        for _ in 0..3 {
+            let mut child = desk.command(&words).stdout(Stdio::null()).spawn().unwrap();
+            std::thread::sleep(Duration::from_millis(5 + moments.below(300) as u64));
+            child.kill().unwrap();
+            child.wait().unwrap();
+        }
+        desk.done(&words);
+        desk.assert_same("whole", &format!("round{round}"));
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_signal_ends_it_in_order_and_the_same_command_goes_on() {
+    let desk = Desk::new();
+    let words = "run small.toml --out a --trials 200 --jobs 1";
+    let mut child = desk.command(words).stderr(Stdio::null()).spawn().unwrap();
+    // The first lines of the journal show that trials are running.
+    let begun = || fs::metadata(desk.path("a/journal")).is_ok_and(|file| file.len() > 500);
+    while !begun() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let pid = child.id().to_string();
+    std::process::Command::new("kill")
+        .args(["-TERM", &pid])
+        .status()
+        .unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    let status: serde_json::Value = serde_json::from_str(&desk.done("status a --json")).unwrap();
+    assert!(status["finished"].as_u64() > Some(0), "{status}");
+    assert!(!desk.path("a/trials.csv").exists());
+}
+
+#[test]
+fn an_incomplete_study_is_no_result_and_status_says_what_is_missing() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out a --shard 1/4");
+    desk.done("run small.toml --out b --shard 3/4");
+    let message = desk.refused("merge a b --out ab", 1);
+    assert!(message.contains("8 of 16 trials are missing"), "{message}");
+    assert!(!desk.path("ab").exists());
+    desk.refused("report a", 1);
+    let status = desk.done("status a b --shards 4");
+    assert!(status.contains("8 of 16 trials finished"), "{status}");
+    assert!(
+        status.contains("missing (8): 1 3 5 7 9 11 13 15"),
+        "{status}"
+    );
+    assert!(status.contains("shards to run (2): 2/4 4/4"), "{status}");
+    let json: serde_json::Value = serde_json::from_str(&desk.done("status a --json")).unwrap();
+    assert_eq!(json["finished"], 4);
+}
+
+#[test]
+fn different_studies_do_not_mix() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out a --trials 1");
+    desk.done("run small.toml --out b --trials 1 --set xcs.beta=0.1");
+    let message = desk.refused("merge a b --out ab", 65);
+    assert!(message.contains("different studies"), "{message}");
+    let message = desk.refused("run small.toml --out a --trials 2", 73);
+    assert!(message.contains("another study"), "{message}");
+}
+
+#[test]
+fn a_trial_that_fails_is_a_row_with_its_error() {
+    let desk = Desk::new();
+    // Physics refuses a world whose edges join.
+    let text = SMALL.replace("\"maze5\"", "\"woods1\"") + "arenas = [\"physics\"]\n";
+    desk.write("mixed.toml", &text);
+    let message = desk.refused("run mixed.toml --out a --trials 1 --episodes 2", 1);
+    assert!(message.contains("2 trials failed"), "{message}");
+    let table = fs::read_to_string(desk.path("a/trials.csv")).unwrap();
+    let rows: Vec<&str> = table.lines().collect();
+    assert_eq!(rows.len(), 5, "{table}");
+    assert!(
+        rows[1].starts_with("maze4,xcs,physics,") && rows[1].ends_with(','),
+        "{table}"
+    );
+    assert!(
+        rows[3].starts_with("woods1,xcs,physics,") && rows[3].contains("joins its edges"),
+        "{table}"
+    );
+    desk.refused("run mixed.toml --out a --trials 1 --episodes 2", 1);
+}
+
+#[test]
+fn a_folder_in_use_is_refused_with_the_holder_and_a_dead_holder_does_not_matter() {
+    let desk = Desk::new();
+    let words = "run paper --out a --jobs 1 --quiet";
+    let mut child = desk.command(words).stdout(Stdio::null()).spawn().unwrap();
+    let journal = desk.path("a/journal");
+    while !Path::new(&journal).exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let message = desk.refused(words, 73);
+    assert!(
+        message.contains(&format!("process {}", child.id())),
+        "{message}"
+    );
+    child.kill().unwrap();
+    child.wait().unwrap();
+    desk.refused("run small.toml --out a", 73);
+    desk.done("run paper --out a --shard 1200/1200 --quiet");
+}
+
+#[test]
+fn faults_in_a_study_file_are_told_with_the_way_out() {
+    let desk = Desk::new();
+    desk.write("typo.toml", &SMALL.replace("episodes", "episods"));
+    assert!(
+        desk.refused("run typo.toml --out x", 65)
+            .contains("did you mean `episodes`?")
+    );
+    let message = desk.refused("run small.toml --out x --set xcs.betta=1", 65);
+    assert!(message.contains("did you mean `xcs.beta`?"), "{message}");
+    desk.write("method.toml", &SMALL.replace("\"xcs\"", "\"xxx\""));
+    assert!(
+        desk.refused("run method.toml --out x", 65)
+            .contains("line 4"),
+        "a place"
+    );
+    assert!(
+        desk.refused("run none.toml --out x", 66)
+            .contains("`paper`")
+    );
+    desk.refused("run small.toml --out x --shard 8/7", 2);
+    desk.refused("status x", 66);
+    assert!(!desk.path("x").exists(), "nothing was begun");
+}
+
+#[test]
+fn damage_is_noticed() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out a --trials 1");
+    let plan = fs::read_to_string(desk.path("a/plan.json")).unwrap();
+    fs::write(
+        desk.path("a/plan.json"),
+        plan.replace("\"beta\": 0.2", "\"beta\": 0.3"),
+    )
+    .unwrap();
+    let message = desk.refused("report a", 65);
+    assert!(
+        message.contains("plan.json is damaged: it was changed after it was frozen"),
+        "{message}"
+    );
+    fs::write(desk.path("a/plan.json"), &plan[..plan.len() / 2]).unwrap();
+    assert!(
+        desk.refused("report a", 65)
+            .contains("plan.json is damaged")
+    );
+}
+
+#[test]
+fn a_report_says_what_came_out_and_draws_it() {
+    let desk = Desk::new();
+    let printed = desk.done("run small.toml --out a");
+    for words in ["maze5", "xcscr − xcs", "NEXT TO THE PAPER", "p = 0.8646"] {
+        assert!(printed.contains(words), "{words} is missing in\n{printed}");
+    }
+    for file in [
+        "report.md",
+        "trials.csv",
+        "summary.json",
+        "curves.svg",
+        "first-optimal.png",
+    ] {
+        assert!(desk.path("a").join(file).is_file(), "{file}");
+    }
+    let report: serde_json::Value = serde_json::from_str(&desk.done("report a --json")).unwrap();
+    assert_eq!(report["arms"].as_array().unwrap().len(), 4);
+    let summary = fs::read(desk.path("a/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
+    for key in [
+        "trials",
+        "successes",
+        "wilson_low",
+        "median_episode",
+        "p95_episode",
+        "retained",
+    ] {
+        assert!(summary["arms"][0].get(key).is_some(), "{key}");
+    }
+}
+
+#[test]
+fn an_ablation_tells_what_each_switch_contributes() {
+    let desk = Desk::new();
+    let printed = desk.done("run ablation --out a --trials 1 --episodes 3");
+    assert!(
+        printed.contains("WHAT EACH SWITCH CONTRIBUTES"),
+        "{printed}"
+    );
+    assert!(desk.path("a/ablation.svg").is_file());
+    assert_eq!(
+        fs::read_to_string(desk.path("a/trials.csv"))
+            .unwrap()
+            .lines()
+            .count(),
+        49
+    );
+}
+
+#[test]
+fn a_trial_of_a_study_is_the_same_as_training_with_its_seed() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out a --trials 1");
+    let table = fs::read_to_string(desk.path("a/trials.csv")).unwrap();
+    let row: Vec<&str> = table.lines().nth(2).unwrap().split(',').collect();
+    assert_eq!(row[..2], ["maze4", "xcscr"]);
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
+    let mut train = std::process::Command::cargo_bin("xcscr").unwrap();
+    train
+        .current_dir(desk.0.path())
+        .args(["train", world, "--arena", "grid", "--episodes", "12"]);
+    train.args(["--seed", row[6], "--record", "none", "--json"]);
+    let trained: serde_json::Value =
+        serde_json::from_slice(&train.output().unwrap().stdout).unwrap();
+    assert_eq!(trained["steps"].to_string(), row[11]);
+    assert_eq!(trained["collisions"].to_string(), row[12]);
+}
