@@ -15,7 +15,7 @@ use xcscr::record;
 const WORLD: &str = "worlds/maze4.json";
 
 /// A run that takes many seconds unless it is stopped.
-fn long_run<'a>(out: &'a str) -> [&'a str; 8] {
+fn long_run(out: &str) -> [&str; 8] {
     [
         "train",
         WORLD,

@@ -19,6 +19,7 @@ pub mod reader;
 mod rebuild;
 mod recorder;
 mod recover;
+mod salvage;
 mod scribe;
 pub mod server;
 
@@ -29,4 +30,5 @@ pub use error::RecordError;
 pub use info::{RobotShape, RunInfo};
 pub use mode::{RecordMode, RecordModeError};
 pub use recorder::{RecordSummary, Recorder, RecorderMemory};
-pub use recover::{Recovery, recover};
+pub use recover::recover;
+pub use salvage::Recovery;
