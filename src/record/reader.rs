@@ -10,6 +10,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use mcap::{McapError, McapResult, MessageStream, Summary};
 
 use super::error::RecordError;
+use super::parse::parse_record;
 
 /// A recording in memory, whose check sums are right.
 #[derive(Debug, Clone)]
@@ -138,7 +139,7 @@ impl Recording {
                     rest = later;
                 }
                 LinearReadEvent::Record { opcode, data } => {
-                    self.keep(mcap::parse_record(opcode, data)?);
+                    self.keep(parse_record(opcode, data)?);
                 }
             }
         }

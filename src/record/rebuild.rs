@@ -12,6 +12,7 @@ use mcap::{McapError, McapResult};
 use super::channels::Topic;
 use super::error::RecordError;
 use super::log_file::OpenFile;
+use super::parse::parse_record;
 use super::reader::longest_record;
 
 /// Sends the first `messages` messages of `source` to `file` and closes chunks where the source
@@ -43,7 +44,7 @@ pub(super) fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<
                 reader.notify_read(read);
             }
             Some(LinearReadEvent::Record { opcode, data }) => {
-                copy.take(mcap::parse_record(opcode, data).map_err(damaged)?)?;
+                copy.take(parse_record(opcode, data).map_err(damaged)?)?;
             }
             None => return Err(damaged(McapError::UnexpectedEof)),
         }

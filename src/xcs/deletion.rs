@@ -293,7 +293,7 @@ mod tests {
         // Mean fitness (0.999 + 0.001) / 2 = 0.5, cut 0.05. Votes: 10, and 10 * 0.5 / 0.001 = 5000.
         let rules = [rule(10.0, 0.999, 1, 21), rule(10.0, 0.001, 1, 21)];
         let mut votes = DeletionVotes::default();
-        votes.touch(0);
+        (0..2).for_each(|position| votes.touch(position));
         let mut at = |ball| votes.roulette(&rules, 2, &Params::default(), ball);
         assert_eq!([at(0.0), at(9.9 / 5010.0), at(10.1 / 5010.0)], [0, 0, 1]);
     }
@@ -302,7 +302,7 @@ mod tests {
     fn a_young_rule_of_low_fitness_is_spared() {
         let rules = [rule(10.0, 0.999, 1, 21), rule(10.0, 0.001, 1, 20)];
         let mut votes = DeletionVotes::default();
-        votes.touch(0);
+        (0..2).for_each(|position| votes.touch(position));
         let mut at = |ball| votes.roulette(&rules, 2, &Params::default(), ball);
         assert_eq!([at(0.49), at(0.51)], [0, 1]);
     }

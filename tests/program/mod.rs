@@ -56,6 +56,14 @@ pub fn expect(code: i32, args: &[&str]) -> (String, String) {
     ended(&xcscr(args).output().unwrap(), code, &format!("{args:?}"))
 }
 
+/// Runs the program; gives its exit code, stdout and stderr.
+pub fn outcome(args: &[&str]) -> (Option<i32>, String, String) {
+    let output = xcscr(args).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+    (output.status.code(), stdout, stderr)
+}
+
 /// Sends a signal, such as `TERM`, to a program that runs.
 pub fn signal(child: &Child, name: &str) {
     let pid = child.id().to_string();

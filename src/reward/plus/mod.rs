@@ -97,10 +97,10 @@ impl Plus {
 
     /// Can this method, read from a file, stand for one that began as `fresh`?
     fn descends_from(&self, fresh: &Self) -> bool {
-        self.params == fresh.params
-            && self.own == fresh.own
+        (&self.params, &self.own) == (&fresh.params, &fresh.own)
             && self.mind.descends_from(&fresh.mind)
             && self.memory.is_sound()
+            && self.percept < self.memory.percepts().len().max(1)
             && self.curiosity.descends_from(&fresh.curiosity)
             && self.step_threshold.descends_from(&fresh.step_threshold)
     }

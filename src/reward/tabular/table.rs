@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::reward::knowledge::Knowledge;
 use crate::reward::planner::Values;
 use crate::reward::transitions::{Transition, Transitions};

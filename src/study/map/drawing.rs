@@ -16,7 +16,7 @@ const GOAL: Colour = Colour::hex(0x7fdca0);
 const PATH: Colour = Colour::hex(0x43c878);
 /// The colours of the least worth, of none and of the greatest: red, grey, blue.
 const WORST: Colour = Colour::hex(0xd81f2a);
-const NONE: Colour = Colour::hex(0xa9b0bd);
+const NONE: Colour = Colour::hex(0xb9c0cc);
 const BEST: Colour = Colour::hex(0x1554d1);
 
 /// Around everything.
@@ -146,7 +146,10 @@ impl<'a> Plane<'a> {
         Shape::Arrow {
             tail: self.centre(cell),
             heading: Heading::new(direction),
-            length: 0.47 * self.cell * share.abs(),
+            length: match share.abs() {
+                0.0 => 0.0,
+                share => self.cell * (0.1 + 0.37 * share),
+            },
             fill: shade(share),
         }
     }
@@ -224,7 +227,8 @@ fn words(x: f64, y: f64, size: f64, colour: Colour, text: impl Into<String>) -> 
     }
 }
 
-/// The colour of a worth, from -1 to 1.
+/// The colour of a worth, from -1 to 1; the sign can always be told.
 fn shade(share: f64) -> Colour {
-    NONE.toward(if share < 0.0 { WORST } else { BEST }, share.abs())
+    let strength = 0.3 + 0.7 * share.abs();
+    NONE.toward(if share < 0.0 { WORST } else { BEST }, strength)
 }

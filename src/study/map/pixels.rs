@@ -52,15 +52,8 @@ pub(super) fn paint(drawing: &Drawing, frame: usize, scale: f32) -> Result<Pixma
 
 fn add(canvas: &mut Pixmap, shape: &Shape, look: Transform, letters: &Letters) {
     match shape {
-        Shape::Rect {
-            left,
-            top,
-            width,
-            height,
-            fill,
-        } => {
-            let [x, y, w, h] = [left, top, width, height].map(|&length| length as f32);
-            if let Some(rect) = Rect::from_xywh(x, y, w, h) {
+        Shape::Rect { fill, .. } => {
+            if let Some(rect) = rect(shape) {
                 canvas.fill_rect(rect, &paint_of(*fill), look, None);
             }
         }
@@ -69,13 +62,8 @@ fn add(canvas: &mut Pixmap, shape: &Shape, look: Transform, letters: &Letters) {
             width,
             colour,
         } => {
-            let stroke = Stroke {
-                width: *width as f32,
-                line_cap: LineCap::Round,
-                line_join: LineJoin::Round,
-                ..Stroke::default()
-            };
             if let Some(path) = path(points) {
+                let stroke = round(*width as f32);
                 canvas.stroke_path(&path, &paint_of(*colour), &stroke, look, None);
             }
         }
@@ -94,9 +82,39 @@ fn add(canvas: &mut Pixmap, shape: &Shape, look: Transform, letters: &Letters) {
             colour,
             text,
         } => {
-            let outline = letters.outline(text, (at.0 as f32, at.1 as f32), *size as f32);
-            fill_path(canvas, outline, *colour, look);
+            let at = (at.0 as f32, at.1 as f32);
+            fill_path(
+                canvas,
+                letters.outline(text, at, *size as f32),
+                *colour,
+                look,
+            );
         }
+    }
+}
+
+fn rect(shape: &Shape) -> Option<Rect> {
+    let Shape::Rect {
+        left,
+        top,
+        width,
+        height,
+        ..
+    } = shape
+    else {
+        return None;
+    };
+    let [x, y, w, h] = [left, top, width, height].map(|&length| length as f32);
+    Rect::from_xywh(x, y, w, h)
+}
+
+/// A pen with a round tip.
+fn round(width: f32) -> Stroke {
+    Stroke {
+        width,
+        line_cap: LineCap::Round,
+        line_join: LineJoin::Round,
+        ..Stroke::default()
     }
 }
 

@@ -1,0 +1,214 @@
+//! What is saved of broken recordings.
+
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
+mod common;
+mod program;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use common::trial::{Trial, names};
+use program::outcome;
+use xcscr::record::reader::Recording;
+use xcscr::record::{RecordError, recover};
+
+/// A recording of an episode, and what is in it.
+fn recorded(folder: &Path) -> (PathBuf, Vec<u8>) {
+    let trial = Trial {
+        episodes: 1,
+        arena: "physics",
+        ..Trial::default()
+    };
+    let file = trial.record(folder).unwrap().files.swap_remove(0);
+    let bytes = fs::read(&file).unwrap();
+    (file, bytes)
+}
+
+fn said(recording: &Recording) -> Vec<(String, u64, Vec<u8>)> {
+    let messages = recording.messages().map(|message| message.unwrap());
+    messages
+        .map(|m| (m.topic().to_owned(), m.time_ns, m.data))
+        .collect()
+}
+
+#[test]
+fn a_sound_recording_is_recovered_without_loss_and_stays_sound() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let out = folder.path().join("out.mcap");
+    let recovery = recover(&file, &out, false).unwrap();
+    assert!(recovery.is_lossless(), "{recovery:?}");
+    let (old, new) = (
+        Recording::open(&file).unwrap(),
+        Recording::open(&out).unwrap(),
+    );
+    assert_eq!(said(&old), said(&new));
+    assert_eq!(old.attachments(), new.attachments());
+    assert_eq!(old.metadata("run"), new.metadata("run"));
+    assert_eq!(old.topics(), new.topics());
+    assert_eq!(bytes, fs::read(&file).unwrap(), "the input changed");
+}
+
+#[test]
+fn a_recording_cut_anywhere_gives_its_whole_records_and_says_what_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let whole = said(&Recording::open(&file).unwrap());
+    let (cut, out) = (
+        folder.path().join("cut.mcap.part"),
+        folder.path().join("out.mcap"),
+    );
+    let mut before = 0;
+    for part in 1..50 {
+        let length = bytes.len() * part / 50;
+        fs::write(&cut, &bytes[..length]).unwrap();
+        let recovery = recover(&cut, &out, true).unwrap();
+        let recording = Recording::open(&out).unwrap();
+        let saved = said(&recording);
+        assert!(
+            saved.len() >= before,
+            "{part}/50: {} after {before}",
+            saved.len()
+        );
+        assert_eq!(saved, whole[..saved.len()], "{part}/50");
+        assert_eq!(recovery.messages, saved.len() as u64);
+        let all = saved.len() == whole.len();
+        assert!(all || !recovery.is_lossless(), "{part}/50: {recovery:?}");
+        before = saved.len();
+    }
+    assert_eq!(before, whole.len(), "only the index was missing at 49/50");
+}
+
+#[test]
+fn a_flipped_bit_costs_at_most_its_chunk_and_is_never_called_lossless() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let (bad, out) = (
+        folder.path().join("bad.mcap"),
+        folder.path().join("out.mcap"),
+    );
+    let data_end = mcap::read::footer(&bytes).unwrap().summary_start as usize - 13;
+    for at in (8..data_end).step_by(211) {
+        let mut bytes = bytes.clone();
+        bytes[at] ^= 0x10;
+        fs::write(&bad, bytes).unwrap();
+        match recover(&bad, &out, true) {
+            Ok(recovery) => {
+                assert!(!recovery.is_lossless(), "bit at {at}: {recovery:?}");
+                Recording::open(&out).unwrap();
+            }
+            Err(error) => panic!("bit at {at} of {}: {error}", file.display()),
+        }
+    }
+}
+
+#[test]
+fn recover_never_touches_its_input_and_overwrites_only_by_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let name = file.to_str().unwrap();
+    for more in [&[][..], &["--force"]] {
+        let (code, _, stderr) = outcome(&[&["recover", name, "-o", name], more].concat());
+        assert_eq!(code, Some(73), "{stderr}");
+    }
+    assert_eq!(bytes, fs::read(&file).unwrap());
+    let out = folder.path().join("out.mcap");
+    fs::write(&out, "mine").unwrap();
+    let out = out.to_str().unwrap();
+    let (code, _, stderr) = outcome(&["recover", name, "-o", out]);
+    assert_eq!(code, Some(73), "{stderr}");
+    assert!(stderr.contains("--force"), "{stderr}");
+    assert_eq!(fs::read(out).unwrap(), b"mine");
+    let (code, stdout, stderr) = outcome(&["recover", name, "-o", out, "--force"]);
+    assert_eq!((code, stdout.as_str()), (Some(0), ""), "{stderr}");
+    assert!(stderr.contains("nothing was lost"), "{stderr}");
+    fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+    let (code, _, stderr) = outcome(&["recover", name, "-o", out, "--force"]);
+    assert_eq!(code, Some(3), "{stderr}");
+    assert!(
+        stderr.contains("lost ") && stderr.contains("from byte"),
+        "{stderr}"
+    );
+    fs::write(&file, "no recording").unwrap();
+    assert_eq!(
+        outcome(&["recover", name, "-o", out, "--force"]).0,
+        Some(65)
+    );
+    assert_eq!(outcome(&["recover", "no-such.mcap", "-o", out]).0, Some(66));
+    assert!(
+        !names(folder.path())
+            .iter()
+            .any(|name| name.ends_with(".recovering"))
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn recover_onto_a_full_disk_is_an_error_and_no_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, _) = recorded(folder.path());
+    let out = folder.path().join("out.mcap");
+    let aside = folder.path().join("out.mcap.recovering");
+    std::os::unix::fs::symlink("/dev/full", &aside).unwrap();
+    let error = recover(&file, &out, false).unwrap_err();
+    assert!(matches!(error, RecordError::Write { .. }), "{error}");
+    assert!(!out.exists() && !aside.exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_run_leaves_whole_episodes_and_parts_that_are_recovered() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
+    let args = [
+        "train",
+        "worlds/maze4.json",
+        "--quiet",
+        "--episodes",
+        "100000",
+        "--out",
+    ];
+    command
+        .args(args)
+        .arg(&run)
+        .current_dir(env!("CARGO_MANIFEST_DIR"));
+    let mut child = command.stdout(Stdio::null()).spawn().unwrap();
+    let tenth = run.join("ep-0010.mcap");
+    let begun = std::time::Instant::now();
+    while !tenth.exists() {
+        assert!(
+            begun.elapsed().as_secs() < 60,
+            "no tenth episode: {:?}",
+            names(&run)
+        );
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let names = names(&run);
+    let episodes: Vec<_> = names
+        .iter()
+        .filter(|n| n.starts_with("ep-") && n.ends_with(".mcap"))
+        .collect();
+    assert!(episodes.len() >= 10, "{names:?}");
+    for name in &episodes {
+        let found = xcscr::record::check(&run.join(name)).unwrap();
+        assert_eq!(found, [], "{name}");
+    }
+    let out = run.join("recovered.mcap");
+    recover(&run.join("run.mcap.part"), &out, false).unwrap();
+    let recording = Recording::open(&out).unwrap();
+    let told = said(&recording)
+        .iter()
+        .filter(|(topic, ..)| topic == "/episode")
+        .count();
+    // The file of an episode gets its name after the run's file was flushed, or right before.
+    assert!(
+        told.abs_diff(episodes.len()) <= 1,
+        "{told} episodes told, {} kept",
+        episodes.len()
+    );
+}
