@@ -77,6 +77,7 @@ fn plan(method: Method, arena: ArenaKind) -> Plan {
         episodes: 180,
         seed: 1,
         settings: Settings::default(),
+        initial: None,
     };
     Plan {
         maze: maze(),

@@ -47,6 +47,7 @@
 //!     episodes: 30,
 //!     seed: 1,
 //!     settings: Settings::default(),
+//!     initial: None,
 //! };
 //! let mut trial = Trial::new(Plan { maze, config })?;
 //! let _ = trial.run(&mut ());

@@ -60,6 +60,13 @@ impl Percept {
             .is_some_and(|word| word >> (index % 64) & 1 == 1)
     }
 
+    /// The percept with its first `by` bits moved to its end.
+    pub fn turned(&self, by: usize) -> Self {
+        let width = self.width();
+        let bits = (0..width).map(|at| self.bit((at + by) % width));
+        Self::from_bits(bits).expect("as many bits as before")
+    }
+
     /// The bits as machine words, bit 0 lowest.
     pub fn words(&self) -> &[u64; PERCEPT_WORDS] {
         &self.words

@@ -65,6 +65,7 @@ fn digest(world: &str, method: Method, arena: ArenaKind) -> String {
         episodes: 60,
         seed: 1,
         settings: Settings::default(),
+        initial: None,
     };
     let maze = Maze::load(Path::new(&path)).unwrap();
     let mut trial = Trial::new(Plan { maze, config }).unwrap();

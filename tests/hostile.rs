@@ -109,6 +109,7 @@ fn plan(method: Method, arena: ArenaKind, episodes: u32) -> Plan {
         episodes,
         seed: 1,
         settings: Settings::default(),
+        initial: None,
     };
     Plan {
         maze: world("maze4"),

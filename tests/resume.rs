@@ -27,6 +27,7 @@ fn plan(world: &str, method: Method, arena: ArenaKind, episodes: u32) -> Plan {
         episodes,
         seed: 3,
         settings: Settings::default(),
+        initial: None,
     };
     let maze = Maze::load(Path::new(&path)).unwrap();
     Plan { maze, config }

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use xcscr::reward::Method;
+use xcscr::reward::{Knowledge, Method};
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Resolved, Settings};
+use xcscr::study::{ArenaKind, Resolved, RunFolder, Settings};
 
 use super::failure::{Exit, Failure};
 
@@ -54,6 +54,17 @@ impl SettingsArgs {
         let file = name.as_deref().zip(text.as_deref());
         Ok(Resolved::new(base, file, &self.set)?)
     }
+}
+
+/// What was learned: that of a run, by its folder, or a file of rules.
+pub fn read_rules(path: &Path) -> Result<Knowledge, Failure> {
+    if path.is_dir() {
+        return Ok(RunFolder::open(path).knowledge()?);
+    }
+    serde_json::from_str(&read_text(path)?).map_err(|fault| {
+        let message = format!("{} holds no rules: {fault}", path.display());
+        Failure::new(Exit::BadData, message)
+    })
 }
 
 /// The text of an input file.

@@ -62,10 +62,7 @@ impl EvaluateArgs {
 
     /// A plan around a lone file of rules.
     fn plan_of_rules(&self, path: &Path) -> Result<(Plan, Knowledge), Failure> {
-        let knowledge = serde_json::from_str(&choices::read_text(path)?).map_err(|fault| {
-            let message = format!("{} holds no rules: {fault}", path.display());
-            Failure::new(Exit::BadData, message)
-        })?;
+        let knowledge = choices::read_rules(path)?;
         let world = self.world.as_ref().ok_or_else(|| {
             let message = format!(
                 "{} says nothing of its world: add --world FILE",
@@ -81,6 +78,7 @@ impl EvaluateArgs {
             episodes: self.episodes,
             seed: self.seed,
             settings: Settings::default(),
+            initial: None,
         };
         let maze = Maze::load(world)?;
         Ok((Plan { maze, config }, knowledge))

@@ -54,6 +54,9 @@ pub struct TrainArgs {
     resume: Option<PathBuf>,
     #[command(flatten)]
     settings: SettingsArgs,
+    /// Start from what was learned elsewhere: a rules.json, or the folder of a run.
+    #[arg(long, value_name = "RULES|RUN", conflicts_with = "resume")]
+    init_rules: Option<PathBuf>,
     /// Which episodes to keep: all, best, last, every:N or none.
     #[arg(long, default_value = "all", value_name = "MODE")]
     record: RecordMode,
@@ -74,6 +77,11 @@ impl TrainArgs {
             sensor: self.sensor,
             episodes: self.episodes,
             seed: self.seed,
+            initial: self
+                .init_rules
+                .as_deref()
+                .map(choices::read_rules)
+                .transpose()?,
             settings: self.settings.resolve(&Settings::default())?.settings,
         };
         let maze = Maze::load(world)?;

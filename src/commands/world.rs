@@ -1,4 +1,4 @@
-//! `xcscr world`: check, show and describe world files.
+//! `xcscr world`: check, show, describe and generate world files.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde::Serialize;
 use xcscr::sensor::{Alike, Sensor, alike};
-use xcscr::world::{Cell, Facts, Maze, draw};
+use xcscr::world::{Cell, Facts, Maze, MazeKind, Recipe, draw};
 
+use super::choices;
 use super::failure::{Exit, Failure};
 
 /// The most cells that a list in the text names one by one.
@@ -35,6 +36,22 @@ pub enum WorldCommand {
         #[arg(long)]
         json: bool,
     },
+    /// Make a maze by chance and print it as a world file.
+    Generate(GenerateArgs),
+}
+
+/// Arguments of `world generate`.
+#[derive(Debug, clap::Args)]
+pub struct GenerateArgs {
+    /// How it is made: winding passages, rooms with doors, obstacles, or corridors.
+    #[arg(long, value_parser = choices::one_of(&MazeKind::ALL, MazeKind::name))]
+    kind: MazeKind,
+    /// Cells on each side, 5 to 1024.
+    #[arg(long, value_name = "N")]
+    size: u16,
+    /// The same seed gives the same maze.
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    seed: u64,
 }
 
 /// Runs one of the world commands.
@@ -44,6 +61,11 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
         WorldCommand::Show { file } => {
             let maze = Maze::load(&file)?;
             Ok(write!(out, "{}", draw(&maze, |_| None))?)
+        }
+        WorldCommand::Generate(GenerateArgs { kind, size, seed }) => {
+            let maze = Recipe { kind, size, seed }.maze();
+            let maze = maze.map_err(|fault| Failure::new(Exit::Usage, fault.to_string()))?;
+            Ok(write!(out, "{}", maze.to_json())?)
         }
         WorldCommand::Info { file, json } => {
             let description = Description::new(&Maze::load(&file)?);

@@ -89,6 +89,10 @@ impl RewardMethod for Adapted {
         Knowledge::Rules(self.mind.xcs.population().clone())
     }
 
+    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+        self.mind.bring(knowledge)
+    }
+
     fn rule_count(&self) -> usize {
         self.mind.xcs.population().len()
     }

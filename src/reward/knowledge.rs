@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::foresight::Foresight;
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
@@ -16,6 +17,13 @@ use crate::xcs::{Population, PredictionArray, PredictionSums};
 pub enum Knowledge {
     /// The rules of an XCS.
     Rules(Population),
+    /// The rules of an XCS that also foresees what actions do.
+    Foresighted {
+        /// What actions are worth.
+        rules: Population,
+        /// What they do.
+        foresight: Foresight,
+    },
     /// The table of a tabular method: the worth of each action in each percept.
     Table(BTreeMap<Percept, Vec<Option<f64>>>),
 }
@@ -24,9 +32,9 @@ impl Knowledge {
     /// The worth of each of `actions` actions under a percept.
     pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
         match self {
-            Self::Rules(population) => {
+            Self::Rules(rules) | Self::Foresighted { rules, .. } => {
                 let mut sums = PredictionSums::default();
-                population.for_each_match(percept, |_, rule| sums.add(rule));
+                rules.for_each_match(percept, |_, rule| sums.add(rule));
                 sums.array(actions, false)
             }
             Self::Table(table) => {
@@ -40,33 +48,50 @@ impl Knowledge {
         }
     }
 
+    /// The rules that say what actions are worth; `None` for a table.
+    pub fn rules(&self) -> Option<&Population> {
+        match self {
+            Self::Rules(rules) | Self::Foresighted { rules, .. } => Some(rules),
+            Self::Table(_) => None,
+        }
+    }
+
+    /// What is foreseen; `None` for methods that foresee nothing.
+    pub fn foresight(&self) -> Option<&Foresight> {
+        match self {
+            Self::Foresighted { foresight, .. } => Some(foresight),
+            Self::Rules(_) | Self::Table(_) => None,
+        }
+    }
+
     /// Accepts what is known when it is about percepts of `width` bits and `actions` actions.
     ///
     /// # Errors
     /// The first rule or row that is not.
     pub fn check(&self, width: usize, actions: usize) -> Result<(), Misfit> {
-        match self {
-            Self::Rules(population) => population.rules().iter().try_for_each(|rule| {
-                let action = rule.action.index();
-                Misfit::check(
-                    &rule.condition,
-                    rule.condition.width(),
-                    width,
-                    action,
-                    actions,
-                )
-            }),
-            Self::Table(table) => table.iter().try_for_each(|(percept, row)| {
-                let last = row.len().saturating_sub(1);
-                Misfit::check(percept, percept.width(), width, last, actions)
-            }),
+        let rules = self.rules().map_or(&[][..], Population::rules).iter();
+        let own = rules.map(|rule| (rule.condition, Some(rule.action)));
+        let foretelling = self.foresight().map_or(&[][..], |f| &f.collisions).iter();
+        let foretelling = foretelling.map(|rule| (rule.condition, rule.action));
+        for (condition, action) in own.chain(foretelling) {
+            let action = action.map_or(0, Action::index);
+            Misfit::check(&condition, condition.width(), width, action, actions)?;
         }
+        if let Self::Table(table) = self {
+            for (percept, row) in table {
+                let last = row.len().saturating_sub(1);
+                Misfit::check(percept, percept.width(), width, last, actions)?;
+            }
+        }
+        self.foresight().map_or(Ok(()), |foresight| {
+            foresight.check(actions).map_err(Misfit::Foresight)
+        })
     }
 
     /// The number of rules, or of pairs in the table.
     pub fn len(&self) -> usize {
         match self {
-            Self::Rules(population) => population.len(),
+            Self::Rules(rules) | Self::Foresighted { rules, .. } => rules.len(),
             Self::Table(table) => table.values().flatten().flatten().count(),
         }
     }
@@ -102,6 +127,15 @@ pub enum Misfit {
         /// How many there are.
         actions: usize,
     },
+    /// What is foreseen cannot be.
+    #[error("{0}")]
+    Foresight(String),
+    /// They are of another kind than the method's.
+    #[error(
+        "the method `{0}` cannot start from these rules: give XCS methods rules of one of them, \
+         and xcscr-plus rules of xcscr-plus; tabular methods start from nothing"
+    )]
+    Useless(&'static str),
 }
 
 impl Misfit {

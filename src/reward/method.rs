@@ -68,6 +68,13 @@ pub trait RewardMethod {
     /// What was learned so far.
     fn knowledge(&self) -> Knowledge;
 
+    /// Starts from what was learned in another world, before the first episode; `false` if the
+    /// method has no use for it.
+    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+        let _ = knowledge;
+        false
+    }
+
     /// Macro-classifiers in \[P\], or stored pairs of a tabular method.
     fn rule_count(&self) -> usize;
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::knowledge::Knowledge;
 use super::method::StepCredit;
 use crate::signal::{Action, Percept};
 use crate::xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
@@ -25,6 +26,14 @@ impl Mind {
     /// Can this mind, read from a file, stand for one that began as `fresh`?
     pub fn descends_from(&self, fresh: &Self) -> bool {
         self.xcs.descends_from(&fresh.xcs)
+    }
+
+    /// Starts from rules that were learned elsewhere; `false` if there are none.
+    pub fn bring(&mut self, knowledge: &Knowledge) -> bool {
+        knowledge.rules().is_some_and(|rules| {
+            self.xcs.start_from(rules);
+            true
+        })
     }
 
     /// Forms \[M\] and predicts.

@@ -6,6 +6,7 @@
 mod adapted;
 mod combined;
 mod explorer;
+mod foresight;
 mod knowledge;
 mod memory;
 mod method;
@@ -21,6 +22,7 @@ mod transitions;
 pub use adapted::Adapted;
 pub use combined::Combined;
 pub use explorer::Explorer;
+pub use foresight::{CollisionRule, Foresight, ReturnRule};
 pub use knowledge::{Frozen, Knowledge, Misfit};
 pub use memory::MemoryError;
 pub use method::{EndCredit, RewardMethod, StepCredit};

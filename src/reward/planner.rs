@@ -26,6 +26,23 @@ impl Values {
     }
 }
 
+/// What is believed of a pair that is not known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Belief {
+    /// That it is worth this.
+    Worth(f64),
+    /// That it is a step like this.
+    Leads(Believed),
+}
+
+/// A step that was never tried, but is foretold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Believed {
+    pub reward: f64,
+    /// The number of the percept to which it leads.
+    pub to: usize,
+}
+
 /// How values are planned: pairs that were tried `known_after` times by what followed them, all
 /// others by what is believed of them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -36,42 +53,56 @@ pub(super) struct Planner {
 }
 
 impl Planner {
-    /// Plans anew. `belief` gives the value of a pair that is not known; `before` are earlier
+    /// Plans anew. `belief` says what is thought of a pair that is not known; `before` are earlier
     /// values to begin with, from which it does not take as long.
     pub fn plan(
         &self,
         memory: &Transitions,
-        belief: impl Fn(usize, Action) -> f64,
+        belief: impl Fn(usize, Action) -> Belief,
         before: Values,
     ) -> Values {
         let mut values = before;
         values.0.resize(memory.percepts().len(), [0.0; MAX_ACTIONS]);
-        let mut known = Vec::new();
+        let mut open = Vec::new();
         for percept in 0..memory.percepts().len() {
             for action in Action::all(self.actions) {
                 if memory.outcomes(percept, action).tries() >= self.known_after {
-                    known.push((percept, action));
-                } else {
-                    values.0[percept][action.index()] = belief(percept, action);
+                    open.push((percept, action, None));
+                    continue;
+                }
+                match belief(percept, action) {
+                    Belief::Worth(worth) => values.0[percept][action.index()] = worth,
+                    Belief::Leads(step) => open.push((percept, action, Some(step))),
                 }
             }
         }
         // Backward in the order of discovery, because goals are found last.
-        known.reverse();
+        open.reverse();
         for _ in 0..MOST_SWEEPS {
-            if self.sweep(memory, &known, &mut values) < PRECISION {
+            if self.sweep(memory, &open, &mut values) < PRECISION {
                 break;
             }
         }
         values
     }
 
-    /// Updates every known pair once (Bellman's equation); gives the greatest change.
-    fn sweep(&self, memory: &Transitions, known: &[(usize, Action)], values: &mut Values) -> f64 {
+    /// Updates every pair that leads somewhere (Bellman's equation), by what followed it or is
+    /// believed to follow; gives the greatest change.
+    fn sweep(
+        &self,
+        memory: &Transitions,
+        open: &[(usize, Action, Option<Believed>)],
+        values: &mut Values,
+    ) -> f64 {
         let mut change: f64 = 0.0;
-        for &(percept, action) in known {
-            let outcomes = memory.outcomes(percept, action);
-            let value = outcomes.mean(|o| o.reward + self.gamma * self.after(values, o.next));
+        for &(percept, action, believed) in open {
+            let value = match believed {
+                Some(step) => step.reward + self.gamma * self.after(values, Some(step.to)),
+                None => {
+                    let outcomes = memory.outcomes(percept, action);
+                    outcomes.mean(|o| o.reward + self.gamma * self.after(values, o.next))
+                }
+            };
             let old = &mut values.0[percept][action.index()];
             change = change.max((value - *old).abs());
             *old = value;

@@ -42,6 +42,14 @@ impl Outcomes {
         sum / f64::from(self.tries().max(1))
     }
 
+    /// The percept that always followed; `None` if there were several, or a goal, or none.
+    pub fn only_next(&self) -> Option<usize> {
+        match self.0[..] {
+            [only] => only.next,
+            _ => None,
+        }
+    }
+
     /// Do the counts leave room, and do the numbers name one of `met` percepts?
     fn is_sound(&self, met: usize) -> bool {
         let known = |o: &Outcome| {

@@ -6,7 +6,7 @@ use super::settings::Settings;
 use crate::arena::{Arena, GridArena, PhysicsArena, PhysicsError};
 use crate::bounds::{OutOfRange, within};
 use crate::random::{Stream, StreamName};
-use crate::reward::{Method, Misfit, RewardMethod, Setup};
+use crate::reward::{Knowledge, Method, Misfit, RewardMethod, Setup};
 use crate::sensor::Sensor;
 use crate::world::Maze;
 
@@ -51,6 +51,8 @@ pub struct Config {
     pub seed: u64,
     /// All settings.
     pub settings: Settings,
+    /// What was learned elsewhere, to start from.
+    pub initial: Option<Knowledge>,
 }
 
 impl Config {
@@ -77,8 +79,12 @@ impl Config {
         }
     }
 
-    /// A learner that knows nothing yet. The settings must have been checked.
-    pub fn build_method(&self, maze: &Maze) -> Box<dyn RewardMethod> {
+    /// A learner that knows nothing yet, or what it is to start from. The settings must have been
+    /// checked.
+    ///
+    /// # Errors
+    /// When what it is to start from is of no use to it.
+    pub fn build_method(&self, maze: &Maze) -> Result<Box<dyn RewardMethod>, Misfit> {
         let Settings {
             xcs,
             reward,
@@ -92,7 +98,14 @@ impl Config {
             tabular,
             plus,
         };
-        self.method.build(maze.action_count(), setup, self.seed)
+        let mut method = self.method.build(maze.action_count(), setup, self.seed);
+        if let Some(knowledge) = &self.initial {
+            knowledge.check(self.sensor.width(maze), maze.action_count())?;
+            if !method.bring(knowledge) {
+                return Err(Misfit::Useless(self.method.name()));
+            }
+        }
+        Ok(method)
     }
 }
 

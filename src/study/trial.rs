@@ -68,7 +68,7 @@ impl Trial {
         Ok(Self {
             paths: Paths::new(maze),
             arena: config.build_arena(maze)?,
-            method: config.build_method(maze),
+            method: config.build_method(maze)?,
             explorer: Explorer::new(config.settings.episode.explore, exploration),
             start_cells: maze.start_cells(),
             starts: Stream::new(config.seed, StreamName::Start),

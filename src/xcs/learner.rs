@@ -4,14 +4,11 @@ use super::classifier::Classifier;
 use super::condition::Condition;
 use super::ga::{self, Parent};
 use super::params::Params;
-use super::population::Population;
+use super::population::{MOST_STEPS, Population};
 use super::prediction::{PredictionArray, PredictionSums};
 use super::sets::{ActionSet, MatchSet};
 use crate::random::Stream;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
-
-/// More steps than any learner lives to see; counters up to here leave room for arithmetic.
-const MOST_STEPS: u64 = 1 << 40;
 
 /// XCS: a population and the procedures that cover, predict, update and evolve it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -40,6 +37,13 @@ impl Xcs {
         }
     }
 
+    /// Starts from rules that were learned elsewhere, as if the GA had visited each of them just now.
+    pub fn start_from(&mut self, rules: &Population) {
+        self.population = rules.stamped(self.time);
+        self.population
+            .delete_surplus(&self.params, &mut self.stream);
+    }
+
     /// Lets the GA run from now on, or rest until further notice.
     pub fn let_evolve(&mut self, evolves: bool) {
         self.evolves = evolves;
@@ -55,10 +59,7 @@ impl Xcs {
 
     /// Can this learner, read from a file, stand for one that began as `fresh`?
     pub fn descends_from(&self, fresh: &Self) -> bool {
-        let known = |rule: &Classifier| {
-            let age = rule.time_stamp.max(rule.experience);
-            rule.action.index() < self.actions && age <= MOST_STEPS
-        };
+        let known = |rule: &Classifier| rule.action.index() < self.actions;
         self.params == fresh.params
             && self.actions == fresh.actions
             && self.time <= MOST_STEPS

@@ -7,6 +7,7 @@
 //! [`Xcs::evolve`].
 
 mod classifier;
+mod compaction;
 mod condition;
 mod deletion;
 mod ga;
@@ -19,6 +20,7 @@ mod prediction;
 mod sets;
 
 pub use classifier::Classifier;
+pub use compaction::compact;
 pub use condition::{Condition, ConditionError};
 pub use handles::ClassifierId;
 pub use learner::Xcs;

@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::bounds::{OutOfRange, within};
 
+/// The greatest N.
+pub(super) const GREATEST_POPULATION: u32 = 1_000_000;
+
 /// Parameters of XCS (Butz and Wilson 2001, section 3.2; values of the paper's experiment where
 /// it prints them, calibrated ones elsewhere).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -83,7 +86,8 @@ impl Params {
     /// Accepts the parameters when each lies in its range.
     pub fn check(&self) -> Result<(), OutOfRange> {
         const MILLION: u32 = 1_000_000;
-        within("xcs.population_size", self.population_size, 32..=MILLION)?;
+        let sizes = 32..=GREATEST_POPULATION;
+        within("xcs.population_size", self.population_size, sizes)?;
         within("xcs.dont_care", self.dont_care, 0.0..=1.0)?;
         within("xcs.beta", self.beta, 1e-6..=1.0)?;
         within("xcs.alpha", self.alpha, 0.0..=1.0)?;

@@ -10,9 +10,12 @@ use super::condition::Condition;
 use super::deletion::DeletionVotes;
 use super::handles::{ClassifierId, Handles};
 use super::match_index::MatchIndex;
-use super::params::Params;
+use super::params::{GREATEST_POPULATION, Params};
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
+
+/// More steps than any learner lives to see; counters up to here leave room for arithmetic.
+pub(super) const MOST_STEPS: u64 = 1 << 40;
 
 /// \[P\]: all rules, each with an id that outlives it.
 ///
@@ -126,6 +129,18 @@ impl Population {
         }
     }
 
+    /// The same rules, all with the time stamp `time`.
+    pub(super) fn stamped(&self, time: u64) -> Self {
+        let mut stamped = Self::default();
+        for rule in &self.rules {
+            stamped.insert(Classifier {
+                time_stamp: time,
+                ..*rule
+            });
+        }
+        stamped
+    }
+
     /// Calls `found` with each rule that matches, in the order of the population.
     pub fn for_each_match(
         &self,
@@ -174,8 +189,8 @@ impl TryFrom<Vec<Classifier>> for Population {
                 fault,
             };
             fault_of(&rule, width).map_or(Ok(()), |text| Err(fault(text)))?;
-            if population.micro.checked_add(rule.numerosity).is_none() {
-                return Err(fault("makes the sum of numerosities too large"));
+            if population.micro.saturating_add(rule.numerosity) > GREATEST_POPULATION {
+                return Err(fault("makes the sum of numerosities larger than a million"));
             }
             population.insert(rule);
             if population.len() != at + 1 {
@@ -197,6 +212,8 @@ fn fault_of(rule: &Classifier, width: usize) -> Option<&'static str> {
         Some("has a figure that is not finite")
     } else if rule.fitness < 0.0 || rule.error < 0.0 || rule.set_size < 0.0 {
         Some("has a fitness, error or set size below its range")
+    } else if rule.time_stamp.max(rule.experience) > MOST_STEPS {
+        Some("counts more steps than any learner lives to see")
     } else {
         None
     }

@@ -142,6 +142,10 @@ impl RewardMethod for Combined {
         Knowledge::Rules(self.mind.xcs.population().clone())
     }
 
+    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+        self.mind.bring(knowledge)
+    }
+
     fn rule_count(&self) -> usize {
         self.mind.xcs.population().len()
     }

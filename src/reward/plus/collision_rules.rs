@@ -6,181 +6,193 @@
 //! candidate. Later bumps favour those that foretold them, moves drop those that were wrong, and
 //! the candidates vote. The conditions are those of XCS, and so are the fitness-like weights; the
 //! rules say nothing of a maze, only of the percept, so they hold in the next maze, too.
+//!
+//! A bump to the north may also tell about the east: if the percept is a ring around the robot,
+//! and the actions are directions, then a rule for one action holds for every other one, turned.
+//! Such rules stand for election beside those of each action; where the percept is no ring, moves
+//! soon prove them wrong.
 
 use serde::{Deserialize, Serialize};
 
-use std::collections::BTreeMap;
-
+use super::bumps::{Bumps, Tally};
+use crate::reward::foresight::CollisionRule;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
-use crate::xcs::Condition;
-
-/// Percepts wider than this get candidates of one allele only; there would be too many of two.
-const WIDEST_FOR_PAIRS: usize = 64;
-/// A candidate is dropped when fewer of its forecasts than this came true.
-const LEAST_ACCURACY: f64 = 0.9;
-/// The power with which weight grows with the share of bumps that were foretold.
-const EMPHASIS: i32 = 8;
-
-/// A rule that foretells a collision.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Candidate {
-    pub condition: Condition,
-    /// Percepts that it matches in which the action bumped ...
-    hits: u32,
-    /// ... and in which it moved.
-    misses: u32,
-}
-
-/// What is known of one action.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-struct Bumps {
-    /// In each percept, how often the action bumped and moved.
-    evidence: BTreeMap<Percept, [u32; 2]>,
-    candidates: Vec<Candidate>,
-}
 
 /// The rules for all actions.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct CollisionRules {
+    count: usize,
+    /// Rules for one action each.
     actions: [Bumps; MAX_ACTIONS],
+    /// Rules for every action, on the percept turned as far as the action is from the first one.
+    turned: Bumps,
 }
 
 impl CollisionRules {
+    /// Nothing is known of `actions` actions.
+    pub fn new(actions: usize) -> Self {
+        Self {
+            count: actions,
+            actions: Default::default(),
+            turned: Bumps::default(),
+        }
+    }
+
+    /// Takes rules from another world.
+    pub fn bring(&mut self, rules: &[CollisionRule]) {
+        for rule in rules {
+            let bumps = match rule.action {
+                Some(action) => &mut self.actions[action.index()],
+                None => &mut self.turned,
+            };
+            let (hits, misses) = (rule.hits, rule.misses);
+            bumps.bring(rule.condition, Tally { hits, misses });
+        }
+    }
+
+    /// Can these rules, read from a file, stand for some that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let mut all = self.actions.iter().chain([&self.turned]);
+        self.count == fresh.count && all.all(Bumps::is_sound)
+    }
+
     /// Learns that an action bumped or moved; true if that may change a forecast.
     pub fn learn(&mut self, percept: &Percept, action: Action, bumped: bool) -> bool {
-        let bumps = &mut self.actions[action.index()];
-        let counts = bumps.evidence.entry(*percept).or_default();
-        let before = verdict(counts);
-        counts[usize::from(!bumped)] += 1;
-        let after = verdict(counts);
-        if after != before {
-            bumps.score(percept);
-        }
-        after != before
+        let turned = self.turn(percept, action);
+        let own = self.actions[action.index()].learn(percept, bumped);
+        self.turned.learn(&turned, bumped) || own
     }
 
     /// How likely an action bumps in a percept, 0 to 1, by the vote of the candidates.
     pub fn forecast(&self, percept: &Percept, action: Action) -> f64 {
-        let bumps = &self.actions[action.index()];
-        let best = bumps.candidates.iter().map(|c| c.hits).max().unwrap_or(1);
-        let weight = |c: &Candidate| (f64::from(c.hits) / f64::from(best)).powi(EMPHASIS);
-        let all: f64 = bumps.candidates.iter().map(weight).sum();
-        let matching = bumps
-            .candidates
-            .iter()
-            .filter(|c| c.condition.matches(percept));
-        if all > 0.0 {
-            matching.map(weight).sum::<f64>() / all
-        } else {
-            0.0
+        let own = &self.actions[action.index()];
+        let best = own.most_hits().max(self.turned.most_hits());
+        let [own_bump, own_all] = own.votes(percept, best);
+        let [turned_bump, turned_all] = self.turned.votes(&self.turn(percept, action), best);
+        match best {
+            0 => 0.0,
+            _ => (own_bump + turned_bump) / (own_all + turned_all),
         }
     }
-}
 
-/// Does a percept count as one where the action bumps? `None` where nothing is known.
-fn verdict([bumped, moved]: &[u32; 2]) -> Option<bool> {
-    (bumped + moved > 0).then_some(bumped > moved)
-}
-
-impl Bumps {
-    /// Scores the candidates after the verdict on a percept has changed.
-    fn score(&mut self, changed: &Percept) {
-        let bumped = self.evidence.get(changed).and_then(verdict) == Some(true);
-        let foretold = |c: &Candidate| c.condition.matches(changed);
-        if bumped && !self.candidates.iter().any(foretold) {
-            let new = conditions(changed);
-            self.candidates.extend(new.map(|condition| Candidate {
+    /// The rules that have a say: those with at least half of the most hits of their kind.
+    pub fn rules(&self) -> Vec<CollisionRule> {
+        let own =
+            Action::all(self.count).map(|action| (Some(action), &self.actions[action.index()]));
+        let with_say = |(action, bumps): (Option<Action>, &Bumps)| {
+            let least = bumps.most_hits().max(self.turned.most_hits()).div_ceil(2);
+            let rule = |condition, Tally { hits, misses }| CollisionRule {
                 condition,
-                hits: 0,
-                misses: 0,
-            }));
-        }
-        for candidate in &mut self.candidates {
-            (candidate.hits, candidate.misses) = (0, 0);
-            for (percept, counts) in &self.evidence {
-                if candidate.condition.matches(percept) {
-                    match verdict(counts) {
-                        Some(true) => candidate.hits += 1,
-                        Some(false) => candidate.misses += 1,
-                        None => {}
-                    }
-                }
-            }
-        }
-        self.candidates.retain(|c| {
-            f64::from(c.hits) >= LEAST_ACCURACY * f64::from(c.hits + c.misses) && c.hits > 0
-        });
+                action,
+                hits,
+                misses,
+            };
+            let strong = bumps.candidates().iter().filter(|c| c.tally.hits >= least);
+            strong
+                .map(|c| rule(c.condition, c.tally))
+                .collect::<Vec<_>>()
+        };
+        [(None, &self.turned)]
+            .into_iter()
+            .chain(own)
+            .flat_map(with_say)
+            .collect()
     }
-}
 
-/// All conditions of one or two alleles that match a percept.
-fn conditions(percept: &Percept) -> impl Iterator<Item = Condition> {
-    let width = percept.width();
-    let second = move |first| {
-        if width > WIDEST_FOR_PAIRS {
-            first..first + 1
-        } else {
-            first..width
-        }
-    };
-    let pairs = (0..width).flat_map(move |first| second(first).map(move |second| [first, second]));
-    let percept = *percept;
-    pairs.map(move |alleles| Condition::of_alleles(&percept, alleles))
+    /// The percept as it looks to someone who faces the way of the action.
+    fn turn(&self, percept: &Percept, action: Action) -> Percept {
+        percept.turned(action.index() * percept.width() / self.count)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn learn(rules: &mut CollisionRules, percept: &str, bumped: bool) {
-        rules.learn(&percept.parse().unwrap(), Action::new(0).unwrap(), bumped);
+    fn rules() -> CollisionRules {
+        CollisionRules::new(4)
     }
 
-    fn forecast(rules: &CollisionRules, percept: &str) -> f64 {
-        rules.forecast(&percept.parse().unwrap(), Action::new(0).unwrap())
+    fn action(number: usize) -> Action {
+        Action::new(number).unwrap()
+    }
+
+    fn learn(rules: &mut CollisionRules, percept: &str, bumped: bool) {
+        rules.learn(&percept.parse().unwrap(), action(0), bumped);
+    }
+
+    fn forecast(rules: &CollisionRules, percept: &str, of: usize) -> f64 {
+        rules.forecast(&percept.parse().unwrap(), action(of))
     }
 
     #[test]
     fn before_the_first_bump_nothing_is_foretold() {
-        let mut rules = CollisionRules::default();
+        let mut rules = rules();
         learn(&mut rules, "0110", false);
-        assert_eq!(forecast(&rules, "0110"), 0.0);
-        assert_eq!(forecast(&rules, "1001"), 0.0);
+        assert_eq!(forecast(&rules, "0110", 0), 0.0);
+        assert_eq!(forecast(&rules, "1001", 0), 0.0);
     }
+
+    /// The wall shows as 01 in the first two bits; 11 there is the goal.
+    const SEEN: [(&str, bool); 7] = [
+        ("01011000", true),
+        ("00011000", false),
+        ("01100101", true),
+        ("11010101", false),
+        ("00100111", false),
+        ("01000010", true),
+        ("10101010", false),
+    ];
 
     #[test]
     fn a_few_bumps_and_moves_find_the_bits_that_matter() {
-        // The wall shows as 01 in the first two bits; 11 there is the goal.
-        let mut rules = CollisionRules::default();
-        for (percept, bumped) in [
-            ("01011000", true),
-            ("00011000", false),
-            ("01100101", true),
-            ("11010101", false),
-            ("00100111", false),
-            ("01000010", true),
-            ("10101010", false),
-        ] {
-            learn(&mut rules, percept, bumped);
-        }
+        let mut rules = rules();
+        SEEN.iter()
+            .for_each(|(percept, bumped)| learn(&mut rules, percept, *bumped));
         for (percept, expected) in [("01111111", 1.0), ("00111000", 0.0), ("11100101", 0.0)] {
-            let forecast = forecast(&rules, percept);
+            let forecast = forecast(&rules, percept, 0);
             assert!((forecast - expected).abs() < 0.3, "{percept}: {forecast}");
         }
-        assert!(
-            !rules
-                .forecast(&"01".parse().unwrap(), Action::new(1).unwrap())
-                .is_nan()
-        );
+    }
+
+    #[test]
+    fn bumps_of_one_action_tell_about_another_one_turned_until_moves_say_otherwise() {
+        let mut rules = rules();
+        SEEN.iter()
+            .for_each(|(percept, bumped)| learn(&mut rules, percept, *bumped));
+        // Action 1 points two bits further.
+        assert!(forecast(&rules, "00010000", 1) > 0.7);
+        assert!(forecast(&rules, "01000000", 1) < 0.3);
+        for moved in ["00010000", "10010110", "11011101", "00011111"] {
+            rules.learn(&moved.parse().unwrap(), action(1), false);
+        }
+        assert!(forecast(&rules, "00010000", 1) < 0.3);
+        assert!(forecast(&rules, "01111111", 0) > 0.7, "its own rules stay");
     }
 
     #[test]
     fn a_false_bump_is_outvoted_by_later_moves() {
-        let mut rules = CollisionRules::default();
+        let mut rules = rules();
         learn(&mut rules, "0011", true);
-        assert_eq!(forecast(&rules, "0011"), 1.0);
+        assert_eq!(forecast(&rules, "0011", 0), 1.0);
         learn(&mut rules, "0011", false);
         learn(&mut rules, "0011", false);
-        assert_eq!(forecast(&rules, "0011"), 0.0);
+        assert_eq!(forecast(&rules, "0011", 0), 0.0);
+    }
+
+    #[test]
+    fn rules_that_are_brought_along_foretell_at_once() {
+        let mut first = rules();
+        SEEN.iter()
+            .for_each(|(percept, bumped)| learn(&mut first, percept, *bumped));
+        let mut next = rules();
+        next.bring(&first.rules());
+        for of in [0, 1] {
+            let (there, here) = (
+                forecast(&first, "01010000", of),
+                forecast(&next, "01010000", of),
+            );
+            assert!(there > 0.7 && here > 0.7, "action {of}: {there}, {here}");
+        }
     }
 }

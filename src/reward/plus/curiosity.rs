@@ -1,24 +1,28 @@
 //! Exploration that heads for the least-tried actions.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::reward::params::Params;
-use crate::reward::planner::{Planner, Values};
+use crate::reward::planner::{Belief, Believed, Planner, Values};
 use crate::reward::transitions::Transitions;
 use crate::signal::{Action, Percept};
 use crate::xcs::PredictionArray;
 
 use super::collision_rules::CollisionRules;
+use super::return_rules::ReturnRules;
 
 /// Plans over what is remembered, in the belief that an untried action leads straight to the goal
-/// unless a collision is foretold: the nearest promising action becomes the best one, and where
-/// nothing promising is nearer than the goal, the goal is. Untried actions of the present percept
-/// come first, likely collisions last.
+/// unless a collision or a way back is foretold: the nearest promising action becomes the best
+/// one, and where nothing promising is nearer than the goal, the goal is. Untried actions of the
+/// present percept come first, likely collisions last.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Curiosity {
     planner: Planner,
     /// What an untried action is believed to be worth, and one that bumps.
     goal: f64,
+    step: f64,
     collision: f64,
     certainty: i32,
     values: Values,
@@ -42,6 +46,7 @@ impl Curiosity {
                 gamma: params.gamma,
             },
             goal: params.goal,
+            step: params.step,
             collision: params.collision,
             certainty: certainty as i32,
             values: Values::default(),
@@ -60,13 +65,19 @@ impl Curiosity {
         percept: usize,
         memory: &Transitions,
         collisions: &CollisionRules,
+        returns: &ReturnRules,
     ) -> PredictionArray {
         if std::mem::take(&mut self.stale) {
             let before = std::mem::take(&mut self.values);
+            let back = ways_back(memory, returns);
             let belief = |number: usize, action| {
+                if let Some(&to) = back.get(&(number, action)) {
+                    let reward = self.step;
+                    return Belief::Leads(Believed { reward, to });
+                }
                 let percept: &Percept = &memory.percepts()[number];
                 let bump = collisions.forecast(percept, action).powi(self.certainty);
-                (1.0 - bump) * self.goal + bump * self.collision
+                Belief::Worth((1.0 - bump) * self.goal + bump * self.collision)
             };
             self.values = self.planner.plan(memory, belief, before);
         }
@@ -78,4 +89,19 @@ impl Curiosity {
         }
         array
     }
+}
+
+/// By pair: the number of the percept to which a way back is believed to lead.
+fn ways_back(memory: &Transitions, returns: &ReturnRules) -> BTreeMap<(usize, Action), usize> {
+    let mut ways = BTreeMap::new();
+    for &(from, there) in memory.tried() {
+        if let Some(to) = memory
+            .outcomes(from, there)
+            .only_next()
+            .filter(|&to| to != from)
+        {
+            ways.extend(returns.undoing(there).map(|back| ((to, back), from)));
+        }
+    }
+    ways
 }

@@ -5,14 +5,17 @@
 //! [`PlusParams`], in the order in which they come into play:
 //! 1. `curiosity`: exploration heads for the least-tried actions;
 //! 2. `collision_rules`: general rules learned from bumps spare later ones;
-//! 3. `sweep`: Bellman targets, replayed by frequency and swept backward;
-//! 4. `imprinting`: loop-erased successes, where they returned more than expected;
-//! 5. `step_threshold`: tightens with slack.
+//! 3. `return_rules`: general rules about ways back spare trying them;
+//! 4. `sweep`: Bellman targets, replayed by frequency and swept backward;
+//! 5. `imprinting`: loop-erased successes, where they returned more than expected;
+//! 6. `step_threshold`: tightens with slack.
 
+mod bumps;
 mod collision_rules;
 mod curiosity;
 mod imprinting;
 mod params;
+mod return_rules;
 mod step_threshold;
 mod sweep;
 
@@ -23,9 +26,11 @@ use serde::{Deserialize, Serialize};
 use collision_rules::CollisionRules;
 use curiosity::Curiosity;
 use imprinting::Path;
+use return_rules::ReturnRules;
 use step_threshold::StepThreshold;
 
 use super::explorer::Explorer;
+use super::foresight::Foresight;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
@@ -45,6 +50,7 @@ pub struct Plus {
     own: PlusParams,
     memory: Transitions,
     collisions: CollisionRules,
+    returns: ReturnRules,
     curiosity: Curiosity,
     step_threshold: StepThreshold,
     /// Draws what is replayed.
@@ -82,7 +88,8 @@ impl Plus {
         Self {
             mind: Mind::new(Xcs::new(xcs, actions, evolution)),
             memory: Transitions::default(),
-            collisions: CollisionRules::default(),
+            collisions: CollisionRules::new(actions),
+            returns: ReturnRules::new(actions),
             curiosity: Curiosity::new(actions, &params, own.certainty),
             step_threshold: StepThreshold::new(params.step_threshold, params.beta_success, &own),
             stream: replay,
@@ -101,6 +108,8 @@ impl Plus {
             && self.mind.descends_from(&fresh.mind)
             && self.memory.is_sound()
             && self.percept < self.memory.percepts().len().max(1)
+            && self.collisions.descends_from(&fresh.collisions)
+            && self.returns.descends_from(&fresh.returns)
             && self.curiosity.descends_from(&fresh.curiosity)
             && self.step_threshold.descends_from(&fresh.step_threshold)
     }
@@ -116,6 +125,7 @@ impl Plus {
             reward,
             next,
         };
+        self.learn_return(next);
         if self.memory.learn(&step, 1) {
             self.curiosity.wake();
             self.unsettled = true;
@@ -131,6 +141,16 @@ impl Plus {
             if let Some(&pair) = self.stream.choose(self.memory.tried()) {
                 self.update(pair);
             }
+        }
+    }
+
+    /// Learns whether the last two steps led there and back.
+    fn learn_return(&mut self, next: Option<Percept>) {
+        let [.., (from, there, _), (middle, back, _)] = self.path[..] else {
+            return;
+        };
+        if self.own.return_rules && from != middle && !self.bumped {
+            self.returns.learn(there, back, next == Some(from));
         }
     }
 
@@ -180,9 +200,9 @@ impl RewardMethod for Plus {
         if !self.own.least_tried_first {
             return explorer.choose(worth);
         }
-        let promise = self
-            .curiosity
-            .promise(self.percept, &self.memory, &self.collisions);
+        let promise =
+            self.curiosity
+                .promise(self.percept, &self.memory, &self.collisions, &self.returns);
         let action = explorer.exploit(&promise);
         let explores = !worth.best_actions().any(|best| best == action);
         (action, explores)
@@ -236,11 +256,25 @@ impl RewardMethod for Plus {
     fn knowledge(&self) -> Knowledge {
         let rules = self.mind.xcs.population().rules().iter();
         let experienced: Vec<_> = rules.filter(|rule| rule.experience > 0).copied().collect();
-        Knowledge::Rules(
-            experienced
+        Knowledge::Foresighted {
+            rules: experienced
                 .try_into()
                 .expect("rules of a population form one"),
-        )
+            foresight: Foresight {
+                collisions: self.collisions.rules(),
+                returns: self.returns.rules().collect(),
+            },
+        }
+    }
+
+    /// Only the foresight: what actions are worth in one maze says nothing of the next.
+    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+        let Knowledge::Foresighted { foresight, .. } = knowledge else {
+            return false;
+        };
+        self.collisions.bring(&foresight.collisions);
+        self.returns.bring(&foresight.returns);
+        true
     }
 
     fn rule_count(&self) -> usize {

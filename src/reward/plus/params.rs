@@ -30,6 +30,8 @@ pub struct PlusParams {
     pub slack: f64,
     /// Do general rules learned from bumps spare later ones?
     pub collision_rules: bool,
+    /// Do general rules about ways back spare trying them in every cell?
+    pub return_rules: bool,
     /// The power to which the forecast of a collision (a share of votes) is raised before it is
     /// believed; 1 to 1000. At 1, votes that are not yet sorted out send the robot on detours.
     pub certainty: u32,
@@ -52,6 +54,7 @@ impl Default for PlusParams {
             learning_step_threshold: true,
             slack: 3.0,
             collision_rules: true,
+            return_rules: true,
             certainty: 32,
             beta: 1.0,
             dont_care: 0.0,

@@ -18,7 +18,7 @@ use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use super::params::Params;
-use super::planner::{Planner, Values};
+use super::planner::{Belief, Planner, Values};
 use super::transitions::{Transition, Transitions};
 use crate::arena::Outcome;
 use crate::random::Stream;
@@ -156,7 +156,7 @@ impl Tabular {
             gamma: self.params.gamma,
         };
         let table = |unknown: f64| {
-            let values = planner.plan(memory, |_, _| unknown, Values::default());
+            let values = planner.plan(memory, |_, _| Belief::Worth(unknown), Values::default());
             Table::from_values(memory, &values, actions)
         };
         self.policy = (!self.own.optimistic_policy).then(|| table(UNTRIED));

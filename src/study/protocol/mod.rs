@@ -138,6 +138,7 @@ impl Protocol {
             episodes: self.episodes,
             seed: self.trial_seed(trial),
             settings: arm.settings.clone(),
+            initial: None,
         };
         Plan {
             maze: maze.expect("arms name worlds of their study").clone(),

@@ -1,0 +1,188 @@
+//! Mazes made by chance: the same kind, size and seed give the same maze.
+
+mod corridors;
+mod dfs;
+mod field;
+mod random;
+mod rooms;
+
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+use self::field::Field;
+use super::maze::Maze;
+use crate::bounds::{OutOfRange, within};
+use crate::random::{Stream, StreamName};
+
+/// How many cells a generated maze may have on each side.
+const SIDES: RangeInclusive<u16> = 5..=1024;
+
+/// How a maze is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MazeKind {
+    /// Winding passages with dead ends and a single way between any two cells.
+    Dfs,
+    /// Rooms behind rooms, each wall with one door.
+    Rooms,
+    /// Obstacles strewn over a field.
+    Random,
+    /// Long corridors side by side, with two openings from each to the next.
+    Corridors,
+}
+
+impl MazeKind {
+    /// All kinds.
+    pub const ALL: [Self; 4] = [Self::Dfs, Self::Rooms, Self::Random, Self::Corridors];
+
+    /// The name on the command line and in names of worlds.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dfs => "dfs",
+            Self::Rooms => "rooms",
+            Self::Random => "random",
+            Self::Corridors => "corridors",
+        }
+    }
+}
+
+/// All that decides what a generated maze looks like. Its text, such as `rooms-12-3`, is the name
+/// of the maze.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Recipe {
+    /// How it is made.
+    pub kind: MazeKind,
+    /// Cells on each side, the border among them; 5 to 1024.
+    pub size: u16,
+    /// The root of its random stream.
+    pub seed: u64,
+}
+
+impl Recipe {
+    /// The maze: square, with a closed border, four moves and cells of one metre. Every free cell
+    /// can be reached; the start is the first of them, the goal the one furthest from it.
+    ///
+    /// # Errors
+    /// When the size is out of range.
+    pub fn maze(&self) -> Result<Maze, OutOfRange> {
+        within("size", self.size, SIDES)?;
+        let mut stream = Stream::new(self.seed, StreamName::World);
+        let mut field = Field::new(self.size);
+        match self.kind {
+            MazeKind::Dfs => dfs::carve(&mut field, &mut stream),
+            MazeKind::Rooms => rooms::carve(&mut field, &mut stream),
+            MazeKind::Random => random::carve(&mut field, &mut stream),
+            MazeKind::Corridors => corridors::carve(&mut field, &mut stream),
+        }
+        Ok(field.into_maze(self.to_string()))
+    }
+}
+
+impl fmt::Display for Recipe {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kind, size, seed } = self;
+        write!(f, "{}-{size}-{seed}", kind.name())
+    }
+}
+
+/// A text that is no recipe.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("expected kind, size and seed, such as `rooms-12-3`")]
+pub struct NoRecipe;
+
+impl FromStr for Recipe {
+    type Err = NoRecipe;
+
+    fn from_str(text: &str) -> Result<Self, NoRecipe> {
+        let mut parts = text.split('-');
+        let mut next = || parts.next().ok_or(NoRecipe);
+        let (kind, size, seed) = (next()?, next()?, next()?);
+        let kind = MazeKind::ALL.into_iter().find(|one| one.name() == kind);
+        let recipe = Self {
+            kind: kind.ok_or(NoRecipe)?,
+            size: size.parse().map_err(|_| NoRecipe)?,
+            seed: seed.parse().map_err(|_| NoRecipe)?,
+        };
+        // One name for one maze: no signs, no leading zeros, nothing behind.
+        (recipe.to_string() == text)
+            .then_some(recipe)
+            .ok_or(NoRecipe)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::world::Paths;
+
+    fn recipe() -> impl Strategy<Value = Recipe> {
+        let kind = prop::sample::select(&MazeKind::ALL[..]);
+        (kind, 5_u16..40, any::<u64>()).prop_map(|(kind, size, seed)| Recipe { kind, size, seed })
+    }
+
+    proptest! {
+        #[test]
+        fn a_generated_maze_is_a_world_file_in_which_every_free_cell_reaches_the_goal(
+            recipe in recipe(),
+        ) {
+            let maze = recipe.maze().unwrap();
+            prop_assert_eq!(&recipe.maze().unwrap(), &maze, "the same again");
+            let text = maze.to_json();
+            prop_assert_eq!(&Maze::from_json(text.as_bytes(), "x.json").unwrap(), &maze);
+            let paths = Paths::new(&maze);
+            for cell in maze.free_cells() {
+                prop_assert!(paths.distance(&maze, cell).is_some(), "{}: {:?}", text, cell);
+            }
+            let start = maze.start().unwrap();
+            prop_assert!(paths.distance(&maze, start) >= Some(2), "{}", text);
+        }
+
+        #[test]
+        fn a_recipe_reads_as_it_prints(recipe in recipe()) {
+            prop_assert_eq!(recipe.to_string().parse(), Ok(recipe));
+        }
+    }
+
+    #[test]
+    fn sizes_that_cannot_be_are_refused_and_names_that_are_none_too() {
+        for size in [0, 4, 1025] {
+            let kind = MazeKind::Dfs;
+            assert!(
+                Recipe {
+                    kind,
+                    size,
+                    seed: 1
+                }
+                .maze()
+                .is_err(),
+                "{size}"
+            );
+        }
+        for text in [
+            "rooms",
+            "rooms-12",
+            "halls-12-3",
+            "rooms-012-3",
+            "rooms-12-3-4",
+            "rooms-12--3",
+        ] {
+            assert_eq!(text.parse::<Recipe>(), Err(NoRecipe), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_perfect_maze_has_one_way_to_everywhere() {
+        let maze = "dfs-21-7".parse::<Recipe>().unwrap().maze().unwrap();
+        let free = maze.free_cells().count();
+        let joined = |cell| {
+            let moves = maze.moves().directions().iter();
+            moves
+                .filter(|&&direction| maze.step(cell, direction).is_some())
+                .count()
+        };
+        let joints: usize = maze.free_cells().map(joined).sum();
+        assert_eq!(joints / 2, free - 1, "a tree");
+    }
+}
