@@ -8,6 +8,7 @@ use crate::commands::evaluate::EvaluateArgs;
 use crate::commands::map::MapArgs;
 use crate::commands::recover::RecoverArgs;
 use crate::commands::replay::ReplayArgs;
+use crate::commands::rules::RulesArgs;
 use crate::commands::study::StudyCommand;
 use crate::commands::train::TrainArgs;
 use crate::commands::world::WorldCommand;
@@ -45,6 +46,8 @@ pub enum Command {
     Train(TrainArgs),
     /// Run the greedy policy of a finished run, without learning.
     Evaluate(EvaluateArgs),
+    /// Read what was learned: all rules, or few that choose the same.
+    Rules(RulesArgs),
     /// Show what recordings hold, open them in a viewer, or verify them against a new run.
     Replay(ReplayArgs),
     /// Say what is wrong with recordings.
@@ -56,7 +59,7 @@ pub enum Command {
     Recover(RecoverArgs),
     /// Draw the learned policy over the maze, or how it forms.
     Map(MapArgs),
-    /// Check, show and describe world files.
+    /// Check, show, describe and generate world files.
     #[command(subcommand)]
     World(WorldCommand),
     /// Show all settings, and where each came from.

@@ -60,10 +60,20 @@ impl Percept {
             .is_some_and(|word| word >> (index % 64) & 1 == 1)
     }
 
-    /// The percept with its first `by` bits moved to its end.
-    pub fn turned(&self, by: usize) -> Self {
-        let width = self.width();
-        let bits = (0..width).map(|at| self.bit((at + by) % width));
+    /// Both percepts, one after the other; what goes beyond [`MAX_PERCEPT_BITS`] is lost.
+    pub fn followed_by(&self, other: &Self) -> Self {
+        let bits = |percept: &Self| {
+            let percept = *percept;
+            (0..percept.width()).map(move |at| percept.bit(at))
+        };
+        let both = bits(self).chain(bits(other)).take(MAX_PERCEPT_BITS);
+        Self::from_bits(both).expect("no more bits than there may be")
+    }
+
+    /// The percept with its first `ring` bits turned by `by` places: bit `by` becomes the first.
+    pub fn turned(&self, by: usize, ring: usize) -> Self {
+        let source = |at| if at < ring { (at + by) % ring } else { at };
+        let bits = (0..self.width()).map(|at| self.bit(source(at)));
         Self::from_bits(bits).expect("as many bits as before")
     }
 
@@ -173,6 +183,13 @@ mod tests {
     fn a_percept_wider_than_256_bits_is_refused() {
         assert!("0".repeat(256).parse::<Percept>().is_ok());
         assert!("0".repeat(257).parse::<Percept>().is_err());
+    }
+
+    #[test]
+    fn turning_moves_the_bits_of_the_ring_and_no_others() {
+        let percept: Percept = "001011".parse().unwrap();
+        assert_eq!(percept.turned(2, 4).to_string(), "100011");
+        assert_eq!(percept.turned(3, 0), percept);
     }
 
     #[test]

@@ -9,7 +9,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
     ("random", &[]),
     ("bounds", &[]),
     ("disk", &[]),
-    ("world", &["signal", "random"]),
+    ("world", &["signal", "random", "bounds"]),
     ("arena", &["signal", "random", "bounds", "world"]),
     ("sensor", &["signal", "world", "arena"]),
     ("xcs", &["signal", "random", "bounds"]),

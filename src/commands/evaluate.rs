@@ -1,30 +1,22 @@
 //! `xcscr evaluate`: the greedy policy put to the test.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
 
-use xcscr::reward::{Knowledge, Method};
-use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Config, Evaluation, Plan, RunFolder, Settings};
-use xcscr::world::Maze;
+use xcscr::reward::Knowledge;
+use xcscr::study::{ArenaKind, Evaluation, Plan};
 
 use super::choices::{self, SettingsArgs};
 use super::failure::{Exit, Failure};
+use super::learned::LearnedArgs;
 
 /// Arguments of `evaluate`.
 #[derive(Debug, clap::Args)]
 pub struct EvaluateArgs {
-    /// The folder of a run, or a rules.json file.
-    run: PathBuf,
-    /// Another world file than the run's own; needed for a lone rules.json.
-    #[arg(long, value_name = "FILE")]
-    world: Option<PathBuf>,
+    #[command(flatten)]
+    learned: LearnedArgs,
     /// Another arena than the run's own.
     #[arg(long, value_parser = choices::arena())]
     arena: Option<ArenaKind>,
-    /// Another percept than the run's own.
-    #[arg(long, value_parser = choices::sensor())]
-    sensor: Option<Sensor>,
     /// How many episodes.
     #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     episodes: u32,
@@ -43,45 +35,12 @@ pub struct EvaluateArgs {
 
 impl EvaluateArgs {
     fn plan(&self) -> Result<(Plan, Knowledge), Failure> {
-        let (mut plan, knowledge) = if self.run.is_file() {
-            self.plan_of_rules(&self.run)?
-        } else {
-            let folder = RunFolder::open(&self.run);
-            (folder.plan()?, folder.knowledge()?)
-        };
-        if let Some(world) = &self.world {
-            plan.maze = Maze::load(world)?;
-        }
+        let (mut plan, knowledge) = self.learned.load()?;
         let config = &mut plan.config;
         config.seed = self.seed;
         config.arena = self.arena.unwrap_or(config.arena);
-        config.sensor = self.sensor.unwrap_or(config.sensor);
         config.settings = self.settings.resolve(&config.settings)?.settings;
         Ok((plan, knowledge))
-    }
-
-    /// A plan around a lone file of rules.
-    fn plan_of_rules(&self, path: &Path) -> Result<(Plan, Knowledge), Failure> {
-        let knowledge = choices::read_rules(path)?;
-        let world = self.world.as_ref().ok_or_else(|| {
-            let message = format!(
-                "{} says nothing of its world: add --world FILE",
-                path.display()
-            );
-            Failure::new(Exit::Usage, message)
-        })?;
-        let config = Config {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            method: Method::Xcscr,
-            arena: ArenaKind::Physics,
-            sensor: Sensor::Neighbours,
-            episodes: self.episodes,
-            seed: self.seed,
-            settings: Settings::default(),
-            initial: None,
-        };
-        let maze = Maze::load(world)?;
-        Ok((Plan { maze, config }, knowledge))
     }
 }
 

@@ -6,13 +6,15 @@ pub mod config;
 pub mod evaluate;
 pub mod failure;
 pub mod interrupt;
+mod learned;
 pub mod map;
 mod progress;
 pub mod recover;
 pub mod replay;
+pub mod rules;
 mod session;
-pub mod study;
 mod source;
+pub mod study;
 pub mod train;
 mod train_report;
 pub mod world;
@@ -32,6 +34,7 @@ pub fn run(cli: Cli, out: &mut impl Write) -> Result<(), Failure> {
         Command::Completions { shell } => complete(shell, out)?,
         Command::Train(args) => train::run(&args, out)?,
         Command::Evaluate(args) => evaluate::run(&args, out)?,
+        Command::Rules(args) => rules::run(&args, out)?,
         Command::Replay(args) => replay::run(&args, out)?,
         Command::Check(args) => check::run(&args, out)?,
         Command::Study(command) => study::run(&command, out)?,

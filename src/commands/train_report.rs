@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
-use xcscr::study::Trial;
+use xcscr::study::{Condensed, Trial};
 use xcscr::world::{Facts, Maze, draw};
 
 use super::failure::Failure;
@@ -35,6 +35,8 @@ pub struct TrainReport {
     steps: u64,
     collisions: u64,
     rules: usize,
+    /// How many are left of them when they are condensed; `null` for a table.
+    condensed_rules: Option<usize>,
     run_dir: String,
 }
 
@@ -45,6 +47,7 @@ impl TrainReport {
         let (maze, config) = (&plan.maze, &plan.config);
         let facts = Facts::new(maze);
         let start = maze.start();
+        let condensed = Condensed::new(&trial.method().knowledge(), config.sensor, maze);
         Self {
             world: facts.world,
             method: config.method.name(),
@@ -62,6 +65,7 @@ impl TrainReport {
             steps: progress.steps,
             collisions: progress.collisions,
             rules: trial.method().rule_count(),
+            condensed_rules: condensed.map(|condensed| condensed.rules.len()),
             run_dir: folder.display().to_string(),
         }
     }
@@ -79,7 +83,7 @@ impl TrainReport {
         writeln!(out, "  greedy policy now    {}", self.greedy())?;
         let (steps, collisions) = (self.steps, self.collisions);
         writeln!(out, "  steps, collisions    {steps}, {collisions}")?;
-        writeln!(out, "  rules                {}", self.rules)?;
+        writeln!(out, "  rules                {}", self.rules())?;
         writeln!(out, "\n{}", picture(&trial.plan().maze, &trial.policy()))?;
         self.print_files(recording, out)
     }
@@ -122,6 +126,11 @@ impl TrainReport {
             "not globally optimal"
         };
         steps.map_or(globally.to_owned(), |steps| format!("{steps}, {globally}"))
+    }
+
+    fn rules(&self) -> String {
+        let condensed = self.condensed_rules.map(|few| format!(", condensed {few}"));
+        format!("{}{}", self.rules, condensed.unwrap_or_default())
     }
 
     fn print_files(&self, recording: &RecordSummary, out: &mut impl Write) -> Result<(), Failure> {

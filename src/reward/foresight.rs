@@ -56,8 +56,8 @@ impl Foresight {
 pub struct CollisionRule {
     /// Which percepts it matches.
     pub condition: Condition,
-    /// Of which action it speaks. `None`: of every action, if the percept is turned first, by
-    /// `width / actions` bits for each number of the action.
+    /// Of which action it speaks. `None`: of every action, if the bits of the percept that lie in
+    /// a ring around the robot are turned first, so that those ahead come first.
     pub action: Option<Action>,
     /// Matching percepts in which the action bumped; at least 1, at most a billion.
     pub hits: u32,

@@ -9,7 +9,7 @@ use super::foresight::Foresight;
 use super::method::{EndCredit, RewardMethod, StepCredit};
 use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
-use crate::xcs::{Population, PredictionArray, PredictionSums};
+use crate::xcs::{Population, PredictionArray};
 
 /// What was learned: enough to follow the greedy policy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,11 +32,7 @@ impl Knowledge {
     /// The worth of each of `actions` actions under a percept.
     pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
         match self {
-            Self::Rules(rules) | Self::Foresighted { rules, .. } => {
-                let mut sums = PredictionSums::default();
-                rules.for_each_match(percept, |_, rule| sums.add(rule));
-                sums.array(actions, false)
-            }
+            Self::Rules(rules) | Self::Foresighted { rules, .. } => rules.worth(percept, actions),
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);

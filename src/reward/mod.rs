@@ -87,8 +87,23 @@ impl Method {
         }
     }
 
-    /// A learner that knows nothing yet, for `actions` actions. `seed` is the trial's root seed.
-    pub fn build(self, actions: usize, setup: Setup, seed: u64) -> Box<dyn RewardMethod> {
+    /// Does it learn rules, and not a table?
+    pub fn learns_rules(self) -> bool {
+        !matches!(
+            self,
+            Self::QLearning | Self::SarsaLambda | Self::DynaQ | Self::RMax
+        )
+    }
+
+    /// A learner that knows nothing yet, for `actions` actions and percepts whose first `ring` bits
+    /// lie in a ring around the robot. `seed` is the trial's root seed.
+    pub fn build(
+        self,
+        actions: usize,
+        ring: usize,
+        setup: Setup,
+        seed: u64,
+    ) -> Box<dyn RewardMethod> {
         let Setup {
             xcs,
             reward,
@@ -110,7 +125,7 @@ impl Method {
             )),
             Self::XcscrPlus => {
                 let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
-                Box::new(Plus::new(xcs, actions, reward, plus, streams))
+                Box::new(Plus::new(xcs, [actions, ring], reward, plus, streams))
             }
             Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
             Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),

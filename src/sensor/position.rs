@@ -5,7 +5,12 @@ use crate::world::{Cell, Maze};
 
 /// Bits that hold every column and every row.
 pub fn width(maze: &Maze) -> usize {
-    bits_for(maze.width()) + bits_for(maze.height())
+    col_width(maze) + bits_for(maze.height())
+}
+
+/// Bits that hold every column.
+pub fn col_width(maze: &Maze) -> usize {
+    bits_for(maze.width())
 }
 
 /// Column, then row, highest bit first.

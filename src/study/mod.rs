@@ -2,6 +2,7 @@
 
 mod checkpoint;
 mod checksum;
+mod condensed;
 mod error;
 mod evaluation;
 mod figures;
@@ -25,13 +26,14 @@ mod tables;
 mod trial;
 
 pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
+pub use condensed::Condensed;
 pub use error::StudyError;
 pub use evaluation::Evaluation;
 pub use folder::StudyFolder;
 pub use plan::{ArenaKind, Config, Plan, PlanError};
 pub use protocol::{Arm, Overrides, Protocol, StudyFile, Variant};
 pub use record::{Figures, TrialRecord};
-pub use report::{AgainstPaper, Comparison, Report, SwitchEffect};
+pub use report::{AgainstPaper, Comparison, Report, SwitchEffect, Table};
 pub use resolve::{Origin, Resolved, SettingsError};
 pub use run_folder::RunFolder;
 pub use run_folder_error::RunFolderError;

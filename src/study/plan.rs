@@ -98,9 +98,10 @@ impl Config {
             tabular,
             plus,
         };
-        let mut method = self.method.build(maze.action_count(), setup, self.seed);
+        let (actions, ring) = (maze.action_count(), self.sensor.ring());
+        let mut method = self.method.build(actions, ring, setup, self.seed);
         if let Some(knowledge) = &self.initial {
-            knowledge.check(self.sensor.width(maze), maze.action_count())?;
+            knowledge.check(self.sensor.width(maze), actions)?;
             if !method.bring(knowledge) {
                 return Err(Misfit::Useless(self.method.name()));
             }

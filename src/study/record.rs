@@ -4,7 +4,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
+use super::condensed::Condensed;
 use super::plan::Plan;
+use super::protocol::Protocol;
 use super::trial::{Progress, Trial};
 
 /// The figures of a trial that reached its end.
@@ -15,6 +17,8 @@ pub struct Figures {
     pub progress: Progress,
     /// Rules at the end.
     pub rules: usize,
+    /// How many are left of them when they are condensed; `None` for a table.
+    pub condensed_rules: Option<usize>,
 }
 
 /// A finished trial of a study: its number, and its figures or why it failed.
@@ -27,9 +31,12 @@ pub struct TrialRecord {
 }
 
 impl TrialRecord {
-    /// Runs a trial to its end. A fault of the trial, even a panic, becomes part of the record.
-    pub fn of(trial: usize, plan: Plan) -> Self {
-        let result = catch_unwind(AssertUnwindSafe(|| figures(plan)));
+    /// Runs a trial of a study to its end. A fault of the trial, even a panic, becomes part of the
+    /// record.
+    pub fn of(protocol: &Protocol, trial: usize) -> Self {
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            figures(protocol.plan(trial), protocol.earlier_plan(trial))
+        }));
         let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
         Self { trial, result }
     }
@@ -40,12 +47,26 @@ impl TrialRecord {
     }
 }
 
-fn figures(plan: Plan) -> Result<Figures, String> {
+/// Runs a trial, from what an earlier one has learned if there is one.
+fn figures(mut plan: Plan, earlier: Option<Plan>) -> Result<Figures, String> {
+    if let Some(earlier) = earlier {
+        plan.config.initial = Some(finished(earlier)?.method().knowledge());
+    }
+    let trial = finished(plan)?;
+    let Plan { maze, config } = trial.plan();
+    let condensed = Condensed::new(&trial.method().knowledge(), config.sensor, maze);
+    Ok(Figures {
+        progress: trial.progress().clone(),
+        rules: trial.method().rule_count(),
+        condensed_rules: condensed.map(|condensed| condensed.rules.len()),
+    })
+}
+
+fn finished(plan: Plan) -> Result<Trial, String> {
     let mut trial = Trial::new(plan).map_err(|fault| fault.to_string())?;
     // `()` never breaks off.
     let _ = trial.run(&mut ());
-    let (progress, rules) = (trial.progress().clone(), trial.method().rule_count());
-    Ok(Figures { progress, rules })
+    Ok(trial)
 }
 
 /// What a panic says.

@@ -88,7 +88,7 @@ fn run_trials(
                     .for_each_with(sender, |sender, &trial| {
                         if !stop.load(Ordering::Relaxed) {
                             // Nobody listens any more only after an error, which stops us too.
-                            let _ = sender.send(TrialRecord::of(trial, protocol.plan(trial)));
+                            let _ = sender.send(TrialRecord::of(protocol, trial));
                         }
                     });
             });

@@ -80,6 +80,13 @@ impl<'a> ArmRecords<'a> {
             .collect()
     }
 
+    /// Rules that are left of those of the retained trials.
+    fn condensed_rules(&self) -> Vec<f64> {
+        let retained = self.figures.iter().filter(|one| one.progress.optimal);
+        let counts = retained.filter_map(|one| one.condensed_rules);
+        counts.map(|count| count as f64).collect()
+    }
+
     fn mean(&self, figure: impl Fn(&Figures) -> f64) -> f64 {
         let sum: f64 = self.figures.iter().map(|one| figure(one)).sum();
         sum / self.figures.len().max(1) as f64
@@ -134,6 +141,11 @@ pub struct ArmSummary {
     pub mean_collisions: f64,
     /// Mean number of rules at the end.
     pub mean_rules: f64,
+    /// The median number of rules that are left of those of the retained trials when they are
+    /// condensed; `null` for tables.
+    pub median_condensed_rules: Option<f64>,
+    /// The most of them.
+    pub most_condensed_rules: Option<usize>,
 }
 
 impl ArmSummary {
@@ -153,6 +165,7 @@ impl ArmSummary {
         let wilson = successes.wilson();
         let survival = Survival::new(&records.lifetimes());
         let iqm: Option<Interval> = bootstrap_interval(&records.env_steps(), stream);
+        let condensed = records.condensed_rules();
         let count = |is: &dyn Fn(&Figures) -> bool| {
             records.figures.iter().filter(|one| is(one)).count() as u64
         };
@@ -178,6 +191,12 @@ impl ArmSummary {
             mean_steps: rounded(records.mean(|one| one.progress.steps as f64)),
             mean_collisions: rounded(records.mean(|one| one.progress.collisions as f64)),
             mean_rules: rounded(records.mean(|one| one.rules as f64)),
+            median_condensed_rules: quantile(&condensed, 0.5),
+            most_condensed_rules: condensed
+                .iter()
+                .copied()
+                .reduce(f64::max)
+                .map(|n| n as usize),
         }
     }
 }

@@ -25,6 +25,7 @@ struct TrialRow<'a> {
     steps: Option<u64>,
     collisions: Option<u64>,
     rules: Option<usize>,
+    condensed_rules: Option<usize>,
     error: &'a str,
 }
 
@@ -49,6 +50,7 @@ impl<'a> TrialRow<'a> {
             steps: progress.map(|one| one.steps),
             collisions: progress.map(|one| one.collisions),
             rules: figures.map(|one| one.rules),
+            condensed_rules: figures.and_then(|one| one.condensed_rules),
             error: record.result.as_ref().err().map_or("", String::as_str),
         }
     }

@@ -6,13 +6,20 @@
 //! removed, the others made as general as that allows, and the fewest are kept that cover every
 //! percept.
 
+use std::cmp::Reverse;
+
 use fixedbitset::FixedBitSet;
 
 use super::classifier::Classifier;
 use super::condition::Condition;
 use super::population::Population;
-use super::prediction::{PredictionArray, PredictionSums};
+use super::prediction::PredictionArray;
 use crate::signal::{Action, Percept};
+
+/// Conditions that are kept while they grow.
+const WIDEST_STAR: usize = 8;
+/// Rules with which choosing is begun; the best choice is kept.
+const BEGINNINGS: usize = 32;
 
 /// The condensed rules of `population`, in the order in which they were chosen: those that cover
 /// the most percepts first. In each of `percepts` of which `population` says anything, every
@@ -23,7 +30,7 @@ use crate::signal::{Action, Percept};
 /// from that.
 pub fn compact(population: &Population, percepts: &[Percept], actions: usize) -> Population {
     let task = Task::new(population, percepts, actions);
-    let chosen = without_superfluous(cover(task.candidates(), task.known.len()));
+    let chosen = fewest(task.candidates(), task.known.len());
     let rules: Vec<Classifier> = chosen.iter().map(|one| task.classifier(one)).collect();
     rules
         .try_into()
@@ -50,16 +57,21 @@ struct Candidate {
     covers: FixedBitSet,
 }
 
+/// A condition in the making.
+#[derive(Clone)]
+struct Partial {
+    /// The alleles that it demands, in order.
+    alleles: Vec<usize>,
+    /// The known percepts that it matches.
+    covers: FixedBitSet,
+}
+
 impl<'a> Task<'a> {
     fn new(population: &'a Population, percepts: &[Percept], actions: usize) -> Self {
         let mut percepts = percepts.to_vec();
         percepts.sort_unstable();
         percepts.dedup();
-        let worth = |percept: Percept| {
-            let mut sums = PredictionSums::default();
-            population.for_each_match(&percept, |_, rule| sums.add(rule));
-            (percept, sums.array(actions, false))
-        };
+        let worth = |percept| (percept, population.worth(&percept, actions));
         let known: Vec<_> = percepts.into_iter().map(worth).collect();
         let known: Vec<_> = known
             .into_iter()
@@ -91,9 +103,8 @@ impl<'a> Task<'a> {
         let mut candidates: Vec<Candidate> = Vec::new();
         for (at, (_, worth)) in self.known.iter().enumerate() {
             for action in worth.best_actions() {
-                for greed in [Greed::FewestWrong, Greed::GreatestShare] {
-                    candidates.push(self.grow(at, action, greed));
-                }
+                let grown = self.star(at, action).into_iter();
+                candidates.extend(grown.map(|one| self.without_needless(at, action, one.alleles)));
             }
         }
         candidates.sort_by_key(|one| (one.condition, one.action));
@@ -101,24 +112,56 @@ impl<'a> Task<'a> {
         candidates
     }
 
-    /// The rule that demands of percept number `at` only what keeps it from advocating `action`
-    /// where that is not best.
-    fn grow(&self, at: usize, action: Action, greed: Greed) -> Candidate {
+    /// Conditions that demand of percept number `at` what keeps them from matching where `action`
+    /// is not best: one wrong percept after the other is ruled out, in every way there is, and the
+    /// conditions that match the most right ones are kept (the star of the AQ algorithm,
+    /// Michalski 1969).
+    fn star(&self, at: usize, action: Action) -> Vec<Partial> {
         let right = &self.right[action.index()];
-        let mut alleles = Vec::new();
-        let mut covers = self.matching(at, &alleles);
-        while !covers.is_subset(right) {
-            let with = |&allele: &usize| greed.rate(&self.narrowed(at, allele, &covers), right);
-            let left = (0..self.ones.len()).filter(|allele| !alleles.contains(allele));
-            // The first of the best ones.
-            let best = left
-                .rev()
-                .max_by(|a, b| with(a).partial_cmp(&with(b)).expect("no NaN"));
-            let best = best.expect("all alleles together match one percept only");
-            covers = self.narrowed(at, best, &covers);
-            alleles.push(best);
+        let mut star = vec![self.everything()];
+        while star.iter().any(|one| !one.covers.is_subset(right)) {
+            let grown = star
+                .iter()
+                .flat_map(|one| self.ruling_out_one(one, at, right));
+            let mut grown: Vec<Partial> = grown.collect();
+            grown.sort_by_cached_key(|one| {
+                let fine = one.covers.intersection_count(right);
+                let wrong = one.covers.difference_count(right);
+                (Reverse(fine), wrong, one.alleles.clone())
+            });
+            grown.dedup_by(|a, b| a.alleles == b.alleles);
+            grown.truncate(WIDEST_STAR);
+            star = grown;
         }
-        self.without_needless(at, action, alleles)
+        star
+    }
+
+    fn everything(&self) -> Partial {
+        let mut covers = FixedBitSet::with_capacity(self.known.len());
+        covers.insert_range(..);
+        Partial {
+            alleles: Vec::new(),
+            covers,
+        }
+    }
+
+    /// All ways to keep a condition from matching the first wrong percept by one allele more of
+    /// percept number `at`; the condition itself if it matches none.
+    fn ruling_out_one(&self, one: &Partial, at: usize, right: &FixedBitSet) -> Vec<Partial> {
+        let Some(wrong) = one.covers.difference(right).next() else {
+            return vec![one.clone()];
+        };
+        let differs =
+            |allele: &usize| self.ones[*allele].contains(at) != self.ones[*allele].contains(wrong);
+        let with = |allele| {
+            let mut alleles = one.alleles.clone();
+            alleles.insert(alleles.partition_point(|&other| other < allele), allele);
+            Partial {
+                alleles,
+                covers: self.narrowed(at, allele, &one.covers),
+            }
+        };
+        (0..self.ones.len()).filter(differs).map(with).collect()
     }
 
     /// Drops each allele that later ones made needless.
@@ -139,8 +182,7 @@ impl<'a> Task<'a> {
 
     /// The known percepts that agree with percept number `at` in some alleles.
     fn matching(&self, at: usize, alleles: &[usize]) -> FixedBitSet {
-        let mut all = FixedBitSet::with_capacity(self.known.len());
-        all.insert_range(..);
+        let all = self.everything().covers;
         let narrow = |covers, &allele: &usize| self.narrowed(at, allele, &covers);
         alleles.iter().fold(all, narrow)
     }
@@ -187,44 +229,33 @@ impl<'a> Task<'a> {
     }
 }
 
-/// By what the next allele of a growing condition is chosen.
-#[derive(Clone, Copy)]
-enum Greed {
-    /// What leaves the fewest percepts in which the action is wrong, then the most others.
-    FewestWrong,
-    /// What leaves the greatest share of percepts in which the action is right, then the most.
-    GreatestShare,
+/// The fewest candidates found that cover all of `count` percepts, by beginning with each of those
+/// that cover the most.
+fn fewest(mut candidates: Vec<Candidate>, count: usize) -> Vec<Candidate> {
+    candidates.sort_by_cached_key(|one| {
+        let covered = one.covers.count_ones(..);
+        (Reverse(covered), one.condition.specificity())
+    });
+    let beginnings = candidates.iter().take(BEGINNINGS);
+    let choices = beginnings.map(|first| without_superfluous(cover(first, &candidates, count)));
+    choices.min_by_key(Vec::len).unwrap_or_default()
 }
 
-impl Greed {
-    fn rate(self, covers: &FixedBitSet, right: &FixedBitSet) -> (f64, f64) {
-        let fine = covers.intersection_count(right) as f64;
-        let wrong = covers.difference_count(right) as f64;
-        match self {
-            Self::FewestWrong => (-wrong, fine),
-            Self::GreatestShare => (fine / (fine + wrong), fine),
-        }
-    }
-}
-
-/// Chooses candidates until all of `count` percepts are covered, each time one that covers the
-/// most percepts not yet covered; of equals the one that demands the least, then the first.
-fn cover(candidates: Vec<Candidate>, count: usize) -> Vec<Candidate> {
+/// Chooses `first`, then each time the first candidate that covers the most percepts not yet
+/// covered, until all of `count` percepts are.
+fn cover(first: &Candidate, candidates: &[Candidate], count: usize) -> Vec<Candidate> {
     let mut open = FixedBitSet::with_capacity(count);
     open.insert_range(..);
     let mut chosen = Vec::new();
-    let rate = |one: &Candidate, open: &FixedBitSet| {
-        let specificity = one.condition.specificity();
-        (
-            one.covers.intersection_count(open),
-            std::cmp::Reverse(specificity),
-        )
-    };
-    while let Some(best) = candidates.iter().rev().max_by_key(|one| rate(one, &open))
-        && !open.is_clear()
-    {
+    let mut next = Some(first);
+    while let Some(best) = next {
         open.difference_with(&best.covers);
         chosen.push(best.clone());
+        let rest = candidates
+            .iter()
+            .rev()
+            .filter(|one| !one.covers.is_disjoint(&open));
+        next = rest.max_by_key(|one| one.covers.intersection_count(&open));
     }
     chosen
 }

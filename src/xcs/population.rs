@@ -11,6 +11,7 @@ use super::deletion::DeletionVotes;
 use super::handles::{ClassifierId, Handles};
 use super::match_index::MatchIndex;
 use super::params::{GREATEST_POPULATION, Params};
+use super::prediction::{PredictionArray, PredictionSums};
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
 
@@ -127,6 +128,14 @@ impl Population {
                 self.remove(id);
             }
         }
+    }
+
+    /// The worth of each of `actions` actions under a percept: the fitness-weighted mean
+    /// prediction of the rules that match it.
+    pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
+        let mut sums = PredictionSums::default();
+        self.for_each_match(percept, |_, rule| sums.add(rule));
+        sums.array(actions, false)
     }
 
     /// The same rules, all with the time stamp `time`.

@@ -7,10 +7,10 @@
 //! the candidates vote. The conditions are those of XCS, and so are the fitness-like weights; the
 //! rules say nothing of a maze, only of the percept, so they hold in the next maze, too.
 //!
-//! A bump to the north may also tell about the east: if the percept is a ring around the robot,
-//! and the actions are directions, then a rule for one action holds for every other one, turned.
-//! Such rules stand for election beside those of each action; where the percept is no ring, moves
-//! soon prove them wrong.
+//! A bump to the north may also tell about the east: if the first bits of the percept are a ring
+//! around the robot, and the actions are directions, then a rule for one action may hold for every
+//! other one, turned. Such rules stand for election beside those of each action; where they do not
+//! hold, moves soon prove them wrong.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +22,8 @@ use crate::signal::{Action, MAX_ACTIONS, Percept};
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct CollisionRules {
     count: usize,
+    /// The bits of the percept that lie in a ring around the robot; 0 if none do.
+    ring: usize,
     /// Rules for one action each.
     actions: [Bumps; MAX_ACTIONS],
     /// Rules for every action, on the percept turned as far as the action is from the first one.
@@ -29,10 +31,11 @@ pub(super) struct CollisionRules {
 }
 
 impl CollisionRules {
-    /// Nothing is known of `actions` actions.
-    pub fn new(actions: usize) -> Self {
+    /// Nothing is known of `actions` actions in percepts whose first `ring` bits form a ring.
+    pub fn new(actions: usize, ring: usize) -> Self {
         Self {
             count: actions,
+            ring,
             actions: Default::default(),
             turned: Bumps::default(),
         }
@@ -53,14 +56,14 @@ impl CollisionRules {
     /// Can these rules, read from a file, stand for some that began as `fresh`?
     pub fn descends_from(&self, fresh: &Self) -> bool {
         let mut all = self.actions.iter().chain([&self.turned]);
-        self.count == fresh.count && all.all(Bumps::is_sound)
+        (self.count, self.ring) == (fresh.count, fresh.ring) && all.all(Bumps::is_sound)
     }
 
     /// Learns that an action bumped or moved; true if that may change a forecast.
     pub fn learn(&mut self, percept: &Percept, action: Action, bumped: bool) -> bool {
-        let turned = self.turn(percept, action);
         let own = self.actions[action.index()].learn(percept, bumped);
-        self.turned.learn(&turned, bumped) || own
+        let turned = self.turn(percept, action);
+        self.ring > 0 && self.turned.learn(&turned, bumped) || own
     }
 
     /// How likely an action bumps in a percept, 0 to 1, by the vote of the candidates.
@@ -101,7 +104,7 @@ impl CollisionRules {
 
     /// The percept as it looks to someone who faces the way of the action.
     fn turn(&self, percept: &Percept, action: Action) -> Percept {
-        percept.turned(action.index() * percept.width() / self.count)
+        percept.turned(action.index() * self.ring / self.count, self.ring)
     }
 }
 
@@ -110,7 +113,7 @@ mod tests {
     use super::*;
 
     fn rules() -> CollisionRules {
-        CollisionRules::new(4)
+        CollisionRules::new(4, 8)
     }
 
     fn action(number: usize) -> Action {

@@ -67,11 +67,12 @@ pub struct Plus {
 }
 
 impl Plus {
-    /// A learner for `actions` actions, whose rules draw from `evolution` and whose replays draw
-    /// from `replay`. The parameters must have been checked.
+    /// A learner for `actions` actions and percepts whose first `ring` bits lie in a ring around the
+    /// robot. Its rules draw from `evolution` and its replays from `replay`. The parameters must
+    /// have been checked.
     pub fn new(
         xcs: XcsParams,
-        actions: usize,
+        [actions, ring]: [usize; 2],
         params: Params,
         own: PlusParams,
         [evolution, replay]: [Stream; 2],
@@ -88,7 +89,7 @@ impl Plus {
         Self {
             mind: Mind::new(Xcs::new(xcs, actions, evolution)),
             memory: Transitions::default(),
-            collisions: CollisionRules::new(actions),
+            collisions: CollisionRules::new(actions, ring),
             returns: ReturnRules::new(actions),
             curiosity: Curiosity::new(actions, &params, own.certainty),
             step_threshold: StepThreshold::new(params.step_threshold, params.beta_success, &own),

@@ -8,17 +8,19 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::shipped;
+use crate::bounds::OutOfRange;
 use crate::reward::Method;
 use crate::sensor::Sensor;
 use crate::study::error::StudyError;
 use crate::study::plan::ArenaKind;
 use crate::study::resolve::{flatten, similar};
-use crate::world::Maze;
+use crate::world::{Maze, Recipe};
 
 /// The keys of a study file.
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 15] = [
     "name",
     "worlds",
+    "after",
     "methods",
     "arenas",
     "sensors",
@@ -26,8 +28,11 @@ const KEYS: [&str; 11] = [
     "episodes",
     "seed",
     "settings",
+    "world-settings",
+    "world-sensors",
     "method-settings",
     "sweep",
+    "without",
 ];
 
 /// What a study file says, before it is frozen into a [`Protocol`](super::Protocol).
@@ -45,6 +50,9 @@ pub struct StudyFile {
 pub(super) struct Document {
     pub name: String,
     pub worlds: Vec<String>,
+    /// Worlds in which trials learn beforehand, or [`NOTHING`]; each is tried.
+    #[serde(default)]
+    pub after: Vec<String>,
     pub methods: Vec<Method>,
     #[serde(default = "Document::grid")]
     pub arenas: Vec<ArenaKind>,
@@ -57,13 +65,25 @@ pub(super) struct Document {
     /// Settings of all trials.
     #[serde(default)]
     pub settings: Table,
-    /// Settings of all trials of a method, which win over those of all.
+    /// Settings of all trials in a world, which win over those of all.
+    #[serde(default)]
+    pub world_settings: BTreeMap<String, Table>,
+    /// The percepts in a world, instead of those of all worlds.
+    #[serde(default)]
+    pub world_sensors: BTreeMap<String, Vec<Sensor>>,
+    /// Settings of all trials of a method, which win over those of worlds.
     #[serde(default)]
     pub method_settings: BTreeMap<String, Table>,
     /// Settings, each with the list of its values: every combination is tried.
     #[serde(default)]
     pub sweep: Table,
+    /// Switches that are turned off, one at a time, beside a variant with all of them as set.
+    #[serde(default)]
+    pub without: Vec<String>,
 }
+
+/// In place of a world to learn in beforehand, and of a switch to turn off.
+pub(super) const NOTHING: &str = "nothing";
 
 impl Document {
     fn grid() -> Vec<ArenaKind> {
@@ -118,27 +138,62 @@ impl StudyFile {
         })
     }
 
-    /// The worlds: names of shipped ones, or paths.
+    /// The worlds: names of shipped or generated ones, or paths.
     pub(super) fn worlds(&self) -> Result<Vec<Maze>, StudyError> {
-        self.document
-            .worlds
-            .iter()
-            .map(|name| self.world(name))
-            .collect()
+        let names = self.document.worlds.iter();
+        names.map(|name| self.world(name)).collect()
+    }
+
+    /// The worlds in which trials learn beforehand.
+    pub(super) fn earlier_worlds(&self) -> Result<Vec<Maze>, StudyError> {
+        let names = self.document.after.iter().filter(|name| *name != NOTHING);
+        names.map(|name| self.world(name)).collect()
     }
 
     fn world(&self, name: &str) -> Result<Maze, StudyError> {
         if let Some(text) = shipped::world(name) {
             return Ok(Maze::from_json(text.as_bytes(), name)?);
         }
+        if let Ok(recipe) = name.parse::<Recipe>() {
+            let fault = |fault: OutOfRange| StudyError::file(&self.origin, &fault.to_string());
+            return recipe.maze().map_err(fault);
+        }
         if !name.ends_with(".json") {
             let names = shipped::world_names();
             let fault = format!(
-                "there is no world `{name}`: give a path to a .json file, or one of {names}"
+                "there is no world `{name}`: give a path to a .json file, one of {names}, or kind, \
+                 size and seed of a generated one, such as rooms-12-3"
             );
             return Err(StudyError::file(&self.origin, &fault));
         }
         Ok(Maze::load(&self.folder.join(name))?)
+    }
+
+    /// The settings in one world.
+    pub(super) fn world_settings(&self, world: &str) -> Table {
+        let settings = self.document.world_settings.get(world);
+        settings.cloned().unwrap_or_default()
+    }
+
+    /// The percepts in one world.
+    pub(super) fn sensors(&self, world: &str) -> &[Sensor] {
+        let own = self.document.world_sensors.get(world);
+        own.unwrap_or(&self.document.sensors)
+    }
+
+    /// Refuses settings and percepts in worlds that are not those of the study.
+    pub(super) fn check_worlds(&self, worlds: &[Maze]) -> Result<(), StudyError> {
+        let Document {
+            world_settings,
+            world_sensors,
+            ..
+        } = &self.document;
+        let mut named = world_settings.keys().chain(world_sensors.keys());
+        let unknown = named.find(|name| !worlds.iter().any(|maze| maze.name() == *name));
+        unknown.map_or(Ok(()), |name| {
+            let fault = format!("`{name}` is no world of this study");
+            Err(StudyError::file(&self.origin, &fault))
+        })
     }
 
     /// The settings of one method, by its name.

@@ -2,6 +2,7 @@
 
 use toml::{Table, Value};
 
+use super::file::{Document, NOTHING};
 use super::{Arm, Protocol, StudyFile, Variant};
 use crate::bounds::within;
 use crate::reward::Method;
@@ -30,6 +31,8 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
     let document = &file.document;
     let worlds = file.worlds()?;
     check_names(file, &worlds)?;
+    let earlier = file.earlier_worlds()?;
+    check_names(file, &earlier)?;
     let protocol = Protocol {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         name: document.name.clone(),
@@ -38,6 +41,7 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
         episodes: overrides.episodes.unwrap_or(document.episodes),
         arms: arms(file, &worlds, overrides)?,
         worlds,
+        earlier,
     };
     within("trials", protocol.trials, 1..=1_000_000).map_err(PlanError::from)?;
     within("episodes", protocol.episodes, 1..=1_000_000).map_err(PlanError::from)?;
@@ -60,47 +64,68 @@ fn check_names(file: &StudyFile, worlds: &[Maze]) -> Result<(), StudyError> {
 
 /// Every combination, in the order of the file, worlds first.
 fn arms(file: &StudyFile, worlds: &[Maze], overrides: &Overrides) -> Result<Vec<Arm>, StudyError> {
+    file.check_worlds(worlds)?;
     let document = &file.document;
     let arenas = overrides
         .arena
         .map_or(document.arenas.clone(), |arena| vec![arena]);
-    let variants = variants(file, overrides)?;
+    let variants: Vec<(Table, Variant)> = variants(file, overrides)?;
     let mut arms = Vec::new();
-    for &method in &document.methods {
-        let base = settings(file, method, overrides)?;
-        for variant in &variants {
-            let settings = lay_over(&base, &format!("{}, sweep", file.origin), variant)?;
-            for &arena in &arenas {
-                for &sensor in &document.sensors {
-                    arms.push((method, arena, sensor, variant, settings.clone()));
-                }
+    for (maze, &method) in product(worlds, &document.methods) {
+        let world = maze.name();
+        let base = settings(file, world, method, overrides)?;
+        let afters = afters(file, method)?;
+        for ((table, variant), after) in product(&variants, &afters) {
+            let settings = lay_over(&base, &file.origin, table)?;
+            for (&arena, &sensor) in product(&arenas, file.sensors(world)) {
+                arms.push(Arm {
+                    world: world.to_owned(),
+                    method,
+                    arena,
+                    sensor,
+                    variant: told_after(variant, document, after),
+                    after: after.clone(),
+                    settings: settings.clone(),
+                });
             }
         }
     }
-    let in_world = |maze: &Maze| {
-        let name = maze.name().to_owned();
-        let arms = arms.iter().cloned();
-        arms.map(move |(method, arena, sensor, variant, settings)| Arm {
-            world: name.clone(),
-            method,
-            arena,
-            sensor,
-            variant: to_variant(variant),
-            settings,
-        })
-        .collect::<Vec<_>>()
-    };
-    Ok(worlds.iter().flat_map(in_world).collect())
+    arms.retain(|arm| arm.after.as_ref() != Some(&arm.world));
+    Ok(arms)
 }
 
-/// The settings of a method: default < study < method < command line.
+/// Every pair of one element each.
+fn product<'a, 'b, A, B>(first: &'a [A], second: &'b [B]) -> impl Iterator<Item = (&'a A, &'b B)> {
+    first
+        .iter()
+        .flat_map(move |a| second.iter().map(move |b| (a, b)))
+}
+
+/// The worlds in which trials of a method learn beforehand; `None` for no such world.
+fn afters(file: &StudyFile, method: Method) -> Result<Vec<Option<String>>, StudyError> {
+    let names = &file.document.after;
+    if names.is_empty() {
+        return Ok(vec![None]);
+    }
+    if !method.learns_rules() {
+        let name = method.name();
+        let fault = format!("the method `{name}` learns no rules, and can learn `after` nothing");
+        return Err(StudyError::file(&file.origin, &fault));
+    }
+    let world = |name: &String| (name != NOTHING).then(|| name.clone());
+    Ok(names.iter().map(world).collect())
+}
+
+/// The settings of a method in a world: default < study < world < method < command line.
 fn settings(
     file: &StudyFile,
+    world: &str,
     method: Method,
     overrides: &Overrides,
 ) -> Result<Settings, StudyError> {
     let common = lay_over(&Settings::default(), &file.origin, &file.document.settings)?;
-    let own = lay_over(&common, &file.origin, &file.method_settings(method)?)?;
+    let there = lay_over(&common, &file.origin, &file.world_settings(world))?;
+    let own = lay_over(&there, &file.origin, &file.method_settings(method)?)?;
     Ok(Resolved::new(&own, None, &overrides.sets)?.settings)
 }
 
@@ -109,41 +134,64 @@ fn lay_over(base: &Settings, origin: &str, table: &Table) -> Result<Settings, St
     Ok(Resolved::new(base, Some((origin, &text)), &[])?.settings)
 }
 
-/// All combinations of the swept values; one empty table when nothing is swept.
-fn variants(file: &StudyFile, overrides: &Overrides) -> Result<Vec<Table>, StudyError> {
-    let mut variants = vec![Table::new()];
+/// All combinations of the swept values, and of the switches to turn off; a single empty one when
+/// nothing is varied. Each with the settings that make it.
+fn variants(file: &StudyFile, overrides: &Overrides) -> Result<Vec<(Table, Variant)>, StudyError> {
+    let mut variants = vec![(Table::new(), Variant::default())];
     for (key, values) in file.sweep()? {
-        let is_same = |set: &String| set.split('=').next().is_some_and(|k| k.trim() == key);
-        if overrides.sets.iter().any(is_same) {
-            let fault = format!("`{key}` is swept by this study: leave it out of --set");
-            return Err(StudyError::file(&file.origin, &fault));
-        }
-        let with = |variant: &Table, value: &Value| {
-            let mut variant = variant.clone();
-            variant.insert(key.clone(), value.clone());
-            variant
-        };
-        variants = variants
-            .iter()
-            .flat_map(|variant| {
-                values
-                    .iter()
-                    .map(|value| with(variant, value))
-                    .collect::<Vec<_>>()
-            })
+        refuse_set(file, overrides, &key)?;
+        variants = product(&variants, &values)
+            .map(|(variant, value)| varied(variant, &key, value))
             .collect();
     }
-    Ok(variants)
+    let switches = &file.document.without;
+    if switches.is_empty() {
+        return Ok(variants);
+    }
+    let mut with_switches = Vec::new();
+    for variant in variants {
+        with_switches.push((variant.0.clone(), told(&variant.1, "without", NOTHING)));
+        for switch in switches {
+            refuse_set(file, overrides, switch)?;
+            let (table, _) = varied(&variant, switch, &Value::Boolean(false));
+            with_switches.push((table, told(&variant.1, "without", switch)));
+        }
+    }
+    Ok(with_switches)
 }
 
-fn to_variant(table: &Table) -> Variant {
-    let json = |value: &Value| serde_json::to_value(value).expect("plain data becomes JSON");
-    Variant(
-        table
-            .iter()
-            .map(|(key, value)| (key.clone(), json(value)))
-            .collect(),
-    )
+/// What is varied cannot be set on the command line besides.
+fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), StudyError> {
+    let is_same = |set: &String| set.split('=').next().is_some_and(|k| k.trim() == key);
+    if !overrides.sets.iter().any(is_same) {
+        return Ok(());
+    }
+    let fault = format!("`{key}` is swept by this study: leave it out of --set");
+    Err(StudyError::file(&file.origin, &fault))
+}
+
+/// A variant with one setting more.
+fn varied((table, variant): &(Table, Variant), key: &str, value: &Value) -> (Table, Variant) {
+    let (mut table, mut variant) = (table.clone(), variant.clone());
+    table.insert(key.to_owned(), value.clone());
+    let json = serde_json::to_value(value).expect("plain data becomes JSON");
+    variant.0.insert(key.to_owned(), json);
+    (table, variant)
+}
+
+/// A variant that also tells where trials learn beforehand, if the study varies that.
+fn told_after(variant: &Variant, document: &Document, after: &Option<String>) -> Variant {
+    match document.after.is_empty() {
+        true => variant.clone(),
+        false => told(variant, "after", after.as_deref().unwrap_or(NOTHING)),
+    }
+}
+
+/// A variant that tells one thing more.
+fn told(variant: &Variant, name: &str, value: &str) -> Variant {
+    let mut variant = variant.clone();
+    variant.0.insert(name.to_owned(), value.into());
+    variant
 }
 
 #[cfg(test)]

@@ -54,6 +54,8 @@ pub struct Arm {
     pub sensor: Sensor,
     /// What the sweep sets.
     pub variant: Variant,
+    /// The name of the world in which trials learn beforehand.
+    pub after: Option<String>,
     /// All settings, the sweep's among them.
     pub settings: Settings,
 }
@@ -77,6 +79,9 @@ pub struct Protocol {
     /// The worlds, each with a name of its own.
     #[serde(serialize_with = "write_mazes", deserialize_with = "read_mazes")]
     pub worlds: Vec<Maze>,
+    /// The worlds in which trials learn beforehand.
+    #[serde(serialize_with = "write_mazes", deserialize_with = "read_mazes")]
+    pub earlier: Vec<Maze>,
     /// What is compared.
     pub arms: Vec<Arm>,
 }
@@ -126,10 +131,21 @@ impl Protocol {
         replicate_seed(self.seed, self.replicate(trial) as u64)
     }
 
-    /// The plan of a trial.
+    /// The plan of a trial. Where it starts from what an [earlier trial](Self::earlier_plan) has
+    /// learned, that is still to be filled in.
     pub fn plan(&self, trial: usize) -> Plan {
+        let maze = named(&self.worlds, &self.arm(trial).world);
+        self.plan_in(maze.expect("arms name worlds of their study"), trial)
+    }
+
+    /// The plan of the trial that comes before a trial and learns for it, from the same seed.
+    pub fn earlier_plan(&self, trial: usize) -> Option<Plan> {
+        let maze = named(&self.earlier, self.arm(trial).after.as_deref()?);
+        Some(self.plan_in(maze.expect("arms name worlds of their study"), trial))
+    }
+
+    fn plan_in(&self, maze: &Maze, trial: usize) -> Plan {
         let arm = self.arm(trial);
-        let maze = self.worlds.iter().find(|maze| maze.name() == arm.world);
         let config = Config {
             version: self.version.clone(),
             method: arm.method,
@@ -141,14 +157,17 @@ impl Protocol {
             initial: None,
         };
         Plan {
-            maze: maze.expect("arms name worlds of their study").clone(),
+            maze: maze.clone(),
             config,
         }
     }
 
     /// Does every arm name a world of the study, and is no setting out of range?
     pub(super) fn check(&self) -> Result<(), String> {
-        let known = |arm: &Arm| self.worlds.iter().any(|maze| maze.name() == arm.world);
+        let known = |arm: &Arm| {
+            let earlier = |name: &String| named(&self.earlier, name).is_some();
+            named(&self.worlds, &arm.world).is_some() && arm.after.as_ref().is_none_or(earlier)
+        };
         if self.is_empty() || !self.arms.iter().all(known) {
             return Err("it has no trials, or trials in worlds that it does not hold".to_owned());
         }
@@ -157,6 +176,10 @@ impl Protocol {
             .collect::<Result<(), _>>()
             .map_err(|fault| fault.to_string())
     }
+}
+
+fn named<'a>(mazes: &'a [Maze], name: &str) -> Option<&'a Maze> {
+    mazes.iter().find(|maze| maze.name() == name)
 }
 
 /// The id of the study with this text.

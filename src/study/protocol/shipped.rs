@@ -13,9 +13,12 @@ const WORLDS: [(&str, &str); 5] = [
 ];
 
 /// The studies, by name.
-const STUDIES: [(&str, &str); 2] = [
+const STUDIES: [(&str, &str); 5] = [
     ("paper", include_str!("../presets/paper.toml")),
     ("ablation", include_str!("../presets/ablation.toml")),
+    ("plus", include_str!("../presets/plus.toml")),
+    ("repairs", include_str!("../presets/repairs.toml")),
+    ("transfer", include_str!("../presets/transfer.toml")),
 ];
 
 /// The text of a world file that comes with the program.

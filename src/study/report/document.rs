@@ -111,7 +111,8 @@ impl Table {
         text
     }
 
-    fn text(&self) -> String {
+    /// The table for a terminal, a line for each row.
+    pub fn text(&self) -> String {
         let rule = "-".repeat(
             self.widths()
                 .iter()

@@ -11,9 +11,10 @@ use serde::Serialize;
 
 pub use ablation::SwitchEffect;
 pub use comparisons::Comparison;
+pub use document::Table;
 pub use paper::AgainstPaper;
 
-use document::{Block, Table};
+use document::Block;
 
 use super::error::StudyError;
 use super::figures::{Picture, draw_figures};
@@ -106,6 +107,7 @@ impl Report {
         ];
         blocks.extend(self.letters.clone().map(Block::Text));
         blocks.push(Block::Text(results::LEGEND.to_owned()));
+        blocks.extend(results::fewest_steps(&self.arms).map(Block::Text));
         self.add_paper(&mut blocks);
         self.add_comparisons(&mut blocks);
         self.add_switches(&mut blocks);

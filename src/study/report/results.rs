@@ -1,6 +1,6 @@
 //! What came out: a row for each arm.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
@@ -13,7 +13,8 @@ pub const LEGEND: &str = "optimal: trials whose greedy policy became globally op
     Wilson's interval. median, p95: the episode by which half, or 95 %, of all trials were optimal \
     (Kaplan-Meier; – when they never were). retained: still optimal after the last episode. steps: \
     environment steps until then, interquartile mean with bootstrap interval; trials without an \
-    optimum count with all their steps. collisions, rules: means of a trial.";
+    optimum count with all their steps. collisions, rules: means of a trial. condensed: \
+    what is left of the rules of retained trials when they are condensed, median and most.";
 
 /// Letters for the settings of a sweep, in the order of their names.
 pub fn letters(arms: &[Arm]) -> Vec<(char, String)> {
@@ -24,6 +25,9 @@ pub fn letters(arms: &[Arm]) -> Vec<(char, String)> {
 
 /// What the letters mean; nothing without a sweep.
 pub fn letters_legend(letters: &[(char, String)]) -> Option<String> {
+    if let [(_, only)] = letters {
+        return Some(format!("variant: the value of `{only}`."));
+    }
     let words: Vec<String> = letters
         .iter()
         .map(|(letter, key)| format!("{letter} is `{key}`"))
@@ -38,6 +42,12 @@ pub fn letters_legend(letters: &[(char, String)]) -> Option<String> {
 
 /// The values of a variant behind their letters.
 fn variant(variant: &Variant, letters: &[(char, String)]) -> String {
+    if let [(_, only)] = letters {
+        let value = variant.0.get(only);
+        return value.map_or("–".to_owned(), |v| {
+            v.as_str().map_or(v.to_string(), str::to_owned)
+        });
+    }
     let word = |(letter, key): &(char, String)| match variant.0.get(key) {
         Some(Value::Bool(true)) => letter.to_string(),
         Some(Value::Bool(false)) | None => "–".to_owned(),
@@ -65,6 +75,7 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
         "95 % interval ",
         "collisions",
         "rules",
+        "condensed",
         "failed",
     ]);
     let letters = letters(arms);
@@ -72,7 +83,7 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
     table.rows = rows
         .map(|(arm, one)| row(one, variant(&arm.variant, &letters)))
         .collect();
-    table.without_dull(|name| ["arena", "sensor", "variant", "failed"].contains(&name))
+    table.without_dull(|name| ["arena", "sensor", "variant", "condensed", "failed"].contains(&name))
 }
 
 fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
@@ -99,6 +110,11 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
             }),
         format!("{:.0}", arm.mean_collisions),
         format!("{:.0}", arm.mean_rules),
+        arm.median_condensed_rules
+            .zip(arm.most_condensed_rules)
+            .map_or("–".to_owned(), |(median, most)| {
+                format!("{median:.0}, {most}")
+            }),
         arm.failed.to_string(),
     ]
 }
@@ -106,4 +122,49 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
 /// Two shares as a range of percents.
 pub fn percent_range(low: f64, high: f64) -> String {
     format!("{:.0}–{:.0} %", 100.0 * low, 100.0 * high)
+}
+
+/// Which method needs the fewest steps to the first optimum, and where; nothing for one method.
+pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
+    let place = |arm: &ArmSummary| {
+        (
+            arm.world.clone(),
+            arm.arena,
+            arm.sensor,
+            arm.variant.clone(),
+        )
+    };
+    let places: BTreeSet<_> = arms.iter().map(place).collect();
+    let mut winners: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for there in &places {
+        let rivals: Vec<_> = arms.iter().filter(|arm| place(arm) == *there).collect();
+        if let Some((winner, words)) = winner(&rivals) {
+            winners.entry(winner).or_default().push(words);
+        }
+    }
+    let words = winners.iter().map(|(method, won)| {
+        let (all, count) = (places.len(), won.len());
+        format!("{method} in {count} of {all} ({})", won.join(", "))
+    });
+    let words: Vec<String> = words.collect();
+    (!words.is_empty()).then(|| {
+        format!(
+            "Fewest steps to the first optimum: {}. A world with ? is one where the intervals of \
+             the best two overlap.",
+            words.join("; ")
+        )
+    })
+}
+
+/// The method with the fewest steps of some in one place, and the world's name.
+fn winner<'a>(rivals: &[&'a ArmSummary]) -> Option<(&'a str, String)> {
+    let steps = |arm: &ArmSummary| arm.iqm_env_steps.unwrap_or(f64::INFINITY);
+    let mut ranked = rivals.to_vec();
+    ranked.sort_by(|a, b| steps(a).total_cmp(&steps(b)));
+    let [first, second, ..] = ranked[..] else {
+        return None;
+    };
+    let is_clear = first.iqm_env_steps_high < second.iqm_env_steps_low;
+    let doubt = if is_clear { "" } else { " ?" };
+    Some((first.method, format!("{}{doubt}", first.world)))
 }

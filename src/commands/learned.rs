@@ -1,0 +1,68 @@
+//! What was learned, from the folder of a run or a lone file of rules.
+
+use std::path::{Path, PathBuf};
+
+use xcscr::reward::{Knowledge, Method};
+use xcscr::sensor::Sensor;
+use xcscr::study::{ArenaKind, Config, Plan, RunFolder, Settings};
+use xcscr::world::Maze;
+
+use super::choices;
+use super::failure::{Exit, Failure};
+
+/// Where to find what was learned, and what it is about.
+#[derive(Debug, clap::Args)]
+pub struct LearnedArgs {
+    /// The folder of a run, or a rules.json file.
+    #[arg(value_name = "RUN|RULES")]
+    run: PathBuf,
+    /// Another world file than the run's own; needed for a lone rules.json.
+    #[arg(long, value_name = "FILE")]
+    world: Option<PathBuf>,
+    /// Another percept than the run's own.
+    #[arg(long, value_parser = choices::sensor())]
+    sensor: Option<Sensor>,
+}
+
+impl LearnedArgs {
+    /// The plan of the run, and what was learned.
+    pub fn load(&self) -> Result<(Plan, Knowledge), Failure> {
+        let (mut plan, knowledge) = if self.run.is_file() {
+            (
+                self.plan_of_rules(&self.run)?,
+                choices::read_rules(&self.run)?,
+            )
+        } else {
+            let folder = RunFolder::open(&self.run);
+            (folder.plan()?, folder.knowledge()?)
+        };
+        if let Some(world) = &self.world {
+            plan.maze = Maze::load(world)?;
+        }
+        plan.config.sensor = self.sensor.unwrap_or(plan.config.sensor);
+        Ok((plan, knowledge))
+    }
+
+    /// A plan around a lone file of rules.
+    fn plan_of_rules(&self, path: &Path) -> Result<Plan, Failure> {
+        let world = self.world.as_ref().ok_or_else(|| {
+            let message = format!(
+                "{} says nothing of its world: add --world FILE",
+                path.display()
+            );
+            Failure::new(Exit::Usage, message)
+        })?;
+        let config = Config {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            method: Method::Xcscr,
+            arena: ArenaKind::Physics,
+            sensor: Sensor::Neighbours,
+            episodes: 1,
+            seed: 1,
+            settings: Settings::default(),
+            initial: None,
+        };
+        let maze = Maze::load(world)?;
+        Ok(Plan { maze, config })
+    }
+}

@@ -1,0 +1,279 @@
+//! `xcscr rules`: what was learned, to be read.
+
+use std::cmp::Reverse;
+use std::io::Write;
+
+use clap::ValueEnum;
+use serde::Serialize;
+use xcscr::reward::{CollisionRule, Foresight, Knowledge, ReturnRule};
+use xcscr::sensor::{Sensor, action_name};
+use xcscr::signal::{Action, Percept};
+use xcscr::study::{Condensed, Plan, Table};
+use xcscr::world::{Cell, Maze};
+use xcscr::xcs::{Classifier, Condition, Population};
+
+use super::failure::{Exit, Failure};
+use super::learned::LearnedArgs;
+
+/// Arguments of `rules`.
+#[derive(Debug, clap::Args)]
+pub struct RulesArgs {
+    #[command(flatten)]
+    learned: LearnedArgs,
+    /// Only the rules that match what the robot perceives in this cell.
+    #[arg(long, value_name = "COL,ROW", value_parser = cell)]
+    cell: Option<Cell>,
+    /// The order of the rules; the greatest first, errors and actions the smallest.
+    #[arg(long, value_name = "BY", default_value = "covers")]
+    sort: Order,
+    /// Few general rules that choose the same in every percept of the world.
+    #[arg(long)]
+    compact: bool,
+    /// Print a rules.json file, which `evaluate` and `train --init-rules` read.
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// Print a CSV table.
+    #[arg(long)]
+    csv: bool,
+}
+
+/// By what rules are ordered.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Order {
+    /// Percepts of the world that it matches.
+    Covers,
+    Action,
+    Worth,
+    Error,
+    Fitness,
+    Numerosity,
+    Experience,
+}
+
+fn cell(text: &str) -> Result<Cell, String> {
+    let numbers = text.split_once(',').and_then(|(col, row)| {
+        let cell = Cell {
+            col: col.trim().parse().ok()?,
+            row: row.trim().parse().ok()?,
+        };
+        Some(cell)
+    });
+    numbers.ok_or_else(|| "expected column and row from 0, such as 3,1".to_owned())
+}
+
+/// Prints the rules.
+pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let (plan, knowledge) = args.learned.load()?;
+    let Plan { maze, config } = &plan;
+    let sensor = config.sensor;
+    knowledge
+        .check(sensor.width(maze), maze.action_count())
+        .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
+    let Some(all) = knowledge.rules() else {
+        let message = "what was learned is a table of a tabular method; it has no rules";
+        return Err(Failure::new(Exit::BadData, message));
+    };
+    let condensed = args
+        .compact
+        .then(|| condense(&knowledge, &plan))
+        .transpose()?;
+    let shown = condensed.as_ref().map_or(all, |condensed| &condensed.rules);
+    let here = args
+        .cell
+        .map(|cell| perceived(maze, sensor, cell))
+        .transpose()?;
+    let rows = rows(shown, &plan, here.as_ref(), args.sort);
+    if args.json {
+        return print_json(&knowledge, &rows, out);
+    }
+    if args.csv {
+        return print_csv(rows, out);
+    }
+    writeln!(out, "{}", headline(&plan, all.len(), condensed.as_ref()))?;
+    if let (Some(cell), Some(percept)) = (args.cell, &here) {
+        writeln!(
+            out,
+            "  in cell {},{}, percept {percept}",
+            cell.col, cell.row
+        )?;
+    }
+    writeln!(out, "\n{}", table(&rows).text().trim_end())?;
+    match knowledge.foresight() {
+        Some(foresight) => print_foresight(foresight, &plan, out),
+        None => Ok(()),
+    }
+}
+
+fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Condensed, Failure> {
+    let Plan { maze, config } = plan;
+    Condensed::new(knowledge, config.sensor, maze).ok_or_else(|| {
+        let name = maze.name();
+        let message = format!("{name} has more than 4096 percepts: too many to condense rules for");
+        Failure::new(Exit::BadData, message)
+    })
+}
+
+fn perceived(maze: &Maze, sensor: Sensor, cell: Cell) -> Result<Percept, Failure> {
+    if maze.is_wall(cell) {
+        let message = format!(
+            "there is no free cell {},{} in {}",
+            cell.col,
+            cell.row,
+            maze.name()
+        );
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    Ok(sensor.perceive_at(maze, cell))
+}
+
+/// A rule as it is shown.
+#[derive(Debug, Serialize)]
+struct Row {
+    condition: Condition,
+    action: Action,
+    #[serde(rename = "if")]
+    words: String,
+    go: String,
+    covers: usize,
+    prediction: f64,
+    error: f64,
+    fitness: f64,
+    numerosity: u32,
+    experience: u64,
+    #[serde(skip)]
+    rule: Classifier,
+}
+
+/// The rules that match a percept, or all, in the wanted order.
+fn rows(rules: &Population, plan: &Plan, here: Option<&Percept>, by: Order) -> Vec<Row> {
+    let Plan { maze, config } = plan;
+    let percepts = config.sensor.percepts(maze);
+    let matches = |rule: &&Classifier| here.is_none_or(|percept| rule.condition.matches(percept));
+    let row = |rule: &Classifier| Row {
+        condition: rule.condition,
+        action: rule.action,
+        words: config.sensor.words(maze, &|at| rule.condition.allele(at)),
+        go: action_name(maze, rule.action),
+        covers: percepts
+            .iter()
+            .filter(|p| rule.condition.matches(p))
+            .count(),
+        prediction: rule.prediction,
+        error: rule.error,
+        fitness: rule.fitness,
+        numerosity: rule.numerosity,
+        experience: rule.experience,
+        rule: *rule,
+    };
+    let mut rows: Vec<Row> = rules.rules().iter().filter(matches).map(row).collect();
+    match by {
+        Order::Covers => rows.sort_by_key(|row| Reverse(row.covers)),
+        Order::Action => rows.sort_by_key(|row| row.action),
+        Order::Worth => rows.sort_by(|a, b| b.prediction.total_cmp(&a.prediction)),
+        Order::Error => rows.sort_by(|a, b| a.error.total_cmp(&b.error)),
+        Order::Fitness => rows.sort_by(|a, b| b.fitness.total_cmp(&a.fitness)),
+        Order::Numerosity => rows.sort_by_key(|row| Reverse(row.numerosity)),
+        Order::Experience => rows.sort_by_key(|row| Reverse(row.experience)),
+    }
+    rows
+}
+
+fn print_json(knowledge: &Knowledge, rows: &[Row], out: &mut impl Write) -> Result<(), Failure> {
+    let rules: Vec<Classifier> = rows.iter().map(|row| row.rule).collect();
+    let rules: Population = rules
+        .try_into()
+        .expect("some rules of a population form one");
+    let shown = match knowledge.foresight().cloned() {
+        Some(foresight) => Knowledge::Foresighted { rules, foresight },
+        None => Knowledge::Rules(rules),
+    };
+    Ok(writeln!(out, "{}", serde_json::to_string_pretty(&shown)?)?)
+}
+
+fn print_csv(rows: Vec<Row>, out: &mut impl Write) -> Result<(), Failure> {
+    let mut table = csv::Writer::from_writer(out);
+    for row in rows {
+        table.serialize(row).map_err(std::io::Error::from)?;
+    }
+    Ok(table.flush()?)
+}
+
+fn headline(plan: &Plan, all: usize, condensed: Option<&Condensed>) -> String {
+    let (world, sensor) = (plan.maze.name(), plan.config.sensor.name());
+    let Some(condensed) = condensed else {
+        return format!("{world}, {sensor}: {all} rules");
+    };
+    let Condensed {
+        rules,
+        percepts,
+        agreeing,
+        optimal,
+    } = condensed;
+    let optimal = if *optimal {
+        "globally optimal"
+    } else {
+        "not globally optimal"
+    };
+    format!(
+        "{world}, {sensor}: {} rules, condensed from {all}\n  the same choice in {agreeing} of \
+         {percepts} percepts of the world; the policy is {optimal}",
+        rules.len()
+    )
+}
+
+fn table(rows: &[Row]) -> Table {
+    let mut table = Table::new([
+        "if", "go", "covers", "worth", "error", "fitness", "num", "exp",
+    ]);
+    let cells = |row: &Row| {
+        vec![
+            row.words.clone(),
+            row.go.clone(),
+            row.covers.to_string(),
+            format!("{:.1}", row.prediction),
+            format!("{:.1}", row.error),
+            format!("{:.2}", row.fitness),
+            row.numerosity.to_string(),
+            row.experience.to_string(),
+        ]
+    };
+    table.rows = rows.iter().map(cells).collect();
+    table
+}
+
+fn print_foresight(
+    foresight: &Foresight,
+    plan: &Plan,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    writeln!(out, "\nForeseen:")?;
+    for rule in &foresight.collisions {
+        writeln!(out, "  {}", collision(rule, plan))?;
+    }
+    for ReturnRule { turn, hits, misses } in &foresight.returns {
+        let (turn, all) = (turn.index(), hits + misses);
+        let actions = plan.maze.action_count();
+        writeln!(
+            out,
+            "  a move is undone by the action {turn} of {actions} turns further ({hits} of {all})"
+        )?;
+    }
+    Ok(())
+}
+
+fn collision(rule: &CollisionRule, plan: &Plan) -> String {
+    let Plan { maze, config } = plan;
+    let allele = |at| rule.condition.allele(at);
+    let (who, when) = match rule.action {
+        Some(action) => (
+            action_name(maze, action),
+            config.sensor.words(maze, &allele),
+        ),
+        None => (
+            "any action".to_owned(),
+            config.sensor.words_facing(maze, &allele),
+        ),
+    };
+    let (hits, all) = (rule.hits, rule.hits + rule.misses);
+    format!("{who} collides if {when} ({hits} of {all} percepts)")
+}

@@ -1,0 +1,244 @@
+//! Rules to be read, condensed, and carried from maze to maze.
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+/// A folder with a run of `xcscr-plus` in it.
+struct Desk(TempDir);
+
+impl Desk {
+    fn new(method: &str) -> Self {
+        let desk = Self(tempfile::tempdir().unwrap());
+        desk.fine(&train(method, "maze4", "run"));
+        desk
+    }
+
+    fn xcscr(&self, args: &[&str]) -> Output {
+        let mut command = Command::cargo_bin("xcscr").unwrap();
+        command.current_dir(self.0.path()).args(args);
+        command.output().unwrap()
+    }
+
+    /// What a command prints that ends well.
+    fn fine(&self, args: &[&str]) -> String {
+        let output = self.xcscr(args);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{args:?}: {stderr}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    fn keep(&self, name: &str, text: &str) {
+        std::fs::write(self.0.path().join(name), text).unwrap();
+    }
+
+    /// Code and message of a command that does not.
+    fn refused(&self, args: &[&str]) -> (Option<i32>, String) {
+        let output = self.xcscr(args);
+        assert!(output.stdout.is_empty(), "{args:?}: {output:?}");
+        (
+            output.status.code(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
+    }
+}
+
+fn world(name: &str) -> &'static str {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("worlds/{name}.json"));
+    Box::leak(path.to_str().unwrap().to_owned().into_boxed_str())
+}
+
+fn train<'a>(method: &'a str, maze: &str, out: &'a str) -> Vec<&'a str> {
+    let start = ["train", world(maze), "--method", method, "--arena", "grid"];
+    let end = ["--record", "none", "--quiet", "--out", out];
+    [&start[..], &end].concat()
+}
+
+#[test]
+fn condensed_rules_are_few_choose_the_same_everywhere_and_drive_the_robot() {
+    let desk = Desk::new("xcscr-plus");
+    let text = desk.fine(&["rules", "run", "--compact"]);
+    assert!(
+        text.contains("the same choice in 25 of 25 percepts"),
+        "{text}"
+    );
+    assert!(text.contains("the policy is globally optimal"), "{text}");
+    let few = desk.fine(&["rules", "run", "--compact", "--json"]);
+    let all = desk.fine(&["rules", "run", "--json"]);
+    let count = |text: &str| text.matches("\"numerosity\"").count();
+    assert!(
+        count(&few) <= 15 && count(&all) > 2 * count(&few),
+        "{} of {}",
+        count(&few),
+        count(&all)
+    );
+    desk.keep("few.json", &few);
+    let drive = [
+        "evaluate",
+        "few.json",
+        "--world",
+        world("maze4"),
+        "--require-optimal",
+    ];
+    desk.fine(&drive);
+}
+
+#[test]
+fn the_rules_of_the_original_method_condense_too() {
+    let desk = Desk::new("xcscr");
+    let text = desk.fine(&["rules", "run", "--compact"]);
+    assert!(
+        text.contains("the same choice in 25 of 25 percepts"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_cell_shows_the_rules_that_match_there_in_the_wanted_order() {
+    let desk = Desk::new("xcscr-plus");
+    let csv = desk.fine(&["rules", "run", "--cell", "1,1", "--sort", "worth", "--csv"]);
+    let mut table = csv::Reader::from_reader(csv.as_bytes());
+    let column = |name: &str| {
+        let header = csv::Reader::from_reader(csv.as_bytes())
+            .headers()
+            .unwrap()
+            .clone();
+        header.iter().position(|one| one == name).unwrap()
+    };
+    let (go, worth) = (column("go"), column("prediction"));
+    let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+    let worth: Vec<f64> = rows.iter().map(|row| row[worth].parse().unwrap()).collect();
+    assert!(
+        worth.is_sorted_by(|a, b| a >= b) && worth.len() > 1,
+        "{csv}"
+    );
+    // In Maze4 there is a wall on every side of the start but one.
+    assert_eq!(&rows[0][go], "east", "{csv}");
+}
+
+#[test]
+fn a_wall_has_no_percept_and_a_table_no_rules() {
+    let desk = Desk::new("q-learning");
+    let (code, message) = desk.refused(&["rules", "run"]);
+    assert_eq!(code, Some(65), "{message}");
+    assert!(message.contains("table"), "{message}");
+    let desk = Desk::new("xcs");
+    let (code, message) = desk.refused(&["rules", "run", "--cell", "0,0"]);
+    assert_eq!(code, Some(2), "{message}");
+    assert!(message.contains("no free cell 0,0"), "{message}");
+}
+
+fn steps_to_optimum(report: &str) -> u64 {
+    let report: serde_json::Value = serde_json::from_str(report).unwrap();
+    report["first_optimal_env_steps"].as_u64().unwrap()
+}
+
+#[test]
+fn foresight_from_one_maze_spares_collisions_in_the_next() {
+    let desk = Desk::new("xcscr-plus");
+    let fresh = desk.fine(&[&train("xcscr-plus", "maze5", "fresh")[..], &["--json"]].concat());
+    let brought = ["--json", "--init-rules", "run"];
+    let brought = desk.fine(&[&train("xcscr-plus", "maze5", "brought")[..], &brought].concat());
+    let collisions = |text: &str| {
+        let report: serde_json::Value = serde_json::from_str(text).unwrap();
+        report["collisions"].as_u64().unwrap()
+    };
+    assert!(collisions(&fresh) > 2, "{fresh}");
+    assert_eq!(collisions(&brought), 0, "{brought}");
+    assert!(steps_to_optimum(&brought) > 0);
+}
+
+#[test]
+fn a_run_that_began_with_rules_is_repeated_from_its_recording() {
+    let desk = Desk::new("xcscr-plus");
+    let args = [
+        "train",
+        world("maze6"),
+        "--method",
+        "xcscr-plus",
+        "--episodes",
+        "3",
+        "--quiet",
+    ];
+    desk.fine(
+        &[
+            &args[..],
+            &["--init-rules", "run/rules.json", "--out", "next"],
+        ]
+        .concat(),
+    );
+    let text = desk.fine(&["replay", "next", "--verify"]);
+    assert!(text.contains('4'), "three episodes and the run: {text}");
+}
+
+#[test]
+fn rules_of_another_kind_are_refused_before_anything_is_written() {
+    let desk = Desk::new("xcs");
+    for method in ["xcscr-plus", "q-learning"] {
+        let args = [
+            &train(method, "maze5", "next")[..],
+            &["--init-rules", "run"],
+        ]
+        .concat();
+        let (code, message) = desk.refused(&args);
+        assert_eq!(code, Some(65), "{message}");
+        assert!(message.contains(method), "{message}");
+        assert!(!desk.0.path().join("next").exists());
+    }
+    desk.fine(
+        &[
+            &train("xcscr", "maze5", "next")[..],
+            &["--init-rules", "run"],
+        ]
+        .concat(),
+    );
+}
+
+#[test]
+fn a_generated_maze_is_solvable_and_the_same_again() {
+    let desk = Desk(tempfile::tempdir().unwrap());
+    for kind in ["dfs", "rooms", "random", "corridors"] {
+        let args = [
+            "world", "generate", "--kind", kind, "--size", "9", "--seed", "5",
+        ];
+        let maze = desk.fine(&args);
+        assert_eq!(desk.fine(&args), maze);
+        desk.keep("maze.json", &maze);
+        let check = desk.fine(&["world", "check", "maze.json"]);
+        assert!(check.contains(&format!("{kind}-9-5")), "{check}");
+    }
+    let (code, message) = desk.refused(&["world", "generate", "--kind", "dfs", "--size", "4"]);
+    assert_eq!(code, Some(2), "{message}");
+    assert!(message.contains("from 5 to 1024"), "{message}");
+}
+
+#[test]
+fn a_study_compares_worlds_to_learn_in_beforehand_and_switches() {
+    let desk = Desk(tempfile::tempdir().unwrap());
+    let study = r#"
+        name = "both"
+        worlds = ["rooms-8-1"]
+        after = ["nothing", "maze4"]
+        methods = ["xcscr-plus"]
+        trials = 3
+        episodes = 10
+        without = ["plus.return_rules"]
+        [world-settings]
+        rooms-8-1 = { "reward.step_threshold" = 60 }
+        [world-sensors]
+        rooms-8-1 = ["neighbours-position"]
+    "#;
+    desk.keep("both.toml", study);
+    desk.fine(&["study", "run", "both.toml", "--out", "both"]);
+    let table = std::fs::read_to_string(desk.0.path().join("both/trials.csv")).unwrap();
+    for variant in [
+        "after=nothing without=nothing",
+        "after=nothing without=plus.return_rules",
+    ] {
+        assert_eq!(table.matches(variant).count(), 3, "{table}");
+    }
+    assert_eq!(table.matches("after=maze4").count(), 6, "{table}");
+    assert_eq!(table.matches("neighbours-position").count(), 12, "{table}");
+}
