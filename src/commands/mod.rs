@@ -6,6 +6,7 @@ pub mod config;
 pub mod evaluate;
 pub mod failure;
 pub mod interrupt;
+mod live;
 pub mod map;
 mod progress;
 pub mod recover;

@@ -90,6 +90,11 @@ impl Topic {
         }
     }
 
+    /// The topic of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|topic| topic.name() == name)
+    }
+
     /// The schema of the topic's messages: well-known ones as protobuf, our own as JSON.
     pub(super) fn schema(self) -> Schema {
         let well_known = match self {
