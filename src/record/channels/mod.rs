@@ -23,7 +23,7 @@ use foxglove::{Encode, Schema};
 /// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Topic {
-    /// `/tf`: where the robot is, 20 times a second.
+    /// `/tf`: where the robot is, 20 times a second, half a second in each message.
     Transforms,
     /// `/scene/maze`: floor, walls, start and goals, once.
     Maze,
