@@ -4,7 +4,7 @@
 
 mod common;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use common::scripted::Scripted;
 use common::trial::{Trial, contents, names};
@@ -159,6 +159,20 @@ fn a_seek_shows_the_whole_scene() {
             );
         }
         assert!(ids.len() >= 3, "{ids:?}");
+    }
+}
+
+/// After a seek a viewer is given the last message of each topic up to then, and no more.
+#[test]
+fn a_seek_to_any_step_finds_something_on_every_topic() {
+    let (_folder, recordings) = fresh();
+    for recording in &recordings[..4] {
+        let messages = recording.messages().map(|message| message.unwrap());
+        let before = messages.take_while(|message| message.topic() != "/step");
+        let said: BTreeSet<String> = before.map(|m| m.topic().to_owned()).collect();
+        let topics = recording.topics().into_iter().map(|topic| topic.name);
+        let silent: Vec<String> = topics.filter(|name| !said.contains(name)).collect();
+        assert_eq!(silent, ["/episode", "/step"]);
     }
 }
 
