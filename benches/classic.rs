@@ -40,7 +40,7 @@ fn learner(maze: &Maze, population_size: u32, seed: u64) -> Box<dyn RewardMethod
         reward,
         ..Setup::default()
     };
-    Method::Xcs.build(maze.action_count(), setup, seed)
+    Method::Xcs.build(maze.action_count(), 0, setup, seed)
 }
 
 /// What came of a run.

@@ -4,13 +4,13 @@
 
 mod common;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use common::scripted::Scripted;
 use common::trial::{Trial, contents, names};
 use foxglove::Decode;
 use foxglove::messages::log::Level;
-use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
+use foxglove::messages::{FrameTransform, FrameTransforms, Log, SceneUpdate};
 use serde_json::Value;
 use xcscr::record::reader::Recording;
 use xcscr::record::{Recorder, RunInfo, check_recording, compare};
@@ -162,8 +162,22 @@ fn a_seek_shows_the_whole_scene() {
     }
 }
 
+/// After a seek a viewer is given the last message of each topic up to then, and no more.
 #[test]
-fn all_frames_are_there_from_the_first_moment_on() {
+fn a_seek_to_any_step_finds_something_on_every_topic() {
+    let (_folder, recordings) = fresh();
+    for recording in &recordings[..4] {
+        let messages = recording.messages().map(|message| message.unwrap());
+        let before = messages.take_while(|message| message.topic() != "/step");
+        let said: BTreeSet<String> = before.map(|m| m.topic().to_owned()).collect();
+        let topics = recording.topics().into_iter().map(|topic| topic.name);
+        let silent: Vec<String> = topics.filter(|name| !said.contains(name)).collect();
+        assert_eq!(silent, ["/episode", "/step"]);
+    }
+}
+
+#[test]
+fn the_robot_is_there_from_the_first_moment_on_and_never_jumps() {
     let (_folder, recordings) = fresh();
     for recording in recordings
         .iter()
@@ -171,18 +185,30 @@ fn all_frames_are_there_from_the_first_moment_on() {
     {
         let first = recording.messages().next().unwrap().unwrap();
         assert_eq!(first.topic(), "/tf");
-        let children = |data: &[u8]| {
-            let tree = FrameTransforms::decode(data).unwrap().transforms;
-            let names = tree.iter().map(|frame| frame.child_frame_id.clone());
-            names.collect::<Vec<_>>()
-        };
+        let mut shown_ns = 0;
         for message in recording.messages().map(|message| message.unwrap()) {
-            if message.topic() == "/tf" {
-                let names = children(&message.data);
-                assert_eq!(names, ["robot"]);
+            if message.topic() != "/tf" {
+                continue;
             }
+            let frames = FrameTransforms::decode(message.data.as_slice()).unwrap();
+            let times_ns: Vec<u64> = frames.transforms.iter().map(time_ns).collect();
+            let names = frames.transforms.iter().map(|frame| &frame.child_frame_id);
+            assert!(names.into_iter().all(|name| name == "robot"));
+            assert_eq!(times_ns[0], message.time_ns);
+            assert!(times_ns.is_sorted());
+            let apart = times_ns.windows(2).map(|pair| pair[1] - pair[0]);
+            assert!(apart.into_iter().all(|ns| ns <= 50_000_000), "{times_ns:?}");
+            // Between two messages the robot glides, and never waits for the next one.
+            assert!(shown_ns == 0 || times_ns[0] == shown_ns, "{times_ns:?}");
+            shown_ns = *times_ns.last().unwrap();
         }
     }
+}
+
+/// When a frame was there, in nanoseconds.
+fn time_ns(frame: &FrameTransform) -> u64 {
+    let stamp = frame.timestamp.unwrap();
+    u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec())
 }
 
 #[test]
@@ -253,7 +279,7 @@ fn a_recording_of_a_fixed_way_has_these_bytes() {
     });
     assert_eq!(
         (said.len(), format!("{digest:016x}")),
-        (21088, "48a9175ab3e56742".to_owned())
+        (21850, "1ecd93e9f63b4edf".to_owned())
     );
 }
 

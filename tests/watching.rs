@@ -262,6 +262,43 @@ fn a_server_ends_with_code_0_when_it_is_interrupted() {
     assert_eq!(server.child.wait().unwrap().code(), Some(0));
 }
 
+#[cfg(not(feature = "live"))]
+#[test]
+fn without_the_feature_live_says_how_to_get_it() {
+    for args in [
+        &["replay", "recordings/sample-maze4.mcap", "--live"][..],
+        &["train", "worlds/maze4.json", "--live", "--out", "never"],
+    ] {
+        let (code, _, stderr) = outcome(args);
+        assert_eq!(code, Some(2), "{stderr}");
+        assert!(stderr.contains("cargo build --features live"), "{stderr}");
+    }
+}
+
+/// An asynchronous web server would double what a newcomer builds.
+#[test]
+fn the_default_build_is_free_of_what_live_needs() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
+    let text = fs::read_to_string(path).unwrap();
+    let manifest: toml::Table = toml::from_str(&text).unwrap();
+    assert_eq!(manifest["features"].get("default"), None);
+    let live = manifest["features"]["live"].as_array().unwrap();
+    assert_eq!(live, &[toml::Value::from("foxglove/websocket")]);
+    let foxglove = &manifest["dependencies"]["foxglove"];
+    assert_eq!(foxglove["default-features"].as_bool(), Some(false));
+    assert_eq!(foxglove.get("features"), None);
+}
+
+#[test]
+fn a_speed_that_makes_no_sense_is_refused() {
+    let sample = "recordings/sample-maze4.mcap";
+    for speed in ["0", "-1", "nan", "fast"] {
+        let (code, _, stderr) = outcome(&["replay", sample, "--live", "--speed", speed]);
+        assert_eq!(code, Some(2), "{stderr}");
+    }
+    assert_eq!(outcome(&["replay", sample, "--speed", "2"]).0, Some(2));
+}
+
 /// When the program changes what a run gives, make the sample anew: `cargo run -- train
 /// worlds/maze4.json --out RUN`, then copy `RUN/ep-0065.mcap` over it.
 #[test]

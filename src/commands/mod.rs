@@ -7,6 +7,7 @@ pub mod evaluate;
 pub mod failure;
 pub mod interrupt;
 mod learned;
+mod live;
 pub mod map;
 mod progress;
 pub mod recover;

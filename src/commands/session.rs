@@ -11,6 +11,7 @@ use xcscr::study::{Checkpoint, Plan, RunFolder, Trial};
 
 use super::failure::{Exit, Failure};
 use super::interrupt::{Interrupt, Patience};
+use super::live::Broadcast;
 use super::progress::Progress;
 use super::train;
 
@@ -18,6 +19,8 @@ use super::train;
 const SHARE: u32 = 50;
 /// ... and are at most so far apart.
 const RAREST: Duration = Duration::from_secs(60);
+/// How long `--live` waits for a viewer: long enough to open one, and a script is not stuck.
+const VIEWER_WAIT: Duration = Duration::from_secs(60);
 
 /// What a checkpoint holds.
 #[derive(Serialize, Deserialize)]
@@ -87,6 +90,13 @@ impl Session {
             interrupt,
             next_checkpoint: Instant::now(),
         })
+    }
+
+    /// Waits a while for a viewer, and from now on streams what is recorded.
+    pub fn stream(&mut self, mut broadcast: Broadcast) {
+        broadcast.wait_for_viewer(VIEWER_WAIT);
+        let tap = move |topic, time_ns, data: &[u8]| broadcast.send(topic, time_ns, data);
+        self.observers.0.tap(Box::new(tap));
     }
 
     /// Runs what is left, and saves what was learned. Gives the trial, its folder and what was

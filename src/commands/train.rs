@@ -12,6 +12,7 @@ use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
+use super::live::{LIVE_PORT, LiveArgs};
 use super::session::Session;
 use super::train_report::TrainReport;
 
@@ -60,6 +61,11 @@ pub struct TrainArgs {
     /// Which episodes to keep: all, best, last, every:N or none.
     #[arg(long, default_value = "all", value_name = "MODE")]
     record: RecordMode,
+    #[command(flatten)]
+    live: LiveArgs,
+    /// The port for `--live`.
+    #[arg(long, value_name = "P", default_value_t = LIVE_PORT)]
+    port: u16,
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
@@ -91,7 +97,8 @@ impl TrainArgs {
 
 /// Trains, records, saves and reports.
 pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let session = match (&args.world, &args.resume) {
+    let broadcast = args.live.open(args.port, 10.0)?;
+    let mut session = match (&args.world, &args.resume) {
         (Some(world), _) => begin(args, world)?,
         // As a run names its folder itself, without a slash at the end.
         (None, folder) => {
@@ -102,6 +109,9 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
             }
         }
     };
+    if let Some(broadcast) = broadcast {
+        session.stream(broadcast);
+    }
     let (trial, folder, recording) = session.run()?;
     let report = TrainReport::new(&trial, folder.path());
     if args.json {

@@ -10,10 +10,10 @@ use super::layout;
 use super::reader::Recording;
 use crate::world::Maze;
 
-/// Gaps between poses up to this long are normal: the grid moves once a second.
+/// Gaps between messages with poses up to this long are normal: the grid moves once a second.
 const GRID_GAP_NS: u64 = 1_000_000_000;
-/// The same for a robot that drives, which is logged 20 times a second.
-const DRIVE_GAP_NS: u64 = 200_000_000;
+/// The same for a robot that drives: each message shows half a second of its way.
+const DRIVE_GAP_NS: u64 = 600_000_000;
 /// What every recording carries.
 const ATTACHED: [&str; 2] = ["world.json", "config.json"];
 /// What that of a whole run carries beside.

@@ -11,6 +11,8 @@ mod compare;
 mod error;
 mod info;
 pub mod layout;
+#[cfg(feature = "live")]
+pub mod live;
 mod log_file;
 mod mode;
 mod outbox;
@@ -29,6 +31,7 @@ pub use compare::{Difference, compare};
 pub use error::RecordError;
 pub use info::{RobotShape, RunInfo};
 pub use mode::{RecordMode, RecordModeError};
+pub use outbox::Tap;
 pub use recorder::{RecordSummary, Recorder, RecorderMemory};
 pub use recover::recover;
 pub use salvage::Recovery;

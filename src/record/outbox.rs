@@ -18,11 +18,15 @@ pub(super) enum For {
     Both,
 }
 
+/// Is told what the file of an episode is told: topic, time in nanoseconds, encoded message.
+pub type Tap = Box<dyn FnMut(Topic, u64, &[u8])>;
+
 /// The open files. Each takes the topics that it declared.
 #[derive(Default)]
 pub(super) struct Outbox {
     pub run: Option<OpenFile>,
     pub episode: Option<OpenFile>,
+    pub tap: Option<Tap>,
     scratch: Vec<u8>,
 }
 
@@ -57,6 +61,9 @@ impl Outbox {
     }
 
     fn deliver(&mut self, to: For, topic: Topic, time_ns: u64) -> Result<(), RecordError> {
+        if let Some(tap) = self.tap.as_mut().filter(|_| to != For::Run) {
+            tap(topic, time_ns, &self.scratch);
+        }
         let episode = self.episode.as_mut().filter(|_| to != For::Run);
         let run = self.run.as_mut().filter(|_| to != For::Episode);
         for file in episode.into_iter().chain(run) {

@@ -10,12 +10,14 @@ use super::channels::{Topic, log, maze, policy, robot, worth};
 use super::error::RecordError;
 use super::info::RobotShape;
 use super::outbox::{For, Outbox};
-use crate::arena::{Sample, View};
+use crate::arena::{Contact, Sample, View};
 use crate::episode::{Episode, Learned, PolicyMap, Step};
 use crate::world::{Cell, Maze, Paths};
 
 /// Poses are written at most every 50 ms, and where a move ends.
 const POSE_PERIOD_NS: u64 = 50_000_000;
+/// A message on `/tf` shows where the robot is and so many poses after that.
+const POSES_AHEAD: usize = 10;
 
 /// Keeps what messages need beyond the event that they report.
 pub(super) struct Scribe {
@@ -30,7 +32,8 @@ pub(super) struct Scribe {
     was_optimal: bool,
     /// When the robot could decide last: at the end of the last move.
     decided_ns: u64,
-    posed_ns: Option<u64>,
+    /// The poses of the last move that are written; at first where the episode began.
+    way: Vec<Sample>,
     maze_shown: bool,
 }
 
@@ -38,7 +41,7 @@ impl Scribe {
     pub fn new(maze: &Maze, robot: RobotShape) -> Self {
         Self {
             robot,
-            transforms: Transforms::new(),
+            transforms: Transforms::default(),
             trail: Trail::new(maze),
             curve: Curve::default(),
             paths: Paths::new(maze),
@@ -46,7 +49,7 @@ impl Scribe {
             policy: None,
             was_optimal: false,
             decided_ns: 0,
-            posed_ns: None,
+            way: Vec::new(),
             maze_shown: false,
         }
     }
@@ -76,7 +79,9 @@ impl Scribe {
         self.decided_ns = time_ns;
         self.start = Some(view.cell);
         self.trail.restart(view);
-        self.pose(out, &now)?;
+        self.way.clear();
+        self.way.push(now);
+        self.show_way(out, 0)?;
         let maze = maze::scene(view.maze, time_ns);
         let shown = std::mem::replace(&mut self.maze_shown, true);
         let to = if shown { For::Episode } else { For::Both };
@@ -118,24 +123,47 @@ impl Scribe {
 
     /// The way of a step: poses and hits, in the order of time.
     fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
-        let mut contacts = step.view.contacts.iter().peekable();
-        let mut warned = false;
-        let end_ns = step.view.now().time_ns;
-        for sample in step.view.trace {
-            while let Some(hit) = contacts.next_if(|hit| hit.time_ns <= sample.time_ns) {
-                let record = ContactRecord::hit(step.episode, step.step, hit);
-                out.send_json(For::Episode, Topic::Contact, hit.time_ns, &record)?;
-                if !std::mem::replace(&mut warned, true) {
-                    self.warn(out, step, hit.time_ns)?;
-                }
+        self.follow(step.view.trace);
+        let mut hits = step.view.contacts.iter().enumerate().peekable();
+        for from in (0..self.way.len().saturating_sub(1)).step_by(POSES_AHEAD) {
+            let now_ns = self.way[from].time_ns;
+            while let Some((number, hit)) = hits.next_if(|(_, hit)| hit.time_ns < now_ns) {
+                self.hit(out, step, number, hit)?;
             }
-            let next_ns = self.posed_ns.map_or(0, |before| before + POSE_PERIOD_NS);
-            let is_new = self.posed_ns.is_none_or(|before| sample.time_ns > before);
-            if is_new && (sample.time_ns >= next_ns || sample.time_ns == end_ns) {
-                self.pose(out, sample)?;
+            self.show_way(out, from)?;
+        }
+        hits.try_for_each(|(number, hit)| self.hit(out, step, number, hit))
+    }
+
+    /// Keeps the poses of a move that are to be written; it begins where the last one ended.
+    fn follow(&mut self, trace: &[Sample]) {
+        self.way.drain(..self.way.len().saturating_sub(1));
+        let end_ns = trace.last().map(|sample| sample.time_ns);
+        for sample in trace {
+            let ahead_ns = match self.way.last() {
+                Some(before) => sample.time_ns.saturating_sub(before.time_ns),
+                None => POSE_PERIOD_NS,
+            };
+            if ahead_ns >= POSE_PERIOD_NS || ahead_ns > 0 && Some(sample.time_ns) == end_ns {
+                self.way.push(*sample);
             }
         }
-        Ok(())
+    }
+
+    /// Hit `number` of a step, from 0; only the first is worth a warning.
+    fn hit(
+        &self,
+        out: &mut Outbox,
+        step: &Step<'_>,
+        number: usize,
+        hit: &Contact,
+    ) -> Result<(), RecordError> {
+        let record = ContactRecord::hit(step.episode, step.step, hit);
+        out.send_json(For::Episode, Topic::Contact, hit.time_ns, &record)?;
+        match number {
+            0 => self.warn(out, step, hit.time_ns),
+            _ => Ok(()),
+        }
     }
 
     fn warn(&self, out: &mut Outbox, step: &Step<'_>, time_ns: u64) -> Result<(), RecordError> {
@@ -161,6 +189,9 @@ impl Scribe {
         self.show_policy(out, For::Both, maze, time_ns)?;
         self.show_trail(out, For::Both, time_ns)?;
         out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
+        // Nothing new, but viewers draw a state only up to its last message.
+        let clear = ContactRecord::clear(episode.episode, episode.steps);
+        out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
         let record = EpisodeRecord::new(episode, outlook);
         out.send_json(For::Both, Topic::Episode, time_ns, &record)?;
         let said = log::ended(episode, time_ns);
@@ -181,10 +212,16 @@ impl Scribe {
         }
     }
 
-    fn pose(&mut self, out: &mut Outbox, sample: &Sample) -> Result<(), RecordError> {
-        self.posed_ns = Some(sample.time_ns);
-        let frames = self.transforms.at(sample);
-        out.send(For::Episode, Topic::Transforms, sample.time_ns, frames)
+    /// Where the robot is at pose `from` of its way, and what comes next.
+    fn show_way(&mut self, out: &mut Outbox, from: usize) -> Result<(), RecordError> {
+        let end = self.way.len().min(from + POSES_AHEAD + 1);
+        let frames = self.transforms.along(&self.way[from..end]);
+        out.send(
+            For::Episode,
+            Topic::Transforms,
+            self.way[from].time_ns,
+            frames,
+        )
     }
 
     fn show_trail(&self, out: &mut Outbox, to: For, time_ns: u64) -> Result<(), RecordError> {

@@ -304,12 +304,8 @@ mod tests {
     }
 
     fn best(population: &Population, percept: &Percept) -> Vec<usize> {
-        let mut sums = PredictionSums::default();
-        population.for_each_match(percept, |_, rule| sums.add(rule));
-        sums.array(3, false)
-            .best_actions()
-            .map(Action::index)
-            .collect()
+        let worth = population.worth(percept, 3);
+        worth.best_actions().map(Action::index).collect()
     }
 
     #[test]

@@ -1,6 +1,8 @@
-//! `xcscr replay`: what a recording shows, and whether a new run gives the same bytes.
+//! `xcscr replay`: what a recording shows, in words or in a viewer, and whether a new run gives
+//! the same bytes.
 
 mod serve;
+mod stream;
 mod verify;
 
 use std::io::Write;
@@ -9,6 +11,7 @@ use std::path::{Path, PathBuf};
 use xcscr::record::reader::Recording;
 
 use super::failure::Failure;
+use super::live::{LIVE_PORT, LiveArgs};
 use super::source::recordings;
 
 /// Arguments of `replay`.
@@ -18,35 +21,33 @@ pub struct ReplayArgs {
     #[arg(required = true, value_name = "RECORDING|RUN")]
     recordings: Vec<PathBuf>,
     /// Run the trial again, and compare every recording with it bit by bit.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "live")]
     verify: bool,
     /// Serve the recordings on this machine only, and print links that open them in a viewer.
-    #[arg(long, conflicts_with = "verify")]
+    #[arg(long, conflicts_with_all = ["verify", "live"])]
     serve: bool,
-    /// The port for `--serve` [default: any that is free].
-    #[arg(
-        long,
-        value_name = "P",
-        requires = "serve",
-        default_value_t = 0,
-        hide_default_value = true
-    )]
-    port: u16,
+    #[command(flatten)]
+    live: LiveArgs,
+    /// The port for `--serve` and `--live` [default: any that is free, 8765].
+    #[arg(long, value_name = "P")]
+    port: Option<u16>,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
 }
 
-/// Shows or verifies recordings.
+/// Shows, serves, streams or verifies recordings.
 pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let mut files = Vec::new();
     for path in &args.recordings {
         files.extend(recordings(path)?);
     }
-    if args.verify {
+    if let Some(broadcast) = args.live.open(args.port.unwrap_or(LIVE_PORT), 1.0)? {
+        stream::run(&files, broadcast)
+    } else if args.verify {
         verify::run(&files, args.json, out)
     } else if args.serve {
-        serve::run(&files, args.port, out)
+        serve::run(&files, args.port.unwrap_or(0), out)
     } else {
         files.iter().try_for_each(|file| show(file, out))
     }

@@ -63,7 +63,7 @@ pub(super) fn schema() -> Schema {
         (
             "touching",
             Kind::Bool,
-            "true at a hit, false when that move is over",
+            "true at a hit, false when that move or the episode is over",
         ),
         ("x_m", Kind::Number, "point of the hit, metres, world frame"),
         ("y_m", Kind::Number, "point of the hit, metres, world frame"),

@@ -23,7 +23,7 @@ use foxglove::{Encode, Schema};
 /// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Topic {
-    /// `/tf`: where the robot is, 20 times a second.
+    /// `/tf`: where the robot is, 20 times a second, half a second in each message.
     Transforms,
     /// `/scene/maze`: floor, walls, start and goals, once.
     Maze,
@@ -88,6 +88,11 @@ impl Topic {
             Self::Curve => "/curve",
             Self::Log => "/log",
         }
+    }
+
+    /// The topic of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|topic| topic.name() == name)
     }
 
     /// The schema of the topic's messages: well-known ones as protobuf, our own as JSON.

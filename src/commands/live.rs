@@ -1,0 +1,154 @@
+//! `--live`: streaming to a viewer.
+
+use std::io::{self, Write};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use xcscr::record::Topic;
+#[cfg(feature = "live")]
+use xcscr::record::live::Stream;
+
+use super::failure::{Exit, Failure};
+use super::interrupt::Interrupt;
+
+/// Where viewers look first.
+pub const LIVE_PORT: u16 = 8765;
+/// How often one looks whether somebody watches, or wants to end.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Arguments of commands that can stream.
+#[derive(Debug, clap::Args)]
+pub struct LiveArgs {
+    /// Stream to a viewer on this machine (needs a build with `--features live`). A replay waits
+    /// for one and pauses while nobody watches. Training waits a minute, keeps to the speed while
+    /// somebody watches, and runs as fast as it can while nobody does.
+    #[arg(long)]
+    live: bool,
+    /// How many times as fast as real time the stream runs [default: 1 to replay, 10 to train].
+    #[arg(long, value_name = "X", requires = "live", value_parser = speed)]
+    speed: Option<f64>,
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(speed) if (0.01..=10_000.0).contains(&speed) => Ok(speed),
+        _ => Err("must be from 0.01 to 10000".to_owned()),
+    }
+}
+
+impl LiveArgs {
+    /// The broadcast, if it is wanted; says on stderr how to watch it.
+    pub fn open(&self, port: u16, usual_speed: f64) -> Result<Option<Broadcast>, Failure> {
+        if !self.live {
+            return Ok(None);
+        }
+        let broadcast = Broadcast {
+            stream: open(port)?,
+            speed: self.speed.unwrap_or(usual_speed),
+            since: None,
+            interrupt: Interrupt::watch()?,
+        };
+        let url = broadcast.stream.url();
+        // A closed stderr is no reason to fail.
+        let _ = writeln!(
+            io::stderr(),
+            "Live on {url}: choose \"Open connection\" in Foxglove or Lichtblick; Ctrl-C ends it."
+        );
+        Ok(Some(broadcast))
+    }
+}
+
+/// A stream whose simulated time keeps to a multiple of real time while somebody watches.
+pub struct Broadcast {
+    stream: Stream,
+    speed: f64,
+    /// Since when somebody watches: real time, and simulated time in nanoseconds.
+    since: Option<(Instant, u64)>,
+    interrupt: Interrupt,
+}
+
+impl Broadcast {
+    /// Waits until somebody watches, at most so long. Ctrl-C ends the waiting, too.
+    pub fn wait_for_viewer(&self, most: Duration) {
+        if self.stream.is_watched() {
+            return;
+        }
+        let begun = Instant::now();
+        while !self.stream.is_watched() && !self.is_interrupted() && begun.elapsed() < most {
+            thread::sleep(TICK);
+        }
+        // A viewer asks for one topic after the other.
+        thread::sleep(TICK);
+    }
+
+    /// Waits until it is time, then sends a message.
+    pub fn send(&mut self, topic: Topic, time_ns: u64, data: &[u8]) {
+        self.keep_pace(time_ns);
+        self.stream.send(topic, time_ns, data);
+    }
+
+    fn keep_pace(&mut self, time_ns: u64) {
+        if !self.stream.is_watched() {
+            self.since = None;
+            return;
+        }
+        let (begun, first_ns) = *self.since.get_or_insert_with(|| (Instant::now(), time_ns));
+        let due = Duration::from_nanos(time_ns.saturating_sub(first_ns)).div_f64(self.speed);
+        while self.stream.is_watched() && !self.is_interrupted() {
+            match due.saturating_sub(begun.elapsed()) {
+                Duration::ZERO => break,
+                left => thread::sleep(left.min(TICK)),
+            }
+        }
+    }
+
+    /// Stays until the last viewer has gone. Ctrl-C ends it, too.
+    pub fn stay(&self) {
+        while self.stream.has_viewers() && !self.is_interrupted() {
+            thread::sleep(TICK);
+        }
+    }
+
+    /// Did Ctrl-C ask for the end?
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupt.came()
+    }
+}
+
+#[cfg(feature = "live")]
+fn open(port: u16) -> Result<Stream, Failure> {
+    Stream::open(port).map_err(|fault| {
+        let message = format!("cannot stream on port {port}: {fault}; choose another `--port`");
+        Failure::new(Exit::Io, message)
+    })
+}
+
+/// Without the feature there is never a stream.
+#[cfg(not(feature = "live"))]
+enum Stream {}
+
+#[cfg(not(feature = "live"))]
+impl Stream {
+    fn url(&self) -> String {
+        match *self {}
+    }
+
+    fn is_watched(&self) -> bool {
+        match *self {}
+    }
+
+    fn has_viewers(&self) -> bool {
+        match *self {}
+    }
+
+    fn send(&mut self, _: Topic, _: u64, _: &[u8]) {
+        match *self {}
+    }
+}
+
+#[cfg(not(feature = "live"))]
+fn open(_: u16) -> Result<Stream, Failure> {
+    let message = "this program was built without `--live`: build it with \
+                   `cargo build --features live`";
+    Err(Failure::new(Exit::Usage, message))
+}

@@ -1,0 +1,34 @@
+//! `xcscr replay --live`: finished recordings, streamed to a viewer.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use xcscr::record::Topic;
+use xcscr::record::reader::Recording;
+
+use crate::commands::failure::Failure;
+use crate::commands::live::Broadcast;
+
+/// Streams all files in order, then stays until the last viewer has gone. Ctrl-C ends it.
+pub fn run(files: &[PathBuf], mut broadcast: Broadcast) -> Result<(), Failure> {
+    for file in files {
+        stream(file, &mut broadcast)?;
+    }
+    broadcast.stay();
+    Ok(())
+}
+
+fn stream(file: &Path, broadcast: &mut Broadcast) -> Result<(), Failure> {
+    let recording = Recording::open(file)?;
+    for message in recording.messages() {
+        let message = message?;
+        broadcast.wait_for_viewer(Duration::MAX);
+        if broadcast.is_interrupted() {
+            break;
+        }
+        if let Some(topic) = Topic::named(message.topic()) {
+            broadcast.send(topic, message.time_ns, &message.data);
+        }
+    }
+    Ok(())
+}
