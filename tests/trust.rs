@@ -136,6 +136,7 @@ fn exploit_steps(world: &str, xcs: xcs::Params, problems: u32, seed: u64) -> Vec
             episode,
             ..Settings::default()
         },
+        initial: None,
     };
     let maze = Maze::load(Path::new(&path)).unwrap();
     let mut exploits = Exploits::default();

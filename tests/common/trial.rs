@@ -59,7 +59,7 @@ impl Trial {
 
     pub fn learner(&self) -> Box<dyn RewardMethod> {
         let actions = self.maze().action_count();
-        Method::Xcscr.build(actions, Setup::default(), self.seed)
+        Method::Xcscr.build(actions, 0, Setup::default(), self.seed)
     }
 
     /// Runs the trial; stops when the observer says so.
