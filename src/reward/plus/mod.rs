@@ -4,7 +4,8 @@
 //! planned; collisions are foretold by general rules. The mechanisms, each with its switch in
 //! [`PlusParams`], in the order in which they come into play:
 //! 1. `curiosity`: exploration heads for the least-tried actions;
-//! 2. `collision_rules`: general rules learned from bumps spare later ones;
+//! 2. `collision_rules`: general rules learned from bumps spare later ones, with `turned_rules`
+//!    those of all actions at once;
 //! 3. `return_rules`: general rules about ways back spare trying them;
 //! 4. `sweep`: Bellman targets, replayed by frequency and swept backward;
 //! 5. `imprinting`: loop-erased successes, where they returned more than expected;
@@ -77,6 +78,7 @@ impl Plus {
         own: PlusParams,
         [evolution, replay]: [Stream; 2],
     ) -> Self {
+        let ring = if own.turned_rules { ring } else { 0 };
         // Specific rules while learning: the GA and subsumption would mix what is not yet known
         // to be alike. Generalisation comes last, when the rules are condensed.
         let xcs = XcsParams {

@@ -30,6 +30,8 @@ pub struct PlusParams {
     pub slack: f64,
     /// Do general rules learned from bumps spare later ones?
     pub collision_rules: bool,
+    /// Do bumps of one action tell about the others, turned?
+    pub turned_rules: bool,
     /// Do general rules about ways back spare trying them in every cell?
     pub return_rules: bool,
     /// The power to which the forecast of a collision (a share of votes) is raised before it is
@@ -54,6 +56,7 @@ impl Default for PlusParams {
             learning_step_threshold: true,
             slack: 3.0,
             collision_rules: true,
+            turned_rules: true,
             return_rules: true,
             certainty: 32,
             beta: 1.0,
