@@ -139,7 +139,7 @@ struct Row {
     error: f64,
     fitness: f64,
     numerosity: u32,
-    experience: u64,
+    experience: u32,
     #[serde(skip)]
     rule: Classifier,
 }

@@ -33,9 +33,23 @@ impl Explorer {
     /// An action, and whether it was chosen to explore.
     pub fn choose(&mut self, worth: &PredictionArray) -> (Action, bool) {
         let explores = self.stream.chance(self.probability);
-        let actions = worth.as_slice().len();
         let action = if explores {
-            self.among(Action::all(actions))
+            self.among(Action::all(worth.as_slice().len()))
+        } else {
+            self.exploit(worth)
+        };
+        (action, explores)
+    }
+
+    /// The same, but explores only actions that have a worth, if there are any.
+    pub fn choose_advocated(&mut self, worth: &PredictionArray) -> (Action, bool) {
+        if worth.greatest().is_none() {
+            return self.choose(worth);
+        }
+        let explores = self.stream.chance(self.probability);
+        let action = if explores {
+            let all = Action::all(worth.as_slice().len());
+            self.among(all.filter(|&action| worth.get(action).is_some()))
         } else {
             self.exploit(worth)
         };
@@ -56,5 +70,28 @@ impl Explorer {
         let chosen = self.stream.below(actions.clone().count().max(1));
         let action = actions.clone().nth(chosen);
         action.expect("there is at least one action to choose from")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::StreamName;
+
+    #[test]
+    fn only_actions_with_a_worth_are_explored_unless_there_are_none() {
+        let mut explorer = Explorer::new(1.0, Stream::new(1, StreamName::Exploration));
+        let mut worth = PredictionArray::new(4);
+        let mut tried = |worth: &PredictionArray| {
+            let mut counts = [0; 4];
+            for _ in 0..400 {
+                counts[explorer.choose_advocated(worth).0.index()] += 1;
+            }
+            counts.map(|count| count > 0)
+        };
+        assert_eq!(tried(&worth), [true; 4]);
+        worth.set(Action::new(1).unwrap(), -1.0);
+        worth.set(Action::new(3).unwrap(), 5.0);
+        assert_eq!(tried(&worth), [false, true, false, true]);
     }
 }

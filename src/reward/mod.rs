@@ -40,6 +40,8 @@ use crate::xcs::{self, Xcs};
 pub enum Method {
     /// Standard XCS.
     Xcs,
+    /// XCS with adaptive action mapping: rules for the best actions only.
+    Xcsam,
     /// XCS adapted to robots, reward shared evenly (Eq. 7 and 8).
     AdaptedEven,
     /// XCS adapted to robots, reward discounted (Eq. 7 and 9).
@@ -60,8 +62,9 @@ pub enum Method {
 
 impl Method {
     /// All methods, in the order in which they are reported.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Xcs,
+        Self::Xcsam,
         Self::AdaptedEven,
         Self::AdaptedDiscounted,
         Self::Xcscr,
@@ -76,6 +79,7 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             Self::Xcs => "xcs",
+            Self::Xcsam => "xcsam",
             Self::AdaptedEven => "adapted-even",
             Self::AdaptedDiscounted => "adapted-discounted",
             Self::Xcscr => "xcscr",
@@ -114,6 +118,7 @@ impl Method {
         let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
         match self {
             Self::Xcs => Box::new(Standard::new(learner(), reward)),
+            Self::Xcsam => Box::new(Standard::new(learner().with_adaptive_mapping(), reward)),
             Self::AdaptedEven => Box::new(Adapted::new(learner(), reward, Sharing::Even)),
             Self::AdaptedDiscounted => {
                 Box::new(Adapted::new(learner(), reward, Sharing::Discounted))

@@ -1,7 +1,8 @@
-//! Standard XCS: the reward travels back one step at a time, as in Q-learning.
+//! Standard XCS and XCSAM: the reward travels back one step at a time, as in Q-learning.
 
 use serde::{Deserialize, Serialize};
 
+use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
 use super::method::{EndCredit, RewardMethod, StepCredit};
@@ -11,8 +12,9 @@ use crate::arena::Outcome;
 use crate::signal::{Action, Percept};
 use crate::xcs::{ActionSet, PredictionArray, Xcs};
 
-/// The method `xcs`: the previous \[A\] is updated with its reward plus gamma times the greatest
-/// worth of the present percept; the last \[A\] of an episode with its reward alone.
+/// The methods `xcs` and, around a learner with an adaptive mapping, `xcsam`: the previous \[A\]
+/// is updated with its reward plus gamma times the greatest worth of the present percept; the last
+/// \[A\] of an episode with its reward alone.
 ///
 /// The step limit counts as an end without a reward (the paper: r_l is 0 if the task fails).
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -23,7 +25,17 @@ pub struct Standard {
     #[serde(skip)]
     greatest: f64,
     #[serde(skip)]
-    previous: Option<(ActionSet, f64)>,
+    previous: Option<Waiting>,
+}
+
+/// An action set whose payoff is not known yet.
+#[derive(Debug, Clone)]
+struct Waiting {
+    set: ActionSet,
+    /// Its short-term reward.
+    reward: f64,
+    /// The greatest worth of its percept, when its action was chosen.
+    greatest: f64,
 }
 
 impl Standard {
@@ -42,10 +54,14 @@ impl Standard {
         self.params == fresh.params && self.mind.descends_from(&fresh.mind)
     }
 
-    fn learn(&mut self, set: &ActionSet, payoff: f64) {
-        let beta = self.mind.xcs.params().beta;
-        self.mind.xcs.update(set, payoff, beta);
-        self.mind.xcs.evolve(set);
+    /// Pays an action set its reward and what followed it.
+    fn learn(&mut self, waiting: &Waiting, followed: f64) {
+        let Waiting { set, greatest, .. } = waiting;
+        let payoff = waiting.reward + followed;
+        let xcs = &mut self.mind.xcs;
+        xcs.adapt_mapping(set, payoff, *greatest);
+        xcs.update(set, payoff, xcs.params().beta);
+        xcs.evolve(set);
     }
 }
 
@@ -60,20 +76,31 @@ impl RewardMethod for Standard {
         worth
     }
 
+    /// Explores, as Butz and Wilson do, only actions that rules of \[M\] advocate.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
+        explorer.choose_advocated(worth)
+    }
+
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let set = self.mind.action_set(action);
         let reward = self.params.short_term(outcome);
         let credit = self.mind.step_credit(&set, reward);
-        if let Some((previous, reward)) = self.previous.replace((set, reward)) {
-            self.learn(&previous, reward + self.params.gamma * self.greatest);
+        let greatest = self.greatest;
+        let waiting = Waiting {
+            set,
+            reward,
+            greatest,
+        };
+        if let Some(previous) = self.previous.replace(waiting) {
+            self.learn(&previous, self.params.gamma * greatest);
         }
         credit
     }
 
     fn finish(&mut self, reached_goal: bool) -> EndCredit {
         let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
-        if let Some((last, reward)) = self.previous.take() {
-            self.learn(&last, reward + long_term_reward);
+        if let Some(last) = self.previous.take() {
+            self.learn(&last, long_term_reward);
         }
         EndCredit {
             long_term_reward,

@@ -26,12 +26,22 @@ pub struct Classifier {
     pub fitness: f64,
     /// num: the micro-classifiers it stands for; at least 1.
     pub numerosity: u32,
-    /// exp: how often it was updated.
-    pub experience: u64,
+    /// exp: how often it was updated; stops counting at the greatest number.
+    pub experience: u32,
     /// ts: the step of the last run of the GA in a set it belonged to.
     pub time_stamp: u64,
     /// as: the mean number of micro-classifiers in the action sets it took part in.
     pub set_size: f64,
+    /// eam: how many actions its niche needs, in XCSAM: from 1, where its action is the best, to
+    /// the number of actions, where it is not. 1 in all other methods. Files of rules leave it
+    /// out, because what is best in one world is not in another; memories of learners hold it.
+    #[serde(skip, default = "no_mapping")]
+    pub eam: f32,
+}
+
+/// eam where the mapping does not adapt.
+fn no_mapping() -> f32 {
+    1.0
 }
 
 const _: () = assert!(size_of::<Classifier>() == 128, "two cache lines");
@@ -49,6 +59,7 @@ impl Classifier {
             experience: 0,
             time_stamp: time,
             set_size: 1.0,
+            eam: no_mapping(),
         }
     }
 
@@ -64,7 +75,7 @@ impl Classifier {
 
     /// Is it experienced and accurate enough to subsume others?
     pub fn could_subsume(&self, params: &Params) -> bool {
-        self.experience > u64::from(params.theta_sub) && self.error < params.epsilon_0
+        self.experience > params.theta_sub && self.error < params.epsilon_0
     }
 
     /// Does it make `other` superfluous: same action, more general, and able to subsume?

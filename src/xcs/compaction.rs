@@ -225,6 +225,7 @@ impl<'a> Task<'a> {
             experience,
             time_stamp: 0,
             set_size: f64::from(numerosity.max(1)),
+            eam: 1.0,
         }
     }
 }
@@ -329,7 +330,7 @@ mod tests {
         let mut shown: Vec<_> = shown
             .map(|r| (r.condition.to_string(), r.action.index(), r.prediction))
             .collect();
-        shown.sort_by(|a, b| a.1.cmp(&b.1));
+        shown.sort_by_key(|a| a.1);
         assert_eq!(
             shown,
             [("#0##".into(), 0, 1000.0), ("#1##".into(), 1, 1000.0)]

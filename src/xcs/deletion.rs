@@ -13,10 +13,11 @@ const _: () = assert!(BLOCK * GROUP == 64, "one bit of `Group::dirty` per rule")
 
 /// Cached deletion votes of \[P\] and their sums, by position.
 ///
-/// A rule's vote is `as * num`; an experienced rule whose mean fitness `F / num` lies below the
-/// cut `delta * mean F` is unfit, and its vote is raised by `mean F / (F / num)` (Butz and Wilson
-/// 2001, DELETION VOTE). All cached figures are pure functions of the rules in a block and of
-/// which of them are unfit, so they carry no rounding errors from one step to the next.
+/// A rule's vote is `as * num * eam`, where eam is 1 outside XCSAM; an experienced rule whose mean
+/// fitness `F / num` lies below the cut `delta * mean F` is unfit, and its vote is raised by
+/// `mean F / (F / num)` (Butz and Wilson 2001, DELETION VOTE). All cached figures are pure
+/// functions of the rules in a block and of which of them are unfit, so they carry no rounding
+/// errors from one step to the next.
 #[derive(Debug, Clone, Default)]
 pub(super) struct DeletionVotes {
     groups: Vec<Group>,
@@ -59,9 +60,9 @@ struct Vote {
     fitness: f64,
     /// `F / num` of an experienced rule; infinite for others, which are never unfit.
     mean: f64,
-    /// `as * num`.
+    /// `as * num * eam`.
     plain: f64,
-    /// `as * num / (F / num)`, still to be multiplied by the mean fitness.
+    /// `as * num * eam / (F / num)`, still to be multiplied by the mean fitness.
     raised: f64,
 }
 
@@ -239,8 +240,8 @@ impl Vote {
     fn of(rule: &Classifier, params: &Params) -> Self {
         let numerosity = f64::from(rule.numerosity);
         let mean = rule.fitness / numerosity;
-        let plain = rule.set_size * numerosity;
-        let is_experienced = rule.experience > u64::from(params.theta_del);
+        let plain = rule.set_size * numerosity * f64::from(rule.eam);
+        let is_experienced = rule.experience > params.theta_del;
         Self {
             fitness: rule.fitness,
             mean: if is_experienced { mean } else { f64::INFINITY },
@@ -255,7 +256,7 @@ mod tests {
     use super::*;
     use crate::signal::Action;
 
-    fn rule(set_size: f64, fitness: f64, numerosity: u32, experience: u64) -> Classifier {
+    fn rule(set_size: f64, fitness: f64, numerosity: u32, experience: u32) -> Classifier {
         let params = Params::default();
         let action = Action::new(0).unwrap();
         Classifier {
@@ -274,6 +275,7 @@ mod tests {
         let vote = |r: &Classifier| {
             let own = r.fitness / f64::from(r.numerosity);
             let vote = r.set_size * f64::from(r.numerosity);
+            let vote = vote * f64::from(r.eam);
             if r.experience > 20 && own < params.delta * mean {
                 vote * mean / own
             } else {
@@ -308,16 +310,39 @@ mod tests {
     }
 
     #[test]
+    fn a_rule_that_asks_for_many_actions_is_more_likely_to_go() {
+        let mut rules = [rule(10.0, 0.5, 1, 21), rule(10.0, 0.5, 1, 21)];
+        let at = |rules: &[Classifier], ball| {
+            let mut votes = DeletionVotes::default();
+            (0..2).for_each(|position| votes.touch(position));
+            votes.roulette(rules, 2, &Params::default(), ball)
+        };
+        assert_eq!(
+            [0.49, 0.51].map(|ball| at(&rules, ball)),
+            [0, 1],
+            "eam 1 and 1"
+        );
+        // Votes: 10, and 10 * 4.
+        rules[1].eam = 4.0;
+        assert_eq!(
+            [0.19, 0.21].map(|ball| at(&rules, ball)),
+            [0, 1],
+            "eam 1 and 4"
+        );
+    }
+
+    #[test]
     fn the_cached_roulette_stops_where_the_plain_one_does() {
         use crate::random::{Stream, StreamName};
         let mut stream = Stream::new(7, StreamName::Evolution);
         let params = Params::default();
-        let random_rule = |s: &mut Stream| {
-            rule(
+        let random_rule = |s: &mut Stream| Classifier {
+            eam: 1.0 + 3.0 * s.unit() as f32,
+            ..rule(
                 1.0 + 50.0 * s.unit(),
                 s.unit().powi(6) + 1e-9,
                 1 + s.below(4) as u32,
-                s.below(60) as u64,
+                s.below(60) as u32,
             )
         };
         let mut rules: Vec<_> = (0..300).map(|_| random_rule(&mut stream)).collect();

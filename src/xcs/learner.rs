@@ -3,6 +3,7 @@
 use super::classifier::Classifier;
 use super::condition::Condition;
 use super::ga::{self, Parent};
+use super::mapping;
 use super::params::Params;
 use super::population::{MOST_STEPS, Population};
 use super::prediction::{PredictionArray, PredictionSums};
@@ -13,14 +14,17 @@ use crate::signal::{Action, MAX_ACTIONS, Percept};
 /// XCS: a population and the procedures that cover, predict, update and evolve it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Xcs {
-    params: Params,
-    actions: usize,
-    population: Population,
+    pub(super) params: Params,
+    pub(super) actions: usize,
+    #[serde(with = "mapping::saved")]
+    pub(super) population: Population,
     /// t: match sets formed so far.
     time: u64,
-    stream: Stream,
+    pub(super) stream: Stream,
     /// May the GA run now?
     evolves: bool,
+    /// Does the mapping adapt, as in XCSAM?
+    pub(super) adapts: bool,
 }
 
 impl Xcs {
@@ -34,12 +38,13 @@ impl Xcs {
             time: 0,
             stream,
             evolves: true,
+            adapts: false,
         }
     }
 
     /// Starts from rules that were learned elsewhere, as if the GA had visited each of them just now.
     pub fn start_from(&mut self, rules: &Population) {
-        self.population = rules.stamped(self.time);
+        self.population = rules.stamped(self.time, self.eam_at_first());
         self.population
             .delete_surplus(&self.params, &mut self.stream);
     }
@@ -59,9 +64,11 @@ impl Xcs {
 
     /// Can this learner, read from a file, stand for one that began as `fresh`?
     pub fn descends_from(&self, fresh: &Self) -> bool {
-        let known = |rule: &Classifier| rule.action.index() < self.actions;
+        let eams = 1.0..=self.eam_at_first();
+        let known =
+            |rule: &Classifier| rule.action.index() < self.actions && eams.contains(&rule.eam);
         self.params == fresh.params
-            && self.actions == fresh.actions
+            && (self.actions, self.adapts) == (fresh.actions, fresh.adapts)
             && self.time <= MOST_STEPS
             && self.population.micro() <= self.params.population_size
             && self.population.rules().iter().all(known)
@@ -82,19 +89,21 @@ impl Xcs {
         self.actions
     }
 
-    /// Forms \[M\] and covers every action that no rule of \[M\] advocates (GENERATE MATCH SET).
+    /// Forms \[M\] and covers every action that no rule of \[M\] advocates (GENERATE MATCH SET), or
+    /// as many as an adaptive mapping asks for.
     pub fn form_match_set(&mut self, percept: &Percept, set: &mut MatchSet) {
         self.time += 1;
         loop {
             set.clear(percept);
             self.population
                 .for_each_match(percept, |id, rule| set.add(id, rule));
-            let missing = |action: &Action| !set.covers(*action);
-            if !Action::all(self.actions).any(|action| missing(&action)) {
+            let covers_some = if self.adapts {
+                self.cover_as_asked(percept, set)
+            } else {
+                self.cover_missing(percept, set)
+            };
+            if !covers_some {
                 return;
-            }
-            for action in Action::all(self.actions).filter(missing) {
-                self.cover(percept, action);
             }
             // May delete a rule that was just made; then the next round covers again.
             self.population
@@ -102,10 +111,22 @@ impl Xcs {
         }
     }
 
-    fn cover(&mut self, percept: &Percept, action: Action) {
+    /// Covers all actions that \[M\] lacks; `false` if it lacks none.
+    fn cover_missing(&mut self, percept: &Percept, set: &MatchSet) -> bool {
+        let missing = Action::all(self.actions).filter(|&action| !set.covers(action));
+        let mut lacks_some = false;
+        for action in missing {
+            self.cover(percept, action);
+            lacks_some = true;
+        }
+        lacks_some
+    }
+
+    pub(super) fn cover(&mut self, percept: &Percept, action: Action) {
         let condition = Condition::covering(percept, self.params.dont_care, &mut self.stream);
         let rule = Classifier::new(condition, action, self.time, &self.params);
-        self.population.insert(rule);
+        let eam = self.eam_at_first();
+        self.population.insert(Classifier { eam, ..rule });
     }
 
     /// The rules of \[P\] that match a percept and advocate an action, without covering.
@@ -177,9 +198,9 @@ impl Xcs {
             let Some(rule) = self.population.get_mut(id) else {
                 continue;
             };
-            rule.experience += 1;
+            rule.experience = rule.experience.saturating_add(1);
             // Moving average with the mean of all so far while the rule is young.
-            let rate = beta.max(1.0 / rule.experience as f64);
+            let rate = beta.max(1.0 / f64::from(rule.experience));
             rule.error += rate * ((target - rule.prediction).abs() - rule.error);
             rule.prediction += rate * (target - rule.prediction);
             rule.set_size += rate * (f64::from(micro) - rule.set_size);
@@ -235,7 +256,10 @@ impl Xcs {
             return;
         };
         let (actions, stream) = (self.actions, &mut self.stream);
-        for child in ga::children(&parents, &set.percept, actions, &self.params, stream) {
+        for mut child in ga::children(&parents, &set.percept, actions, &self.params, stream) {
+            if child.action != set.action {
+                child.eam = self.eam_at_first();
+            }
             self.insert_child(child, &parents);
             self.population
                 .delete_surplus(&self.params, &mut self.stream);

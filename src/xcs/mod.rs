@@ -4,7 +4,7 @@
 //! It knows percepts, actions and payoffs, but no maze, no arena and no reward: who is credited
 //! with what, and when, is decided in [`crate::reward`], which calls, step by step,
 //! [`Xcs::form_match_set`], [`Xcs::predict`], [`MatchSet::action_set`], [`Xcs::update`] and
-//! [`Xcs::evolve`].
+//! [`Xcs::evolve`]. With an adaptive mapping it is XCSAM: see [`Xcs::with_adaptive_mapping`].
 
 mod classifier;
 mod compaction;
@@ -13,6 +13,7 @@ mod deletion;
 mod ga;
 mod handles;
 mod learner;
+mod mapping;
 mod match_index;
 mod params;
 mod population;

@@ -39,6 +39,9 @@ pub struct Params {
     pub delta: f64,
     /// theta_sub: experience from which on a rule can subsume others; 0 to 1,000,000.
     pub theta_sub: u32,
+    /// zeta: the fraction of the greatest worth from which on a payoff counts as the best, for
+    /// `xcsam` (Nakata, Lanzi and Takadama 2012); 0 to 1.
+    pub zeta: f64,
     /// p_I: the prediction of a covering rule, in units of reward; -1,000,000 to 1,000,000.
     pub initial_prediction: f64,
     /// epsilon_I: the error of a covering rule, in units of reward; 0 to 1,000,000.
@@ -71,6 +74,7 @@ impl Default for Params {
             theta_del: 20,
             delta: 0.1,
             theta_sub: 20,
+            zeta: 0.99,
             initial_prediction: 0.0,
             initial_error: 0.0,
             initial_fitness: 0.01,
@@ -99,6 +103,7 @@ impl Params {
         within("xcs.theta_del", self.theta_del, 0..=MILLION)?;
         within("xcs.delta", self.delta, 0.0..=1.0)?;
         within("xcs.theta_sub", self.theta_sub, 0..=MILLION)?;
+        within("xcs.zeta", self.zeta, 0.0..=1.0)?;
         within(
             "xcs.initial_prediction",
             self.initial_prediction,
@@ -138,7 +143,7 @@ mod tests {
 
     #[test]
     fn not_a_number_is_refused_in_every_field() {
-        let fields: [fn(&mut Params) -> &mut f64; 10] = [
+        let fields: [fn(&mut Params) -> &mut f64; 11] = [
             |p| &mut p.dont_care,
             |p| &mut p.beta,
             |p| &mut p.alpha,
@@ -146,6 +151,7 @@ mod tests {
             |p| &mut p.chi,
             |p| &mut p.mu,
             |p| &mut p.delta,
+            |p| &mut p.zeta,
             |p| &mut p.initial_prediction,
             |p| &mut p.initial_error,
             |p| &mut p.initial_fitness,

@@ -138,16 +138,26 @@ impl Population {
         sums.array(actions, false)
     }
 
-    /// The same rules, all with the time stamp `time`.
-    pub(super) fn stamped(&self, time: u64) -> Self {
+    /// The same rules, all with the time stamp `time` and the effect of mapping `eam`.
+    pub(super) fn stamped(&self, time: u64, eam: f32) -> Self {
         let mut stamped = Self::default();
         for rule in &self.rules {
             stamped.insert(Classifier {
                 time_stamp: time,
+                eam,
                 ..*rule
             });
         }
         stamped
+    }
+
+    /// The same rules, each with its eam; `None` unless there is one for each.
+    pub(super) fn with_eams(mut self, eams: &[f32]) -> Option<Self> {
+        for (at, (rule, &eam)) in self.rules.iter_mut().zip(eams).enumerate() {
+            rule.eam = eam;
+            self.votes.touch(at);
+        }
+        (self.rules.len() == eams.len()).then_some(self)
     }
 
     /// Calls `found` with each rule that matches, in the order of the population.
@@ -221,7 +231,7 @@ fn fault_of(rule: &Classifier, width: usize) -> Option<&'static str> {
         Some("has a figure that is not finite")
     } else if rule.fitness < 0.0 || rule.error < 0.0 || rule.set_size < 0.0 {
         Some("has a fitness, error or set size below its range")
-    } else if rule.time_stamp.max(rule.experience) > MOST_STEPS {
+    } else if rule.time_stamp > MOST_STEPS {
         Some("counts more steps than any learner lives to see")
     } else {
         None

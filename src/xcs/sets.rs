@@ -45,6 +45,11 @@ impl MatchSet {
         self.sums.array(actions, over_match_set)
     }
 
+    /// The ids of its rules, by action.
+    pub(super) fn members(&self) -> &[Vec<ClassifierId>; MAX_ACTIONS] {
+        &self.members
+    }
+
     /// Micro-classifiers in \[M\] when it was formed.
     pub fn micro(&self) -> u32 {
         self.micro

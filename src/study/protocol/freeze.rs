@@ -76,7 +76,7 @@ fn arms(file: &StudyFile, worlds: &[Maze], overrides: &Overrides) -> Result<Vec<
         let base = settings(file, world, method, overrides)?;
         let afters = afters(file, method)?;
         for ((table, variant), after) in product(&variants, &afters) {
-            let settings = lay_over(&base, &file.origin, table)?;
+            let settings = lay_over(&base, &format!("{}, sweep", file.origin), table)?;
             for (&arena, &sensor) in product(&arenas, file.sensors(world)) {
                 arms.push(Arm {
                     world: world.to_owned(),
