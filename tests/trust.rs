@@ -149,7 +149,6 @@ fn walk(world: (&str, u32), method: Method, xcs: xcs::Params, run: (u32, u64)) -
             episode,
             ..Settings::default()
         },
-        initial: None,
     };
     let maze = Maze::load(Path::new(&path)).unwrap();
     let mut exploits = Exploits::default();
