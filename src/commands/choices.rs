@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use xcscr::disk;
 use xcscr::reward::Method;
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Resolved, Settings};
+use xcscr::study::{ArenaKind, MOST_TOML_BYTES, Resolved, Settings};
 
 use super::failure::{Exit, Failure};
 
@@ -49,19 +50,20 @@ pub struct SettingsArgs {
 impl SettingsArgs {
     /// The settings laid over `base`.
     pub fn resolve(&self, base: &Settings) -> Result<Resolved, Failure> {
-        let text = self.config.as_deref().map(read_text).transpose()?;
+        let read = |path: &Path| read_text(path, MOST_TOML_BYTES);
+        let text = self.config.as_deref().map(read).transpose()?;
         let name = self.config.as_ref().map(|path| path.display().to_string());
         let file = name.as_deref().zip(text.as_deref());
         Ok(Resolved::new(base, file, &self.set)?)
     }
 }
 
-/// The text of an input file.
-pub fn read_text(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|cause| {
+/// The text of an input file of at most so many bytes.
+pub fn read_text(path: &Path, most: u64) -> Result<String, Failure> {
+    disk::read_text(path, most).map_err(|cause| {
         let exit = match cause.kind() {
             std::io::ErrorKind::NotFound => Exit::Missing,
-            std::io::ErrorKind::InvalidData => Exit::BadData,
+            std::io::ErrorKind::InvalidData | std::io::ErrorKind::FileTooLarge => Exit::BadData,
             _ => Exit::Io,
         };
         Failure::new(exit, format!("cannot read {}: {cause}", path.display()))

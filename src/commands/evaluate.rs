@@ -11,6 +11,9 @@ use xcscr::world::Maze;
 use super::choices::{self, SettingsArgs};
 use super::failure::{Exit, Failure};
 
+/// Room for more rules than a population may have.
+const MOST_RULES_BYTES: u64 = 1 << 30;
+
 /// Arguments of `evaluate`.
 #[derive(Debug, clap::Args)]
 pub struct EvaluateArgs {
@@ -62,10 +65,11 @@ impl EvaluateArgs {
 
     /// A plan around a lone file of rules.
     fn plan_of_rules(&self, path: &Path) -> Result<(Plan, Knowledge), Failure> {
-        let knowledge = serde_json::from_str(&choices::read_text(path)?).map_err(|fault| {
-            let message = format!("{} holds no rules: {fault}", path.display());
-            Failure::new(Exit::BadData, message)
-        })?;
+        let knowledge = serde_json::from_str(&choices::read_text(path, MOST_RULES_BYTES)?)
+            .map_err(|fault| {
+                let message = format!("{} holds no rules: {fault}", path.display());
+                Failure::new(Exit::BadData, message)
+            })?;
         let world = self.world.as_ref().ok_or_else(|| {
             let message = format!(
                 "{} says nothing of its world: add --world FILE",

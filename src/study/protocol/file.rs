@@ -8,11 +8,13 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::shipped;
+use crate::disk;
 use crate::reward::Method;
 use crate::sensor::Sensor;
 use crate::study::error::StudyError;
 use crate::study::plan::ArenaKind;
 use crate::study::resolve::{flatten, similar};
+use crate::study::toml_text::{MOST_TOML_BYTES, shortened};
 use crate::world::Maze;
 
 /// The keys of a study file.
@@ -88,8 +90,11 @@ impl StudyFile {
         if let Some(text) = name.to_str().and_then(shipped::study) {
             return Self::parse(text, &name.display().to_string(), Path::new(""));
         }
-        let text = std::fs::read_to_string(name).map_err(|cause| match cause.kind() {
+        let text = disk::read_text(name, MOST_TOML_BYTES).map_err(|cause| match cause.kind() {
             ErrorKind::NotFound => StudyError::Missing(name.to_owned()),
+            ErrorKind::InvalidData | ErrorKind::FileTooLarge => {
+                StudyError::file(&name.display().to_string(), &cause.to_string())
+            }
             _ => StudyError::io(name, cause),
         })?;
         let folder = name.parent().unwrap_or(Path::new(""));
@@ -102,7 +107,7 @@ impl StudyFile {
     /// # Errors
     /// When the text describes no study.
     pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, StudyError> {
-        let fault = |fault: String| StudyError::file(origin, fault.trim_end());
+        let fault = |fault: String| StudyError::file(origin, &shortened(&fault));
         let table: Table = text
             .parse()
             .map_err(|e: toml::de::Error| fault(e.to_string()))?;

@@ -13,7 +13,6 @@ use serde_json::value::RawValue;
 pub use file::StudyFile;
 pub use freeze::Overrides;
 
-use super::checksum::checksum;
 use super::error::StudyError;
 use super::plan::{ArenaKind, Config, Plan};
 use super::settings::Settings;
@@ -148,6 +147,9 @@ impl Protocol {
     /// Does every arm name a world of the study, and is no setting out of range?
     pub(super) fn check(&self) -> Result<(), String> {
         let known = |arm: &Arm| self.worlds.iter().any(|maze| maze.name() == arm.world);
+        if self.arms.len().checked_mul(self.trials).is_none() {
+            return Err("it has more trials than can be counted".to_owned());
+        }
         if self.is_empty() || !self.arms.iter().all(known) {
             return Err("it has no trials, or trials in worlds that it does not hold".to_owned());
         }
@@ -160,7 +162,7 @@ impl Protocol {
 
 /// The id of the study with this text.
 pub(super) fn id_of(json: &str) -> String {
-    format!("{:016x}", checksum(json.as_bytes()))
+    format!("{:08x}", crc32fast::hash(json.as_bytes()))
 }
 
 fn write_mazes<S: Serializer>(mazes: &[Maze], out: S) -> Result<S::Ok, S::Error> {
