@@ -214,6 +214,12 @@ mod tests {
     }
 
     #[test]
+    fn a_name_cannot_command_the_terminal() {
+        let text = SMALL.replace("\"s\"", r#""\u001b[31mred""#);
+        assert!(message(&text).contains("a control character"));
+    }
+
+    #[test]
     fn a_sweep_needs_lists_and_methods_must_exist() {
         assert!(
             message(&format!("{SMALL}[sweep]\n\"xcs.beta\" = 0.1\n")).contains("must be a list")

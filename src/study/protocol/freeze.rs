@@ -50,8 +50,12 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
     }
 }
 
-/// Names tell worlds apart, in tables and in protocols.
+/// Names tell worlds apart, in tables and in protocols, and are printed to terminals.
 fn check_names(file: &StudyFile, worlds: &[Maze]) -> Result<(), StudyError> {
+    if file.document.name.contains(char::is_control) {
+        let fault = "`name` holds a control character: leave it out";
+        return Err(StudyError::file(&file.origin, fault));
+    }
     for (i, maze) in worlds.iter().enumerate() {
         if worlds[..i].iter().any(|other| other.name() == maze.name()) {
             let fault = format!("two worlds are called `{}`", maze.name());
