@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Times xcscr and its peers on the same work, in turn, and prints the ratios.
 
-    python3 -m venv venv && venv/bin/pip install xcsf==1.5.0 Box2D pymunk
+    python3 -m venv venv && venv/bin/pip install xcsf==1.5.0 Box2D pymunk gymnasium-robotics
     cargo bench --no-run
     venv/bin/python benches/peers.py [xcs] [physics]
 
@@ -189,6 +189,39 @@ def pymunk_work(pushing, steps):
     return {"microseconds": (time.process_time() - begin) / steps * 1e6}
 
 
+def pointmaze_work(steps):
+    """CPU seconds per simulated second of a ball in a maze of MuJoCo, driven at random."""
+    import gymnasium
+    import gymnasium_robotics
+
+    gymnasium.register_envs(gymnasium_robotics)
+    maze = gymnasium.make("PointMaze_UMaze-v3")
+    maze.reset(seed=1)
+    maze.action_space.seed(1)
+    simulated = steps * maze.unwrapped.point_env.dt
+    begin = time.process_time()
+    for _ in range(steps):
+        *_, terminated, truncated, _ = maze.step(maze.action_space.sample())
+        if terminated or truncated:
+            maze.reset()
+    return {"load": (time.process_time() - begin) / simulated}
+
+
+def compare_pointmaze(steps=10_000, moves=40_000):
+    if not importlib.util.find_spec("gymnasium_robotics"):
+        return
+    ratios, loads = [], []
+    for _ in range(ROUNDS):
+        cpu, out = cpu_of([newest("drive"), "0", "1", str(moves)])
+        ours = cpu / (json.loads(out)["physics_steps"] * DT)
+        peer = in_own_process("pointmaze", steps)["load"]
+        loads.append((ours * 1e6, peer * 1e6))
+        ratios.append(peer / ours)
+    ours, peer = (round(statistics.median(load), 1) for load in zip(*loads))
+    print(f"free, per simulated second: xcscr {ours} us, PointMaze {peer} us, "
+          f"ratio {statistics.median(ratios):.0f} [{min(ratios):.0f}-{max(ratios):.0f}]")  # fmt: skip
+
+
 def compare_physics(steps=100_000):
     for pushing in (0, 1):
         found = {"xcscr, whole pipeline": [], "xcscr, shortcut": [], "Box2D": [], "pymunk": []}
@@ -205,7 +238,8 @@ def compare_physics(steps=100_000):
         print(f"{'pushing' if pushing else 'free'}: microseconds of CPU per physics step {medians}")
 
 
-WORK = {"xcsf": xcsf_work, "box2d": box2d_work, "pymunk": pymunk_work}
+WORK = {"xcsf": xcsf_work, "box2d": box2d_work, "pymunk": pymunk_work,
+        "pointmaze": pointmaze_work}  # fmt: skip
 
 
 def main(arguments):
@@ -216,6 +250,7 @@ def main(arguments):
         compare_xcs()
     if not arguments or "physics" in arguments:
         compare_physics()
+        compare_pointmaze()
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 //! Files that are there whole or not at all.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// The name under which a file is written until it is whole.
@@ -9,6 +9,54 @@ pub fn part(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".part");
     name.into()
+}
+
+/// Reads a file of at most so many bytes: an endless one, such as a device, fills no memory.
+///
+/// # Errors
+/// Those of the file system, and [`io::ErrorKind::FileTooLarge`].
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let message = format!("it is larger than {} MiB", most >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+    }
+    Ok(bytes)
+}
+
+/// The same for a file of text.
+///
+/// # Errors
+/// The same, and [`io::ErrorKind::InvalidData`] when it is no UTF-8.
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    let text = String::from_utf8(read(path, most)?);
+    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no UTF-8 text"))
+}
+
+/// Reads a file of any size, but no device and no pipe: those may have no end.
+///
+/// # Errors
+/// Those of the file system.
+pub fn read_plain(path: &Path) -> io::Result<Vec<u8>> {
+    match fs::metadata(path)?.is_file() {
+        true => fs::read(path),
+        false => Err(io::Error::other("it is no plain file")),
+    }
+}
+
+/// Refuses a name that leads elsewhere, before it is written to: a link, or a device.
+///
+/// # Errors
+/// When there is something, and it is no plain file.
+pub fn require_plain(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(found) if !found.is_file() => {
+            let message = "it is no plain file, so it was not made by this program; remove it";
+            Err(io::Error::other(message))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Makes a new file in place of an older one. A link of this name is replaced, never followed.

@@ -1,5 +1,7 @@
 //! Full disks, folders that cannot be used, several processes in one folder, signals, and names
 //! that lead elsewhere: a message with file and way out, and nothing whole is harmed.
+//!
+//! `XCSCR_LONG=1 cargo test --test faults` tears ten times as many checkpoints.
 
 mod program;
 
@@ -9,8 +11,11 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use program::{contents, ended, expect, signal, spawn, xcscr};
+use program::{contents, dice, ended, expect, rounds, signal, spawn, xcscr};
+use xcscr::disk;
+use xcscr::random::Stream;
 use xcscr::record;
+use xcscr::study::{seal, unseal};
 
 const WORLD: &str = "worlds/maze4.json";
 
@@ -138,6 +143,41 @@ fn an_episode_without_end_is_left_after_a_signal_and_a_second_one_ends_at_once()
 }
 
 #[test]
+fn a_study_leaves_a_trial_without_end_after_a_signal_and_ends_at_once_after_a_second_one() {
+    let folder = tempfile::tempdir().unwrap();
+    winding_world(folder.path());
+    let study = folder.path().join("endless.toml");
+    let text = r#"
+        name = "endless"
+        worlds = ["winding.json"]
+        methods = ["adapted-even"]
+        trials = 1
+        episodes = 1000
+        [settings]
+        reward.step_threshold = 1000000
+        episode.explore = 1
+    "#;
+    fs::write(&study, text).unwrap();
+    let out = folder.path().join("out");
+    let (file, dir) = (study.to_str().unwrap(), out.to_str().unwrap());
+    let endless = ["study", "run", file, "--out", dir];
+    let child = spawn(&endless);
+    wait_for(&out.join("journal"));
+    sleep(Duration::from_millis(200));
+    signal(&child, "USR1");
+    let (time, _, stderr) = end_of(child, 75, "one signal");
+    assert!(time < Duration::from_secs(5), "{time:?}");
+    assert!(stderr.contains("the same command goes on"), "{stderr}");
+    let child = spawn(&endless);
+    sleep(Duration::from_millis(300));
+    signal(&child, "TERM");
+    sleep(Duration::from_millis(100));
+    signal(&child, "TERM");
+    let (time, ..) = end_of(child, 130, "two signals");
+    assert!(time < Duration::from_millis(500), "{time:?}");
+}
+
+#[test]
 fn a_reader_of_stdout_that_goes_away_is_a_clean_end() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("run");
@@ -161,6 +201,45 @@ fn a_reader_of_stdout_that_goes_away_is_a_clean_end() {
         assert_eq!(stderr, "", "{args:?}");
     }
     assert!(out.join("rules.json").is_file());
+}
+
+#[test]
+fn a_reader_of_stderr_that_goes_away_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let dir = out.to_str().unwrap();
+    for (args, code) in [
+        (&["train", WORLD, "--episodes", "5", "--out", dir][..], 0),
+        (&["train", WORLD, "--out", dir], 73),
+        (&["train", "no/such/world"], 66),
+        (&["train", "--no-such-flag"], 2),
+    ] {
+        let mut child = spawn(args);
+        drop(child.stderr.take());
+        end_of(child, code, &format!("{args:?}"));
+    }
+}
+
+#[test]
+fn messages_hold_no_colours_where_nobody_sees_them() {
+    for args in [
+        &["train", "no/such/world"][..],
+        &["world", "check", "Cargo.toml"],
+        &["tarin"],
+    ] {
+        for (name, value) in [
+            ("TERM", "dumb"),
+            ("TERM", "xterm-256color"),
+            ("NO_COLOR", "1"),
+        ] {
+            let output = xcscr(args).env(name, value).output().unwrap();
+            let stderr = String::from_utf8(output.stderr).unwrap();
+            assert!(
+                !stderr.contains('\x1b'),
+                "{name}={value} {args:?}: {stderr:?}"
+            );
+        }
+    }
 }
 
 #[test]
@@ -239,6 +318,16 @@ impl SmallDisk {
             .is_ok_and(|output| output.status.success())
             .then_some(Self(folder))
     }
+
+    /// Changes its options, such as `ro` or `size=60m`.
+    fn remount(&self, options: &str) {
+        let options = format!("remount,{options}");
+        let done = Command::new("mount")
+            .args(["-o", &options])
+            .arg(self.0.path())
+            .status();
+        assert!(done.unwrap().success(), "{options}");
+    }
 }
 
 impl Drop for SmallDisk {
@@ -277,16 +366,113 @@ fn a_full_disk_ends_in_code_74_and_the_run_goes_on_when_there_is_room() {
         }
     }
     fs::remove_file(&ballast).unwrap();
-    let options = "remount,size=60m";
-    let grown = Command::new("mount")
-        .args(["-o", options])
-        .arg(disk.0.path())
-        .status();
-    assert!(grown.unwrap().success());
+    disk.remount("size=60m");
     expect(0, &["train", "--resume", dir]);
     let wanted = disk.0.path().join("wanted");
     expect(0, &["train", WORLD, "--out", wanted.to_str().unwrap()]);
     program::assert_same(&out, &wanted, "after the disk was full");
+}
+
+#[test]
+fn pictures_recovered_recordings_and_studies_on_a_full_disk_end_in_code_74_and_leave_nothing_torn()
+{
+    let Some(disk) = SmallDisk::mount("64k") else {
+        return println!("skipped: only root may mount a small disk, and not everywhere");
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let (dir, below) = (run.to_str().unwrap(), |name: &str| disk.0.path().join(name));
+    expect(0, &["train", WORLD, "--episodes", "9", "--out", dir]);
+    fs::write(below("ballast"), vec![0; 48 * 1024]).unwrap();
+    let recording = run.join("run.mcap");
+    let (png, mcap, study) = (below("p.png"), below("m.mcap"), below("s"));
+    for args in [
+        &["map", dir, "-o", png.to_str().unwrap()][..],
+        &[
+            "recover",
+            recording.to_str().unwrap(),
+            "-o",
+            mcap.to_str().unwrap(),
+        ],
+        &[
+            "study",
+            "run",
+            "paper",
+            "--episodes",
+            "1",
+            "--out",
+            study.to_str().unwrap(),
+        ],
+    ] {
+        let (_, stderr) = expect(74, args);
+        assert!(stderr.contains("No space left"), "{args:?}: {stderr}");
+    }
+    assert_eq!(names_of_files(disk.0.path()), ["ballast"]);
+}
+
+/// The names of the files in a folder, without those of folders.
+fn names_of_files(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
+    let files = entries.filter(|entry| entry.path().is_file());
+    files
+        .map(|entry| entry.file_name().into_string().unwrap())
+        .collect()
+}
+
+#[test]
+fn a_disk_that_may_only_be_read_ends_in_code_73_and_is_left_as_it_is() {
+    let Some(disk) = SmallDisk::mount("60m") else {
+        return println!("skipped: only root may mount a small disk, and not everywhere");
+    };
+    let (out, new) = (disk.0.path().join("run"), disk.0.path().join("new"));
+    let (dir, new_dir) = (out.to_str().unwrap(), new.to_str().unwrap());
+    let child = spawn(&long_run(dir));
+    wait_for(&out.join("ep-0005.mcap"));
+    signal(&child, "KILL");
+    child.wait_with_output().unwrap();
+    let before = contents(&out);
+    disk.remount("ro");
+    for args in [
+        &["train", "--resume", dir][..],
+        &["train", WORLD, "--force", "--out", dir],
+        &["train", WORLD, "--out", new_dir],
+    ] {
+        let (_, stderr) = expect(73, args);
+        assert!(stderr.contains("Read-only"), "{args:?}: {stderr}");
+    }
+    assert!(contents(&out) == before, "something was written");
+    disk.remount("rw");
+    let again = spawn(&["train", "--resume", dir]);
+    sleep(Duration::from_millis(400));
+    signal(&again, "TERM");
+    end_of(again, 75, "when it may be written again");
+}
+
+/// A crash while a file is written leaves any part of the new file aside, whole or torn, in old
+/// or new order on the disk; only the last step, which the system makes whole, is the new file.
+#[test]
+fn wherever_a_checkpoint_is_torn_the_old_one_or_the_new_one_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint");
+    let mut dice = dice(6);
+    let state =
+        |dice: &mut Stream| -> Vec<u64> { (0..dice.below(40)).map(|_| dice.bits()).collect() };
+    let mut old = state(&mut dice);
+    disk::replace(&path, &seal(&old)).unwrap();
+    for seed in 0..rounds(1_000, 10_000) {
+        let new = state(&mut dice);
+        let mut torn = seal(&new);
+        torn.truncate(dice.below(torn.len() + 1));
+        // Blocks that never reached the disk read as zeros.
+        let lost = dice.below(torn.len() + 1);
+        torn[lost..].fill(0);
+        fs::write(disk::part(&path), &torn).unwrap();
+        let read = || unseal::<Vec<u64>>(&fs::read(&path).unwrap()).unwrap();
+        assert_eq!(read(), old, "seed {seed}: torn to {} bytes", torn.len());
+        disk::replace(&path, &seal(&new)).unwrap();
+        assert_eq!(read(), new, "seed {seed}: what was torn is in the way");
+        old = new;
+    }
 }
 
 #[test]

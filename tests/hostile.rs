@@ -14,11 +14,12 @@ use program::{dice, ended, expect, rounds, xcscr};
 use xcscr::episode::Observer;
 use xcscr::random::Stream;
 use xcscr::record::reader::Recording;
-use xcscr::record::{RecordMode, Recorder, RobotShape, RunInfo};
+use xcscr::record::{self, RecordMode, Recorder, RobotShape, RunInfo};
 use xcscr::reward::{Knowledge, Method};
 use xcscr::sensor::Sensor;
 use xcscr::study::{
-    ArenaKind, Checkpoint, Config, Plan, Resolved, Settings, SettingsError, Trial, seal, unseal,
+    ArenaKind, Checkpoint, Config, Overrides, Plan, Protocol, Resolved, Settings, SettingsError,
+    Shard, StudyFile, StudyFolder, Trial, run_study, seal, unseal,
 };
 use xcscr::world::Maze;
 
@@ -154,6 +155,61 @@ fn mutants_of_settings() {
     assert!(taken > 0, "some mutants are settings, too");
 }
 
+const STUDY: &str = r#"
+name = "small"
+worlds = ["maze4", "maze5"]
+methods = ["xcs", "xcscr"]
+arenas = ["grid"]
+trials = 4
+episodes = 12
+[settings]
+"xcs.beta" = 0.1
+[method-settings.xcscr]
+reward.gamma = 0.8
+[sweep]
+"xcs.mu" = [0.01, 0.04]
+"#;
+
+#[test]
+fn mutants_of_study_files() {
+    let times = rounds(100_000, 1_000_000);
+    let taken = feed("studies", &[STUDY.as_bytes()], times, |text| {
+        let text = String::from_utf8_lossy(text);
+        let file = StudyFile::parse(&text, "mutant.toml", Path::new("no/such/folder"));
+        file.and_then(|file| Protocol::new(&file, &Overrides::default()))
+            .is_ok()
+    });
+    assert!(taken > 0, "some mutants are studies, too");
+}
+
+#[test]
+fn mutants_of_study_folders() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = StudyFile::parse(STUDY, "small.toml", Path::new("")).unwrap();
+    let few = Overrides {
+        trials: Some(1),
+        episodes: Some(2),
+        ..Overrides::default()
+    };
+    let protocol = Protocol::new(&file, &few).unwrap();
+    run_study(&protocol, folder.path(), Shard::WHOLE, 1, &mut ()).unwrap();
+    for name in ["plan.json", "journal"] {
+        let path = folder.path().join(name);
+        let sound = fs::read(&path).unwrap();
+        // Each mutant is written to a disk: fewer, and more in memory above.
+        let taken = feed(name, &[&sound], rounds(3_000, 30_000), |bytes| {
+            fs::write(&path, bytes).unwrap();
+            StudyFolder::read(folder.path()).is_ok()
+        });
+        fs::write(&path, sound).unwrap();
+        assert!(
+            taken > 0 || name == "plan.json",
+            "a journal keeps its beginning"
+        );
+    }
+    assert!(StudyFolder::read(folder.path()).is_ok());
+}
+
 #[test]
 fn mutants_of_rules() {
     let mut knowledge = trained(Method::Xcscr, ArenaKind::Grid, 1)
@@ -256,19 +312,139 @@ fn recording(folder: &Path) -> Vec<u8> {
 fn mutants_of_recordings() {
     let folder = tempfile::tempdir().unwrap();
     let sound = recording(folder.path());
-    let taken = feed(
-        "recordings",
-        &[&sound],
-        rounds(100_000, 1_000_000),
-        |bytes| {
-            let recording = Recording::from_bytes(Path::new("mutant.mcap"), bytes.to_vec());
-            recording.is_ok_and(|recording| recording.messages().count() > 0)
-        },
+    let times = rounds(100_000, 1_000_000);
+    let taken = feed("recordings", &[&sound], times, |bytes| {
+        let recording = Recording::from_bytes(Path::new("mutant.mcap"), bytes.to_vec());
+        let Ok(recording) = recording else {
+            return false;
+        };
+        assert!(
+            bytes == sound,
+            "a damaged recording was taken for a sound one"
+        );
+        recording.messages().count() > 0
+    });
+    // Control: some changes change nothing, such as a byte that is replaced by itself.
+    assert!(taken > 0, "a sound recording is refused");
+}
+
+#[test]
+fn mutants_of_recordings_that_are_recovered() {
+    let folder = tempfile::tempdir().unwrap();
+    let sound = recording(folder.path());
+    let (broken, saved) = (folder.path().join("broken"), folder.path().join("saved"));
+    let taken = feed("salvage", &[&sound], rounds(2_000, 20_000), |bytes| {
+        fs::write(&broken, bytes).unwrap();
+        record::recover(&broken, &saved, true).is_ok()
+    });
+    assert!(taken > 0, "most mutants hold something that can be saved");
+}
+
+/// Runs the program with so much address space, in KiB.
+#[cfg(unix)]
+fn within_memory(kib: u64, args: &[&str]) -> std::process::Output {
+    let mut shell = std::process::Command::new("sh");
+    shell
+        .args(["-c", &format!("ulimit -v {kib}; exec \"$0\" \"$@\"")])
+        .arg(assert_cmd::cargo::cargo_bin("xcscr"))
+        .args(args);
+    shell.output().unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn ten_megabytes_of_anything_need_at_most_ten_times_their_size_and_64_mib() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("large");
+    let file = path.to_str().unwrap();
+    for (name, piece) in [
+        ("brackets", "["),
+        ("objects", r#"{"rules":"#),
+        ("tables", "a={"),
+        ("keys", "a.b.c=1\n"),
+        ("numbers", "1e308,"),
+        ("rows", r#"{"rows":["","","","#),
+        ("nul", "\0"),
+        ("the beginning of recordings", "\u{89}MCAP0\r\n"),
+    ] {
+        let size = 10 << 20;
+        fs::write(&path, piece.repeat(size / piece.len())).unwrap();
+        let out = folder.path().join("out");
+        let out = out.to_str().unwrap();
+        for args in [
+            &["world", "check", file][..],
+            &["train", file, "--out", out],
+            &["train", "worlds/maze4.json", "--config", file, "--out", out],
+            &["evaluate", file, "--world", "worlds/maze4.json"],
+            &["check", file],
+            &["recover", file, "-o", out],
+            &["study", "run", file, "--out", out],
+        ] {
+            let output = within_memory((10 * size as u64 + (64 << 20)) >> 10, args);
+            let (_, stderr) = ended(&output, 65, &format!("{name}: {args:?}"));
+            assert!(stderr.len() < 10_000, "{name}: {args:?}: a long message");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_small_recording_that_unpacks_to_much_is_refused_before_it_fills_the_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let (bomb, out) = (
+        folder.path().join("bomb.mcap"),
+        folder.path().join("out.mcap"),
     );
-    assert!(
-        taken < 1000,
-        "{taken} damaged recordings were taken for sound ones"
-    );
+    let options = mcap::WriteOptions::new().chunk_size(Some(1 << 30));
+    let mut writer = options.create(fs::File::create(&bomb).unwrap()).unwrap();
+    let channel = writer.add_channel(0, "/zeros", "json", &Default::default());
+    let header = mcap::records::MessageHeader {
+        channel_id: channel.unwrap(),
+        sequence: 0,
+        log_time: 0,
+        publish_time: 0,
+    };
+    let zeros = vec![0; 400 << 20];
+    writer.write_to_known_channel(&header, &zeros).unwrap();
+    writer.finish().unwrap();
+    drop(writer);
+    assert!(fs::metadata(&bomb).unwrap().len() < 1 << 20, "it is small");
+    let (bomb, out) = (bomb.to_str().unwrap(), out.to_str().unwrap());
+    for (args, code) in [
+        (&["check", bomb][..], 65),
+        (&["replay", bomb], 65),
+        (&["recover", bomb, "-o", out], 3),
+    ] {
+        let output = within_memory(200 << 10, args);
+        ended(&output, code, &format!("{args:?}"));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn what_has_no_end_is_not_read_to_its_end() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["checkpoint", "plan.json", "journal"] {
+        symlink("/dev/zero", folder.path().join(name)).unwrap();
+    }
+    let dir = folder.path().to_str().unwrap();
+    let zero = "/dev/zero";
+    for args in [
+        &["train", zero][..],
+        &["train", "worlds/maze4.json", "--config", zero],
+        &["train", "--resume", dir],
+        &["evaluate", zero],
+        &["replay", zero],
+        &["check", zero],
+        &["study", "run", zero, "--out", dir],
+        &["study", "status", dir],
+    ] {
+        let output = within_memory(2 << 20, args);
+        let code = output.status.code().unwrap_or(-1);
+        assert!([65, 66, 74].contains(&code), "{args:?}: {output:?}");
+        ended(&output, code, &format!("{args:?}"));
+    }
 }
 
 /// The values at which a number tends to be treated wrongly.
@@ -346,16 +522,28 @@ fn every_number_among_the_settings_is_refused_beyond_its_range_and_works_at_its_
             tried += 1;
             // Short, or the largest step-thresholds would take minutes.
             settings.reward.step_threshold = settings.reward.step_threshold.min(20);
-            assert_stays_finite(settings, &format!("{key}={value}"));
+            for &method in users(key) {
+                assert_stays_finite(method, &settings, &format!("{key}={value}"));
+            }
         }
     }
     assert!(tried > 100, "{tried} values");
 }
 
+/// The methods in which a setting matters.
+fn users(key: &str) -> &'static [Method] {
+    match key.split('.').next() {
+        Some("plus") => &[Method::XcscrPlus],
+        Some("tabular") => &[Method::SarsaLambda, Method::DynaQ, Method::RMax],
+        Some("reward") => &[Method::Xcscr, Method::XcscrPlus, Method::QLearning],
+        _ => &[Method::Xcscr],
+    }
+}
+
 /// Two episodes in either arena, after which no rule may hold a number that is none.
-fn assert_stays_finite(settings: Settings, what: &str) {
+fn assert_stays_finite(method: Method, settings: &Settings, what: &str) {
     for arena in ArenaKind::ALL {
-        let mut plan = plan(Method::Xcscr, arena, 2);
+        let mut plan = plan(method, arena, 2);
         plan.config.settings = settings.clone();
         let mut trial = Trial::new(plan).unwrap();
         let begun = Instant::now();

@@ -144,17 +144,23 @@ fn recover_never_touches_its_input_and_overwrites_only_by_force() {
     );
 }
 
-#[cfg(target_os = "linux")]
+#[cfg(unix)]
 #[test]
-fn recover_onto_a_full_disk_is_an_error_and_no_panic() {
+fn recover_neither_follows_a_link_nor_takes_the_place_of_a_device() {
+    use std::os::unix::fs::symlink;
     let folder = tempfile::tempdir().unwrap();
     let (file, _) = recorded(folder.path());
+    let precious = folder.path().join("precious");
+    fs::write(&precious, "precious").unwrap();
     let out = folder.path().join("out.mcap");
-    let aside = folder.path().join("out.mcap.recovering");
-    std::os::unix::fs::symlink("/dev/full", &aside).unwrap();
-    let error = recover(&file, &out, false).unwrap_err();
-    assert!(matches!(error, RecordError::Write { .. }), "{error}");
-    assert!(!out.exists() && !aside.exists());
+    symlink(&precious, folder.path().join("out.mcap.recovering")).unwrap();
+    recover(&file, &out, false).unwrap();
+    assert_eq!(fs::read(&precious).unwrap(), b"precious");
+    let device = folder.path().join("device");
+    symlink("/dev/null", &device).unwrap();
+    let error = recover(&file, &device, true).unwrap_err();
+    assert!(matches!(error, RecordError::Create { .. }), "{error}");
+    assert_eq!(fs::read_link(&device).unwrap(), Path::new("/dev/null"));
 }
 
 #[cfg(unix)]

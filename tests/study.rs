@@ -106,10 +106,76 @@ fn the_same_bytes_for_any_number_of_jobs_and_any_shards() {
             "run small.toml --out s{index} --shard {index}/7 --json"
         ));
     }
+    for index in 1..=2 {
+        desk.done(&format!("run small.toml --out h{index} --shard {index}/2"));
+    }
     desk.done("merge s1 s2 s3 s4 s5 s6 s7 --out forward");
     desk.done("merge s5 s3 s7 s1 s6 s2 s4 --out shuffled");
-    desk.assert_same("one", "forward");
-    desk.assert_same("one", "shuffled");
+    desk.done("merge h2 h1 --out halves");
+    desk.done("merge one --out alone");
+    // The same shard twice, and shards that share trials, agree with each other.
+    desk.done("merge h1 s1 h2 h1 s4 one --out mixed");
+    for merged in ["forward", "shuffled", "halves", "alone", "mixed"] {
+        desk.assert_same("one", merged);
+    }
+}
+
+#[test]
+fn of_eight_processes_in_one_folder_one_wins_and_the_others_name_a_process() {
+    let desk = Desk::new();
+    let words = "run small.toml --trials 40 --out a --quiet";
+    let begin = |_| {
+        let mut command = desk.command(words);
+        command.stdout(Stdio::null()).stderr(Stdio::piped());
+        command.spawn().unwrap()
+    };
+    let children: Vec<_> = (0..8).map(begin).collect();
+    let mut won = 0;
+    for child in children {
+        let output = child.wait_with_output().unwrap();
+        match output.status.code() {
+            Some(0) => won += 1,
+            code => {
+                let stderr = String::from_utf8(output.stderr).unwrap();
+                assert_eq!(code, Some(73), "{stderr}");
+                assert!(stderr.contains("is in use by process"), "{stderr}");
+            }
+        }
+    }
+    // Who comes when the winner is done finds the study finished, which is no fault either.
+    assert!(won >= 1, "nobody won");
+    desk.done("run small.toml --trials 40 --out b --quiet");
+    desk.assert_same("a", "b");
+}
+
+#[cfg(unix)]
+#[test]
+fn links_in_a_study_folder_lead_nobody_out_of_it() {
+    let desk = Desk::new();
+    desk.done("run small.toml --trials 1 --out a");
+    desk.write("precious", "precious");
+    let written = [
+        "plan.json.part",
+        "journal.part",
+        "trials.csv",
+        "report.md.part",
+        "curves.svg",
+    ];
+    for name in written {
+        let _ = fs::remove_file(desk.path("a").join(name));
+        std::os::unix::fs::symlink(desk.path("precious"), desk.path("a").join(name)).unwrap();
+    }
+    desk.done("run small.toml --trials 1 --out a");
+    assert_eq!(fs::read(desk.path("precious")).unwrap(), b"precious");
+    fs::remove_file(desk.path("a").join("journal")).unwrap();
+    fs::write(desk.path("precious"), "").unwrap();
+    std::os::unix::fs::symlink(desk.path("precious"), desk.path("a").join("journal")).unwrap();
+    let message = desk.refused("run small.toml --trials 1 --out a", 73);
+    assert!(
+        message.contains("journal: it is no plain file"),
+        "{message}"
+    );
+    assert_eq!(fs::read(desk.path("precious")).unwrap(), b"");
 }
 
 #[test]
@@ -246,6 +312,7 @@ fn faults_in_a_study_file_are_told_with_the_way_out() {
             .contains("`paper`")
     );
     desk.refused("run small.toml --out x --shard 8/7", 2);
+    desk.refused("run small.toml --out x --jobs 100000", 2);
     desk.refused("status x", 66);
     assert!(!desk.path("x").exists(), "nothing was begun");
 }

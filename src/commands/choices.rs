@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use xcscr::disk;
 use xcscr::reward::{Knowledge, Method};
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Resolved, RunFolder, Settings};
+use xcscr::study::{ArenaKind, MOST_TOML_BYTES, Resolved, RunFolder, Settings};
 
 use super::failure::{Exit, Failure};
 
@@ -49,30 +50,34 @@ pub struct SettingsArgs {
 impl SettingsArgs {
     /// The settings laid over `base`.
     pub fn resolve(&self, base: &Settings) -> Result<Resolved, Failure> {
-        let text = self.config.as_deref().map(read_text).transpose()?;
+        let read = |path: &Path| read_text(path, MOST_TOML_BYTES);
+        let text = self.config.as_deref().map(read).transpose()?;
         let name = self.config.as_ref().map(|path| path.display().to_string());
         let file = name.as_deref().zip(text.as_deref());
         Ok(Resolved::new(base, file, &self.set)?)
     }
 }
 
+/// Room for more rules than a population may have.
+const MOST_RULES_BYTES: u64 = 1 << 30;
+
 /// What was learned: that of a run, by its folder, or a file of rules.
 pub fn read_rules(path: &Path) -> Result<Knowledge, Failure> {
     if path.is_dir() {
         return Ok(RunFolder::open(path).knowledge()?);
     }
-    serde_json::from_str(&read_text(path)?).map_err(|fault| {
+    serde_json::from_str(&read_text(path, MOST_RULES_BYTES)?).map_err(|fault| {
         let message = format!("{} holds no rules: {fault}", path.display());
         Failure::new(Exit::BadData, message)
     })
 }
 
-/// The text of an input file.
-pub fn read_text(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|cause| {
+/// The text of an input file of at most so many bytes.
+pub fn read_text(path: &Path, most: u64) -> Result<String, Failure> {
+    disk::read_text(path, most).map_err(|cause| {
         let exit = match cause.kind() {
             std::io::ErrorKind::NotFound => Exit::Missing,
-            std::io::ErrorKind::InvalidData => Exit::BadData,
+            std::io::ErrorKind::InvalidData | std::io::ErrorKind::FileTooLarge => Exit::BadData,
             _ => Exit::Io,
         };
         Failure::new(exit, format!("cannot read {}: {cause}", path.display()))

@@ -4,10 +4,10 @@ use std::io::{self, Write};
 use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::thread::{Builder, sleep};
+use std::time::Duration;
 
 use signal_hook::{consts, flag};
-use xcscr::episode::{Observer, Step};
 
 use super::failure::Exit;
 
@@ -19,8 +19,10 @@ const SIGNALS: [i32; 2] = [consts::SIGINT, consts::SIGTERM];
 
 /// The exit code after a second signal.
 const IMPATIENT: i32 = 130;
-/// How long the episode may still take after the first signal.
+/// How long what is under way may still take after the first signal ...
 const PATIENCE: Duration = Duration::from_secs(4);
+/// ... and how soon that signal is noticed here.
+const GLANCE: Duration = Duration::from_millis(50);
 
 /// Whether a signal came that asks for the end. The next one ends the process at once.
 #[derive(Debug, Clone)]
@@ -29,8 +31,8 @@ pub struct Interrupt {
 }
 
 impl Interrupt {
-    /// Watches from now on.
-    pub fn watch() -> io::Result<Self> {
+    /// Takes notice of signals from now on.
+    pub fn notice() -> io::Result<Self> {
         let came = Arc::new(AtomicBool::new(false));
         for signal in SIGNALS {
             // In this order: the first signal finds the flag down and raises it.
@@ -40,9 +42,29 @@ impl Interrupt {
         Ok(Self { came })
     }
 
+    /// The same, and watches. When what is under way takes too long after a signal, such as an
+    /// episode in a winding maze, the process ends with `farewell`: like a process that is
+    /// killed, it leaves its last checkpoint or journal whole.
+    pub fn watch(farewell: String) -> io::Result<Self> {
+        let this = Self::notice()?;
+        let watch = this.clone();
+        Builder::new().spawn(move || watch.end_in_time(&farewell))?;
+        Ok(this)
+    }
+
     /// Did one come?
     pub fn came(&self) -> bool {
         self.came.load(Ordering::Relaxed)
+    }
+
+    fn end_in_time(&self, farewell: &str) {
+        while !self.came() {
+            sleep(GLANCE);
+        }
+        sleep(PATIENCE);
+        // A closed stderr is no reason to stay.
+        let _ = writeln!(io::stderr(), "\nerror: {farewell}");
+        process::exit(Exit::Interrupted as i32);
     }
 }
 
@@ -51,35 +73,4 @@ pub fn ignore_file_size_signal() -> io::Result<()> {
     #[cfg(unix)]
     flag::register(consts::SIGXFSZ, Arc::default())?;
     Ok(())
-}
-
-/// Ends the process when an episode takes too long after a signal: the last checkpoint is from
-/// before that episode, and whole.
-pub struct Patience {
-    interrupt: Interrupt,
-    since: Option<Instant>,
-    message: String,
-}
-
-impl Patience {
-    /// Says `message` when it ends the process.
-    pub fn new(interrupt: Interrupt, message: String) -> Self {
-        Self {
-            interrupt,
-            since: None,
-            message,
-        }
-    }
-}
-
-impl Observer for Patience {
-    fn stepped(&mut self, _: &Step<'_>) {
-        if !self.interrupt.came() {
-            return;
-        }
-        if self.since.get_or_insert_with(Instant::now).elapsed() > PATIENCE {
-            let _ = writeln!(io::stderr(), "\nerror: {}", self.message);
-            process::exit(Exit::Interrupted as i32);
-        }
-    }
 }

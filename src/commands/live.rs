@@ -46,7 +46,7 @@ impl LiveArgs {
             stream: open(port)?,
             speed: self.speed.unwrap_or(usual_speed),
             since: None,
-            interrupt: Interrupt::watch()?,
+            interrupt: Interrupt::notice()?,
         };
         let url = broadcast.stream.url();
         // A closed stderr is no reason to fail.

@@ -1,8 +1,9 @@
 //! `xcscr map`: the policy over the maze as a picture, still or moving.
 
-use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use xcscr::disk;
 use xcscr::study::map::{Film, FilmError, Scenes};
 use xcscr::study::{Plan, RunFolder};
 
@@ -46,9 +47,13 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         Kind::Svg => film.svg().into_bytes(),
         Kind::Png => film.png()?,
     };
-    fs::write(&args.output, picture).map_err(|cause| {
+    disk::replace(&args.output, &picture).map_err(|cause| {
         let message = format!("cannot write {}: {cause}", args.output.display());
-        Failure::new(Exit::CannotCreate, message)
+        let exit = match cause.kind() {
+            ErrorKind::StorageFull | ErrorKind::FileTooLarge => Exit::Io,
+            _ => Exit::CannotCreate,
+        };
+        Failure::new(exit, message)
     })
 }
 

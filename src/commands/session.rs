@@ -10,7 +10,7 @@ use xcscr::record::{RecordMode, RecordSummary, Recorder, RecorderMemory};
 use xcscr::study::{Checkpoint, Plan, RunFolder, Trial};
 
 use super::failure::{Exit, Failure};
-use super::interrupt::{Interrupt, Patience};
+use super::interrupt::Interrupt;
 use super::live::Broadcast;
 use super::progress::Progress;
 use super::train;
@@ -33,7 +33,7 @@ struct State {
 pub struct Session {
     folder: RunFolder,
     trial: Trial,
-    observers: (Recorder, (Progress, Patience)),
+    observers: (Recorder, Progress),
     interrupt: Interrupt,
     next_checkpoint: Instant,
 }
@@ -46,6 +46,7 @@ impl Session {
         mode: RecordMode,
         quiet: bool,
     ) -> Result<Self, Failure> {
+        let interrupt = watch(&folder)?;
         let plan = trial.plan();
         // First, so that the run can be resumed whenever it is stopped from here on.
         folder.save_checkpoint(&State {
@@ -54,12 +55,13 @@ impl Session {
         })?;
         folder.save_plan(plan)?;
         let recorder = train::recorder(folder.path(), plan, mode)?;
-        Self::new(folder, trial, recorder, quiet)
+        Ok(Self::new(folder, trial, recorder, interrupt, quiet))
     }
 
     /// Goes on with the run in a folder; gives the folder back when the run is finished.
     pub fn resume(path: &Path, quiet: bool) -> Result<Result<Self, RunFolder>, Failure> {
         let folder = RunFolder::resume(path)?;
+        let interrupt = watch(&folder)?;
         let Some(State { trial, recorder }) = folder.checkpoint()? else {
             return Ok(Err(folder));
         };
@@ -69,27 +71,25 @@ impl Session {
         let info = train::run_info(plan)?;
         let policy = trial.policy();
         let recorder = Recorder::resume(folder.path(), &plan.maze, info, recorder, policy)?;
-        Ok(Ok(Self::new(folder, trial, recorder, quiet)?))
+        Ok(Ok(Self::new(folder, trial, recorder, interrupt, quiet)))
     }
 
     fn new(
         folder: RunFolder,
         trial: Trial,
         recorder: Recorder,
+        interrupt: Interrupt,
         quiet: bool,
-    ) -> Result<Self, Failure> {
+    ) -> Self {
         let Plan { config, .. } = trial.plan();
         let progress = Progress::new(config.episodes, quiet).after(trial.progress());
-        let interrupt = Interrupt::watch()?;
-        let farewell = format!("interrupted in an episode; {}", way_on(&folder));
-        let patience = Patience::new(interrupt.clone(), farewell);
-        Ok(Self {
+        Self {
             folder,
             trial,
-            observers: (recorder, (progress, patience)),
+            observers: (recorder, progress),
             interrupt,
             next_checkpoint: Instant::now(),
-        })
+        }
     }
 
     /// Waits a while for a viewer, and from now on streams what is recorded.
@@ -114,8 +114,8 @@ impl Session {
             observers,
             ..
         } = self;
-        let (recorder, watchers) = observers;
-        drop(watchers);
+        let (recorder, progress) = observers;
+        drop(progress);
         let recording = recorder.finish(trial.method());
         let recording = recording.map_err(|error| hint(error.into()))?;
         let saved = folder.save_knowledge(&trial.method().knowledge());
@@ -164,6 +164,12 @@ impl Session {
         let message = format!("interrupted after episode {done} of {all}; {way_on}");
         Failure::new(Exit::Interrupted, message)
     }
+}
+
+/// Watches for signals from the moment on at which the folder is this process's own.
+fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
+    let farewell = format!("interrupted in an episode; {}", way_on(folder));
+    Ok(Interrupt::watch(farewell)?)
 }
 
 fn way_on(folder: &RunFolder) -> String {

@@ -81,8 +81,8 @@ pub struct RunArgs {
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
     /// Trials at a time; 0 for as many as there are cores.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    jobs: usize,
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    jobs: u16,
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
@@ -125,9 +125,16 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         sets: args.set.clone(),
     };
     let protocol = Protocol::new(&StudyFile::load(&args.study)?, &overrides)?;
-    let interrupt = Interrupt::watch()?;
+    let farewell = "interrupted in a trial; the same command goes on";
+    let interrupt = Interrupt::watch(farewell.to_owned())?;
     let mut progress = Progress::new(args.quiet, interrupt.clone());
-    let folder = run_study(&protocol, &args.out, args.shard, args.jobs, &mut progress)?;
+    let folder = run_study(
+        &protocol,
+        &args.out,
+        args.shard,
+        args.jobs.into(),
+        &mut progress,
+    )?;
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {

@@ -25,6 +25,15 @@ pub enum RecordError {
         /// What the system said.
         cause: String,
     },
+    /// A recovered recording could not be written. Nothing of it is left, and the file that was to
+    /// be recovered is as it was.
+    #[error("cannot write the recovered recording: {cause}; free some space, or choose another place: {}", path.display())]
+    Recover {
+        /// The file that was to be.
+        path: PathBuf,
+        /// What the system said.
+        cause: String,
+    },
     /// The file could not be read from the disk.
     #[error("cannot read the recording: {cause}: {}", path.display())]
     Read {

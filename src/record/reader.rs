@@ -1,7 +1,6 @@
 //! Reading recordings back.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,6 +10,7 @@ use mcap::{McapError, McapResult, MessageStream, Summary};
 
 use super::error::RecordError;
 use super::parse::parse_record;
+use crate::disk;
 
 /// A recording in memory, whose check sums are right.
 #[derive(Debug, Clone)]
@@ -81,7 +81,7 @@ impl Recording {
     /// # Errors
     /// [`RecordError::Read`] when there is no such file; otherwise as [`Self::from_bytes`].
     pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let bytes = fs::read(path).map_err(|cause| RecordError::Read {
+        let bytes = disk::read_plain(path).map_err(|cause| RecordError::Read {
             path: path.to_owned(),
             cause,
         })?;

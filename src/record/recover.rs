@@ -1,23 +1,24 @@
 //! A whole recording of what can still be read of a broken one.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-use mcap::{MAGIC, McapError};
+use mcap::{MAGIC, McapError, McapResult};
 
 use super::error::RecordError;
 use super::reader::Recording;
 use super::salvage::{Recovery, salvage};
+use crate::disk;
 
 /// Copies all whole records of `input` into `output`, which is a whole recording then; it is read
 /// back before it gets its name. An `output` that exists is replaced only if `force` is set.
 ///
 /// # Errors
 /// [`RecordError::Read`], [`RecordError::Damaged`] when `input` is no MCAP file at all,
-/// [`RecordError::Create`] and [`RecordError::Write`] for `output`.
+/// [`RecordError::Create`] and [`RecordError::Recover`] for `output`.
 pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, RecordError> {
-    let bytes = fs::read(input).map_err(|cause| RecordError::Read {
+    let bytes = disk::read_plain(input).map_err(|cause| RecordError::Read {
         path: input.to_owned(),
         cause,
     })?;
@@ -32,9 +33,10 @@ pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, Rec
         });
     }
     let aside = aside(output);
-    let recovery = write(&bytes, &aside).and_then(|recovery| {
+    let written = write(&bytes, &aside).map_err(|cause| write_error(output, &cause));
+    let recovery = written.and_then(|recovery| {
         verify(&aside, &recovery)?;
-        let renamed = fs::rename(&aside, output);
+        let renamed = disk::rename(&aside, output);
         renamed.map_err(|cause| write_error(output, &cause.into()))?;
         Ok(recovery)
     });
@@ -52,6 +54,7 @@ fn refuse(input: &Path, output: &Path, force: bool) -> io::Result<()> {
     let exists = |what| Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
     match output.exists() {
         true if same => exists("it is the file to recover"),
+        true if !output.is_file() => exists("it is no plain file"),
         true if !force => exists("it exists (replace it with `--force`)"),
         _ => Ok(()),
     }
@@ -64,21 +67,15 @@ fn aside(output: &Path) -> PathBuf {
     name.into()
 }
 
-fn write(bytes: &[u8], aside: &Path) -> Result<Recovery, RecordError> {
-    let file = File::create(aside).map_err(|cause| RecordError::Create {
-        path: aside.to_owned(),
-        cause,
-    })?;
-    let salvaged = salvage(bytes, BufWriter::new(file)).and_then(|(sink, recovery)| {
-        let file = sink.into_inner().map_err(|e| e.into_error())?;
-        file.sync_all()?;
-        Ok(recovery)
-    });
-    salvaged.map_err(|cause| write_error(aside, &cause))
+fn write(bytes: &[u8], aside: &Path) -> McapResult<Recovery> {
+    let (sink, recovery) = salvage(bytes, BufWriter::new(disk::create(aside)?))?;
+    let file = sink.into_inner().map_err(|e| e.into_error())?;
+    file.sync_all()?;
+    Ok(recovery)
 }
 
 fn write_error(path: &Path, cause: &McapError) -> RecordError {
-    RecordError::Write {
+    RecordError::Recover {
         path: path.to_owned(),
         cause: match cause {
             McapError::Io(cause) => cause.to_string(),

@@ -10,11 +10,10 @@ use mcap::{MAGIC, McapResult, Summary};
 
 use super::log_file::{Sink, writer};
 use super::parse::parse_record;
+use super::reader::longest_record;
 
 /// The opcode and the length before each record.
 const HEAD_BYTES: usize = 9;
-/// A broken length must not ask for all memory.
-const LARGEST_RECORD: usize = 1 << 30;
 
 /// What was saved, and what was not.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -94,7 +93,7 @@ fn records_of(chunk: &[u8]) -> McapResult<Vec<Record<'static>>> {
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
         .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(LARGEST_RECORD);
+        .with_record_length_limit(longest_record(chunk.len() as u64));
     let mut reader = LinearReader::new_with_options(options);
     let mut rest = chunk;
     let mut records = Vec::new();

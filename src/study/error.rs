@@ -91,7 +91,7 @@ pub enum StudyError {
         cause: io::Error,
     },
     /// A file cannot be read or written.
-    #[error("{}: {cause}", .path.display())]
+    #[error("{}: {cause}{}", .path.display(), way_out(.cause))]
     Io {
         /// The file.
         path: PathBuf,
@@ -114,6 +114,17 @@ pub enum StudyError {
         /// Why.
         fault: String,
     },
+}
+
+/// What helps when a file cannot be written.
+fn way_out(cause: &io::Error) -> &'static str {
+    use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+    match cause.kind() {
+        StorageFull | QuotaExceeded | FileTooLarge => {
+            "; free some space, and give the same command again: finished trials are kept"
+        }
+        _ => "",
+    }
 }
 
 impl StudyError {

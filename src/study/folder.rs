@@ -1,8 +1,8 @@
 //! The folder of a study.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -13,11 +13,15 @@ use super::journal::{self, Journal};
 use super::lock::{FolderLock, LockError};
 use super::protocol::{Protocol, id_of};
 use super::record::TrialRecord;
+use crate::disk;
 
 /// The frozen study.
 const PLAN: &str = "plan.json";
 /// Finished trials.
 const JOURNAL: &str = "journal";
+/// Room for the largest sensible study, worlds and all.
+const MOST_PLAN_BYTES: u64 = 1 << 30;
+
 /// A folder with a frozen study and its finished trials.
 #[derive(Debug)]
 pub struct StudyFolder {
@@ -259,7 +263,7 @@ struct PlanFile {
 
 fn read_plan(folder: &Path) -> Result<Option<(Protocol, String)>, StudyError> {
     let path = folder.join(PLAN);
-    let text = match fs::read(&path) {
+    let text = match disk::read(&path, MOST_PLAN_BYTES) {
         Ok(text) => text,
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(cause) => return Err(StudyError::io(&path, cause)),
@@ -286,14 +290,7 @@ fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> {
     write_whole(&folder.join(PLAN), format!("{text}\n").as_bytes())
 }
 
-/// Writes a file so that it is there either whole or not at all.
+/// Writes a file so that it is there either whole or not at all; see [`disk::replace`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
-    let mut part = path.as_os_str().to_owned();
-    part.push(".part");
-    let written = File::create(&part).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        fs::rename(&part, path)
-    });
-    written.map_err(|cause| StudyError::io(path, cause))
+    disk::replace(path, bytes).map_err(|cause| StudyError::io(path, cause))
 }

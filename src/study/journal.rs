@@ -4,13 +4,13 @@
 //! journal is opened again. At the end of a study the journal is rewritten in the order of the
 //! trials, so that equal studies leave equal bytes.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::checksum::checksum;
 use super::error::StudyError;
 use super::record::TrialRecord;
+use crate::disk;
 
 /// An open journal.
 #[derive(Debug)]
@@ -23,7 +23,8 @@ impl Journal {
     /// Opens or begins the journal of the study with this plan, and reads what is in it.
     pub fn open(path: &Path, plan: &str) -> Result<(Self, Vec<TrialRecord>), StudyError> {
         let (records, whole) = read(path, plan)?;
-        let opened = OpenOptions::new().create(true).append(true).open(path);
+        let opened = disk::require_plain(path)
+            .and_then(|()| OpenOptions::new().create(true).append(true).open(path));
         let file = opened.map_err(|cause| StudyError::create(path, cause))?;
         let mut journal = Self {
             path: path.to_owned(),
@@ -64,7 +65,7 @@ pub fn text(plan: &str, records: &[TrialRecord]) -> String {
 
 /// The records of a journal, and the length of its whole lines; none when there is no journal.
 pub fn read(path: &Path, plan: &str) -> Result<(Vec<TrialRecord>, usize), StudyError> {
-    let bytes = match fs::read(path) {
+    let bytes = match disk::read_plain(path) {
         Ok(bytes) => bytes,
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => Vec::new(),
         Err(cause) => return Err(StudyError::io(path, cause)),
@@ -99,17 +100,19 @@ fn header(plan: &str) -> String {
 
 fn line(record: &TrialRecord) -> String {
     let json = serde_json::to_string(record).expect("plain data becomes JSON");
-    format!("{:016x} {json}\n", checksum(json.as_bytes()))
+    format!("{:08x} {json}\n", crc32fast::hash(json.as_bytes()))
 }
 
 fn parse(line: &[u8]) -> Option<TrialRecord> {
     let (sum, json) = std::str::from_utf8(line).ok()?.split_once(' ')?;
-    let intact = u64::from_str_radix(sum, 16).ok()? == checksum(json.as_bytes());
+    let intact = u32::from_str_radix(sum, 16).ok()? == crc32fast::hash(json.as_bytes());
     intact.then(|| serde_json::from_str(json).ok()).flatten()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn records(count: usize) -> Vec<TrialRecord> {

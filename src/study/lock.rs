@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
+use crate::disk;
+
 /// The file that is locked; it holds the number of the process.
 pub(super) const LOCK: &str = "run.lock";
 /// How often a lock is tried whose holder is just coming or going ...
@@ -82,10 +84,7 @@ impl Drop for FolderLock {
 
 /// Opens the file or makes it; never follows a link to a file elsewhere.
 fn open(path: &Path) -> io::Result<File> {
-    if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
-        let message = "it is no plain file, so it was not made by this program; remove it";
-        return Err(io::Error::other(message));
-    }
+    disk::require_plain(path)?;
     let mut options = OpenOptions::new();
     options.write(true).create(true).truncate(false).open(path)
 }

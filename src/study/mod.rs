@@ -1,7 +1,6 @@
 //! Trials, from a seed to a result; and studies, from many trials to an answer.
 
 mod checkpoint;
-mod checksum;
 mod condensed;
 mod error;
 mod evaluation;
@@ -23,6 +22,7 @@ mod shard;
 pub mod statistics;
 mod summary;
 mod tables;
+mod toml_text;
 mod trial;
 
 pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
@@ -41,4 +41,5 @@ pub use runner::{StudyWatcher, merge_studies, run_study};
 pub use settings::Settings;
 pub use shard::Shard;
 pub use summary::{ArmRecords, ArmSummary};
+pub use toml_text::MOST_TOML_BYTES;
 pub use trial::{Progress, Trial};

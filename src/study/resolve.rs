@@ -6,6 +6,7 @@ use std::fmt;
 use toml::{Table, Value};
 
 use super::settings::Settings;
+use super::toml_text::shortened;
 use crate::bounds::OutOfRange;
 
 /// Where the value of a setting came from.
@@ -109,7 +110,7 @@ impl Resolved {
         if let Some((name, text)) = file {
             let origin = Origin::File(name.to_owned());
             let table: Table = text.parse().map_err(|fault: toml::de::Error| {
-                let (origin, fault) = (origin.clone(), fault.to_string());
+                let (origin, fault) = (origin.clone(), shortened(&fault.to_string()));
                 SettingsError::Syntax { origin, fault }
             })?;
             for (key, value) in flatten(table) {
@@ -142,7 +143,9 @@ impl Resolved {
 /// A value of the command line: what TOML would read, or else the text itself.
 fn value_of(text: &str) -> Value {
     let read = format!("value = {text}").parse::<Table>().ok();
-    let value = read.and_then(|mut table| table.remove("value"));
+    // A text of several lines could hold more than the value.
+    let alone = read.filter(|table| table.len() == 1);
+    let value = alone.and_then(|mut table| table.remove("value"));
     value.unwrap_or_else(|| Value::String(text.to_owned()))
 }
 
@@ -171,7 +174,7 @@ fn overlay(
     let Some((present, _)) = values.get(&key) else {
         return Err(SettingsError::Unknown {
             suggestion: similar(&key, values.keys().map(String::as_str)),
-            key,
+            key: shortened(&key),
             origin: origin.clone(),
         });
     };
@@ -182,7 +185,7 @@ fn overlay(
     if !present.same_type(&value) {
         return Err(SettingsError::Type {
             origin: origin.clone(),
-            given: value.to_string(),
+            given: shortened(&value.to_string()),
             wanted: kind(present).to_owned(),
             key,
         });
@@ -218,12 +221,7 @@ fn checked(values: &BTreeMap<String, (Value, Origin)>) -> Result<Settings, Setti
         // Read on its own first, so that the message can name the setting.
         Table::from_iter([(section.to_owned(), Value::Table(alone.clone()))])
             .try_into::<Settings>()
-            .map_err(|fault| SettingsError::Type {
-                key: key.clone(),
-                origin: origin.clone(),
-                given: value.to_string(),
-                wanted: allowed(fault.message()),
-            })?;
+            .map_err(|fault| unreadable(key, value, origin, fault.message()))?;
         let section = all
             .entry(section)
             .or_insert_with(|| Value::Table(Table::new()));
@@ -244,13 +242,31 @@ fn checked(values: &BTreeMap<String, (Value, Origin)>) -> Result<Settings, Setti
         })
 }
 
-/// What may stand in a place, from the parser's words for what must not.
-fn allowed(fault: &str) -> String {
-    let expected = fault.split_once("expected ").map(|(_, expected)| expected);
-    match expected.unwrap_or(fault).trim() {
-        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0".to_owned(),
-        allowed => allowed.to_owned(),
+/// Why a value of the right type cannot be read: a whole number out of its range, or a name that
+/// is none of those allowed, for which the parser has words.
+fn unreadable(key: &str, value: &Value, origin: &Origin, fault: &str) -> SettingsError {
+    let origin = origin.clone();
+    if let Some(fault) = range_of(key, value) {
+        return SettingsError::Range { origin, fault };
     }
+    let expected = fault.split_once("expected ").map(|(_, expected)| expected);
+    SettingsError::Type {
+        key: key.to_owned(),
+        origin,
+        given: shortened(&value.to_string()),
+        wanted: expected.unwrap_or(fault).trim().to_owned(),
+    }
+}
+
+/// The range that a whole number missed by so much that no setting can hold it: what is said of
+/// the largest number that one can.
+fn range_of(key: &str, given: &Value) -> Option<OutOfRange> {
+    let (section, name) = key.split_once('.')?;
+    let largest = Table::from_iter([(name.to_owned(), Value::Integer(u32::MAX.into()))]);
+    let all = Table::from_iter([(section.to_owned(), Value::Table(largest))]);
+    let fault = all.try_into::<Settings>().ok()?.check().err()?;
+    let value = given.to_string();
+    (fault.key == key).then_some(OutOfRange { value, ..fault })
 }
 
 #[cfg(test)]
@@ -323,5 +339,35 @@ mod tests {
     fn a_set_without_a_value_and_a_broken_file_are_refused() {
         assert!(message(None, &["xcs.beta"]).contains("write `--set section.key=value`"));
         assert!(message(Some("[xcs"), &[]).starts_with("run.toml is no valid TOML"));
+    }
+
+    #[test]
+    fn whole_numbers_that_no_setting_can_hold_are_refused_with_the_range_of_this_one() {
+        for value in ["-1", "4294967296", "-9223372036854775808"] {
+            assert_eq!(
+                message(None, &[&format!("xcs.population_size={value}")]),
+                format!("--set: `xcs.population_size` is {value}, but must be from 32 to 1000000")
+            );
+        }
+    }
+
+    #[test]
+    fn a_value_of_several_lines_sets_nothing_beside_its_key() {
+        let message = message(None, &["xcs.nu=1\nxcs.mu=2"]);
+        assert!(message.contains("must be a whole number"), "{message}");
+    }
+
+    #[test]
+    fn a_message_repeats_only_the_beginning_of_a_long_line() {
+        let long = "x".repeat(1_000_000);
+        for text in [
+            format!("[xcs]\nbeta = \"{long}\"\n"),
+            format!("{long} = 1\n"),
+            format!("{} 1\n", "[".repeat(1_000_000)),
+            format!("[reward]\nsharing = \"{long}\"\n"),
+        ] {
+            let message = message(Some(&text), &[]);
+            assert!(message.len() < 1000, "{} bytes", message.len());
+        }
     }
 }

@@ -189,7 +189,7 @@ impl RunFolder {
         if !path.is_file() && self.path.join(RULES).is_file() {
             return Ok(None);
         }
-        let bytes = fs::read(&path).map_err(|cause| match cause.kind() {
+        let bytes = disk::read_plain(&path).map_err(|cause| match cause.kind() {
             io::ErrorKind::NotFound => RunFolderError::NothingToResume(self.path.clone()),
             _ => RunFolderError::Io {
                 path: path.clone(),

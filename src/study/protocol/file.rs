@@ -9,11 +9,13 @@ use toml::{Table, Value};
 
 use super::shipped;
 use crate::bounds::OutOfRange;
+use crate::disk;
 use crate::reward::Method;
 use crate::sensor::Sensor;
 use crate::study::error::StudyError;
 use crate::study::plan::ArenaKind;
 use crate::study::resolve::{flatten, similar};
+use crate::study::toml_text::{MOST_TOML_BYTES, shortened};
 use crate::world::{Maze, Recipe};
 
 /// The keys of a study file.
@@ -108,8 +110,11 @@ impl StudyFile {
         if let Some(text) = name.to_str().and_then(shipped::study) {
             return Self::parse(text, &name.display().to_string(), Path::new(""));
         }
-        let text = std::fs::read_to_string(name).map_err(|cause| match cause.kind() {
+        let text = disk::read_text(name, MOST_TOML_BYTES).map_err(|cause| match cause.kind() {
             ErrorKind::NotFound => StudyError::Missing(name.to_owned()),
+            ErrorKind::InvalidData | ErrorKind::FileTooLarge => {
+                StudyError::file(&name.display().to_string(), &cause.to_string())
+            }
             _ => StudyError::io(name, cause),
         })?;
         let folder = name.parent().unwrap_or(Path::new(""));
@@ -122,7 +127,7 @@ impl StudyFile {
     /// # Errors
     /// When the text describes no study.
     pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, StudyError> {
-        let fault = |fault: String| StudyError::file(origin, fault.trim_end());
+        let fault = |fault: String| StudyError::file(origin, &shortened(&fault));
         let table: Table = text
             .parse()
             .map_err(|e: toml::de::Error| fault(e.to_string()))?;
@@ -261,6 +266,12 @@ mod tests {
     fn a_world_that_is_not_shipped_needs_a_path() {
         let text = SMALL.replace("maze4", "maze7");
         assert!(message(&text).contains("there is no world `maze7`"));
+    }
+
+    #[test]
+    fn a_name_cannot_command_the_terminal() {
+        let text = SMALL.replace("\"s\"", r#""\u001b[31mred""#);
+        assert!(message(&text).contains("a control character"));
     }
 
     #[test]

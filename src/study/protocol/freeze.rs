@@ -12,6 +12,9 @@ use crate::study::resolve::Resolved;
 use crate::study::settings::Settings;
 use crate::world::Maze;
 
+/// More combinations than these fill the memory with settings before the first trial begins.
+const MOST_ARMS: usize = 10_000;
+
 /// What the command line says otherwise than the study file.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
@@ -51,8 +54,12 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
     }
 }
 
-/// Names tell worlds apart, in tables and in protocols.
+/// Names tell worlds apart, in tables and in protocols, and are printed to terminals.
 fn check_names(file: &StudyFile, worlds: &[Maze]) -> Result<(), StudyError> {
+    if file.document.name.contains(char::is_control) {
+        let fault = "`name` holds a control character: leave it out";
+        return Err(StudyError::file(&file.origin, fault));
+    }
     for (i, maze) in worlds.iter().enumerate() {
         if worlds[..i].iter().any(|other| other.name() == maze.name()) {
             let fault = format!("two worlds are called `{}`", maze.name());
@@ -62,6 +69,28 @@ fn check_names(file: &StudyFile, worlds: &[Maze]) -> Result<(), StudyError> {
     Ok(())
 }
 
+/// Refuses a study of too many combinations; the sweep alone can make billions of them.
+fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
+    let document = &file.document;
+    let sensors = document.world_sensors.values().chain([&document.sensors]);
+    let fixed = [
+        document.methods.len(),
+        sensors.map(Vec::len).max().unwrap_or(0),
+        document.after.len().max(1),
+        document.without.len() + 1,
+    ];
+    let swept = file.sweep()?.into_iter().map(|(_, values)| values.len());
+    let number = fixed
+        .into_iter()
+        .chain(swept)
+        .fold(places, usize::saturating_mul);
+    if number <= MOST_ARMS {
+        return Ok(());
+    }
+    let fault = format!("it makes {number} combinations, but at most {MOST_ARMS} are possible");
+    Err(StudyError::file(&file.origin, &fault))
+}
+
 /// Every combination, in the order of the file, worlds first.
 fn arms(file: &StudyFile, worlds: &[Maze], overrides: &Overrides) -> Result<Vec<Arm>, StudyError> {
     file.check_worlds(worlds)?;
@@ -69,7 +98,8 @@ fn arms(file: &StudyFile, worlds: &[Maze], overrides: &Overrides) -> Result<Vec<
     let arenas = overrides
         .arena
         .map_or(document.arenas.clone(), |arena| vec![arena]);
-    let variants: Vec<(Table, Variant)> = variants(file, overrides)?;
+    check_number(file, worlds.len() * arenas.len())?;
+    let variants = variants(file, overrides)?;
     let mut arms = Vec::new();
     for (maze, &method) in product(worlds, &document.methods) {
         let world = maze.name();
@@ -229,6 +259,16 @@ mod tests {
         );
         assert!(!study.arms[1].settings.xcs.ga);
         assert_eq!(study.len(), 48);
+    }
+
+    #[test]
+    fn a_sweep_of_too_many_combinations_is_refused_before_they_are_made() {
+        let values = vec!["0.5"; 100].join(", ");
+        let keys = ["xcs.beta", "xcs.mu", "xcs.chi", "xcs.delta", "xcs.alpha"];
+        let lines = keys.map(|key| format!("\"{key}\" = [{values}]\n"));
+        let fault = protocol(&format!("[sweep]\n{}", lines.concat()), &[]).unwrap_err();
+        let words = "it makes 40000000000 combinations, but at most 10000 are possible";
+        assert!(fault.to_string().contains(words), "{fault}");
     }
 
     #[test]

@@ -13,7 +13,6 @@ use serde_json::value::RawValue;
 pub use file::StudyFile;
 pub use freeze::Overrides;
 
-use super::checksum::checksum;
 use super::error::StudyError;
 use super::plan::{ArenaKind, Config, Plan};
 use super::settings::Settings;
@@ -168,6 +167,9 @@ impl Protocol {
             let earlier = |name: &String| named(&self.earlier, name).is_some();
             named(&self.worlds, &arm.world).is_some() && arm.after.as_ref().is_none_or(earlier)
         };
+        if self.arms.len().checked_mul(self.trials).is_none() {
+            return Err("it has more trials than can be counted".to_owned());
+        }
         if self.is_empty() || !self.arms.iter().all(known) {
             return Err("it has no trials, or trials in worlds that it does not hold".to_owned());
         }
@@ -184,7 +186,7 @@ fn named<'a>(mazes: &'a [Maze], name: &str) -> Option<&'a Maze> {
 
 /// The id of the study with this text.
 pub(super) fn id_of(json: &str) -> String {
-    format!("{:016x}", checksum(json.as_bytes()))
+    format!("{:08x}", crc32fast::hash(json.as_bytes()))
 }
 
 fn write_mazes<S: Serializer>(mazes: &[Maze], out: S) -> Result<S::Ok, S::Error> {
