@@ -97,6 +97,7 @@ fn info_tells_size_paths_and_cells_that_look_alike() {
     shortest    10 steps on 3 shortest paths
     look alike  (neighbours) 5,2  4,5: no move is best in all
     look alike  (position) none
+    look alike  (neighbours-position) none
     ");
 }
 
