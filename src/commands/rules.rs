@@ -6,10 +6,10 @@ use std::io::Write;
 use clap::ValueEnum;
 use serde::Serialize;
 use xcscr::reward::{CollisionRule, Foresight, Knowledge, ReturnRule};
-use xcscr::sensor::{Sensor, action_name};
+use xcscr::sensor::action_name;
 use xcscr::signal::{Action, Percept};
-use xcscr::study::{Condensed, Plan, Table};
-use xcscr::world::{Cell, Maze};
+use xcscr::study::{Condensed, MOST_PERCEPTS, Plan, Table};
+use xcscr::world::Cell;
 use xcscr::xcs::{Classifier, Condition, Population};
 
 use super::failure::{Exit, Failure};
@@ -63,39 +63,26 @@ fn cell(text: &str) -> Result<Cell, String> {
 
 /// Prints the rules.
 pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let (plan, knowledge) = args.learned.load()?;
-    let Plan { maze, config } = &plan;
-    let sensor = config.sensor;
-    knowledge
-        .check(sensor.width(maze), maze.action_count())
-        .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
-    let Some(all) = knowledge.rules() else {
-        let message = "what was learned is a table of a tabular method; it has no rules";
-        return Err(Failure::new(Exit::BadData, message));
-    };
+    let (plan, knowledge) = load(&args.learned)?;
+    let here = args.cell.map(|cell| perceived(&plan, cell)).transpose()?;
     let condensed = args
         .compact
         .then(|| condense(&knowledge, &plan))
         .transpose()?;
-    let shown = condensed.as_ref().map_or(all, |condensed| &condensed.rules);
-    let here = args
-        .cell
-        .map(|cell| perceived(maze, sensor, cell))
-        .transpose()?;
+    let all = knowledge.rules().map_or(&[][..], Population::rules);
+    let shown = condensed
+        .as_ref()
+        .map_or(all, |condensed| condensed.rules.rules());
     let rows = rows(shown, &plan, here.as_ref(), args.sort);
     if args.json {
-        return print_json(&knowledge, &rows, out);
+        return print_json(&knowledge, condensed.is_some(), &rows, out);
     }
     if args.csv {
         return print_csv(rows, out);
     }
-    writeln!(out, "{}", headline(&plan, all.len(), condensed.as_ref()))?;
-    if let (Some(cell), Some(percept)) = (args.cell, &here) {
-        writeln!(
-            out,
-            "  in cell {},{}, percept {percept}",
-            cell.col, cell.row
-        )?;
+    writeln!(out, "{}", headline(&plan, &knowledge, condensed.as_ref()))?;
+    if let Some(percept) = &here {
+        writeln!(out, "  where the percept is {percept}")?;
     }
     writeln!(out, "\n{}", table(&rows).text().trim_end())?;
     match knowledge.foresight() {
@@ -104,16 +91,33 @@ pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
 }
 
+/// What was learned, if it is rules about the world of the plan.
+fn load(learned: &LearnedArgs) -> Result<(Plan, Knowledge), Failure> {
+    let (plan, knowledge) = learned.load()?;
+    let Plan { maze, config } = &plan;
+    knowledge
+        .check(config.sensor.width(maze), maze.action_count())
+        .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
+    if knowledge.rules().is_none() {
+        let message = "what was learned is a table of a tabular method; it has no rules";
+        return Err(Failure::new(Exit::BadData, message));
+    }
+    Ok((plan, knowledge))
+}
+
 fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Condensed, Failure> {
     let Plan { maze, config } = plan;
     Condensed::new(knowledge, config.sensor, maze).ok_or_else(|| {
         let name = maze.name();
-        let message = format!("{name} has more than 4096 percepts: too many to condense rules for");
+        let message = format!(
+            "{name} has more than {MOST_PERCEPTS} percepts: too many to condense rules for"
+        );
         Failure::new(Exit::BadData, message)
     })
 }
 
-fn perceived(maze: &Maze, sensor: Sensor, cell: Cell) -> Result<Percept, Failure> {
+fn perceived(plan: &Plan, cell: Cell) -> Result<Percept, Failure> {
+    let Plan { maze, config } = plan;
     if maze.is_wall(cell) {
         let message = format!(
             "there is no free cell {},{} in {}",
@@ -123,7 +127,7 @@ fn perceived(maze: &Maze, sensor: Sensor, cell: Cell) -> Result<Percept, Failure
         );
         return Err(Failure::new(Exit::Usage, message));
     }
-    Ok(sensor.perceive_at(maze, cell))
+    Ok(config.sensor.perceive_at(maze, cell))
 }
 
 /// A rule as it is shown.
@@ -145,7 +149,7 @@ struct Row {
 }
 
 /// The rules that match a percept, or all, in the wanted order.
-fn rows(rules: &Population, plan: &Plan, here: Option<&Percept>, by: Order) -> Vec<Row> {
+fn rows(rules: &[Classifier], plan: &Plan, here: Option<&Percept>, by: Order) -> Vec<Row> {
     let Plan { maze, config } = plan;
     let percepts = config.sensor.percepts(maze);
     let matches = |rule: &&Classifier| here.is_none_or(|percept| rule.condition.matches(percept));
@@ -165,7 +169,7 @@ fn rows(rules: &Population, plan: &Plan, here: Option<&Percept>, by: Order) -> V
         experience: rule.experience,
         rule: *rule,
     };
-    let mut rows: Vec<Row> = rules.rules().iter().filter(matches).map(row).collect();
+    let mut rows: Vec<Row> = rules.iter().filter(matches).map(row).collect();
     match by {
         Order::Covers => rows.sort_by_key(|row| Reverse(row.covers)),
         Order::Action => rows.sort_by_key(|row| row.action),
@@ -178,14 +182,22 @@ fn rows(rules: &Population, plan: &Plan, here: Option<&Percept>, by: Order) -> V
     rows
 }
 
-fn print_json(knowledge: &Knowledge, rows: &[Row], out: &mut impl Write) -> Result<(), Failure> {
+fn print_json(
+    knowledge: &Knowledge,
+    condensed: bool,
+    rows: &[Row],
+    out: &mut impl Write,
+) -> Result<(), Failure> {
     let rules: Vec<Classifier> = rows.iter().map(|row| row.rule).collect();
     let rules: Population = rules
         .try_into()
         .expect("some rules of a population form one");
-    let shown = match knowledge.foresight().cloned() {
-        Some(foresight) => Knowledge::Foresighted { rules, foresight },
-        None => Knowledge::Rules(rules),
+    let shown = match knowledge {
+        Knowledge::RulesOverMatchSet(_) if !condensed => Knowledge::RulesOverMatchSet(rules),
+        _ => match knowledge.foresight().cloned() {
+            Some(foresight) => Knowledge::Foresighted { rules, foresight },
+            None => Knowledge::Rules(rules),
+        },
     };
     Ok(writeln!(out, "{}", serde_json::to_string_pretty(&shown)?)?)
 }
@@ -198,8 +210,8 @@ fn print_csv(rows: Vec<Row>, out: &mut impl Write) -> Result<(), Failure> {
     Ok(table.flush()?)
 }
 
-fn headline(plan: &Plan, all: usize, condensed: Option<&Condensed>) -> String {
-    let (world, sensor) = (plan.maze.name(), plan.config.sensor.name());
+fn headline(plan: &Plan, knowledge: &Knowledge, condensed: Option<&Condensed>) -> String {
+    let (world, sensor, all) = (plan.maze.name(), plan.config.sensor.name(), knowledge.len());
     let Some(condensed) = condensed else {
         return format!("{world}, {sensor}: {all} rules");
     };
@@ -215,8 +227,8 @@ fn headline(plan: &Plan, all: usize, condensed: Option<&Condensed>) -> String {
         "not globally optimal"
     };
     format!(
-        "{world}, {sensor}: {} rules, condensed from {all}\n  the same choice in {agreeing} of \
-         {percepts} percepts of the world; the policy is {optimal}",
+        "{world}, {sensor}: {} rules, condensed from {all}\n  the same choice in {agreeing} of the \
+         {percepts} percepts of the world that they know; the policy is {optimal}",
         rules.len()
     )
 }

@@ -57,7 +57,8 @@ pub enum StudyCommand {
 /// Arguments of `study run`.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
-    /// A study file (TOML), or one of the studies that come with the program: paper, ablation.
+    /// A study file (TOML), or one of the studies that come with the program: paper, ablation,
+    /// plus, repairs, transfer.
     study: PathBuf,
     /// The folder of the study.
     #[arg(long, value_name = "DIR")]

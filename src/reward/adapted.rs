@@ -86,7 +86,7 @@ impl RewardMethod for Adapted {
     }
 
     fn knowledge(&self) -> Knowledge {
-        Knowledge::Rules(self.mind.xcs.population().clone())
+        self.mind.knowledge()
     }
 
     fn bring(&mut self, knowledge: &Knowledge) -> bool {

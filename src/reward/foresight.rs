@@ -1,6 +1,8 @@
 //! General rules that foretell what an action does, as they are read and carried from maze to
 //! maze.
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 
 use crate::signal::Action;
@@ -18,35 +20,67 @@ pub struct Foresight {
 
 /// The most that a rule may have counted.
 const MOST_COUNTED: u32 = 1_000_000_000;
+/// Every rule about collisions is asked at every step.
+const MOST_COLLISION_RULES: usize = 10_000;
 
 impl Foresight {
-    /// Accepts rules about `actions` actions whose counts can be.
+    /// Accepts rules about `actions` actions, none of them twice, whose counts can be.
     ///
     /// # Errors
     /// What is wrong with the first rule that cannot be.
     pub(super) fn check(&self, actions: usize) -> Result<(), String> {
-        for CollisionRule {
+        let number = self.collisions.len();
+        if number > MOST_COLLISION_RULES {
+            return Err(format!(
+                "there are {number} collision rules, but at most {MOST_COLLISION_RULES} are possible"
+            ));
+        }
+        let mut seen = BTreeSet::new();
+        self.collisions
+            .iter()
+            .try_for_each(|rule| rule.check(&mut seen))?;
+        let mut seen = BTreeSet::new();
+        self.returns
+            .iter()
+            .try_for_each(|rule| rule.check(actions, &mut seen))
+    }
+}
+
+impl CollisionRule {
+    fn check(&self, seen: &mut BTreeSet<(Condition, Option<Action>)>) -> Result<(), String> {
+        let Self {
             condition,
             hits,
             misses,
             ..
-        } in &self.collisions
-        {
-            if !(1..=MOST_COUNTED).contains(hits) || *misses > MOST_COUNTED {
-                return Err(format!(
-                    "the collision rule {condition} counts {hits} hits and {misses} misses: hits must be from 1 to {MOST_COUNTED}, misses from 0"
-                ));
-            }
+        } = self;
+        if !(1..=MOST_COUNTED).contains(hits) || *misses > MOST_COUNTED {
+            return Err(format!(
+                "the collision rule {condition} counts {hits} hits and {misses} misses: hits must be from 1 to {MOST_COUNTED}, misses from 0"
+            ));
         }
-        for ReturnRule { turn, hits, misses } in &self.returns {
-            if turn.index() >= actions || hits.max(misses) > &MOST_COUNTED {
-                let turn = turn.index();
-                return Err(format!(
-                    "the return rule of turn {turn} counts {hits} hits and {misses} misses: there are {actions} actions, and at most {MOST_COUNTED} can be counted"
-                ));
-            }
+        match seen.insert((*condition, self.action)) {
+            true => Ok(()),
+            false => Err(format!(
+                "the collision rule {condition} stands twice for the same action"
+            )),
         }
-        Ok(())
+    }
+}
+
+impl ReturnRule {
+    fn check(&self, actions: usize, seen: &mut BTreeSet<Action>) -> Result<(), String> {
+        let Self { turn, hits, misses } = self;
+        let number = turn.index();
+        if number >= actions || hits.max(misses) > &MOST_COUNTED {
+            return Err(format!(
+                "the return rule of turn {number} counts {hits} hits and {misses} misses: there are {actions} actions, and at most {MOST_COUNTED} can be counted"
+            ));
+        }
+        match seen.insert(*turn) {
+            true => Ok(()),
+            false => Err(format!("the return rule of turn {number} stands twice")),
+        }
     }
 }
 
@@ -75,4 +109,50 @@ pub struct ReturnRule {
     pub hits: u32,
     /// How often it led elsewhere; at most a billion.
     pub misses: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn collision(hits: u32) -> CollisionRule {
+        let condition = "01##".parse().unwrap();
+        CollisionRule {
+            condition,
+            action: None,
+            hits,
+            misses: 0,
+        }
+    }
+
+    fn back(turn: usize) -> ReturnRule {
+        let turn = Action::new(turn).unwrap();
+        ReturnRule {
+            turn,
+            hits: 2,
+            misses: 0,
+        }
+    }
+
+    #[test]
+    fn rules_that_cannot_be_are_named() {
+        let check = |collisions, returns| {
+            Foresight {
+                collisions,
+                returns,
+            }
+            .check(4)
+        };
+        assert_eq!(check(vec![collision(1)], vec![back(2), back(3)]), Ok(()));
+        for (fault, collisions, returns) in [
+            ("counts 0 hits", vec![collision(0)], vec![]),
+            ("01## stands twice", vec![collision(1); 2], vec![]),
+            ("of turn 4 counts", vec![], vec![back(4)]),
+            ("of turn 2 stands twice", vec![], vec![back(2); 2]),
+            ("10001 collision rules", vec![collision(1); 10_001], vec![]),
+        ] {
+            let said = check(collisions, returns).unwrap_err();
+            assert!(said.contains(fault), "{said}");
+        }
+    }
 }

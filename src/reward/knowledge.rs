@@ -17,6 +17,8 @@ use crate::xcs::{Population, PredictionArray};
 pub enum Knowledge {
     /// The rules of an XCS.
     Rules(Population),
+    /// The rules of an XCS that divides by the fitness of all of \[M\] (`xcs.worth_over_match_set`).
+    RulesOverMatchSet(Population),
     /// The rules of an XCS that also foresees what actions do.
     Foresighted {
         /// What actions are worth.
@@ -32,7 +34,10 @@ impl Knowledge {
     /// The worth of each of `actions` actions under a percept.
     pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
         match self {
-            Self::Rules(rules) | Self::Foresighted { rules, .. } => rules.worth(percept, actions),
+            Self::Rules(rules) | Self::Foresighted { rules, .. } => {
+                rules.sums(percept).array(actions, false)
+            }
+            Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);
@@ -47,7 +52,9 @@ impl Knowledge {
     /// The rules that say what actions are worth; `None` for a table.
     pub fn rules(&self) -> Option<&Population> {
         match self {
-            Self::Rules(rules) | Self::Foresighted { rules, .. } => Some(rules),
+            Self::Rules(rules)
+            | Self::RulesOverMatchSet(rules)
+            | Self::Foresighted { rules, .. } => Some(rules),
             Self::Table(_) => None,
         }
     }
@@ -56,7 +63,7 @@ impl Knowledge {
     pub fn foresight(&self) -> Option<&Foresight> {
         match self {
             Self::Foresighted { foresight, .. } => Some(foresight),
-            Self::Rules(_) | Self::Table(_) => None,
+            Self::Rules(_) | Self::RulesOverMatchSet(_) | Self::Table(_) => None,
         }
     }
 
@@ -87,8 +94,8 @@ impl Knowledge {
     /// The number of rules, or of pairs in the table.
     pub fn len(&self) -> usize {
         match self {
-            Self::Rules(rules) | Self::Foresighted { rules, .. } => rules.len(),
             Self::Table(table) => table.values().flatten().flatten().count(),
+            _ => self.rules().map_or(0, Population::len),
         }
     }
 

@@ -36,6 +36,15 @@ impl Mind {
         })
     }
 
+    /// What was learned.
+    pub fn knowledge(&self) -> Knowledge {
+        let rules = self.xcs.population().clone();
+        match self.xcs.params().worth_over_match_set {
+            true => Knowledge::RulesOverMatchSet(rules),
+            false => Knowledge::Rules(rules),
+        }
+    }
+
     /// Forms \[M\] and predicts.
     pub fn consider(&mut self, percept: &Percept) -> PredictionArray {
         self.xcs.form_match_set(percept, &mut self.match_set);

@@ -118,7 +118,7 @@ impl RewardMethod for Standard {
     }
 
     fn knowledge(&self) -> Knowledge {
-        Knowledge::Rules(self.mind.xcs.population().clone())
+        self.mind.knowledge()
     }
 
     fn bring(&mut self, knowledge: &Knowledge) -> bool {

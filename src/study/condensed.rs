@@ -6,8 +6,9 @@ use crate::sensor::Sensor;
 use crate::world::{Maze, Paths};
 use crate::xcs::{Population, compact};
 
-/// In worlds with more percepts, condensing would take minutes.
-const MOST_PERCEPTS: usize = 4096;
+/// Rules are condensed in worlds of at most this many different percepts; beyond, it would take
+/// minutes.
+pub const MOST_PERCEPTS: usize = 4096;
 
 /// The rules of a learner condensed for a maze, and put to the test there.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,20 +25,19 @@ pub struct Condensed {
 
 impl Condensed {
     /// Condenses what was learned; `None` for a table, which has no rules, and in worlds with more
-    /// than 4096 different percepts.
+    /// than [`MOST_PERCEPTS`] different percepts.
     pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze) -> Option<Self> {
         let actions = maze.action_count();
         let percepts = sensor.percepts(maze);
         if percepts.len() > MOST_PERCEPTS {
             return None;
         }
-        let rules = compact(knowledge.rules()?, &percepts, actions);
+        let worth = |percept: &_| knowledge.worth(percept, actions);
+        let rules = compact(knowledge.rules()?, &percepts, worth);
         let condensed = Knowledge::Rules(rules.clone());
-        let known = percepts
-            .iter()
-            .filter(|p| knowledge.worth(p, actions).greatest().is_some());
-        let agrees = |percept| {
-            let wanted = knowledge.worth(percept, actions);
+        let known = percepts.iter().filter(|p| worth(p).greatest().is_some());
+        let agrees = |percept: &_| {
+            let wanted = worth(percept);
             let chosen = condensed.worth(percept, actions);
             let is_wanted = |action| wanted.best_actions().any(|best| best == action);
             chosen.greatest().is_some() && chosen.best_actions().all(is_wanted)

@@ -26,7 +26,7 @@ mod toml_text;
 mod trial;
 
 pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
-pub use condensed::Condensed;
+pub use condensed::{Condensed, MOST_PERCEPTS};
 pub use error::StudyError;
 pub use evaluation::Evaluation;
 pub use folder::StudyFolder;

@@ -22,14 +22,18 @@ const WIDEST_STAR: usize = 8;
 const BEGINNINGS: usize = 32;
 
 /// The condensed rules of `population`, in the order in which they were chosen: those that cover
-/// the most percepts first. In each of `percepts` of which `population` says anything, every
-/// action they advocate is one that `population` rates best of `actions` actions, and there is
-/// one. Percepts may repeat; all are of the same width.
+/// the most percepts first. In each of `percepts` where any action has a `worth`, every action they
+/// advocate is one of the greatest worth, and there is one. Percepts may repeat; all are of the
+/// same width.
 ///
 /// A rule predicts the mean worth of its action where it matches; its error is the mean deviation
-/// from that.
-pub fn compact(population: &Population, percepts: &[Percept], actions: usize) -> Population {
-    let task = Task::new(population, percepts, actions);
+/// from that, its experience the greatest of the rules that it takes over.
+pub fn compact(
+    population: &Population,
+    percepts: &[Percept],
+    worth: impl Fn(&Percept) -> PredictionArray,
+) -> Population {
+    let task = Task::new(population, percepts, worth);
     let chosen = fewest(task.candidates(), task.known.len());
     let rules: Vec<Classifier> = chosen.iter().map(|one| task.classifier(one)).collect();
     rules
@@ -67,17 +71,20 @@ struct Partial {
 }
 
 impl<'a> Task<'a> {
-    fn new(population: &'a Population, percepts: &[Percept], actions: usize) -> Self {
+    fn new(
+        population: &'a Population,
+        percepts: &[Percept],
+        worth: impl Fn(&Percept) -> PredictionArray,
+    ) -> Self {
         let mut percepts = percepts.to_vec();
         percepts.sort_unstable();
         percepts.dedup();
-        let worth = |percept| (percept, population.worth(&percept, actions));
-        let known: Vec<_> = percepts.into_iter().map(worth).collect();
-        let known: Vec<_> = known
+        let with_worth = percepts
             .into_iter()
-            .filter(|(_, w)| w.greatest().is_some())
-            .collect();
-        let width = known.first().map_or(0, |(percept, _)| percept.width());
+            .map(|percept| (percept, worth(&percept)));
+        let known: Vec<_> = with_worth.filter(|(_, w)| w.greatest().is_some()).collect();
+        let first = known.first();
+        let (width, actions) = first.map_or((0, 0), |(p, w)| (p.width(), w.as_slice().len()));
         let where_it = |holds: &dyn Fn(&Percept, &PredictionArray) -> bool| {
             let all = known.iter().enumerate();
             let mut set = FixedBitSet::with_capacity(known.len());
@@ -204,16 +211,10 @@ impl<'a> Task<'a> {
         let prediction = one.covers.ones().map(worth).sum::<f64>() / count;
         let deviation = |at| (worth(at) - prediction).abs();
         let rules = self.population.rules().iter();
-        let absorbed = rules.filter(|rule| {
+        let taken_over = rules.filter(|rule| {
             rule.action == one.action
                 && (rule.condition == one.condition
                     || one.condition.is_more_general_than(&rule.condition))
-        });
-        let (numerosity, experience) = absorbed.fold((0, 0), |(numerosity, experience), rule| {
-            (
-                numerosity + rule.numerosity,
-                rule.experience.max(experience),
-            )
         });
         Classifier {
             condition: one.condition,
@@ -221,10 +222,10 @@ impl<'a> Task<'a> {
             prediction,
             error: one.covers.ones().map(deviation).sum::<f64>() / count,
             fitness: 1.0,
-            numerosity: numerosity.max(1),
-            experience,
+            numerosity: 1,
+            experience: taken_over.map(|rule| rule.experience).max().unwrap_or(0),
             time_stamp: 0,
-            set_size: f64::from(numerosity.max(1)),
+            set_size: 1.0,
             eam: 1.0,
         }
     }
@@ -305,8 +306,13 @@ mod tests {
     }
 
     fn best(population: &Population, percept: &Percept) -> Vec<usize> {
-        let worth = population.worth(percept, 3);
+        let worth = population.sums(percept).array(3, false);
         worth.best_actions().map(Action::index).collect()
+    }
+
+    /// The condensed rules, and how many percepts they were condensed for.
+    fn condensed(population: &Population, percepts: &[Percept]) -> Population {
+        compact(population, percepts, |p| population.sums(p).array(3, false))
     }
 
     #[test]
@@ -325,7 +331,7 @@ mod tests {
                 })
             })
             .collect();
-        let condensed = compact(&population(&table), &all_percepts(4), 2);
+        let condensed = condensed(&population(&table), &all_percepts(4));
         let shown = condensed.rules().iter();
         let mut shown: Vec<_> = shown
             .map(|r| (r.condition.to_string(), r.action.index(), r.prediction))
@@ -339,9 +345,9 @@ mod tests {
 
     #[test]
     fn nothing_is_made_of_nothing() {
-        assert!(compact(&Population::default(), &all_percepts(3), 2).is_empty());
+        assert!(condensed(&Population::default(), &all_percepts(3)).is_empty());
         let rules = population(&[("111".into(), 0, 1.0)]);
-        assert!(compact(&rules, &["000".parse().unwrap()], 2).is_empty());
+        assert!(condensed(&rules, &["000".parse().unwrap()]).is_empty());
     }
 
     proptest! {
@@ -353,8 +359,9 @@ mod tests {
             let rules: Vec<_> =
                 rules.into_iter().map(|(c, a, p)| (c, a, f64::from(p))).collect();
             let full = population(&rules);
-            let condensed = compact(&full, &all_percepts(5), 3);
-            prop_assert!(condensed.len() <= 32);
+            let known = all_percepts(5).iter().filter(|p| !best(&full, p).is_empty()).count();
+            let condensed = condensed(&full, &all_percepts(5));
+            prop_assert!(condensed.len() <= known, "{} for {known}", condensed.len());
             for percept in all_percepts(5) {
                 let (wanted, chosen) = (best(&full, &percept), best(&condensed, &percept));
                 if wanted.is_empty() {

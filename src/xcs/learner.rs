@@ -151,9 +151,7 @@ impl Xcs {
 
     /// The prediction array in a percept, read from \[P\] without covering or changing anything.
     pub fn worth(&self, percept: &Percept) -> PredictionArray {
-        let mut sums = PredictionSums::default();
-        self.population
-            .for_each_match(percept, |_, rule| sums.add(rule));
+        let sums = self.population.sums(percept);
         sums.array(self.actions, self.params.worth_over_match_set)
     }
 

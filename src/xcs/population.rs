@@ -11,12 +11,14 @@ use super::deletion::DeletionVotes;
 use super::handles::{ClassifierId, Handles};
 use super::match_index::MatchIndex;
 use super::params::{GREATEST_POPULATION, Params};
-use super::prediction::{PredictionArray, PredictionSums};
+use super::prediction::PredictionSums;
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
 
 /// More steps than any learner lives to see; counters up to here leave room for arithmetic.
 pub(super) const MOST_STEPS: u64 = 1 << 40;
+/// Figures of rules from files lie below this, so that no sum or product of two is infinite.
+const GREATEST_FIGURE: f64 = 1e100;
 
 /// \[P\]: all rules, each with an id that outlives it.
 ///
@@ -130,12 +132,11 @@ impl Population {
         }
     }
 
-    /// The worth of each of `actions` actions under a percept: the fitness-weighted mean
-    /// prediction of the rules that match it.
-    pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
+    /// What the worth of each action under a percept comes from: the rules that match it.
+    pub fn sums(&self, percept: &Percept) -> PredictionSums {
         let mut sums = PredictionSums::default();
         self.for_each_match(percept, |_, rule| sums.add(rule));
-        sums.array(actions, false)
+        sums
     }
 
     /// The same rules, all with the time stamp `time` and the effect of mapping `eam`.
@@ -222,15 +223,17 @@ impl TryFrom<Vec<Classifier>> for Population {
 
 /// What keeps a rule from a file out of a population with conditions of `width`.
 fn fault_of(rule: &Classifier, width: usize) -> Option<&'static str> {
-    let figures = [rule.prediction, rule.error, rule.fitness, rule.set_size];
+    let figures = [rule.prediction, rule.error, rule.fitness];
     if rule.condition.width() != width {
         Some("is not as wide as the first one")
     } else if rule.numerosity == 0 {
         Some("has numerosity 0, but must have at least 1")
-    } else if !figures.iter().all(|figure| figure.is_finite()) {
-        Some("has a figure that is not finite")
-    } else if rule.fitness < 0.0 || rule.error < 0.0 || rule.set_size < 0.0 {
-        Some("has a fitness, error or set size below its range")
+    } else if !figures.iter().all(|figure| figure.abs() <= GREATEST_FIGURE) {
+        Some("has a prediction, error or fitness that is no number up to 1e100")
+    } else if rule.fitness < 0.0 || rule.error < 0.0 {
+        Some("has a fitness or an error below 0")
+    } else if !(1.0..=f64::from(GREATEST_POPULATION)).contains(&rule.set_size) {
+        Some("has a set size that is not from 1 to a million")
     } else if rule.time_stamp > MOST_STEPS {
         Some("counts more steps than any learner lives to see")
     } else {
@@ -291,7 +294,15 @@ mod tests {
             prediction: f64::NAN,
             ..rule("01", 1)
         };
-        assert!(refuse(vec![broken]).contains("not finite"));
+        assert!(refuse(vec![broken]).contains("no number up to 1e100"));
+        for set_size in [f64::NAN, 0.0, 1e7] {
+            let broken = Classifier {
+                set_size,
+                ..rule("01", 1)
+            };
+            let fault = refuse(vec![broken]);
+            assert!(fault.contains("set size"), "{set_size}: {fault}");
+        }
         assert!(refuse(vec![rule("01", 0)]).contains("numerosity 0"));
     }
 
@@ -316,7 +327,7 @@ mod tests {
         fn a_population_survives_json_to_the_bit(
             figures in prop::collection::vec((any::<f64>(), 1e-300_f64..1.0), 1..20),
         ) {
-            let rules = figures.iter().enumerate().filter(|(_, (p, _))| p.is_finite());
+            let rules = figures.iter().enumerate().filter(|(_, (p, _))| p.abs() <= 1e100);
             let rules: Vec<Classifier> = rules
                 .map(|(i, &(prediction, fitness))| Classifier {
                     prediction,

@@ -139,7 +139,7 @@ impl RewardMethod for Combined {
     }
 
     fn knowledge(&self) -> Knowledge {
-        Knowledge::Rules(self.mind.xcs.population().clone())
+        self.mind.knowledge()
     }
 
     fn bring(&mut self, knowledge: &Knowledge) -> bool {

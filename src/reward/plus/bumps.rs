@@ -67,7 +67,7 @@ impl Bumps {
         });
     }
 
-    /// Is a memory from a file sound: percepts and conditions of one width, room in the counts?
+    /// Is there room in the counts of a memory from a file?
     pub fn is_sound(&self) -> bool {
         let evidence = self.evidence.values().all(|tally| tally.is_sound());
         let candidates = self.candidates.iter();

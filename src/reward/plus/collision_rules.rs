@@ -41,12 +41,13 @@ impl CollisionRules {
         }
     }
 
-    /// Takes rules from another world.
+    /// Takes rules from another world; those of every action only if percepts are turned here.
     pub fn bring(&mut self, rules: &[CollisionRule]) {
         for rule in rules {
             let bumps = match rule.action {
                 Some(action) => &mut self.actions[action.index()],
-                None => &mut self.turned,
+                None if self.ring > 0 => &mut self.turned,
+                None => continue,
             };
             let (hits, misses) = (rule.hits, rule.misses);
             bumps.bring(rule.condition, Tally { hits, misses });
@@ -181,6 +182,17 @@ mod tests {
         learn(&mut rules, "0011", false);
         learn(&mut rules, "0011", false);
         assert_eq!(forecast(&rules, "0011", 0), 0.0);
+    }
+
+    #[test]
+    fn rules_of_every_action_stay_behind_where_percepts_are_not_turned() {
+        let mut first = rules();
+        SEEN.iter()
+            .for_each(|(percept, bumped)| learn(&mut first, percept, *bumped));
+        let mut next = CollisionRules::new(4, 0);
+        next.bring(&first.rules());
+        assert!(forecast(&next, "01010000", 0) > 0.7, "its own rules come");
+        assert_eq!(forecast(&next, "00010000", 1), 0.0);
     }
 
     #[test]

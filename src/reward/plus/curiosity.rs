@@ -33,7 +33,7 @@ impl Curiosity {
     /// Can this mechanism, read from a file, stand for one that began as `fresh`?
     pub fn descends_from(&self, fresh: &Self) -> bool {
         self.planner == fresh.planner
-            && (self.goal, self.collision) == (fresh.goal, fresh.collision)
+            && (self.goal, self.step, self.collision) == (fresh.goal, fresh.step, fresh.collision)
             && self.certainty == fresh.certainty
             && self.values.are_finite()
     }

@@ -79,10 +79,12 @@ impl Plus {
         [evolution, replay]: [Stream; 2],
     ) -> Self {
         let ring = if own.turned_rules { ring } else { 0 };
+        // Eq. 6 is that of XCS.
         // Specific rules while learning: the GA and subsumption would mix what is not yet known
         // to be alike. Generalisation comes last, when the rules are condensed.
         let xcs = XcsParams {
             dont_care: own.dont_care,
+            worth_over_match_set: false,
             ga: false,
             ga_subsumption: false,
             action_set_subsumption: false,
@@ -193,7 +195,11 @@ impl Plus {
 
 impl RewardMethod for Plus {
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        let met = self.memory.percepts().len();
         self.percept = self.memory.meet(percept);
+        if self.percept == met {
+            self.curiosity.wake();
+        }
         self.learn_last_step(Some(*percept));
         self.mind.consider(percept);
         self.mind.xcs.experienced_worth(percept)
@@ -242,7 +248,10 @@ impl RewardMethod for Plus {
         let imprinted = self.learn_episode(&path, reached_goal);
         EndCredit {
             long_term_reward,
-            learning_rate: self.own.beta,
+            learning_rate: match self.own.bellman {
+                true => self.own.beta,
+                false => self.mind.xcs.params().beta,
+            },
             imprinted,
         }
     }
@@ -275,8 +284,12 @@ impl RewardMethod for Plus {
         let Knowledge::Foresighted { foresight, .. } = knowledge else {
             return false;
         };
-        self.collisions.bring(&foresight.collisions);
-        self.returns.bring(&foresight.returns);
+        if self.own.collision_rules {
+            self.collisions.bring(&foresight.collisions);
+        }
+        if self.own.return_rules {
+            self.returns.bring(&foresight.returns);
+        }
         true
     }
 

@@ -102,7 +102,7 @@ impl Document {
 }
 
 impl StudyFile {
-    /// A study that comes with the program (`paper`, `ablation`), or else a file.
+    /// A study that comes with the program, such as `paper`, or else a file.
     ///
     /// # Errors
     /// When there is no such file, or it describes no study.
@@ -149,10 +149,13 @@ impl StudyFile {
         names.map(|name| self.world(name)).collect()
     }
 
-    /// The worlds in which trials learn beforehand.
-    pub(super) fn earlier_worlds(&self) -> Result<Vec<Maze>, StudyError> {
-        let names = self.document.after.iter().filter(|name| *name != NOTHING);
-        names.map(|name| self.world(name)).collect()
+    /// The worlds in which trials learn beforehand; `None` for [`NOTHING`].
+    pub(super) fn earlier_worlds(&self) -> Result<Vec<Option<Maze>>, StudyError> {
+        let world = |name: &String| match name == NOTHING {
+            true => Ok(None),
+            false => self.world(name).map(Some),
+        };
+        self.document.after.iter().map(world).collect()
     }
 
     fn world(&self, name: &str) -> Result<Maze, StudyError> {

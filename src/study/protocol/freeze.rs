@@ -14,6 +14,8 @@ use crate::world::Maze;
 
 /// More combinations than these fill the memory with settings before the first trial begins.
 const MOST_ARMS: usize = 10_000;
+/// What is left to do is kept as a list.
+const MOST_TRIALS: usize = 10_000_000;
 
 /// What the command line says otherwise than the study file.
 #[derive(Debug, Clone, Default)]
@@ -32,22 +34,34 @@ pub struct Overrides {
 
 pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, StudyError> {
     let document = &file.document;
+    let arenas = overrides
+        .arena
+        .map_or(document.arenas.clone(), |arena| vec![arena]);
+    check_number(file, document.worlds.len() * arenas.len())?;
     let worlds = file.worlds()?;
     check_names(file, &worlds)?;
-    let earlier = file.earlier_worlds()?;
+    let afters = file.earlier_worlds()?;
+    let earlier: Vec<Maze> = afters.iter().flatten().cloned().collect();
     check_names(file, &earlier)?;
+    let afters: Vec<_> = afters.iter().map(Option::as_ref).collect();
     let protocol = Protocol {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         name: document.name.clone(),
         seed: overrides.seed.unwrap_or(document.seed),
         trials: overrides.trials.unwrap_or(document.trials),
         episodes: overrides.episodes.unwrap_or(document.episodes),
-        arms: arms(file, &worlds, overrides)?,
+        arms: arms(file, &worlds, &afters, &arenas, overrides)?,
         worlds,
         earlier,
     };
     within("trials", protocol.trials, 1..=1_000_000).map_err(PlanError::from)?;
     within("episodes", protocol.episodes, 1..=1_000_000).map_err(PlanError::from)?;
+    within(
+        "trials of all combinations",
+        protocol.len(),
+        0..=MOST_TRIALS,
+    )
+    .map_err(PlanError::from)?;
     match protocol.check() {
         Ok(()) => Ok(protocol),
         Err(fault) => Err(StudyError::file(&file.origin, &fault)),
@@ -91,29 +105,30 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
     Err(StudyError::file(&file.origin, &fault))
 }
 
-/// Every combination, in the order of the file, worlds first.
-fn arms(file: &StudyFile, worlds: &[Maze], overrides: &Overrides) -> Result<Vec<Arm>, StudyError> {
+/// Every combination, in the order of the file, worlds first; in each world after all but itself.
+fn arms(
+    file: &StudyFile,
+    worlds: &[Maze],
+    afters: &[Option<&Maze>],
+    arenas: &[ArenaKind],
+    overrides: &Overrides,
+) -> Result<Vec<Arm>, StudyError> {
     file.check_worlds(worlds)?;
-    let document = &file.document;
-    let arenas = overrides
-        .arena
-        .map_or(document.arenas.clone(), |arena| vec![arena]);
-    check_number(file, worlds.len() * arenas.len())?;
     let variants = variants(file, overrides)?;
     let mut arms = Vec::new();
-    for (maze, &method) in product(worlds, &document.methods) {
+    for (maze, &method) in product(worlds, &file.document.methods) {
         let world = maze.name();
         let base = settings(file, world, method, overrides)?;
-        let afters = afters(file, method)?;
+        let afters = afters_of(file, method, afters)?;
         for ((table, variant), after) in product(&variants, &afters) {
-            let settings = lay_over(&base, &format!("{}, sweep", file.origin), table)?;
-            for (&arena, &sensor) in product(&arenas, file.sensors(world)) {
+            let settings = lay_over(&base, &origin_of_variants(file), table)?;
+            for (&arena, &sensor) in product(arenas, file.sensors(world)) {
                 arms.push(Arm {
                     world: world.to_owned(),
                     method,
                     arena,
                     sensor,
-                    variant: told_after(variant, document, after),
+                    variant: told_after(variant, &file.document, after),
                     after: after.clone(),
                     settings: settings.clone(),
                 });
@@ -131,10 +146,13 @@ fn product<'a, 'b, A, B>(first: &'a [A], second: &'b [B]) -> impl Iterator<Item 
         .flat_map(move |a| second.iter().map(move |b| (a, b)))
 }
 
-/// The worlds in which trials of a method learn beforehand; `None` for no such world.
-fn afters(file: &StudyFile, method: Method) -> Result<Vec<Option<String>>, StudyError> {
-    let names = &file.document.after;
-    if names.is_empty() {
+/// The names of the worlds in which trials of a method learn beforehand; `None` for no such world.
+fn afters_of(
+    file: &StudyFile,
+    method: Method,
+    afters: &[Option<&Maze>],
+) -> Result<Vec<Option<String>>, StudyError> {
+    if afters.is_empty() {
         return Ok(vec![None]);
     }
     if !method.learns_rules() {
@@ -142,8 +160,8 @@ fn afters(file: &StudyFile, method: Method) -> Result<Vec<Option<String>>, Study
         let fault = format!("the method `{name}` learns no rules, and can learn `after` nothing");
         return Err(StudyError::file(&file.origin, &fault));
     }
-    let world = |name: &String| (name != NOTHING).then(|| name.clone());
-    Ok(names.iter().map(world).collect())
+    let name = |maze: &Option<&Maze>| maze.map(|maze| maze.name().to_owned());
+    Ok(afters.iter().map(name).collect())
 }
 
 /// The settings of a method in a world: default < study < world < method < command line.
@@ -162,6 +180,17 @@ fn settings(
 fn lay_over(base: &Settings, origin: &str, table: &Table) -> Result<Settings, StudyError> {
     let text = table.to_string();
     Ok(Resolved::new(base, Some((origin, &text)), &[])?.settings)
+}
+
+/// Where the settings of variants stand.
+fn origin_of_variants(file: &StudyFile) -> String {
+    let StudyFile {
+        origin, document, ..
+    } = file;
+    match document.without.is_empty() {
+        true => format!("{origin}, sweep"),
+        false => format!("{origin}, sweep or without"),
+    }
 }
 
 /// All combinations of the swept values, and of the switches to turn off; a single empty one when
@@ -183,6 +212,7 @@ fn variants(file: &StudyFile, overrides: &Overrides) -> Result<Vec<(Table, Varia
         with_switches.push((variant.0.clone(), told(&variant.1, "without", NOTHING)));
         for switch in switches {
             refuse_set(file, overrides, switch)?;
+            refuse_swept(file, &variant.1, switch)?;
             let (table, _) = varied(&variant, switch, &Value::Boolean(false));
             with_switches.push((table, told(&variant.1, "without", switch)));
         }
@@ -197,6 +227,15 @@ fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), 
         return Ok(());
     }
     let fault = format!("`{key}` is swept by this study: leave it out of --set");
+    Err(StudyError::file(&file.origin, &fault))
+}
+
+/// What is swept cannot be turned off besides.
+fn refuse_swept(file: &StudyFile, variant: &Variant, switch: &str) -> Result<(), StudyError> {
+    if !variant.0.contains_key(switch) {
+        return Ok(());
+    }
+    let fault = format!("`{switch}` stands in `sweep` and in `without`: leave one of them out");
     Err(StudyError::file(&file.origin, &fault))
 }
 
@@ -269,6 +308,47 @@ mod tests {
         let fault = protocol(&format!("[sweep]\n{}", lines.concat()), &[]).unwrap_err();
         let words = "it makes 40000000000 combinations, but at most 10000 are possible";
         assert!(fault.to_string().contains(words), "{fault}");
+    }
+
+    #[test]
+    fn more_trials_than_can_be_listed_are_refused() {
+        let file = StudyFile::parse(
+            "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [\"xcs\"]\ntrials = 1000000\nepisodes = 1\n[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0]\n",
+            "s.toml",
+            Path::new(""),
+        );
+        let fault = Protocol::new(&file.unwrap(), &Overrides::default()).unwrap_err();
+        let words = "`trials of all combinations` is 11000000";
+        assert!(fault.to_string().contains(words), "{fault}");
+    }
+
+    #[test]
+    fn a_switch_is_swept_or_turned_off_but_not_both() {
+        let text = "without = [\"xcs.ga\"]\n[sweep]\n\"xcs.ga\" = [true, false]\n";
+        let fault = protocol(text, &[]).unwrap_err().to_string();
+        assert!(fault.contains("in `sweep` and in `without`"), "{fault}");
+    }
+
+    #[test]
+    fn an_earlier_world_can_be_a_file_and_must_look_alike() {
+        let folder = tempfile::tempdir().unwrap();
+        let world = include_str!("../../../worlds/maze4.json");
+        std::fs::write(folder.path().join("w.json"), world).unwrap();
+        let study = |sensor: &str| {
+            let text = format!(
+                "name = \"s\"\nworlds = [\"maze5\"]\nafter = [\"nothing\", \"w.json\"]\nmethods = [\"xcs\"]\nsensors = [\"{sensor}\"]\ntrials = 1\nepisodes = 1\n"
+            );
+            let file = StudyFile::parse(&text, "s.toml", folder.path()).unwrap();
+            Protocol::new(&file, &Overrides::default())
+        };
+        let arms = study("neighbours").unwrap().arms.into_iter();
+        let afters: Vec<_> = arms.map(|arm| arm.after).collect();
+        assert_eq!(afters, [None, Some("maze4".to_owned())]);
+        let fault = study("position").unwrap_err().to_string();
+        assert!(
+            fault.contains("6 bits") && fault.contains("8 bits"),
+            "{fault}"
+        );
     }
 
     #[test]

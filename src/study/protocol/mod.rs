@@ -173,10 +173,31 @@ impl Protocol {
         if self.is_empty() || !self.arms.iter().all(known) {
             return Err("it has no trials, or trials in worlds that it does not hold".to_owned());
         }
-        let faults = (0..self.arms.len()).map(|arm| self.plan(arm * self.trials).check());
-        faults
-            .collect::<Result<(), _>>()
-            .map_err(|fault| fault.to_string())
+        let mut firsts = (0..self.arms.len()).map(|arm| arm * self.trials);
+        firsts.try_for_each(|trial| self.check_arm_of(trial))
+    }
+
+    /// Is no setting of an arm out of range, and does the earlier world fit?
+    fn check_arm_of(&self, trial: usize) -> Result<(), String> {
+        let plan = self.plan(trial);
+        plan.check().map_err(|fault| fault.to_string())?;
+        let Some(earlier) = self.earlier_plan(trial) else {
+            return Ok(());
+        };
+        let [there, here] = [&earlier, &plan].map(|Plan { maze, config }| {
+            let (bits, actions) = (config.sensor.width(maze), maze.action_count());
+            (
+                maze.name(),
+                format!("percepts of {bits} bits and {actions} moves"),
+            )
+        });
+        match there.1 == here.1 {
+            true => Ok(()),
+            false => Err(format!(
+                "trials in `{}` cannot learn in `{}` before: there are {} there, but {} here",
+                here.0, there.0, there.1, here.1
+            )),
+        }
     }
 }
 

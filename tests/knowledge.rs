@@ -1,0 +1,87 @@
+//! What was learned, apart from the learner.
+
+use xcscr::reward::Method;
+use xcscr::sensor::Sensor;
+use xcscr::study::{ArenaKind, Condensed, Config, Plan, Settings, Trial};
+use xcscr::world::Maze;
+
+/// A finished trial of a few episodes in Maze4.
+fn finished(method: Method, over_match_set: bool) -> Trial {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
+    let maze = Maze::load(path.as_ref()).unwrap();
+    let mut settings = Settings::default();
+    settings.xcs.worth_over_match_set = over_match_set;
+    let config = Config {
+        version: String::new(),
+        method,
+        arena: ArenaKind::Grid,
+        sensor: Sensor::Neighbours,
+        episodes: 12,
+        seed: 3,
+        settings,
+        initial: None,
+    };
+    let mut trial = Trial::new(Plan { maze, config }).unwrap();
+    let _ = trial.run(&mut ());
+    trial
+}
+
+#[test]
+fn what_was_learned_rates_actions_as_the_learner_does() {
+    for (method, over_match_set) in Method::ALL
+        .into_iter()
+        .flat_map(|m| [(m, false), (m, true)])
+    {
+        let trial = finished(method, over_match_set);
+        let maze = &trial.plan().maze;
+        let knowledge = trial.method().knowledge();
+        let mut rated = 0;
+        for percept in Sensor::Neighbours.percepts(maze) {
+            let worth = trial.method().worth(&percept);
+            let known = knowledge.worth(&percept, maze.action_count());
+            if known.greatest().is_none() {
+                // Some tables rate what was never met; all actions alike.
+                let actions = worth.best_actions().count();
+                assert!(
+                    [0, maze.action_count()].contains(&actions),
+                    "{method:?}: {worth:?}"
+                );
+                continue;
+            }
+            rated += 1;
+            assert_eq!(
+                known, worth,
+                "{method:?}, over [M]: {over_match_set}, {percept}"
+            );
+        }
+        assert!(rated > 5, "{method:?} knows only {rated} percepts");
+    }
+}
+
+#[test]
+fn the_two_readings_of_equation_6_are_told_apart_in_a_file() {
+    let knowledge = [false, true].map(|over| finished(Method::Xcs, over).method().knowledge());
+    for (knowledge, kind) in knowledge.iter().zip(["rules", "rules-over-match-set"]) {
+        let text = serde_json::to_string(knowledge).unwrap();
+        assert!(text.starts_with(&format!("{{\"{kind}\":")), "{text:.40}");
+        assert_eq!(
+            &serde_json::from_str::<xcscr::reward::Knowledge>(&text).unwrap(),
+            knowledge
+        );
+    }
+}
+
+#[test]
+fn rules_are_condensed_to_the_same_choices_in_both_readings_of_equation_6() {
+    for over_match_set in [false, true] {
+        let trial = finished(Method::Xcscr, over_match_set);
+        let maze = &trial.plan().maze;
+        let knowledge = trial.method().knowledge();
+        let condensed = Condensed::new(&knowledge, Sensor::Neighbours, maze).unwrap();
+        assert!(condensed.percepts > 5, "{} percepts", condensed.percepts);
+        assert_eq!(
+            condensed.agreeing, condensed.percepts,
+            "over [M]: {over_match_set}"
+        );
+    }
+}
