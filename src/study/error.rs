@@ -3,8 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::plan::PlanError;
-use super::resolve::SettingsError;
+use super::trial::{PlanError, SettingsError};
 use crate::world::WorldError;
 
 /// Why a study cannot go on.

@@ -10,9 +10,9 @@ use serde_json::value::RawValue;
 
 use super::error::StudyError;
 use super::journal::{self, Journal};
-use super::lock::{FolderLock, LockError};
 use super::protocol::{Protocol, id_of};
 use super::record::TrialRecord;
+use super::run_folder::{FolderLock, LockError};
 use crate::disk;
 
 /// The frozen study.

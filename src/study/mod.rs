@@ -1,45 +1,32 @@
 //! Trials, from a seed to a result; and studies, from many trials to an answer.
 
-mod checkpoint;
-mod condensed;
 mod error;
-mod evaluation;
 mod figures;
 mod folder;
 mod journal;
-mod lock;
 pub mod map;
-mod plan;
 mod protocol;
 mod record;
 mod report;
-mod resolve;
 mod run_folder;
-mod run_folder_error;
 mod runner;
-mod settings;
 mod shard;
 pub mod statistics;
 mod summary;
 mod tables;
-mod toml_text;
 mod trial;
 
-pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
-pub use condensed::{Condensed, MOST_PERCEPTS};
 pub use error::StudyError;
-pub use evaluation::Evaluation;
 pub use folder::StudyFolder;
-pub use plan::{ArenaKind, Config, Plan, PlanError};
 pub use protocol::{Arm, Overrides, Protocol, StudyFile, Variant};
 pub use record::{Figures, TrialRecord};
 pub use report::{AgainstPaper, Comparison, Report, SwitchEffect, Table};
-pub use resolve::{Origin, Resolved, SettingsError};
-pub use run_folder::RunFolder;
-pub use run_folder_error::RunFolderError;
+pub use run_folder::{RunFolder, RunFolderError};
 pub use runner::{StudyWatcher, merge_studies, run_study};
-pub use settings::Settings;
 pub use shard::Shard;
 pub use summary::{ArmRecords, ArmSummary};
-pub use toml_text::MOST_TOML_BYTES;
-pub use trial::{Progress, Trial};
+pub use trial::{
+    ArenaKind, Checkpoint, CheckpointError, Condensed, Config, Evaluation, MOST_PERCEPTS,
+    MOST_TOML_BYTES, Origin, Plan, PlanError, Progress, Resolved, Settings, SettingsError, Trial,
+    seal, unseal,
+};

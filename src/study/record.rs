@@ -4,10 +4,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
-use super::condensed::Condensed;
-use super::plan::Plan;
 use super::protocol::Protocol;
-use super::trial::{Progress, Trial};
+use super::trial::{Condensed, Plan, Progress, Trial};
 
 /// The figures of a trial that reached its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

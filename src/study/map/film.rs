@@ -5,8 +5,7 @@ use std::ops::ControlFlow;
 use super::{drawing, moving_png, pixels, svg};
 use crate::arena::View;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
-use crate::study::plan::{Plan, PlanError};
-use crate::study::trial::Trial;
+use crate::study::trial::{Plan, PlanError, Trial};
 use crate::world::{Cell, Maze};
 
 /// The most moments of an animation; of longer runs not every episode is shown.

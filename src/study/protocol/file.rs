@@ -13,9 +13,7 @@ use crate::disk;
 use crate::reward::Method;
 use crate::sensor::Sensor;
 use crate::study::error::StudyError;
-use crate::study::plan::ArenaKind;
-use crate::study::resolve::{flatten, similar};
-use crate::study::toml_text::{MOST_TOML_BYTES, shortened};
+use crate::study::trial::{ArenaKind, MOST_TOML_BYTES, flatten, shortened, similar};
 use crate::world::{Maze, Recipe};
 
 /// The keys of a study file.

@@ -7,9 +7,7 @@ use super::{Arm, Protocol, StudyFile, Variant};
 use crate::bounds::within;
 use crate::reward::Method;
 use crate::study::error::StudyError;
-use crate::study::plan::{ArenaKind, PlanError};
-use crate::study::resolve::Resolved;
-use crate::study::settings::Settings;
+use crate::study::trial::{ArenaKind, PlanError, Resolved, Settings};
 use crate::world::Maze;
 
 /// More combinations than these fill the memory with settings before the first trial begins.

@@ -14,8 +14,7 @@ pub use file::StudyFile;
 pub use freeze::Overrides;
 
 use super::error::StudyError;
-use super::plan::{ArenaKind, Config, Plan};
-use super::settings::Settings;
+use super::trial::{ArenaKind, Config, Plan, Settings};
 use crate::random::replicate_seed;
 use crate::reward::Method;
 use crate::sensor::Sensor;

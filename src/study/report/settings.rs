@@ -3,8 +3,7 @@
 use toml::{Table, Value};
 
 use crate::study::protocol::Arm;
-use crate::study::resolve::flatten;
-use crate::study::settings::Settings;
+use crate::study::trial::{Settings, flatten};
 
 /// Which settings differ from the defaults, in sentences.
 pub fn sentences(arms: &[Arm]) -> String {

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::checkpoint::CheckpointError;
+use crate::study::trial::CheckpointError;
 use crate::world::WorldError;
 
 /// Why a run folder cannot be used.

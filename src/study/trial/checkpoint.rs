@@ -3,8 +3,8 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::Progress;
 use super::plan::{Config, Plan, PlanError};
-use super::trial::Progress;
 use crate::arena::Lasting;
 use crate::random::Stream;
 use crate::reward::Explorer;

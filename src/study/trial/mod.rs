@@ -1,11 +1,27 @@
 //! One trial: a fresh learner, run for a number of episodes from one seed.
 
+mod checkpoint;
+mod condensed;
+mod evaluation;
+mod plan;
+mod resolve;
+mod settings;
+mod toml_text;
+
 use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
-use super::checkpoint::{Checkpoint, CheckpointError};
-use super::plan::{Config, Plan, PlanError};
+pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
+pub use condensed::{Condensed, MOST_PERCEPTS};
+pub use evaluation::Evaluation;
+pub use plan::{ArenaKind, Config, Plan, PlanError};
+pub use resolve::{Origin, Resolved, SettingsError};
+pub(super) use resolve::{flatten, similar};
+pub use settings::Settings;
+pub use toml_text::MOST_TOML_BYTES;
+pub(super) use toml_text::shortened;
+
 use crate::arena::Arena;
 use crate::episode::{self, Episode, Observer, PolicyMap};
 use crate::random::{Stream, StreamName};

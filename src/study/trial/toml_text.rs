@@ -7,7 +7,7 @@ pub const MOST_TOML_BYTES: u64 = 1 << 20;
 const WIDEST: usize = 160;
 
 /// A message that repeats a part of its input, with long lines cut off.
-pub(super) fn shortened(message: &str) -> String {
+pub fn shortened(message: &str) -> String {
     let lines: Vec<String> = message.trim_end().lines().map(cut).collect();
     lines.join("\n")
 }

@@ -150,7 +150,7 @@ fn value_of(text: &str) -> Value {
 }
 
 /// Tables within tables as one list with full names.
-pub(super) fn flatten(table: Table) -> Vec<(String, Value)> {
+pub fn flatten(table: Table) -> Vec<(String, Value)> {
     let mut flat = Vec::new();
     for (key, value) in table {
         match value {
@@ -204,7 +204,7 @@ fn kind(value: &Value) -> &'static str {
 }
 
 /// The most similar of the known keys, if one is similar at all.
-pub(super) fn similar<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+pub fn similar<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     let ranked = known.map(|name| (strsim::jaro_winkler(key, name), name));
     let best = ranked.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 > 0.8).then(|| best.1.to_owned())

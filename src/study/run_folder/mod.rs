@@ -1,5 +1,8 @@
 //! The folder that a run leaves behind.
 
+mod error;
+mod lock;
+
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,10 +10,11 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::checkpoint::{CheckpointError, seal, unseal};
-use super::lock::{FolderLock, LOCK, LockError};
-use super::plan::{Config, Plan};
-use super::run_folder_error::RunFolderError;
+pub use error::RunFolderError;
+use lock::LOCK;
+pub(super) use lock::{FolderLock, LockError};
+
+use super::trial::{CheckpointError, Config, Plan, seal, unseal};
 use crate::disk;
 use crate::reward::Knowledge;
 use crate::world::Maze;

@@ -9,7 +9,7 @@ use std::time::Duration;
 use crate::disk;
 
 /// The file that is locked; it holds the number of the process.
-pub(super) const LOCK: &str = "run.lock";
+pub const LOCK: &str = "run.lock";
 /// How often a lock is tried whose holder is just coming or going ...
 const TRIES: usize = 50;
 /// ... and the pause between two tries.
@@ -18,14 +18,14 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// A folder that this process alone works in, until this is dropped. The lock is the system's, and
 /// goes with the process however that ends: a file that a killed process leaves locks nobody out.
 #[derive(Debug)]
-pub(super) struct FolderLock {
+pub struct FolderLock {
     file: File,
     path: PathBuf,
 }
 
 /// Why there is no lock.
 #[derive(Debug)]
-pub(super) enum LockError {
+pub enum LockError {
     /// Another process has it: its number, if it could be read.
     Held(Option<u32>),
     /// The file of the lock cannot be used.
