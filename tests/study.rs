@@ -352,6 +352,7 @@ fn a_report_says_what_came_out_and_draws_it() {
         "summary.json",
         "curves.svg",
         "first-optimal.png",
+        "steps.svg",
     ] {
         assert!(desk.path("a").join(file).is_file(), "{file}");
     }

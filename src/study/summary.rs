@@ -80,6 +80,15 @@ impl<'a> ArmRecords<'a> {
             .collect()
     }
 
+    /// The interquartile mean of these steps with its bootstrap interval. Each arm begins the
+    /// stream of `seed` anew: its interval is the same whatever stands beside it.
+    pub fn iqm_env_steps(&self, seed: u64) -> Option<Interval> {
+        bootstrap_interval(
+            &self.env_steps(),
+            &mut Stream::new(seed, StreamName::Bootstrap),
+        )
+    }
+
     /// Rules that are left of those of the retained trials.
     fn condensed_rules(&self) -> Vec<f64> {
         let retained = self.figures.iter().filter(|one| one.progress.optimal);
@@ -151,20 +160,17 @@ pub struct ArmSummary {
 impl ArmSummary {
     /// The summary of each arm of a study.
     pub fn all(folder: &StudyFolder) -> Vec<Self> {
-        // Each arm begins the stream anew: its interval is the same whatever stands beside it.
-        let stream = || Stream::new(folder.protocol().seed, StreamName::Bootstrap);
+        let seed = folder.protocol().seed;
         let arms = ArmRecords::all(folder);
-        arms.iter()
-            .map(|arm| Self::new(arm, &mut stream()))
-            .collect()
+        arms.iter().map(|arm| Self::new(arm, seed)).collect()
     }
 
-    fn new(records: &ArmRecords<'_>, stream: &mut Stream) -> Self {
+    fn new(records: &ArmRecords<'_>, seed: u64) -> Self {
         let arm = records.arm;
         let successes = records.successes();
         let wilson = successes.wilson();
         let survival = Survival::new(&records.lifetimes());
-        let iqm: Option<Interval> = bootstrap_interval(&records.env_steps(), stream);
+        let iqm = records.iqm_env_steps(seed);
         let condensed = records.condensed_rules();
         let count = |is: &dyn Fn(&Figures) -> bool| {
             records.figures.iter().filter(|one| is(one)).count() as u64

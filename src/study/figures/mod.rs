@@ -5,6 +5,7 @@ mod canvas;
 mod curves;
 mod histogram;
 mod panels;
+mod steps;
 mod theme;
 
 use ablation::Ablation;
@@ -12,6 +13,7 @@ use canvas::Drawing;
 use curves::Curves;
 use histogram::Histograms;
 use panels::Panels;
+use steps::Steps;
 
 use super::error::StudyError;
 use super::folder::{StudyFolder, write_whole};
@@ -26,6 +28,23 @@ pub struct Picture {
     pub caption: &'static str,
 }
 
+const FIRST_OPTIMAL: Picture = Picture {
+    name: "first-optimal",
+    caption: "When the greedy policy first became globally optimal",
+};
+const CURVES: Picture = Picture {
+    name: "curves",
+    caption: "The share of trials that had found an optimal policy",
+};
+const STEPS: Picture = Picture {
+    name: "steps",
+    caption: "Environment steps until the policy was globally optimal",
+};
+const ABLATION: Picture = Picture {
+    name: "ablation",
+    caption: "What each switch contributes",
+};
+
 /// Draws the figures of a study into its folder, and tells which there are.
 ///
 /// # Errors
@@ -35,34 +54,24 @@ pub fn draw_figures(folder: &StudyFolder) -> Result<Vec<Picture>, StudyError> {
     let panels = Panels::new(&records, folder.protocol().episodes);
     let mut pictures = Vec::new();
     if panels.series.len() <= theme::MOST_SERIES {
-        let (name, caption) = (
-            "first-optimal",
-            "When the greedy policy first became globally optimal",
-        );
-        pictures.push(draw(folder, name, caption, &Histograms(&panels))?);
-        let (name, caption) = (
-            "curves",
-            "The share of trials that had found an optimal policy",
-        );
-        pictures.push(draw(folder, name, caption, &Curves(&panels))?);
+        pictures.push(draw(folder, FIRST_OPTIMAL, &Histograms(&panels))?);
+        pictures.push(draw(folder, CURVES, &Curves(&panels))?);
+    }
+    if let Some(chart) = Steps::new(&panels, folder.protocol().seed) {
+        pictures.push(draw(folder, STEPS, &chart)?);
     }
     if let Some(chart) = Ablation::new(&records) {
-        pictures.push(draw(
-            folder,
-            "ablation",
-            "What each switch contributes",
-            &chart,
-        )?);
+        pictures.push(draw(folder, ABLATION, &chart)?);
     }
     Ok(pictures)
 }
 
 fn draw(
     folder: &StudyFolder,
-    name: &'static str,
-    caption: &'static str,
+    picture: Picture,
     drawing: &impl Drawing,
 ) -> Result<Picture, StudyError> {
+    let name = picture.name;
     let fault = |fault| StudyError::Figure {
         name: name.to_owned(),
         fault,
@@ -73,5 +82,5 @@ fn draw(
     );
     write_whole(&folder.path().join(format!("{name}.svg")), svg.as_bytes())?;
     write_whole(&folder.path().join(format!("{name}.png")), &png)?;
-    Ok(Picture { name, caption })
+    Ok(picture)
 }
