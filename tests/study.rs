@@ -230,7 +230,7 @@ fn an_incomplete_study_is_no_result_and_status_says_what_is_missing() {
     let status = desk.done("status a b --shards 4");
     assert!(status.contains("8 of 16 trials finished"), "{status}");
     assert!(
-        status.contains("missing (8): 1 3 5 7 9 11 13 15"),
+        status.contains("missing (8): maze4 xcs grid neighbours: 2 4; maze4 xcscr"),
         "{status}"
     );
     assert!(status.contains("shards to run (2): 2/4 4/4"), "{status}");
@@ -309,7 +309,7 @@ fn faults_in_a_study_file_are_told_with_the_way_out() {
     );
     assert!(
         desk.refused("run none.toml --out x", 66)
-            .contains("`paper`")
+            .contains("paper, ablation, plus")
     );
     desk.refused("run small.toml --out x --shard 8/7", 2);
     desk.refused("run small.toml --out x --jobs 100000", 2);
@@ -340,12 +340,53 @@ fn damage_is_noticed() {
 }
 
 #[test]
+fn only_the_papers_own_experiment_is_set_beside_the_paper() {
+    let desk = Desk::new();
+    let printed = desk.done("run small.toml --episodes 180 --trials 1 --out a");
+    for words in ["NEXT TO THE PAPER", "p = 0.8646", "P# 0.3,"] {
+        assert!(printed.contains(words), "{words} is missing in\n{printed}");
+    }
+    let other = SMALL.replace("trials = 4", "sensors = [\"position\"]\ntrials = 1");
+    desk.write("other.toml", &other.replace("= 12", "= 180"));
+    assert!(!desk.done("run other.toml --out b").contains("PAPER"));
+}
+
+#[test]
+fn what_was_learned_before_or_turned_off_is_compared_with_nothing() {
+    let desk = Desk::new();
+    let text = SMALL.replace(
+        "methods = [\"xcs\", \"xcscr\"]",
+        "methods = [\"xcscr-plus\"]",
+    );
+    desk.write(
+        "after.toml",
+        &format!("after = [\"nothing\", \"maze6\"]\n{text}"),
+    );
+    let printed = desk.done("run after.toml --out a");
+    assert!(
+        printed.contains("xcscr-plus after maze6 − after nothing"),
+        "{printed}"
+    );
+    desk.write(
+        "without.toml",
+        &format!("without = [\"plus.sweep\"]\n{text}"),
+    );
+    let printed = desk.done("run without.toml --out w");
+    let words = "xcscr-plus without plus.sweep − without nothing";
+    assert!(printed.contains(words), "{printed}");
+}
+
+#[test]
 fn a_report_says_what_came_out_and_draws_it() {
     let desk = Desk::new();
     let printed = desk.done("run small.toml --out a");
-    for words in ["maze5", "xcscr − xcs", "NEXT TO THE PAPER", "p = 0.8646"] {
+    for words in ["maze5", "xcscr − xcs", "WHAT THE DATA CAN DECIDE"] {
         assert!(printed.contains(words), "{words} is missing in\n{printed}");
     }
+    assert!(
+        !printed.contains("PAPER"),
+        "12 episodes are not the paper's"
+    );
     for file in [
         "report.md",
         "trials.csv",

@@ -8,7 +8,7 @@ use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use xcscr::study::{
-    ArenaKind, Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder,
+    ArenaKind, Arm, Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder,
     StudyWatcher, TrialRecord, merge_studies, run_study,
 };
 
@@ -58,7 +58,7 @@ pub enum StudyCommand {
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
     /// A study file (TOML), or one of the studies that come with the program: paper, ablation,
-    /// plus, repairs, transfer.
+    /// plus, repairs, transfer, starts.
     study: PathBuf,
     /// The folder of the study.
     #[arg(long, value_name = "DIR")]
@@ -183,12 +183,26 @@ struct Status {
     finished: usize,
     failed: Vec<usize>,
     missing: Vec<usize>,
+    /// How the trials of each arm are called, and how many there are.
+    #[serde(skip)]
+    arms: (Vec<String>, usize),
     /// The shards that have trials to run.
     #[serde(skip_serializing_if = "Option::is_none")]
     shards: Option<Vec<String>>,
 }
 
 impl Status {
+    /// Trials of the study arm by arm, numbered as in trials.csv.
+    fn listed(&self, trials: &[usize]) -> String {
+        let (names, per_arm) = &self.arms;
+        let arms = trials.chunk_by(|a, b| a / per_arm == b / per_arm);
+        let listed = arms.map(|own| {
+            let numbers: Vec<usize> = own.iter().map(|trial| trial % per_arm + 1).collect();
+            format!("{}: {}", names[own[0] / per_arm], ranges(&numbers))
+        });
+        listed.collect::<Vec<_>>().join("; ")
+    }
+
     fn new(folder: &StudyFolder, shards: Option<usize>) -> Self {
         let (protocol, missing) = (folder.protocol(), folder.missing());
         let open = |count| {
@@ -203,6 +217,7 @@ impl Status {
             finished: protocol.len() - missing.len(),
             failed: folder.failed(),
             shards: shards.map(open),
+            arms: (protocol.arms.iter().map(name).collect(), protocol.trials),
             missing,
         }
     }
@@ -224,7 +239,7 @@ impl Status {
         )?;
         for (name, trials) in [("missing", &self.missing), ("failed", &self.failed)] {
             if !trials.is_empty() {
-                writeln!(out, "  {name} ({}): {}", trials.len(), ranges(trials))?;
+                writeln!(out, "  {name} ({}): {}", trials.len(), self.listed(trials))?;
             }
         }
         if let Some(shards) = &self.shards {
@@ -237,6 +252,19 @@ impl Status {
         }
         Ok(())
     }
+}
+
+/// What the trials of an arm have in common, in words.
+fn name(arm: &Arm) -> String {
+    let words = [
+        &arm.world,
+        arm.method.name(),
+        arm.arena.name(),
+        arm.sensor.name(),
+    ];
+    format!("{} {}", words.join(" "), arm.variant)
+        .trim_end()
+        .to_owned()
 }
 
 /// Ascending numbers as ranges, such as `1-3 7`.

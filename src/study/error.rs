@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::protocol::study_names;
 use super::trial::{PlanError, SettingsError};
 use crate::world::WorldError;
 
@@ -11,7 +12,7 @@ use crate::world::WorldError;
 #[non_exhaustive]
 pub enum StudyError {
     /// There is no such file.
-    #[error("there is no {}: give a study file, or `paper` or `ablation`", .0.display())]
+    #[error("there is no {}: give a study file, or one of {}", .0.display(), study_names())]
     Missing(PathBuf),
     /// The folder holds no study.
     #[error("{} holds no study: there is no plan.json in it", .0.display())]

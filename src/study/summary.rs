@@ -72,6 +72,19 @@ impl<'a> ArmRecords<'a> {
         self.figures.iter().map(lifetime).collect()
     }
 
+    /// The same in steps in the environment.
+    pub fn step_lifetimes(&self) -> Vec<Lifetime> {
+        let lifetime = |one: &&Figures| {
+            let first = one.progress.first_optimal_env_steps;
+            let steps = first.unwrap_or(one.progress.steps);
+            Lifetime {
+                time: u32::try_from(steps).unwrap_or(u32::MAX),
+                happened: first.is_some(),
+            }
+        };
+        self.figures.iter().map(lifetime).collect()
+    }
+
     /// Steps in the environment until the policy was optimal, or else until the end.
     fn env_steps(&self) -> Vec<f64> {
         let figures = self.figures.iter().map(|one| &one.progress);
@@ -96,9 +109,11 @@ impl<'a> ArmRecords<'a> {
         counts.map(|count| count as f64).collect()
     }
 
-    fn mean(&self, figure: impl Fn(&Figures) -> f64) -> f64 {
+    /// The rounded mean of a figure; `None` without trials.
+    fn mean(&self, figure: impl Fn(&Figures) -> f64) -> Option<f64> {
         let sum: f64 = self.figures.iter().map(|one| figure(one)).sum();
-        sum / self.figures.len().max(1) as f64
+        let trials = self.figures.len();
+        (trials > 0).then(|| rounded(sum / trials as f64))
     }
 }
 
@@ -144,12 +159,12 @@ pub struct ArmSummary {
     pub iqm_env_steps_low: Option<f64>,
     /// Its upper bootstrap 95 % limit.
     pub iqm_env_steps_high: Option<f64>,
-    /// Mean steps of a trial.
-    pub mean_steps: f64,
+    /// Mean steps of a trial; `null` when all failed, as the next two.
+    pub mean_steps: Option<f64>,
     /// Mean collisions of a trial.
-    pub mean_collisions: f64,
+    pub mean_collisions: Option<f64>,
     /// Mean number of rules at the end.
-    pub mean_rules: f64,
+    pub mean_rules: Option<f64>,
     /// The median number of rules that are left of those of the retained trials when they are
     /// condensed; `null` for tables.
     pub median_condensed_rules: Option<f64>,
@@ -194,9 +209,9 @@ impl ArmSummary {
             iqm_env_steps: iqm.map(|iqm| rounded(iqm.value)),
             iqm_env_steps_low: iqm.map(|iqm| rounded(iqm.low)),
             iqm_env_steps_high: iqm.map(|iqm| rounded(iqm.high)),
-            mean_steps: rounded(records.mean(|one| one.progress.steps as f64)),
-            mean_collisions: rounded(records.mean(|one| one.progress.collisions as f64)),
-            mean_rules: rounded(records.mean(|one| one.rules as f64)),
+            mean_steps: records.mean(|one| one.progress.steps as f64),
+            mean_collisions: records.mean(|one| one.progress.collisions as f64),
+            mean_rules: records.mean(|one| one.rules as f64),
             median_condensed_rules: quantile(&condensed, 0.5),
             most_condensed_rules: condensed
                 .iter()

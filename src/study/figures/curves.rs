@@ -8,13 +8,14 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Drawing, Drawn, Size};
 use super::panels::Panels;
-use super::theme::{FAINT, INK, Theme, colour, ticks};
+use super::theme::{FAINT, INK, Theme, colour, ticks, widest};
 use crate::study::statistics::{Lifetime, Point, Survival};
 
 const PANEL: Size = (340, 300);
 const TOP: u32 = 36;
-/// Room for the names beside the table of trials still searching.
+/// Room for the shortest names beside the table of trials still searching, and beside longer ones.
 const NAMES: u32 = 176;
+const BESIDE_NAMES: u32 = 50;
 const ROW: u32 = 17;
 
 type Chart<'a, DB> =
@@ -29,7 +30,7 @@ impl Drawing for Curves<'_> {
     fn size(&self) -> Size {
         let (columns, rows) = (self.0.places.len() as u32, self.0.series.len() as u32);
         (
-            NAMES + columns * PANEL.0 + 10,
+            self.names_width() + columns * PANEL.0 + 10,
             TOP + PANEL.1 + (rows + 2) * ROW + 12,
         )
     }
@@ -45,6 +46,10 @@ impl Drawing for Curves<'_> {
 }
 
 impl Curves<'_> {
+    fn names_width(&self) -> u32 {
+        NAMES.max(BESIDE_NAMES + widest(&self.0.series))
+    }
+
     /// The names of the series, which head the rows of the table and explain the colours.
     fn names<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
         let style = theme.text(12).pos(Pos::new(HPos::Left, VPos::Center));
@@ -64,7 +69,7 @@ impl Curves<'_> {
         theme: Theme,
         place: usize,
     ) -> Drawn<DB> {
-        let left = NAMES - 46 + place as u32 * PANEL.0;
+        let left = self.names_width() - 46 + place as u32 * PANEL.0;
         let corner = (theme.px(left), theme.px(TOP));
         let area = root
             .clone()

@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Drawing, Drawn, Size};
 use super::panels::Panels;
-use super::theme::{FAINT, INK, Theme, colour};
+use super::theme::{FAINT, INK, Theme, colour, widest};
 use crate::study::statistics::{Interval, Proportion};
 use crate::study::summary::ArmRecords;
 
@@ -15,12 +15,10 @@ const TOP: u32 = 58;
 const AXIS: u32 = 220;
 const FIGURES: u32 = 96;
 const CAPTION: u32 = 26;
-const LABELS: u32 = 34;
+const LABELS: u32 = 46;
 const ROW: u32 = 18;
 /// Panels beside each other.
 const MOST_COLUMNS: usize = 3;
-/// The width of a letter of the names.
-const LETTER: u32 = 7;
 /// Longer names, as sweeps of many settings have them, would leave no room for the rest.
 const LONGEST_NAME: usize = 60;
 /// The series whose colours dots have.
@@ -96,8 +94,7 @@ impl<'a> Steps<'a> {
 
     /// Room for the names of the series.
     fn names(&self) -> u32 {
-        let letters = self.panels.series.iter().map(String::len).max();
-        letters.unwrap_or(0) as u32 * LETTER + 24
+        widest(&self.panels.series) + 24
     }
 
     fn columns(&self) -> usize {
@@ -187,10 +184,12 @@ impl Steps<'_> {
             let below = (x, bottom + theme.ipx(10));
             root.draw_text(&steps.to_string(), &theme.text(11).pos(CENTRED), below)?;
         }
-        let ends = [self.from, self.to].map(|power| {
-            let (x, bottom) = self.at(theme, place, 10_f64.powi(power), last);
-            (x, bottom)
-        });
+        let (left, bottom) = self.at(theme, place, 10_f64.powi(self.from), last);
+        let (right, _) = self.at(theme, place, 10_f64.powi(self.to), last);
+        let middle = (i32::midpoint(left, right), bottom + theme.ipx(26));
+        let unit = "environment steps (logarithmic)";
+        root.draw_text(unit, &theme.text(11).pos(CENTRED), middle)?;
+        let ends = [(left, bottom), (right, bottom)];
         root.draw(&PathElement::new(ends, theme.line(INK, 1)))
     }
 

@@ -68,6 +68,12 @@ impl Theme {
     }
 }
 
+/// How wide the longest of some names is in small letters.
+pub fn widest(names: &[String]) -> u32 {
+    let letters = names.iter().map(|name| name.chars().count()).max();
+    7 * letters.unwrap_or(0) as u32
+}
+
 /// The colour of a series.
 pub fn colour(series: usize) -> RGBColor {
     COLOURS[series % COLOURS.len()]

@@ -83,7 +83,7 @@ pub(super) struct Document {
 }
 
 /// In place of a world to learn in beforehand, and of a switch to turn off.
-pub(super) const NOTHING: &str = "nothing";
+pub const NOTHING: &str = "nothing";
 
 impl Document {
     fn grid() -> Vec<ArenaKind> {

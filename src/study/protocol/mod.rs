@@ -10,8 +10,10 @@ use std::fmt;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::value::RawValue;
 
+pub(super) use file::NOTHING;
 pub use file::StudyFile;
 pub use freeze::Overrides;
+pub(super) use shipped::study_names;
 
 use super::error::StudyError;
 use super::trial::{ArenaKind, Config, Plan, Settings};
@@ -127,6 +129,13 @@ impl Protocol {
     /// are paired.
     pub fn trial_seed(&self, trial: usize) -> u64 {
         replicate_seed(self.seed, self.replicate(trial) as u64)
+    }
+
+    /// Is the world of this name the one that comes with the program?
+    pub(super) fn holds_shipped(&self, name: &str) -> bool {
+        let shipped = shipped::world(name);
+        let shipped = shipped.and_then(|text| Maze::from_json(text.as_bytes(), name).ok());
+        shipped.is_some() && shipped.as_ref() == named(&self.worlds, name)
     }
 
     /// The plan of a trial. Where it starts from what an [earlier trial](Self::earlier_plan) has

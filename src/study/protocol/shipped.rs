@@ -13,12 +13,13 @@ const WORLDS: [(&str, &str); 5] = [
 ];
 
 /// The studies, by name.
-const STUDIES: [(&str, &str); 5] = [
+const STUDIES: [(&str, &str); 6] = [
     ("paper", include_str!("../presets/paper.toml")),
     ("ablation", include_str!("../presets/ablation.toml")),
     ("plus", include_str!("../presets/plus.toml")),
     ("repairs", include_str!("../presets/repairs.toml")),
     ("transfer", include_str!("../presets/transfer.toml")),
+    ("starts", include_str!("../presets/starts.toml")),
 ];
 
 /// The text of a world file that comes with the program.
@@ -33,7 +34,16 @@ pub fn study(name: &str) -> Option<&'static str> {
 
 /// The names of the worlds that come with the program.
 pub fn world_names() -> String {
-    let names: Vec<&str> = WORLDS.iter().map(|(name, _)| *name).collect();
+    names(&WORLDS)
+}
+
+/// The names of the studies that come with the program.
+pub fn study_names() -> String {
+    names(&STUDIES)
+}
+
+fn names(list: &[(&str, &str)]) -> String {
+    let names: Vec<&str> = list.iter().map(|(name, _)| *name).collect();
     names.join(", ")
 }
 

@@ -1,92 +1,92 @@
-//! Which methods differ, and which comparisons the data cannot decide.
+//! Which methods and variants differ, and which comparisons the data cannot decide.
 
 use serde::Serialize;
 
 use super::document::Table;
 use crate::reward::Method;
+use crate::study::protocol::{Arm, NOTHING};
 use crate::study::statistics::{Interval, Proportion, fisher_exact, holm, log_rank, trials_needed};
 use crate::study::summary::{ArmRecords, rounded};
 
 /// Errors of the first kind that are accepted.
 const ALPHA: f64 = 0.05;
 
-/// One method against another in one world.
+/// One method, or one way of learning, against another in one world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// The world.
     pub world: String,
-    /// Arena, sensor and swept settings.
+    /// Arena, sensor and what is varied otherwise.
     pub setting: String,
-    /// The first method.
-    pub method: &'static str,
-    /// The method that it is compared with.
-    pub against: &'static str,
+    /// The first method, with its variant where variants are compared.
+    pub method: String,
+    /// The method, or the variant, that it is compared with.
+    pub against: String,
     /// How much larger the first one's share of successes is, with its 95 % interval.
     pub difference: Interval,
-    /// Fisher's exact p.
+    /// Fisher's exact p that the shares are equal.
     pub fisher_p: f64,
     /// The same after Holm's correction over the worlds.
     pub holm_p: f64,
-    /// The log-rank p that both find their first optimum equally soon.
+    /// The log-rank p that both find their first optimum equally soon, in episodes.
     pub log_rank_p: f64,
-    /// Trials per method that would tell such a difference apart with a chance of 80 %.
+    /// The same in steps in the environment, after Holm's correction over the worlds.
+    pub steps_holm_p: f64,
+    /// Trials of each that would tell such shares apart with a chance of 80 %.
     pub trials_needed: Option<u64>,
 }
 
+/// The keys of a variant of which each value is compared with [`NOTHING`].
+const AGAINST_NOTHING: [&str; 2] = ["after", "without"];
+
 impl Comparison {
-    /// Can the data decide which of the two is better?
-    pub fn is_decided(&self) -> bool {
+    /// Can the data decide which has the larger share of successes?
+    pub fn decides_share(&self) -> bool {
         self.holm_p < ALPHA
     }
 
-    /// `xcscr-plus` (or else `xcscr`, or the last method) against each other method, in each world.
+    /// Can the data decide which needs fewer steps to its first optimum?
+    pub fn decides_steps(&self) -> bool {
+        self.steps_holm_p < ALPHA
+    }
+
+    /// `xcscr-plus` (or else `xcscr`, or the last method) against each other method, and learning
+    /// `after` or `without` something against doing so after or without nothing; in each world.
     pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
-        let mut methods: Vec<Method> = arms.iter().map(|one| one.arm.method).collect();
-        methods.dedup();
-        let ours = [Method::XcscrPlus, Method::Xcscr];
-        let best = ours.iter().find(|method| methods.contains(method));
-        let Some(best) = best.or(methods.last()).copied() else {
-            return Vec::new();
-        };
-        let mut families: Vec<(Method, String)> = Vec::new();
-        for one in arms.iter().filter(|one| one.arm.method != best) {
-            let family = (one.arm.method, setting(one));
-            if !families.contains(&family) {
-                families.push(family);
+        let mut families: Vec<(Family, Vec<Self>)> = Vec::new();
+        for (one, other, family) in pairs(arms) {
+            let comparison = Self::new(one, other, &family);
+            match families.iter_mut().find(|(known, _)| *known == family) {
+                Some((_, members)) => members.push(comparison),
+                None => families.push((family, vec![comparison])),
             }
         }
-        let family =
-            |(other, setting): &(Method, String)| Self::family(arms, best, *other, setting);
-        families.iter().flat_map(family).collect()
+        let corrected = |(_, members)| Self::corrected(members);
+        families.into_iter().flat_map(corrected).collect()
     }
 
-    /// Two methods in all worlds: together they answer one question.
-    fn family(arms: &[ArmRecords<'_>], best: Method, other: Method, of: &str) -> Vec<Self> {
-        let all = |method| {
-            arms.iter()
-                .filter(move |one| one.arm.method == method && setting(one) == of)
-        };
-        let pairs = all(best).filter_map(|a| {
-            let b = all(other).find(|b| b.arm.world == a.arm.world)?;
-            Some(Self::new(a, b))
-        });
-        let mut pairs: Vec<Self> = pairs.collect();
-        let ps: Vec<f64> = pairs.iter().map(|pair| pair.fisher_p).collect();
-        for (pair, p) in pairs.iter_mut().zip(holm(&ps)) {
-            pair.holm_p = rounded(p);
-            pair.fisher_p = rounded(pair.fisher_p);
+    /// Comparisons in several worlds that together answer one question.
+    fn corrected(mut members: Vec<Self>) -> Vec<Self> {
+        let fisher: Vec<f64> = members.iter().map(|one| one.fisher_p).collect();
+        let steps: Vec<f64> = members.iter().map(|one| one.steps_holm_p).collect();
+        let corrected = holm(&fisher).into_iter().zip(holm(&steps));
+        for (one, (holm_p, steps_holm_p)) in members.iter_mut().zip(corrected) {
+            one.fisher_p = rounded(one.fisher_p);
+            one.holm_p = rounded(holm_p);
+            one.steps_holm_p = rounded(steps_holm_p);
         }
-        pairs
+        members
     }
 
-    fn new(a: &ArmRecords<'_>, b: &ArmRecords<'_>) -> Self {
+    fn new(a: &ArmRecords<'_>, b: &ArmRecords<'_>, family: &Family) -> Self {
         let (ours, theirs) = (a.successes(), b.successes());
         let difference = ours.difference(theirs);
+        let [method, against, setting] = family.clone();
         Self {
             world: a.arm.world.clone(),
-            setting: setting(a),
-            method: a.arm.method.name(),
-            against: b.arm.method.name(),
+            setting,
+            method,
+            against,
             difference: Interval {
                 value: rounded(difference.value),
                 low: rounded(difference.low),
@@ -95,14 +95,73 @@ impl Comparison {
             fisher_p: fisher_exact(ours, theirs),
             holm_p: 1.0,
             log_rank_p: rounded(log_rank(&a.lifetimes(), &b.lifetimes())),
+            steps_holm_p: log_rank(&a.step_lifetimes(), &b.step_lifetimes()),
             trials_needed: trials_needed(ours.share(), theirs.share()),
         }
     }
 }
 
-fn setting(records: &ArmRecords<'_>) -> String {
-    let arm = records.arm;
-    let variant = arm.variant.to_string();
+/// What is compared, with what, and what they have in common.
+type Family = [String; 3];
+
+/// Two arms, and the family to which their comparison belongs.
+type Pair<'a> = (&'a ArmRecords<'a>, &'a ArmRecords<'a>, Family);
+
+/// All pairs of arms that are to be compared.
+fn pairs<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
+    let best = best_method(arms);
+    let methods = arms.iter().filter_map(|other| {
+        let is_rival = |one: &&ArmRecords<'_>| {
+            Some(one.arm.method) == best
+                && one.arm.world == other.arm.world
+                && setting(one.arm, "") == setting(other.arm, "")
+        };
+        let one = arms.iter().find(is_rival)?;
+        let [ours, theirs] = [one, other].map(|records| records.arm.method);
+        let family = [
+            ours.name().to_owned(),
+            theirs.name().to_owned(),
+            setting(one.arm, ""),
+        ];
+        (ours != theirs).then_some((one, other, family))
+    });
+    let variants = AGAINST_NOTHING.iter().flat_map(|key| {
+        arms.iter().filter_map(move |one| {
+            let value = value(one.arm, key).filter(|value| *value != NOTHING)?;
+            let is_control = |other: &&ArmRecords<'_>| {
+                value_is_nothing(other.arm, key)
+                    && (&other.arm.world, other.arm.method) == (&one.arm.world, one.arm.method)
+                    && setting(other.arm, key) == setting(one.arm, key)
+            };
+            let control = arms.iter().find(is_control)?;
+            let ours = format!("{} {key} {value}", one.arm.method.name());
+            let family = [ours, format!("{key} {NOTHING}"), setting(one.arm, key)];
+            Some((one, control, family))
+        })
+    });
+    methods.chain(variants).collect()
+}
+
+/// The method that is compared with all others.
+fn best_method(arms: &[ArmRecords<'_>]) -> Option<Method> {
+    let methods: Vec<Method> = arms.iter().map(|one| one.arm.method).collect();
+    let ours = [Method::XcscrPlus, Method::Xcscr];
+    let best = ours.into_iter().find(|method| methods.contains(method));
+    best.or(methods.last().copied())
+}
+
+fn value<'a>(arm: &'a Arm, key: &str) -> Option<&'a str> {
+    arm.variant.0.get(key)?.as_str()
+}
+
+fn value_is_nothing(arm: &Arm, key: &str) -> bool {
+    value(arm, key) == Some(NOTHING)
+}
+
+/// Arena, sensor and all that is varied but `key`.
+fn setting(arm: &Arm, key: &str) -> String {
+    let mut variant = arm.variant.clone();
+    variant.0.remove(key);
     format!("{}, {} {variant}", arm.arena.name(), arm.sensor.name())
         .trim_end()
         .to_owned()
@@ -119,47 +178,70 @@ pub fn table(comparisons: &[Comparison]) -> Table {
         "Fisher p",
         "Holm p",
         "log-rank p",
+        "steps: Holm p",
         "decided",
         "trials needed",
     ]);
-    table.rows = comparisons
-        .iter()
-        .map(|one| {
-            vec![
-                one.world.clone(),
-                one.setting.clone(),
-                format!("{} − {}", one.method, one.against),
-                points(one.difference.value),
-                points_range(one.difference),
-                p_value(one.fisher_p),
-                p_value(one.holm_p),
-                p_value(one.log_rank_p),
-                if one.is_decided() { "yes" } else { "no" }.to_owned(),
-                one.trials_needed
-                    .map_or("–".to_owned(), |trials| trials.to_string()),
-            ]
-        })
-        .collect();
+    table.rows = comparisons.iter().map(row).collect();
     table.without_dull(|name| name == "setting")
 }
+
+fn row(one: &Comparison) -> Vec<String> {
+    let decided = match (one.decides_share(), one.decides_steps()) {
+        (true, true) => "share, steps",
+        (true, false) => "share",
+        (false, true) => "steps",
+        (false, false) => "no",
+    };
+    let trials = one.trials_needed.map(|trials| trials.to_string());
+    vec![
+        one.world.clone(),
+        one.setting.clone(),
+        format!("{} − {}", one.method, one.against),
+        points(one.difference.value),
+        points_range(one.difference),
+        p_value(one.fisher_p),
+        p_value(one.holm_p),
+        p_value(one.log_rank_p),
+        p_value(one.steps_holm_p),
+        decided.to_owned(),
+        trials.unwrap_or("–".to_owned()),
+    ]
+}
+
+/// What the columns mean.
+pub const LEGEND: &str = "points: how much larger the share of optimal trials is, with Fisher's \
+    exact p. log-rank p: that both find the first optimum equally soon, in episodes; steps: the \
+    same in environment steps. Holm: corrected over the worlds. trials needed: of each, to tell \
+    such shares apart with a chance of 80 %.";
 
 /// What the comparisons mean, in a sentence.
 pub fn verdict(comparisons: &[Comparison]) -> String {
     let undecided: Vec<String> = comparisons
         .iter()
-        .filter(|one| !one.is_decided())
+        .filter(|one| !one.decides_share() && !one.decides_steps())
         .map(|one| {
-            let (world, method, against) = (&one.world, one.method, one.against);
-            let p = p_value(one.holm_p);
-            format!("{method} against {against} in {world} (p = {p})").replace("= <", "<")
+            let (world, method, against) = (&one.world, &one.method, &one.against);
+            let [share, steps] = [one.holm_p, one.steps_holm_p].map(p_value);
+            format!("{method} against {against} in {world} (p = {share}, {steps})")
+                .replace("= <", "<")
         })
         .collect();
-    let decided = comparisons.len() - undecided.len();
-    let all = comparisons.len();
+    let count =
+        |decides: fn(&Comparison) -> bool| comparisons.iter().filter(|one| decides(one)).count();
+    let (shares, steps) = (
+        count(Comparison::decides_share),
+        count(Comparison::decides_steps),
+    );
+    let decided = format!(
+        "Of {} comparisons, the data decide {shares} by the share of optimal trials and {steps} by \
+         the steps to the first optimum, at the 5 % level.",
+        comparisons.len()
+    );
     match undecided.len() {
-        0 => format!("The data decide all {all} comparisons at the 5 % level."),
+        0 => format!("{decided} Each is decided in one way or the other."),
         _ => format!(
-            "The data decide {decided} of {all} comparisons at the 5 % level. They cannot decide {}.",
+            "{decided} They cannot decide in either way {}.",
             undecided.join("; ")
         ),
     }

@@ -46,6 +46,8 @@ pub struct Report {
     #[serde(skip)]
     settings: String,
     #[serde(skip)]
+    settings_that_matter: String,
+    #[serde(skip)]
     pictures: Vec<Picture>,
 }
 
@@ -73,10 +75,11 @@ impl Report {
             results: results::table(specs, &summaries),
             letters: results::letters_legend(&results::letters(specs)),
             arms: summaries,
-            against_paper: AgainstPaper::all(&arms),
+            against_paper: AgainstPaper::all(&arms, folder.protocol()),
             comparisons: Comparison::all(&arms),
             switches: SwitchEffect::all(&arms),
             settings: settings::sentences(specs),
+            settings_that_matter: paper::settings_that_matter(&arms),
             pictures: Vec::new(),
         }
     }
@@ -139,6 +142,7 @@ impl Report {
                 Block::Heading("Next to the paper".to_owned()),
                 Block::Table(paper::table(&self.against_paper)),
                 Block::Text(paper::verdict(&self.against_paper)),
+                Block::Text(self.settings_that_matter.clone()),
             ]);
         }
     }
@@ -148,6 +152,7 @@ impl Report {
             blocks.extend([
                 Block::Heading("What the data can decide".to_owned()),
                 Block::Table(comparisons::table(&self.comparisons)),
+                Block::Text(comparisons::LEGEND.to_owned()),
                 Block::Text(comparisons::verdict(&self.comparisons)),
             ]);
         }

@@ -1,16 +1,24 @@
 //! A study next to the numbers of the paper.
 
+use std::collections::BTreeSet;
+
 use serde::Serialize;
 
 use super::comparisons::p_value;
 use super::document::Table;
 use crate::reward::Method;
+use crate::sensor::Sensor;
+use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::{Proportion, fisher_exact, quantile};
 use crate::study::summary::{ArmRecords, rounded};
+use crate::study::trial::Settings;
 
 /// The episodes before which the paper looks for successes, by world: `xcscr` mainly succeeds
 /// before them.
 const EARLY: [(&str, u32); 3] = [("maze4", 40), ("maze5", 70), ("maze6", 70)];
+
+/// The paper's episodes of a trial.
+const EPISODES: u32 = 180;
 
 /// The paper's successes of 100 trials, in the same worlds. It has one adapted method.
 const SUCCESSES: [(Method, [u64; 3]); 4] = [
@@ -48,9 +56,21 @@ pub struct AgainstPaper {
 }
 
 impl AgainstPaper {
-    /// All arms whose experiment the paper reports; none with swept settings.
-    pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
-        arms.iter().filter_map(Self::new).collect()
+    /// All arms whose experiment the paper reports: in its mazes, with its percept and as many
+    /// episodes; none with swept settings.
+    pub fn all(arms: &[ArmRecords<'_>], protocol: &Protocol) -> Vec<Self> {
+        let is_theirs = |one: &&ArmRecords<'_>| {
+            let Arm { world, sensor, .. } = one.arm;
+            *sensor == Sensor::Neighbours && protocol.holds_shipped(world)
+        };
+        match protocol.episodes {
+            EPISODES => arms
+                .iter()
+                .filter(is_theirs)
+                .filter_map(Self::new)
+                .collect(),
+            _ => Vec::new(),
+        }
     }
 
     fn new(records: &ArmRecords<'_>) -> Option<Self> {
@@ -87,6 +107,34 @@ impl AgainstPaper {
             early: (!firsts.is_empty()).then_some(rounded(share)),
         })
     }
+}
+
+/// The settings that matter most for these numbers, in a sentence for those arms that agree.
+pub fn settings_that_matter(arms: &[ArmRecords<'_>]) -> String {
+    let words = |records: &ArmRecords<'_>| {
+        let Settings {
+            xcs,
+            reward,
+            episode,
+            ..
+        } = &records.arm.settings;
+        let on = |switch| if switch { "on" } else { "off" };
+        format!(
+            "P# {}, subsumption in [A] {}, by the GA {}, exploration {}, step limit {}, gamma {}",
+            xcs.dont_care,
+            on(xcs.action_set_subsumption),
+            on(xcs.ga_subsumption),
+            episode.explore,
+            reward.step_threshold,
+            reward.gamma
+        )
+    };
+    let all: BTreeSet<String> = arms.iter().map(words).collect();
+    let all: Vec<String> = all.into_iter().collect();
+    format!(
+        "What matters most for these numbers: {}.",
+        all.join("; or ")
+    )
 }
 
 /// What the paper reports: successes of 100 trials.

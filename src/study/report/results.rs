@@ -101,15 +101,14 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
         arm.p95_episode
             .map_or("–".to_owned(), |episode| episode.to_string()),
         arm.retained.to_string(),
-        arm.iqm_env_steps
-            .map_or("–".to_owned(), |steps| format!("{steps:.0}")),
+        whole(arm.iqm_env_steps),
         arm.iqm_env_steps_low
             .zip(arm.iqm_env_steps_high)
             .map_or("–".to_owned(), |(low, high)| {
                 format!("{low:.0}–{high:.0}")
             }),
-        format!("{:.0}", arm.mean_collisions),
-        format!("{:.0}", arm.mean_rules),
+        whole(arm.mean_collisions),
+        whole(arm.mean_rules),
         arm.median_condensed_rules
             .zip(arm.most_condensed_rules)
             .map_or("–".to_owned(), |(median, most)| {
@@ -117,6 +116,11 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
             }),
         arm.failed.to_string(),
     ]
+}
+
+/// A mean without decimals.
+fn whole(mean: Option<f64>) -> String {
+    mean.map_or("–".to_owned(), |mean| format!("{mean:.0}"))
 }
 
 /// Two shares as a range of percents.
@@ -149,14 +153,15 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
     let words: Vec<String> = words.collect();
     (!words.is_empty()).then(|| {
         format!(
-            "Fewest steps to the first optimum: {}. A world with ? is one where the intervals of \
-             the best two overlap.",
+            "Fewest steps to the first optimum: {}. A ? stands where the intervals of the best two \
+             overlap.",
             words.join("; ")
         )
     })
 }
 
-/// The method with the fewest steps of some in one place, and the world's name.
+/// The method with the fewest steps of some in one place, and the place's name; nothing where none
+/// has found an optimum.
 fn winner<'a>(rivals: &[&'a ArmSummary]) -> Option<(&'a str, String)> {
     let steps = |arm: &ArmSummary| arm.iqm_env_steps.unwrap_or(f64::INFINITY);
     let mut ranked = rivals.to_vec();
@@ -164,7 +169,11 @@ fn winner<'a>(rivals: &[&'a ArmSummary]) -> Option<(&'a str, String)> {
     let [first, second, ..] = ranked[..] else {
         return None;
     };
+    if first.successes == 0 {
+        return None;
+    }
     let is_clear = first.iqm_env_steps_high < second.iqm_env_steps_low;
     let doubt = if is_clear { "" } else { " ?" };
-    Some((first.method, format!("{}{doubt}", first.world)))
+    let place = format!("{} {}", first.world, first.variant);
+    Some((first.method, format!("{}{doubt}", place.trim_end())))
 }

@@ -1,36 +1,76 @@
 //! The settings of a study that are not the defaults.
 
+use std::collections::BTreeSet;
+
 use toml::{Table, Value};
 
 use crate::study::protocol::Arm;
 use crate::study::trial::{Settings, flatten};
 
-/// Which settings differ from the defaults, in sentences.
+/// Which settings differ from the defaults, and where, in sentences.
 pub fn sentences(arms: &[Arm]) -> String {
-    let mut methods: Vec<(&str, Vec<String>)> = Vec::new();
-    for arm in arms {
-        if methods.iter().all(|(name, _)| *name != arm.method.name()) {
-            methods.push((arm.method.name(), changed(arm)));
+    let lists: Vec<Vec<String>> = arms.iter().map(changed).collect();
+    let mut scopes: Vec<(String, Vec<&String>)> = vec![(String::new(), Vec::new())];
+    let mut seen = BTreeSet::new();
+    for item in lists.iter().flatten() {
+        if !seen.insert(item) {
+            continue;
+        }
+        let holds: Vec<bool> = lists.iter().map(|list| list.contains(item)).collect();
+        let scope = scope(arms, &holds);
+        match scopes.iter_mut().find(|(known, _)| *known == scope) {
+            Some((_, items)) => items.push(item),
+            None => scopes.push((scope, vec![item])),
         }
     }
-    let lists: Vec<&Vec<String>> = methods.iter().map(|(_, list)| list).collect();
-    let is_common = lists.windows(2).all(|pair| pair[0] == pair[1]);
-    match lists.first() {
-        Some(list) if is_common => format!("Settings: {}.", words(list)),
-        _ => {
-            let each = methods
-                .iter()
-                .map(|(name, list)| format!("{name}: {}.", words(list)));
-            format!("Settings. {}", each.collect::<Vec<_>>().join(" "))
-        }
+    let words = scopes.iter().map(|(scope, items)| words(scope, items));
+    format!("Settings: {}.", words.collect::<Vec<_>>().join("; "))
+}
+
+fn words(scope: &str, items: &[&String]) -> String {
+    let items: Vec<&str> = items.iter().map(|item| item.as_str()).collect();
+    let items = items.join(", ");
+    match (scope.is_empty(), items.is_empty()) {
+        (true, true) => "the defaults".to_owned(),
+        (true, false) => format!("the defaults, but {items}"),
+        (false, _) => format!("{scope}: {items}"),
     }
 }
 
-fn words(list: &[String]) -> String {
-    match list.len() {
-        0 => "the defaults".to_owned(),
-        _ => format!("the defaults, but {}", list.join(", ")),
+/// Where something holds that does in some of the arms; empty for all of them.
+fn scope(arms: &[Arm], holds: &[bool]) -> String {
+    if holds.iter().all(|holds| *holds) {
+        return String::new();
     }
+    let by = |name: fn(&Arm) -> &str| {
+        let held = |one: &&str| {
+            let mut own = arms.iter().zip(holds).filter(|(arm, _)| name(arm) == *one);
+            own.all(|(_, holds)| *holds)
+        };
+        let mut names: Vec<&str> = Vec::new();
+        for arm in arms {
+            if !names.contains(&name(arm)) {
+                names.push(name(arm));
+            }
+        }
+        let names: Vec<&str> = names.into_iter().filter(held).collect();
+        let covered = arms.iter().zip(holds);
+        let whole = covered
+            .filter(|(_, holds)| **holds)
+            .all(|(arm, _)| names.contains(&name(arm)));
+        whole.then(|| names.join(", "))
+    };
+    if let Some(methods) = by(|arm| arm.method.name()) {
+        return format!("for {methods}");
+    }
+    if let Some(worlds) = by(|arm| &arm.world) {
+        return format!("in {worlds}");
+    }
+    let held = arms.iter().zip(holds).filter(|(_, holds)| **holds);
+    let places: BTreeSet<String> = held
+        .map(|(arm, _)| format!("{} in {}", arm.method.name(), arm.world))
+        .collect();
+    format!("for {}", Vec::from_iter(places).join(", "))
 }
 
 /// The settings of an arm that are neither defaults nor swept.
@@ -38,11 +78,45 @@ fn changed(arm: &Arm) -> Vec<String> {
     let table = |settings: &Settings| -> Vec<(String, Value)> {
         flatten(Table::try_from(settings).expect("settings are plain data"))
     };
+    let without = arm.variant.0.get("without").and_then(|key| key.as_str());
+    let is_varied = |key: &str| arm.variant.0.contains_key(key) || without == Some(key);
     let pairs = table(&arm.settings)
         .into_iter()
         .zip(table(&Settings::default()));
     pairs
-        .filter(|((key, value), (_, default))| value != default && !arm.variant.0.contains_key(key))
+        .filter(|((key, value), (_, default))| value != default && !is_varied(key))
         .map(|((key, value), (_, default))| format!("`{key}` = {value} (default {default})"))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::study::protocol::{Overrides, Protocol, StudyFile};
+
+    fn said(text: &str) -> String {
+        let text = format!(
+            "name = \"s\"\nworlds = [\"maze4\", \"maze5\"]\nmethods = [\"xcs\", \"xcscr\"]\ntrials = 1\nepisodes = 1\n{text}"
+        );
+        let file = StudyFile::parse(&text, "s.toml", Path::new("")).unwrap();
+        sentences(&Protocol::new(&file, &Overrides::default()).unwrap().arms)
+    }
+
+    #[test]
+    fn settings_are_told_with_the_worlds_and_methods_that_have_them() {
+        assert_eq!(said(""), "Settings: the defaults.");
+        let text = "[settings]\n\"xcs.mu\" = 0.1\n[world-settings.maze5]\n\"xcs.chi\" = 0.5\n[method-settings.xcs]\n\"xcs.beta\" = 0.3\n";
+        let told = said(text);
+        for words in [
+            "Settings: the defaults, but `xcs.mu` = 0.1 (default 0.04);",
+            "; in maze5: `xcs.chi` = 0.5 (default 0.8)",
+            "; for xcs: `xcs.beta` = 0.3 (default 0.2)",
+        ] {
+            assert!(told.contains(words), "{words} is missing in {told}");
+        }
+        let switched = said("without = [\"xcs.ga\"]\n");
+        assert_eq!(switched, "Settings: the defaults.");
+    }
 }

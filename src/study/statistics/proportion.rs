@@ -57,8 +57,9 @@ impl Proportion {
     }
 }
 
-/// The trials per group that tell two shares apart with a chance of 80 %, at 5 % error;
-/// `None` when they are equal.
+/// The trials per group with which Fisher's exact test tells two shares apart with a chance of
+/// 80 %, at 5 % error, by the formula of Casagrande, Pike and Smith (1978); `None` when they are
+/// equal.
 pub fn trials_needed(a: f64, b: f64) -> Option<u64> {
     /// The normal deviate below which 80 % lie.
     const Z_80: f64 = 0.841_621_233_572_914_3;
@@ -69,7 +70,9 @@ pub fn trials_needed(a: f64, b: f64) -> Option<u64> {
     let under_equality = (2.0 * mean * (1.0 - mean)).sqrt();
     let under_difference = (a * (1.0 - a) + b * (1.0 - b)).sqrt();
     let root = (Z_95 * under_equality + Z_80 * under_difference) / (a - b);
-    Some((root * root).ceil() as u64)
+    let uncorrected = root * root;
+    let correction = 1.0 + (1.0 + 4.0 / (uncorrected * (a - b).abs())).sqrt();
+    Some((uncorrected * correction * correction / 4.0).ceil() as u64)
 }
 
 #[cfg(test)]
@@ -81,6 +84,22 @@ mod tests {
             (actual - expected).abs() < 1e-9,
             "{actual} is not {expected}"
         );
+    }
+
+    #[test]
+    fn trials_needed_give_fishers_test_its_power() {
+        // The power of Fisher's test, summed over all tables in Python, is 0.82, 0.82, 0.90, 0.80.
+        for (a, b, trials) in [
+            (0.65, 0.10, 15),
+            (0.79, 0.48, 43),
+            (0.46, 0.02, 18),
+            (0.54, 0.29, 68),
+        ] {
+            assert_eq!(trials_needed(a, b), Some(trials), "{a} against {b}");
+        }
+        assert_eq!(trials_needed(0.79, 0.77), Some(6833));
+        assert_eq!(trials_needed(1.0, 0.0), Some(4));
+        assert_eq!(trials_needed(0.5, 0.5), None);
     }
 
     #[test]
@@ -124,12 +143,5 @@ mod tests {
         let difference = larger.difference(smaller);
         assert_close((difference.low * 1e4).round() / 1e4, 0.0524);
         assert_close((difference.high * 1e4).round() / 1e4, 0.3339);
-    }
-
-    #[test]
-    fn the_papers_maze4_would_need_thousands_of_trials() {
-        // By the same formula in Python with scipy 1.17.1's norm.ppf: 6733.17.
-        assert_eq!(trials_needed(0.79, 0.77), Some(6734));
-        assert_eq!(trials_needed(0.5, 0.5), None);
     }
 }

@@ -1,0 +1,107 @@
+//! What tabular methods reach in the paper's mazes, and that `xcscr-plus` goes below it.
+
+use xcscr::reward::Method;
+use xcscr::sensor::Sensor;
+use xcscr::study::{ArenaKind, Config, Plan, Progress, Settings, Trial};
+use xcscr::world::Maze;
+
+const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
+
+/// How twenty trials on the grid ended.
+fn twenty(method: Method, maze: &str, settings: &Settings) -> Vec<Progress> {
+    let path = format!("{}/worlds/{maze}.json", env!("CARGO_MANIFEST_DIR"));
+    let maze = Maze::load(path.as_ref()).unwrap();
+    let progress = |seed| {
+        let config = Config {
+            version: String::new(),
+            method,
+            arena: ArenaKind::Grid,
+            sensor: Sensor::Neighbours,
+            episodes: 60,
+            seed,
+            settings: settings.clone(),
+            initial: None,
+        };
+        let maze = maze.clone();
+        let mut trial = Trial::new(Plan { maze, config }).unwrap();
+        let _ = trial.run(&mut ());
+        trial.progress().clone()
+    };
+    (1..=20).map(progress).collect()
+}
+
+fn median(mut numbers: Vec<u64>) -> u64 {
+    numbers.sort_unstable();
+    numbers[numbers.len() / 2]
+}
+
+/// The median first optimal episode, where all trials had one.
+fn median_episode(trials: &[Progress]) -> Option<u64> {
+    let first = |one: &Progress| one.first_optimal_episode.map(u64::from);
+    trials.iter().map(first).collect::<Option<_>>().map(median)
+}
+
+/// The median steps in the environment until then.
+fn median_steps(trials: &[Progress]) -> u64 {
+    let first = |one: &Progress| one.first_optimal_env_steps.unwrap_or(u64::MAX);
+    median(trials.iter().map(first).collect())
+}
+
+/// R-max that is judged by a policy planned on what it knows, not by its optimistic values.
+fn r_max_on_what_is_known() -> Settings {
+    let mut settings = Settings::default();
+    settings.tabular.optimistic_policy = false;
+    settings
+}
+
+#[test]
+fn r_max_needs_four_or_five_episodes_and_two_to_four_if_planned_on_what_is_known() {
+    // Known from other programs: 5, 5, 6 and 2, 4, 4.
+    for (maze, optimistic, known) in [("maze4", 5, 2), ("maze5", 5, 4), ("maze6", 6, 4)] {
+        for (settings, expected) in [
+            (Settings::default(), optimistic),
+            (r_max_on_what_is_known(), known),
+        ] {
+            let median = median_episode(&twenty(Method::RMax, maze, &settings));
+            assert!(
+                median.is_some_and(|m| m.abs_diff(expected) <= 1),
+                "{maze}: {median:?}, {expected} expected"
+            );
+        }
+    }
+}
+
+#[test]
+fn q_learning_needs_about_11_25_and_27_episodes() {
+    for (maze, expected) in [("maze4", 11_u64), ("maze5", 25), ("maze6", 27)] {
+        let trials = twenty(Method::QLearning, maze, &Settings::default());
+        let median = median_episode(&trials);
+        assert!(
+            median.is_some_and(|m| m.abs_diff(expected) <= 3),
+            "{maze}: {median:?}, {expected} expected"
+        );
+    }
+}
+
+#[test]
+fn xcscr_plus_is_always_optimal_within_three_episodes_and_in_fewer_steps_than_r_max() {
+    for maze in MAZES {
+        let ours = twenty(Method::XcscrPlus, maze, &Settings::default());
+        let theirs = twenty(Method::RMax, maze, &r_max_on_what_is_known());
+        let (steps, ceiling) = (median_steps(&ours), median_steps(&theirs));
+        assert!(steps < ceiling, "{maze}: {steps} steps, R-max {ceiling}");
+        let episode = median_episode(&ours);
+        assert!(episode.is_some_and(|e| e <= 3), "{maze}: {episode:?}");
+        let retained = ours.iter().filter(|one| one.optimal).count();
+        assert_eq!(retained, ours.len(), "{maze}");
+    }
+}
+
+#[test]
+fn without_planned_exploration_xcscr_plus_often_fails() {
+    let mut settings = Settings::default();
+    settings.plus.least_tried_first = false;
+    let trials = twenty(Method::XcscrPlus, "maze5", &settings);
+    let found = trials.iter().filter(|one| one.optimal).count();
+    assert!(found <= 10, "{found} of 20 were optimal all the same");
+}
