@@ -4,6 +4,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 /// The name under which a file is written until it is whole.
 pub fn part(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
@@ -98,24 +100,94 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     rename(&part, path)
 }
 
+/// The same among files of somebody else: the file that lies aside has a name of its own, so that
+/// none of them is overwritten.
+///
+/// # Errors
+/// Those of the file system; then the old file is untouched.
+pub fn replace_among_others(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut aside = aside(path)?;
+    aside.write_all(bytes)?;
+    persist(aside, path)
+}
+
+/// A file beside `path` with a name that nothing has; it vanishes unless it is
+/// [persisted](persist).
+///
+/// # Errors
+/// Those of the file system.
+pub fn aside(path: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".").suffix(".tmp");
+    // As readable as other files: a temporary file is otherwise for its owner alone.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder_of(path))
+}
+
+/// Brings a file that lies aside to the disk, and gives it its name.
+///
+/// # Errors
+/// Those of the file system; then the old file is untouched.
+pub fn persist(aside: NamedTempFile, path: &Path) -> io::Result<()> {
+    aside.as_file().sync_all()?;
+    aside.persist(path).map_err(|fault| fault.error)?;
+    sync_folder(folder_of(path))
+}
+
 /// Gives a file that is safely on the disk its name, and brings the name to the disk, too.
 ///
 /// # Errors
 /// Those of the file system.
 pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
     fs::rename(from, to)?;
-    // Only Unix can do so for a folder.
-    match to.parent() {
-        Some(folder) if cfg!(unix) => sync_folder(folder),
-        _ => Ok(()),
+    sync_folder(folder_of(to))
+}
+
+/// The folder of a file that is to be there.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
     }
 }
 
 fn sync_folder(folder: &Path) -> io::Result<()> {
-    let here = Path::new(".");
-    let folder = match folder.as_os_str().is_empty() {
-        true => here,
-        false => folder,
+    // Only Unix can do so for a folder.
+    match cfg!(unix) {
+        true => File::open(folder)?.sync_all(),
+        false => Ok(()),
+    }
+}
+
+/// A path as it can be typed in a shell: in quotes where it needs them, and never an option.
+pub fn typed(path: &Path) -> String {
+    let text = path.display().to_string();
+    let text = match text.starts_with('-') {
+        true => format!("./{text}"),
+        false => text,
     };
-    File::open(folder)?.sync_all()
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./+:,@%=".contains(c);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', r"'\''")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_shown_as_it_can_be_typed() {
+        for (path, shown) in [
+            ("runs/maze4-s1", "runs/maze4-s1"),
+            ("my run", "'my run'"),
+            ("-x", "./-x"),
+            ("it's", r"'it'\''s'"),
+            ("$HOME", "'$HOME'"),
+        ] {
+            assert_eq!(typed(Path::new(path)), shown);
+        }
+    }
 }

@@ -105,6 +105,71 @@ fn a_flipped_bit_costs_at_most_its_chunk_and_is_never_called_lossless() {
 }
 
 #[test]
+fn a_damaged_index_is_not_believed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let whole = said(&Recording::open(&file).unwrap());
+    let (bad, out) = (
+        folder.path().join("bad.mcap"),
+        folder.path().join("out.mcap"),
+    );
+    let start = mcap::read::footer(&bytes).unwrap().summary_start as usize;
+    for at in (start..bytes.len() - 8).step_by(101) {
+        let mut bytes = bytes.clone();
+        bytes[at] ^= 1;
+        fs::write(&bad, bytes).unwrap();
+        let recovery = recover(&bad, &out, true).unwrap();
+        assert!(recovery.is_lossless(), "bit at {at}: {recovery:?}");
+        assert_eq!(said(&Recording::open(&out).unwrap()), whole, "bit at {at}");
+        let (code, ..) = outcome(&["check", out.to_str().unwrap()]);
+        assert_eq!(code, Some(0), "bit at {at}");
+    }
+}
+
+#[test]
+fn a_recording_that_ends_between_two_records_is_not_called_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, bytes) = recorded(folder.path());
+    let (cut, out) = (
+        folder.path().join("cut.mcap"),
+        folder.path().join("out.mcap"),
+    );
+    fs::write(&cut, &bytes[..8]).unwrap();
+    let recovery = recover(&cut, &out, false).unwrap();
+    assert_eq!((recovery.messages, recovery.lost_bytes), (0, 0));
+    assert!(recovery.fault.unwrap().contains("no end"));
+}
+
+#[test]
+fn files_beside_a_picture_or_a_recovered_recording_are_nobodys_scratch_space() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, bytes) = recorded(folder.path());
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    for other in ["out.mcap.recovering", "out.mcap.part"] {
+        fs::write(path(other), "precious").unwrap();
+    }
+    let (code, _, stderr) = outcome(&["recover", file.to_str().unwrap(), "-o", &path("out.mcap")]);
+    assert_eq!(code, Some(0), "{stderr}");
+    for other in ["out.mcap.recovering", "out.mcap.part"] {
+        assert_eq!(fs::read(path(other)).unwrap(), b"precious", "{other}");
+    }
+    fs::rename(&file, path("in.mcap.recovering")).unwrap();
+    let (code, ..) = outcome(&[
+        "recover",
+        &path("in.mcap.recovering"),
+        "-o",
+        &path("in.mcap"),
+    ]);
+    assert_eq!(code, Some(0));
+    assert_eq!(fs::read(path("in.mcap.recovering")).unwrap(), bytes);
+    let left = names(folder.path());
+    assert!(!left.iter().any(|name| name.starts_with('.')), "{left:?}");
+    let nowhere = path("no/such/folder.mcap");
+    let (code, ..) = outcome(&["recover", &path("in.mcap"), "-o", &nowhere]);
+    assert_eq!(code, Some(73));
+}
+
+#[test]
 fn recover_never_touches_its_input_and_overwrites_only_by_force() {
     let folder = tempfile::tempdir().unwrap();
     let (file, bytes) = recorded(folder.path());

@@ -91,6 +91,39 @@ fn an_animated_map_shows_the_policy_as_it_forms() {
 }
 
 #[test]
+fn an_interrupted_run_has_a_map_only_of_episodes_that_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), &["--episodes", "3", "--record", "none"]);
+    // What a killed run leaves: a checkpoint; what is in it does not matter here.
+    fs::write(run.join("checkpoint"), "").unwrap();
+    let picture = folder.path().join("map.svg");
+    let (run, picture) = (run.to_str().unwrap(), picture.to_str().unwrap());
+    let (code, _, stderr) = outcome(&["map", run, "-o", picture]);
+    assert_eq!(code, Some(65), "{stderr}");
+    assert!(
+        stderr.contains("--resume") && stderr.contains("--episode"),
+        "{stderr}"
+    );
+    let (code, _, stderr) = outcome(&["map", run, "-o", picture, "--episode", "2"]);
+    assert_eq!(code, Some(0), "{stderr}");
+}
+
+#[test]
+fn what_recordings_hold_is_one_json_document() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), &["--episodes", "2"]);
+    let (code, stdout, stderr) = outcome(&["replay", run.to_str().unwrap(), "--json"]);
+    assert_eq!(code, Some(0), "{stderr}");
+    let shown: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let files = shown.as_array().unwrap();
+    assert_eq!(files.len(), 3);
+    assert_eq!(files[1]["run"]["episode"], "2");
+    assert!(files[0]["topics"].as_array().unwrap().len() > 5, "{stdout}");
+    let (code, ..) = outcome(&["replay", run.to_str().unwrap(), "--json", "--serve"]);
+    assert_eq!(code, Some(2));
+}
+
+#[test]
 fn a_map_that_cannot_be_drawn_says_why() {
     let folder = tempfile::tempdir().unwrap();
     let run = train(folder.path(), &["--arena", "grid", "--episodes", "3"]);

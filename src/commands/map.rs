@@ -36,7 +36,7 @@ enum Kind {
 /// Runs the trial again and draws.
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let kind = Kind::of(&args.output)?;
-    let (plan, shown) = plan(&args.run)?;
+    let (plan, shown) = plan(args)?;
     let scenes = match args.episode.or(shown) {
         _ if args.animate => Scenes::Forming,
         Some(episode) => Scenes::After(episode),
@@ -47,8 +47,10 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         Kind::Svg => film.svg().into_bytes(),
         Kind::Png => film.png()?,
     };
-    disk::replace(&args.output, &picture).map_err(|cause| {
-        let message = format!("cannot write {}: {cause}", args.output.display());
+    disk::replace_among_others(&args.output, &picture).map_err(|cause| {
+        let name = args.output.display();
+        let message =
+            format!("cannot write {name}: {cause}; free some space, or choose another place");
         let exit = match cause.kind() {
             ErrorKind::StorageFull | ErrorKind::FileTooLarge => Exit::Io,
             _ => Exit::CannotCreate,
@@ -75,12 +77,23 @@ impl Kind {
 }
 
 /// The plan of a run, and the episode that a recording shows.
-fn plan(run: &Path) -> Result<(Plan, Option<u32>), Failure> {
-    if run.is_file() {
-        let source = Source::of(run)?;
+fn plan(args: &MapArgs) -> Result<(Plan, Option<u32>), Failure> {
+    if args.run.is_file() {
+        let source = Source::of(&args.run)?;
         return Ok((source.plan, source.episode));
     }
-    Ok((RunFolder::open(run).plan()?, None))
+    let folder = RunFolder::open(&args.run);
+    let plan = folder.plan()?;
+    if args.episode.is_none() && folder.is_interrupted() {
+        let message = format!(
+            "{} is interrupted: finish it with `xcscr train --resume {}`, or choose an episode \
+             with `--episode`",
+            args.run.display(),
+            disk::typed(&args.run)
+        );
+        return Err(Failure::new(Exit::BadData, message));
+    }
+    Ok((plan, None))
 }
 
 impl From<FilmError> for Failure {

@@ -39,7 +39,11 @@ pub fn run(args: &RecoverArgs) -> Result<(), Failure> {
             Ok(())
         }
         Some(fault) => {
-            let message = format!("{saved}; lost {lost_bytes} bytes, {fault}");
+            let lost = match lost_bytes {
+                0 => String::new(),
+                _ => format!("lost {lost_bytes} bytes, "),
+            };
+            let message = format!("{saved}; {lost}{fault}");
             Err(Failure::new(Exit::Lossy, message))
         }
     }

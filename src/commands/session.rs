@@ -6,6 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
+use xcscr::disk;
 use xcscr::record::{RecordMode, RecordSummary, Recorder, RecorderMemory};
 use xcscr::study::{Checkpoint, Plan, RunFolder, Trial};
 
@@ -173,6 +174,6 @@ fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
 }
 
 fn way_on(folder: &RunFolder) -> String {
-    let path = folder.path().display();
+    let path = disk::typed(folder.path());
     format!("go on with `xcscr train --resume {path}`")
 }

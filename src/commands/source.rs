@@ -29,7 +29,12 @@ pub fn recordings(path: &Path) -> Result<Vec<PathBuf>, Failure> {
         name.ends_with(".mcap") || name.ends_with(".mcap.part")
     };
     files.retain(is_recording);
-    files.sort();
+    // Episodes by their numbers, of which those beyond 9999 have more digits.
+    files.sort_by_cached_key(|file| {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let number: String = name.chars().filter(char::is_ascii_digit).collect();
+        (number.is_empty(), number.len(), name.into_owned())
+    });
     if files.is_empty() {
         let message = format!("{} holds no recordings (.mcap)", path.display());
         return Err(Failure::new(Exit::Missing, message));

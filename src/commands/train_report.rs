@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use serde::Serialize;
+use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
 use xcscr::study::{Condensed, Trial};
@@ -147,9 +148,10 @@ impl TrainReport {
         writeln!(out, "Recorded {files} files, {megabytes:.1} MB, in {dir}.")?;
         writeln!(
             out,
-            "Watch it: `xcscr replay {dir} --serve` prints links that open it in Foxglove or\n\
+            "Watch it: `xcscr replay {} --serve` prints links that open it in Foxglove or\n\
              Lichtblick; or open its files there and import {dir}/foxglove-layout.json\n\
-             (for run.mcap: foxglove-layout-run.json)."
+             (for run.mcap: foxglove-layout-run.json).",
+            disk::typed(Path::new(dir))
         )?;
         Ok(())
     }

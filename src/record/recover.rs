@@ -1,8 +1,8 @@
 //! A whole recording of what can still be read of a broken one.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use mcap::{MAGIC, McapError, McapResult};
 
@@ -32,19 +32,14 @@ pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, Rec
             cause: "it does not begin like an MCAP file, so that nothing can be saved".to_owned(),
         });
     }
-    let aside = aside(output);
-    let written = write(&bytes, &aside).map_err(|cause| write_error(output, &cause));
-    let recovery = written.and_then(|recovery| {
-        verify(&aside, &recovery)?;
-        let renamed = disk::rename(&aside, output);
-        renamed.map_err(|cause| write_error(output, &cause.into()))?;
-        Ok(recovery)
-    });
-    if recovery.is_err() {
-        // Nothing of value: the input is as it was.
-        let _ = fs::remove_file(&aside);
-    }
-    recovery
+    let aside = disk::aside(output).map_err(|cause| RecordError::Create {
+        path: output.to_owned(),
+        cause,
+    })?;
+    let recovery = write(&bytes, aside.as_file()).map_err(|cause| write_error(output, &cause))?;
+    verify(aside.path(), &recovery)?;
+    disk::persist(aside, output).map_err(|cause| write_error(output, &cause.into()))?;
+    Ok(recovery)
 }
 
 /// Refuses to overwrite.
@@ -60,17 +55,9 @@ fn refuse(input: &Path, output: &Path, force: bool) -> io::Result<()> {
     }
 }
 
-/// Where the output lies until it is whole.
-fn aside(output: &Path) -> PathBuf {
-    let mut name = output.as_os_str().to_owned();
-    name.push(".recovering");
-    name.into()
-}
-
-fn write(bytes: &[u8], aside: &Path) -> McapResult<Recovery> {
-    let (sink, recovery) = salvage(bytes, BufWriter::new(disk::create(aside)?))?;
-    let file = sink.into_inner().map_err(|e| e.into_error())?;
-    file.sync_all()?;
+fn write(bytes: &[u8], aside: &File) -> McapResult<Recovery> {
+    let (sink, recovery) = salvage(bytes, BufWriter::new(aside))?;
+    sink.into_inner().map_err(|e| e.into_error())?;
     Ok(recovery)
 }
 

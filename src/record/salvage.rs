@@ -50,10 +50,11 @@ impl Recovery {
 /// Those of the sink.
 pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recovery)> {
     let mut salvor = Salvor::new(sink)?;
-    // If the index can be read, it knows channels whose own records were lost.
-    if let Ok(Some(summary)) = Summary::read(bytes) {
+    // A sound index knows channels whose own records were lost.
+    if let Some(summary) = sound_summary(bytes) {
         salvor.learn(&summary)?;
     }
+    let mut has_end = false;
     let mut at = MAGIC.len();
     while at < bytes.len() {
         let Some((opcode, body)) = record_at(bytes, at) else {
@@ -65,6 +66,7 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
         match parse_record(opcode, body) {
             // What follows is only the index.
             Ok(Record::DataEnd(end)) => {
+                has_end = true;
                 salvor.check_sum(&bytes[..at], end.data_section_crc);
                 break;
             }
@@ -74,7 +76,24 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
         }
         at += size;
     }
+    if !has_end {
+        let what = "the file has no end, so that what came after is missing";
+        salvor.recovery.lose(0, bytes.len(), &what);
+    }
     salvor.finish()
+}
+
+/// The index, if its check sum is right.
+fn sound_summary(bytes: &[u8]) -> Option<Summary> {
+    let footer = mcap::read::footer(bytes).ok()?;
+    let start = usize::try_from(footer.summary_start).ok()?;
+    // The sum is the last field before the closing magic, and covers all before itself.
+    let end = bytes.len().checked_sub(MAGIC.len() + size_of::<u32>())?;
+    let summed = bytes.get(start..end)?;
+    let is_sound = start > 0 && crc32fast::hash(summed) == footer.summary_crc;
+    is_sound
+        .then(|| Summary::read(bytes).ok().flatten())
+        .flatten()
 }
 
 /// The opcode and the body of the record at a place; `None` when it is not whole.

@@ -83,7 +83,7 @@ pub enum StudyError {
         fault: String,
     },
     /// A folder or file cannot be made.
-    #[error("cannot create {}: {cause}", .path.display())]
+    #[error("cannot create {}: {cause}; choose another folder with `--out`, or free this one", .path.display())]
     Create {
         /// The folder or file.
         path: PathBuf,

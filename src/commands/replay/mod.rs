@@ -5,10 +5,12 @@ mod serve;
 mod stream;
 mod verify;
 
-use std::io::Write;
+use std::collections::BTreeMap;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use xcscr::record::reader::Recording;
+use serde::Serialize;
+use xcscr::record::reader::{Recording, TopicInfo};
 
 use super::failure::Failure;
 use super::live::{LIVE_PORT, LiveArgs};
@@ -32,7 +34,7 @@ pub struct ReplayArgs {
     #[arg(long, value_name = "P")]
     port: Option<u16>,
     /// Print one JSON document.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["serve", "live"])]
     json: bool,
 }
 
@@ -49,22 +51,72 @@ pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     } else if args.serve {
         serve::run(&files, args.port.unwrap_or(0), out)
     } else {
-        files.iter().try_for_each(|file| show(file, out))
+        show(&files, args.json, out)
     }
 }
 
-fn show(file: &Path, out: &mut impl Write) -> Result<(), Failure> {
-    let recording = Recording::open(file)?;
-    writeln!(out, "{}", file.display())?;
-    for (key, value) in recording.metadata("run").into_iter().flatten() {
-        writeln!(out, "  {key:9} {value}")?;
+/// What a recording says of itself.
+#[derive(Debug, Serialize)]
+struct Shown {
+    file: String,
+    run: BTreeMap<String, String>,
+    topics: Vec<ShownTopic>,
+}
+
+/// A topic and how much is said on it.
+#[derive(Debug, Serialize)]
+struct ShownTopic {
+    name: String,
+    schema: String,
+    messages: u64,
+}
+
+impl Shown {
+    fn of(file: &Path) -> Result<Self, Failure> {
+        let recording = Recording::open(file)?;
+        Ok(Self {
+            file: file.display().to_string(),
+            run: recording.metadata("run").cloned().unwrap_or_default(),
+            topics: recording.topics().into_iter().map(shown_topic).collect(),
+        })
     }
-    for topic in recording.topics() {
-        writeln!(
-            out,
-            "  {:16} {:6} {}",
-            topic.name, topic.messages, topic.schema
-        )?;
+
+    fn print(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "{}", self.file)?;
+        for (key, value) in &self.run {
+            writeln!(out, "  {key:9} {value}")?;
+        }
+        for topic in &self.topics {
+            writeln!(
+                out,
+                "  {:16} {:6} {}",
+                topic.name, topic.messages, topic.schema
+            )?;
+        }
+        Ok(())
     }
-    Ok(())
+}
+
+fn shown_topic(topic: TopicInfo) -> ShownTopic {
+    let TopicInfo {
+        name,
+        schema,
+        messages,
+        ..
+    } = topic;
+    ShownTopic {
+        name,
+        schema,
+        messages,
+    }
+}
+
+fn show(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Failure> {
+    if json {
+        let shown: Result<Vec<Shown>, _> = files.iter().map(|file| Shown::of(file)).collect();
+        return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&shown?)?)?);
+    }
+    files
+        .iter()
+        .try_for_each(|file| Ok(Shown::of(file)?.print(out)?))
 }

@@ -9,9 +9,16 @@ use xcscr::record::reader::Recording;
 use crate::commands::failure::Failure;
 use crate::commands::live::Broadcast;
 
-/// Streams all files in order, then stays until the last viewer has gone. Ctrl-C ends it.
+/// Streams all files in order, then stays until the last viewer has gone. Ctrl-C ends it. Beside
+/// episodes, the recording of the whole run is left out: its time would jump back.
 pub fn run(files: &[PathBuf], mut broadcast: Broadcast) -> Result<(), Failure> {
-    for file in files {
+    let is_whole_run = |file: &&PathBuf| file.ends_with("run.mcap");
+    let episodes = files.iter().filter(|file| !is_whole_run(file));
+    let streamed: Vec<_> = match episodes.clone().next() {
+        Some(_) => episodes.collect(),
+        None => files.iter().collect(),
+    };
+    for file in streamed {
         stream(file, &mut broadcast)?;
     }
     broadcast.stay();

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use crate::disk;
 use crate::study::trial::CheckpointError;
 use crate::world::WorldError;
 
@@ -18,7 +19,7 @@ pub enum RunFolderError {
     #[error("{0} holds files, but no run: choose another folder with `--out`")]
     Foreign(PathBuf),
     /// There is a run that did not end.
-    #[error("{0} holds an interrupted run: go on with `xcscr train --resume {path}`, or replace it with `--force`", path = .0.display())]
+    #[error("{0} holds an interrupted run: go on with `xcscr train --resume {path}`, or replace it with `--force`", path = disk::typed(.0))]
     Interrupted(PathBuf),
     /// Another process works in the folder.
     #[error("{folder} is in use by {}: wait for it, or choose another folder with `--out`", holder(.pid))]
@@ -29,7 +30,7 @@ pub enum RunFolderError {
         pid: Option<u32>,
     },
     /// There is nothing to go on with.
-    #[error("{0} holds no interrupted run: begin one with `xcscr train WORLD --out {path}`", path = .0.display())]
+    #[error("{0} holds no interrupted run: begin one with `xcscr train WORLD --out {path}`", path = disk::typed(.0))]
     NothingToResume(PathBuf),
     /// The checkpoint is of no use.
     #[error("cannot go on from {path}: {fault}")]
@@ -54,7 +55,7 @@ pub enum RunFolderError {
     #[error(transparent)]
     World(#[from] WorldError),
     /// A file or folder cannot be made.
-    #[error("cannot create {path}: {cause}; choose another folder with `--out`")]
+    #[error("cannot create {path}: {cause}; free this folder, or choose another one with `--out`")]
     Create {
         /// The file or folder.
         path: PathBuf,

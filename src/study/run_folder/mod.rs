@@ -184,6 +184,11 @@ impl RunFolder {
         self.write(CHECKPOINT, &seal(state))
     }
 
+    /// Does the run lack its end?
+    pub fn is_interrupted(&self) -> bool {
+        holds(&self.path) == Holds::Interrupted
+    }
+
     /// Where the run was; `None` when it is finished.
     ///
     /// # Errors
