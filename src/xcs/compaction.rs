@@ -1,10 +1,11 @@
 //! Condensing \[P\]: few general rules that decide as all of them do.
 //!
 //! Once payoffs are known, most rules never decide anything, and many say the same of percepts
-//! that differ only where it does not matter. What is left here is a set of rules of which each
-//! advocates, wherever it matches, an action that \[P\] rates best: rules that never decide are
-//! removed, the others made as general as that allows, and the fewest are kept that cover every
-//! percept.
+//! that differ only where it does not matter. What is made here is a set of rules of which each
+//! advocates, wherever it matches, an action that \[P\] rates best. Removing rules that never
+//! decide and subsuming others cannot make more general rules than \[P\] holds; therefore
+//! conditions are grown anew from the percepts, as general as that allows, and the fewest are kept
+//! that cover every percept.
 
 use std::cmp::Reverse;
 

@@ -186,7 +186,7 @@ fn overlay(
         return Err(SettingsError::Type {
             origin: origin.clone(),
             given: shortened(&value.to_string()),
-            wanted: kind(present).to_owned(),
+            wanted: kind(&key, present),
             key,
         });
     }
@@ -194,12 +194,16 @@ fn overlay(
     Ok(())
 }
 
-fn kind(value: &Value) -> &'static str {
+/// What a setting takes that now has this value.
+fn kind(key: &str, value: &Value) -> String {
     match value {
-        Value::Integer(_) => "a whole number",
-        Value::Float(_) => "a number",
-        Value::Boolean(_) => "true or false",
-        _ => "a text",
+        Value::Integer(_) => match range_of(key, value) {
+            Some(OutOfRange { allowed, .. }) => format!("a whole number {allowed}"),
+            None => "a whole number".to_owned(),
+        },
+        Value::Float(_) => "a number".to_owned(),
+        Value::Boolean(_) => "true or false".to_owned(),
+        _ => "a text".to_owned(),
     }
 }
 
@@ -347,6 +351,17 @@ mod tests {
             assert_eq!(
                 message(None, &[&format!("xcs.population_size={value}")]),
                 format!("--set: `xcs.population_size` is {value}, but must be from 32 to 1000000")
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_whole_number_is_refused_with_the_range_too() {
+        for value in ["nan", "inf", "2.5", "many"] {
+            let message = message(None, &[&format!("xcs.nu={value}")]);
+            assert!(
+                message.contains("must be a whole number from 1 to 20"),
+                "{message}"
             );
         }
     }
