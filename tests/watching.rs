@@ -266,8 +266,11 @@ fn the_links_name_the_files_and_the_layout_of_each_kind() {
     let run = train(folder.path(), &["--episodes", "12", "--arena", "grid"]);
     let server = Served::new(&[run.to_str().unwrap()]);
     let text = server.lines.concat();
-    assert!(text.contains("Episodes (the last 10 of 12)"), "{text}");
-    assert!(text.contains("The whole run\n"), "{text}");
+    assert!(
+        text.contains("Episodes in maze4 (the last 10 of 12)"),
+        "{text}"
+    );
+    assert!(text.contains("The whole run in maze4\n"), "{text}");
     let count = |what: &str| text.matches(what).count();
     assert_eq!(
         count("ds.url=http%3A%2F%2F127.0.0.1%3A"),
@@ -276,6 +279,36 @@ fn the_links_name_the_files_and_the_layout_of_each_kind() {
     );
     assert_eq!(count("&layoutUrl=http%3A%2F%2F"), 2, "{text}");
     assert_eq!(count("https://app.foxglove.dev/"), 2, "{text}");
+}
+
+#[test]
+fn recordings_of_two_mazes_come_with_a_layout_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let large = folder.path().join("large");
+    let large = large.to_str().unwrap();
+    let world = [
+        "train",
+        "worlds/maze6.json",
+        "--episodes",
+        "1",
+        "--quiet",
+        "--out",
+        large,
+    ];
+    assert_eq!(outcome(&world).0, Some(0));
+    let small = train(folder.path(), &["--episodes", "1"]);
+    let episode = |run: &Path| run.join("ep-0001.mcap").to_str().unwrap().to_owned();
+    let files = [episode(&small), episode(Path::new(large))];
+    let server = Served::new(&files.each_ref().map(String::as_str));
+    let text = server.lines.concat();
+    for maze in ["maze4", "maze6"] {
+        assert!(text.contains(&format!("Episodes in {maze}\n")), "{text}");
+    }
+    for (path, run) in [("/0", small.as_path()), ("/2", Path::new(large))] {
+        let (_, layout) = server.ask("GET", &format!("{path}/foxglove-layout.json"), "");
+        let expected = fs::read(run.join("foxglove-layout.json")).unwrap();
+        assert_eq!(layout, expected, "{path}");
+    }
 }
 
 #[cfg(unix)]

@@ -18,7 +18,7 @@ const MOST_LINKED: usize = 10;
 
 /// Serves until Ctrl-C.
 pub fn run(files: &[PathBuf], port: u16, out: &mut impl Write) -> Result<(), Failure> {
-    let (runs, episodes, maze) = sorted(files)?;
+    let groups = sorted(files)?;
     let mut server = Server::bind(port).map_err(|cause| {
         let message = format!("cannot listen on port {port}: {cause}; choose another `--port`");
         Failure::new(Exit::Io, message)
@@ -27,49 +27,66 @@ pub fn run(files: &[PathBuf], port: u16, out: &mut impl Write) -> Result<(), Fai
     for signal in [SIGINT, SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&stopped))?;
     }
-    let groups = [
-        ("Episodes", episodes, layout::of_episode(&maze)),
-        ("The whole run", runs, layout::of_run(&maze)),
-    ];
-    for (what, files, layout) in groups {
-        print_links(&mut server, what, &files, layout, out)?;
+    for group in &groups {
+        print_links(&mut server, group, out)?;
     }
     writeln!(out, "Serving on {}; Ctrl-C ends it.", server.origin())?;
     out.flush()?;
     Ok(server.run(|| stopped.load(Ordering::Relaxed))?)
 }
 
-/// Files of whole runs, files of episodes, and the maze of the first.
-fn sorted(files: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<PathBuf>, Maze), Failure> {
-    let (mut runs, mut episodes, mut maze) = (Vec::new(), Vec::new(), None);
-    for file in files {
-        let source = Source::of(file)?;
-        maze.get_or_insert(source.plan.maze);
-        match source.episode {
-            None => runs.push(file.clone()),
-            Some(_) => episodes.push(file.clone()),
-        }
-    }
-    let nothing = || Failure::new(Exit::Usage, "there is nothing to serve");
-    Ok((runs, episodes, maze.ok_or_else(nothing)?))
+/// Recordings that one layout fits.
+struct Group {
+    maze: Maze,
+    whole_runs: bool,
+    files: Vec<PathBuf>,
 }
 
-fn print_links(
-    server: &mut Server,
-    what: &str,
-    files: &[PathBuf],
-    layout: String,
-    out: &mut impl Write,
-) -> Result<(), Failure> {
-    if files.is_empty() {
-        return Ok(());
+impl Group {
+    fn name(&self) -> String {
+        let what = if self.whole_runs {
+            "The whole run"
+        } else {
+            "Episodes"
+        };
+        format!("{what} in {}", self.maze.name())
     }
-    let layout = server.add("foxglove-layout.json", Content::Text(layout));
-    let mut links = Vec::new();
+
+    fn layout(&self) -> String {
+        match self.whole_runs {
+            true => layout::of_run(&self.maze),
+            false => layout::of_episode(&self.maze),
+        }
+    }
+}
+
+/// The files maze by maze, episodes apart from whole runs.
+fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
+    let mut groups: Vec<Group> = Vec::new();
     for file in files {
+        let source = Source::of(file)?;
+        let (maze, whole_runs) = (source.plan.maze, source.episode.is_none());
+        let fits = |group: &&mut Group| group.maze == maze && group.whole_runs == whole_runs;
+        match groups.iter_mut().find(fits) {
+            Some(group) => group.files.push(file.clone()),
+            None => groups.push(Group {
+                maze,
+                whole_runs,
+                files: vec![file.clone()],
+            }),
+        }
+    }
+    Ok(groups)
+}
+
+fn print_links(server: &mut Server, group: &Group, out: &mut impl Write) -> Result<(), Failure> {
+    let layout = server.add("foxglove-layout.json", Content::Text(group.layout()));
+    let mut links = Vec::new();
+    for file in &group.files {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         links.push(server.add(&name, Content::File(file.clone())));
     }
+    let what = group.name();
     let linked = &links[links.len().saturating_sub(MOST_LINKED)..];
     match (links.len(), linked.len()) {
         (all, some) if some < all => writeln!(out, "{what} (the last {some} of {all})")?,

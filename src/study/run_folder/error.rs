@@ -30,7 +30,7 @@ pub enum RunFolderError {
         pid: Option<u32>,
     },
     /// There is nothing to go on with.
-    #[error("{0} holds no interrupted run: begin one with `xcscr train WORLD --out {path}`", path = disk::typed(.0))]
+    #[error("{0} holds no interrupted run: begin one with `xcscr train WORLD --out {path}`; `--force` replaces a run that is there", path = disk::typed(.0))]
     NothingToResume(PathBuf),
     /// The checkpoint is of no use.
     #[error("cannot go on from {path}: {fault}")]
