@@ -7,6 +7,7 @@ use std::sync::Arc;
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, McapResult, MessageStream, Summary};
+use serde::Serialize;
 
 use super::error::RecordError;
 use super::parse::parse_record;
@@ -23,13 +24,14 @@ pub struct Recording {
 }
 
 /// A topic and what is said on it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct TopicInfo {
     /// The topic's name.
     pub name: String,
     /// The schema's name; empty when there is none.
     pub schema: String,
-    /// The text or descriptor that the schema consists of.
+    /// The text or descriptor that the schema consists of; left out where topics are listed.
+    #[serde(skip)]
     pub schema_data: Vec<u8>,
     /// `json` or `protobuf`.
     pub encoding: String,

@@ -60,15 +60,7 @@ pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
 struct Shown {
     file: String,
     run: BTreeMap<String, String>,
-    topics: Vec<ShownTopic>,
-}
-
-/// A topic and how much is said on it.
-#[derive(Debug, Serialize)]
-struct ShownTopic {
-    name: String,
-    schema: String,
-    messages: u64,
+    topics: Vec<TopicInfo>,
 }
 
 impl Shown {
@@ -77,7 +69,7 @@ impl Shown {
         Ok(Self {
             file: file.display().to_string(),
             run: recording.metadata("run").cloned().unwrap_or_default(),
-            topics: recording.topics().into_iter().map(shown_topic).collect(),
+            topics: recording.topics(),
         })
     }
 
@@ -94,20 +86,6 @@ impl Shown {
             )?;
         }
         Ok(())
-    }
-}
-
-fn shown_topic(topic: TopicInfo) -> ShownTopic {
-    let TopicInfo {
-        name,
-        schema,
-        messages,
-        ..
-    } = topic;
-    ShownTopic {
-        name,
-        schema,
-        messages,
     }
 }
 

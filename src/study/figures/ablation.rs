@@ -3,10 +3,9 @@
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Drawing, Drawn, Size};
-use super::theme::{FAINT, INK, Theme, colour};
+use super::theme::{BLUE, CENTRED, FAINT, FROM_LEFT, INK, RED, Theme, colour};
 use crate::study::report::ablation::{Place, SwitchEffect, place, places, short, state, switches};
 use crate::study::statistics::{Interval, Proportion};
 use crate::study::summary::ArmRecords;
@@ -17,17 +16,6 @@ const EFFECTS: u32 = 440;
 /// Room for the names of the switches, left of the bars.
 const NAMES: u32 = 190;
 const ROW: u32 = 20;
-const MIDDLE: Pos = Pos {
-    h_pos: HPos::Center,
-    v_pos: VPos::Center,
-};
-const LEFT: Pos = Pos {
-    h_pos: HPos::Left,
-    v_pos: VPos::Center,
-};
-/// The series whose colours bars and dots have.
-const BLUE: usize = 2;
-const RED: usize = 3;
 
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
@@ -85,13 +73,13 @@ impl Drawing for Ablation<'_> {
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
         let bars = (theme.px(NAMES + BARS.0 / 2) as i32, theme.ipx(18));
         let title = "Trials with an optimal policy, by combination";
-        root.draw_text(title, &theme.text(16).pos(MIDDLE), bars)?;
+        root.draw_text(title, &theme.text(16).pos(CENTRED), bars)?;
         let effects = (
             theme.px(NAMES + BARS.0 + EFFECTS / 2 + 50) as i32,
             theme.ipx(18),
         );
         let title = "Main effect of each switch (95 %)";
-        root.draw_text(title, &theme.text(16).pos(MIDDLE), effects)?;
+        root.draw_text(title, &theme.text(16).pos(CENTRED), effects)?;
         for (i, name) in self.places.iter().enumerate() {
             let top = TOP + i as u32 * BARS.1;
             let area = root.clone().shrink(
@@ -117,7 +105,7 @@ impl Ablation<'_> {
         for (line, part) in std::iter::once(name.0.as_str()).chain(parts).enumerate() {
             let size = if line == 0 { 15 } else { 12 };
             let y = theme.ipx((BARS.1 / 2) as i32 - 24 + 18 * line as i32);
-            area.draw_text(part, &theme.text(size).pos(LEFT), (0, y))?;
+            area.draw_text(part, &theme.text(size).pos(FROM_LEFT), (0, y))?;
         }
         Ok(())
     }
@@ -173,7 +161,11 @@ impl Ablation<'_> {
         let width = f64::from(theme.px(BARS.0)) / arms.len() as f64;
         for (line, switch) in self.switches.iter().enumerate() {
             let y = theme.px(self.table_top() + 12 + line as u32 * ROW) as i32;
-            root.draw_text(&short(switch), &theme.text(12).pos(LEFT), (theme.ipx(8), y))?;
+            root.draw_text(
+                &short(switch),
+                &theme.text(12).pos(FROM_LEFT),
+                (theme.ipx(8), y),
+            )?;
             for (i, one) in arms.iter().enumerate() {
                 let x = f64::from(theme.px(NAMES)) + (i as f64 + 0.5) * width;
                 let style = match state(one.arm, switch) {
@@ -186,7 +178,7 @@ impl Ablation<'_> {
         let y = theme.px(self.table_top() + 14 + self.switches.len() as u32 * ROW) as i32;
         let x = theme.px(NAMES + BARS.0 / 2) as i32;
         let note = "dark: on; whiskers: 95 % (Wilson)";
-        root.draw_text(note, &theme.text(12).pos(MIDDLE), (x, y))
+        root.draw_text(note, &theme.text(12).pos(CENTRED), (x, y))
     }
 
     /// The main effects as dots with intervals, in percentage points.
@@ -251,7 +243,11 @@ impl Ablation<'_> {
                 theme.px(NAMES + BARS.0 + 26) as i32,
                 chart.backend_coord(&(0.0, y)).1,
             );
-            root.draw_text(&short(&effect.switch), &theme.text(12).pos(LEFT), place)?;
+            root.draw_text(
+                &short(&effect.switch),
+                &theme.text(12).pos(FROM_LEFT),
+                place,
+            )?;
         }
         Ok(())
     }

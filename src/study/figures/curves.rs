@@ -4,11 +4,10 @@ use plotters::coord::Shift;
 use plotters::coord::combinators::WithKeyPoints;
 use plotters::coord::types::{RangedCoordf64, RangedCoordu32};
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Drawing, Drawn, Size};
 use super::panels::Panels;
-use super::theme::{FAINT, INK, Theme, colour, ticks, widest};
+use super::theme::{CENTRED, FAINT, FROM_LEFT, INK, Theme, colour, ticks, widest};
 use crate::study::statistics::{Lifetime, Point, Survival};
 
 const PANEL: Size = (340, 300);
@@ -37,7 +36,7 @@ impl Drawing for Curves<'_> {
 
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
         let middle = i32::try_from(root.dim_in_pixel().0 / 2).unwrap_or(0);
-        let style = theme.text(17).pos(Pos::new(HPos::Center, VPos::Center));
+        let style = theme.text(17).pos(CENTRED);
         let title = "Trials that had found a globally optimal policy (95 % bands)";
         root.draw_text(title, &style, (middle, theme.ipx(18)))?;
         self.names(root, theme)?;
@@ -52,7 +51,7 @@ impl Curves<'_> {
 
     /// The names of the series, which head the rows of the table and explain the colours.
     fn names<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
-        let style = theme.text(12).pos(Pos::new(HPos::Left, VPos::Center));
+        let style = theme.text(12).pos(FROM_LEFT);
         root.draw_text("still searching", &style, (theme.ipx(8), row(theme, 0)))?;
         for (series, name) in self.0.series.iter().enumerate() {
             let y = row(theme, series + 1);
@@ -132,7 +131,7 @@ impl Curves<'_> {
         series: usize,
         lifetimes: &[Lifetime],
     ) -> Drawn<DB> {
-        let style = theme.text(11).pos(Pos::new(HPos::Center, VPos::Center));
+        let style = theme.text(11).pos(CENTRED);
         for episode in ticks(self.0.episodes) {
             let (x, _) = chart.backend_coord(&(episode, 0.0));
             let found = |one: &&Lifetime| one.happened && one.time <= episode;

@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Drawing, Drawn, Size};
 use super::panels::Panels;
-use super::theme::{FAINT, INK, Theme, colour, ticks};
+use super::theme::{CENTRED, FAINT, INK, Theme, colour, ticks};
 use crate::study::summary::ArmRecords;
 
 /// About how many bars a panel has.
@@ -15,10 +15,6 @@ const PANEL: Size = (330, 140);
 const LEFT: u32 = 62;
 const TOP: u32 = 58;
 const BOTTOM: u32 = 46;
-const MIDDLE: Pos = Pos {
-    h_pos: HPos::Center,
-    v_pos: VPos::Center,
-};
 
 /// A panel for each series (rows) and place (columns), all on the same axes.
 #[derive(Debug)]
@@ -40,7 +36,7 @@ impl Drawing for Histograms<'_> {
         frame(root, theme, width)?;
         for (place, name) in self.0.places.iter().enumerate() {
             let x = theme.ipx((LEFT + place as u32 * PANEL.0 + PANEL.0 / 2) as i32 - 8);
-            root.draw_text(name, &theme.text(15).pos(MIDDLE), (x, theme.ipx(44)))?;
+            root.draw_text(name, &theme.text(15).pos(CENTRED), (x, theme.ipx(44)))?;
             for (series, name) in self.0.series.iter().enumerate() {
                 let area = panel(root, theme, place as u32, series as u32);
                 if let Some(records) = self.0.at(place, series) {
@@ -60,18 +56,18 @@ fn frame<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, theme: Theme, width:
     let title = "First episode with a globally optimal greedy policy";
     root.draw_text(
         title,
-        &theme.text(17).pos(MIDDLE),
+        &theme.text(17).pos(CENTRED),
         (wide / 2, theme.ipx(18)),
     )?;
     let axis = format!("episode (bars of {width})");
     root.draw_text(
         &axis,
-        &theme.text(13).pos(MIDDLE),
+        &theme.text(13).pos(CENTRED),
         (wide / 2, high - theme.ipx(14)),
     )?;
     let side = theme
         .text(13)
-        .pos(MIDDLE)
+        .pos(CENTRED)
         .transform(FontTransform::Rotate270);
     root.draw_text("trials", &side, (theme.ipx(14), high / 2))
 }

@@ -2,11 +2,10 @@
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Drawing, Drawn, Size};
 use super::panels::Panels;
-use super::theme::{FAINT, INK, Theme, colour, widest};
+use super::theme::{BLUE, CENTRED, FAINT, FROM_LEFT, FROM_RIGHT, INK, RED, Theme, colour, widest};
 use crate::study::statistics::{Interval, Proportion};
 use crate::study::summary::ArmRecords;
 
@@ -21,18 +20,6 @@ const ROW: u32 = 18;
 const MOST_COLUMNS: usize = 3;
 /// Longer names, as sweeps of many settings have them, would leave no room for the rest.
 const LONGEST_NAME: usize = 60;
-/// The series whose colours dots have.
-const BLUE: usize = 2;
-const RED: usize = 3;
-
-const CENTRED: Pos = Pos {
-    h_pos: HPos::Center,
-    v_pos: VPos::Center,
-};
-const RIGHT: Pos = Pos {
-    h_pos: HPos::Right,
-    v_pos: VPos::Center,
-};
 
 /// Environment steps and share of optimal trials, of one series in one place.
 #[derive(Debug, Clone, Copy)]
@@ -140,7 +127,7 @@ impl Steps<'_> {
         place: usize,
     ) -> Drawn<DB> {
         let (left, top) = self.corner(place);
-        let name = theme.text(14).pos(Pos::new(HPos::Left, VPos::Center));
+        let name = theme.text(14).pos(FROM_LEFT);
         let at = (theme.px(left) as i32, theme.px(top + CAPTION / 2) as i32);
         root.draw_text(&self.panels.places[place], &name, at)?;
         self.axis(root, theme, place)?;
@@ -221,7 +208,7 @@ impl Steps<'_> {
         cost: &Cost,
     ) -> Drawn<DB> {
         let (x, y) = self.at(theme, place, 10_f64.powi(self.to), cost.series);
-        let figure = theme.text(11).pos(RIGHT);
+        let figure = theme.text(11).pos(FROM_RIGHT);
         let steps = format!("{:.0}", cost.steps.value);
         root.draw_text(&steps, &figure, (x + theme.ipx(46), y))?;
         let share = format!("{:.0} %", 100.0 * cost.successes.share());
@@ -231,7 +218,7 @@ impl Steps<'_> {
         }
         let at = (theme.px(self.names()) as i32 - theme.ipx(10), y);
         let name = &self.panels.series[cost.series];
-        root.draw_text(name, &theme.text(12).pos(RIGHT), at)
+        root.draw_text(name, &theme.text(12).pos(FROM_RIGHT), at)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What all figures share: sizes, letters and colours.
 
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
 /// DejaVu Sans, cut down to Latin letters; embedded, so that figures need no installed font and
@@ -21,6 +22,25 @@ const COLOURS: [RGBColor; 8] = [
 
 /// The most series that can be told apart.
 pub const MOST_SERIES: usize = COLOURS.len();
+/// The series whose colours marks have where nothing else is told apart.
+pub const BLUE: usize = 2;
+/// The series whose colours marks have that stand out.
+pub const RED: usize = 3;
+/// Text with its place in the middle, and at the middle of its left or right end.
+pub const CENTRED: Pos = Pos {
+    h_pos: HPos::Center,
+    v_pos: VPos::Center,
+};
+/// See [`CENTRED`].
+pub const FROM_LEFT: Pos = Pos {
+    h_pos: HPos::Left,
+    v_pos: VPos::Center,
+};
+/// See [`CENTRED`].
+pub const FROM_RIGHT: Pos = Pos {
+    h_pos: HPos::Right,
+    v_pos: VPos::Center,
+};
 /// Text and axes.
 pub const INK: RGBColor = RGBColor(34, 34, 34);
 /// Grid lines.
