@@ -165,7 +165,8 @@ fn json(path: &Path) -> serde_json::Value {
 /// The shipped world files, in the order of their names.
 fn files() -> Vec<PathBuf> {
     let entries = fs::read_dir(root().join("worlds")).unwrap();
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> = paths.filter(|path| path.is_file()).collect();
     files.sort();
     files
 }
