@@ -8,18 +8,18 @@ use std::error::Error;
 use std::path::Path;
 
 use serde_json::json;
+use xcscr::agent::{self, Agent, Explorer, Method, Setup};
 use xcscr::arena::GridArena;
 use xcscr::episode;
-use xcscr::random::{Stream, StreamName};
-use xcscr::reward::{self, Explorer, Method, RewardMethod, Setup};
 use xcscr::sensor::Sensor;
 use xcscr::world::Maze;
 use xcscr::xcs;
+use xcscr::xcs::random::{Stream, StreamName};
 
 const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4-classic.json");
 
 /// The learner with the parameters of the literature; no subsumption.
-fn learner(maze: &Maze, population_size: u32, seed: u64) -> Box<dyn RewardMethod> {
+fn learner(maze: &Maze, population_size: u32, seed: u64) -> Box<dyn Agent> {
     let xcs = xcs::Params {
         population_size,
         dont_care: 0.4,
@@ -28,12 +28,12 @@ fn learner(maze: &Maze, population_size: u32, seed: u64) -> Box<dyn RewardMethod
         action_set_subsumption: false,
         ..xcs::Params::default()
     };
-    let reward = reward::Params {
+    let reward = agent::Params {
         goal: 1000.0,
         step: 0.0,
         collision: 0.0,
         gamma: 0.71,
-        ..reward::Params::default()
+        ..agent::Params::default()
     };
     let setup = Setup {
         xcs,
@@ -52,7 +52,7 @@ struct Tally {
 }
 
 /// `problems` times an explore and an exploit episode, each from a random cell.
-fn learn(maze: Maze, learner: &mut dyn RewardMethod, seed: u64, problems: u32) -> Tally {
+fn learn(maze: Maze, learner: &mut dyn Agent, seed: u64, problems: u32) -> Tally {
     let mut explorer = Explorer::new(1.0, Stream::new(seed, StreamName::Exploration));
     let mut starts = Stream::new(seed, StreamName::Start);
     let cells = maze.start_cells();

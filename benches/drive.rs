@@ -9,9 +9,9 @@ use std::path::Path;
 
 use serde_json::json;
 use xcscr::arena::{Arena, PhysicsArena, PhysicsParams};
-use xcscr::random::{Stream, StreamName};
-use xcscr::signal::Action;
 use xcscr::world::{Cell, Direction, Maze};
+use xcscr::xcs::Action;
+use xcscr::xcs::random::{Stream, StreamName};
 
 const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
 /// A physics step lasts 50 ms.

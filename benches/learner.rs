@@ -1,8 +1,8 @@
 //! The learner alone: cost against population size and against the width of the percept.
 
 use divan::{Bencher, black_box};
-use xcscr::random::{Stream, StreamName};
-use xcscr::signal::{Action, Percept};
+use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::{Action, Percept};
 use xcscr::xcs::{ActionSet, MatchSet, Params, Xcs};
 
 const SIZES: [u32; 4] = [800, 2000, 8000, 50_000];

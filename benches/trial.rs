@@ -4,14 +4,15 @@ use std::fmt;
 use std::path::Path;
 
 use divan::Bencher;
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
 use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
-use xcscr::random::{Stream, StreamName};
 use xcscr::record::{RecordMode, Recorder, RobotShape, RunInfo};
-use xcscr::reward::Method;
 use xcscr::sensor::Sensor;
-use xcscr::signal::Action;
-use xcscr::study::{ArenaKind, Config, Plan, Settings, Trial};
+use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::{Cell, Maze};
+use xcscr::xcs::Action;
+use xcscr::xcs::random::{Stream, StreamName};
 
 const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
 /// The corridor of Maze4, with a wall to its north.

@@ -8,14 +8,14 @@
 //!
 //! # Flow
 //! ```text
-//!  world file ─▶ world ─▶ arena ─▶ sensor ─▶ reward ─▶ action ─▶ arena ...
-//!                (Maze)   (View)   (Percept) (Method)            (Outcome)
-//!                             │                 │
+//!  world file ─▶ world ─▶ arena ─▶ sensor ─▶ agent ─▶ action ─▶ arena ...
+//!                (Maze)   (View)   (Percept)    │              (Outcome)
 //!                             │                xcs: [P] ⊇ [M] ⊇ [A]
 //!                             ▼
-//!               episode ─▶ Observer: record (MCAP), progress, tests
-//!                  ▲
-//!               study: trial ─▶ many trials ─▶ statistics ─▶ report
+//!     trial ─▶ episode ─▶ Observer: record (MCAP), progress, tests
+//!       ▲                               ▲
+//!     study: many trials                run: one recorded, resumable trial in a folder
+//!       └─▶ statistics ─▶ report
 //! ```
 //!
 //! # Words
@@ -35,7 +35,7 @@
 //!
 //! # Example
 //! ```
-//! use xcscr::{reward::Method, sensor::Sensor, study::{ArenaKind, Config, Plan, Settings, Trial}};
+//! use xcscr::{agent::Method, arena::ArenaKind, sensor::Sensor, trial::{Config, Plan, Settings, Trial}};
 //!
 //! let world = r######"{ "rows": ["#####", "#S..#", "###G#", "#####"] }"######;
 //! let maze = xcscr::world::Maze::from_json(world.as_bytes(), "corner.json")?;
@@ -58,15 +58,16 @@
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
 // In flow order, which is the import order; `tests/layering.rs` watches over it.
-pub mod signal;
-pub mod random;
-pub mod bounds;
 pub mod disk;
 pub mod world;
 pub mod arena;
 pub mod sensor;
-pub mod xcs;
-pub mod reward;
+pub mod agent;
 pub mod episode;
+pub mod trial;
 pub mod record;
+pub mod run;
+pub mod picture;
 pub mod study;
+
+pub use xcs;

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use xcscr::arena::{Arena, GridArena, Outcome, PhysicsArena, PhysicsParams};
-use xcscr::random::{Stream, StreamName};
-use xcscr::signal::Action;
 use xcscr::world::{Cell, Maze};
+use xcscr::xcs::Action;
+use xcscr::xcs::random::{Stream, StreamName};
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
 const EPISODES: u64 = 30;

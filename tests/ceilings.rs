@@ -1,8 +1,9 @@
 //! What tabular methods reach in the paper's mazes, and that `xcscr-plus` goes below it.
 
-use xcscr::reward::Method;
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Config, Plan, Progress, Settings, Trial};
+use xcscr::trial::{Config, Plan, Progress, Settings, Trial};
 use xcscr::world::Maze;
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];

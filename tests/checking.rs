@@ -11,8 +11,9 @@ use std::path::Path;
 use common::trial::Trial;
 use mcap::Attachment;
 use mcap::records::{MessageHeader, Metadata};
+use xcscr::record::layout;
 use xcscr::record::reader::{Message, Recording};
-use xcscr::record::{FindingKind, check_recording, layout};
+use xcscr::record::{FindingKind, check_recording};
 
 /// What a copy of a sound recording is made of.
 struct Parts {

@@ -13,9 +13,9 @@ use std::time::{Duration, Instant};
 
 use program::{contents, dice, ended, expect, rounds, signal, spawn, xcscr};
 use xcscr::disk;
-use xcscr::random::Stream;
 use xcscr::record;
-use xcscr::study::{seal, unseal};
+use xcscr::trial::{seal, unseal};
+use xcscr::xcs::random::Stream;
 
 const WORLD: &str = "worlds/maze4.json";
 

@@ -12,10 +12,11 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer, Step};
-use xcscr::reward::Method;
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Config, Plan, Settings, Trial};
+use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::Maze;
 
 /// FNV-1a, 64 bits: short, and enough to notice a change.

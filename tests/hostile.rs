@@ -11,17 +11,18 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use program::{dice, ended, expect, rounds, xcscr};
+use xcscr::agent::{Knowledge, Method};
+use xcscr::arena::ArenaKind;
 use xcscr::episode::Observer;
-use xcscr::random::Stream;
 use xcscr::record::reader::Recording;
 use xcscr::record::{self, RecordMode, Recorder, RobotShape, RunInfo};
-use xcscr::reward::{Knowledge, Method};
 use xcscr::sensor::Sensor;
-use xcscr::study::{
-    ArenaKind, Checkpoint, Config, Overrides, Plan, Protocol, Resolved, Settings, SettingsError,
-    Shard, StudyFile, StudyFolder, Trial, run_study, seal, unseal,
+use xcscr::study::{Overrides, Protocol, Shard, StudyFile, StudyFolder, run_study};
+use xcscr::trial::{
+    Checkpoint, Config, Plan, Resolved, Settings, SettingsError, Trial, seal, unseal,
 };
 use xcscr::world::Maze;
+use xcscr::xcs::random::Stream;
 
 /// No input may take longer.
 const LONGEST: Duration = Duration::from_secs(1);

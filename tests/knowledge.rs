@@ -1,8 +1,9 @@
 //! What was learned, apart from the learner.
 
-use xcscr::reward::Method;
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Condensed, Config, Plan, Settings, Trial};
+use xcscr::trial::{Condensed, Config, Plan, Settings, Trial};
 use xcscr::world::Maze;
 
 /// A finished trial of a few episodes in Maze4.
@@ -65,7 +66,7 @@ fn the_two_readings_of_equation_6_are_told_apart_in_a_file() {
         let text = serde_json::to_string(knowledge).unwrap();
         assert!(text.starts_with(&format!("{{\"{kind}\":")), "{text:.40}");
         assert_eq!(
-            &serde_json::from_str::<xcscr::reward::Knowledge>(&text).unwrap(),
+            &serde_json::from_str::<xcscr::agent::Knowledge>(&text).unwrap(),
             knowledge
         );
     }

@@ -4,33 +4,36 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Who may import what, in the order in which `lib.rs` lists the modules.
-const ALLOWED: [(&str, &[&str]); 12] = [
-    ("signal", &[]),
-    ("random", &[]),
-    ("bounds", &[]),
+const ALLOWED: [(&str, &[&str]); 11] = [
     ("disk", &[]),
-    ("world", &["signal", "random", "bounds"]),
-    ("arena", &["signal", "random", "bounds", "world"]),
-    ("sensor", &["signal", "world", "arena"]),
-    ("xcs", &["signal", "random", "bounds"]),
-    ("reward", &["signal", "random", "bounds", "arena", "xcs"]),
-    (
-        "episode",
-        &[
-            "signal", "random", "bounds", "world", "arena", "sensor", "xcs", "reward",
-        ],
-    ),
+    ("world", &[]),
+    ("arena", &["world"]),
+    ("sensor", &["world", "arena"]),
+    ("agent", &["arena"]),
+    ("episode", &["world", "arena", "sensor", "agent"]),
+    ("trial", &["world", "arena", "sensor", "agent", "episode"]),
     (
         "record",
         &[
-            "signal", "bounds", "disk", "world", "arena", "sensor", "xcs", "reward", "episode",
+            "disk", "world", "arena", "sensor", "agent", "episode", "trial",
+        ],
+    ),
+    (
+        "run",
+        &[
+            "disk", "world", "arena", "sensor", "agent", "episode", "trial", "record",
+        ],
+    ),
+    (
+        "picture",
+        &[
+            "disk", "world", "arena", "sensor", "agent", "episode", "trial",
         ],
     ),
     (
         "study",
         &[
-            "signal", "random", "bounds", "disk", "world", "arena", "sensor", "xcs", "reward",
-            "episode",
+            "disk", "world", "arena", "sensor", "agent", "episode", "trial", "picture",
         ],
     ),
 ];
@@ -165,12 +168,12 @@ fn the_table_itself_has_no_arrow_backward() {
 #[test]
 fn control_a_forbidden_arrow_is_found() {
     let found = |file: &str, text: &str| forbidden(Path::new(file), text).len();
-    assert_eq!(found("xcs/ga.rs", "use crate::world::Maze;"), 1);
-    assert_eq!(found("xcs/ga.rs", "fn f() { crate::arena::g(); }"), 1);
+    assert_eq!(found("agent/plus/mod.rs", "use crate::world::Maze;"), 1);
+    assert_eq!(found("world/maze.rs", "fn f() { crate::arena::g(); }"), 1);
     assert_eq!(
         found(
-            "xcs/ga.rs",
-            "use crate::{signal::Action, world::{Cell, Maze}, reward};"
+            "arena/grid.rs",
+            "use crate::{world::{Cell, Maze}, sensor, agent};"
         ),
         2
     );
@@ -183,8 +186,14 @@ fn control_a_forbidden_arrow_is_found() {
 fn control_an_allowed_arrow_and_a_comment_are_not_found() {
     let found = |file: &str, text: &str| forbidden(Path::new(file), text);
     let none: [String; 0] = [];
-    assert_eq!(found("xcs/ga.rs", "use crate::signal::Action;"), none);
-    assert_eq!(found("xcs/ga.rs", "/// See [`crate::world`].\n"), none);
+    assert_eq!(
+        found("agent/plus/mod.rs", "use crate::arena::Outcome;"),
+        none
+    );
+    assert_eq!(
+        found("agent/plus/mod.rs", "/// See [`crate::world`].\n"),
+        none
+    );
     assert_eq!(
         found("arena/physics/mod.rs", "use rapier2d::prelude::*;"),
         none

@@ -12,8 +12,9 @@ use foxglove::Decode;
 use foxglove::messages::log::Level;
 use foxglove::messages::{FrameTransform, FrameTransforms, Log, SceneUpdate};
 use serde_json::Value;
+use xcscr::record::compare;
 use xcscr::record::reader::Recording;
-use xcscr::record::{Recorder, RunInfo, check_recording, compare};
+use xcscr::record::{Recorder, RunInfo, check_recording};
 use xcscr::world::Maze;
 
 #[test]

@@ -12,8 +12,9 @@ use common::scripted::Scripted;
 use common::trial::{Trial, names};
 use xcscr::arena::View;
 use xcscr::episode::{Episode, Learned, Observer, Step};
+use xcscr::record::check;
 use xcscr::record::reader::Recording;
-use xcscr::record::{RecordError, Recorder, check};
+use xcscr::record::{RecordError, Recorder};
 
 const WAYS: [&str; 1] = ["ESSSEEEESS"];
 

@@ -11,8 +11,9 @@ use std::process::{Command, Stdio};
 
 use common::trial::{Trial, names};
 use program::outcome;
+use xcscr::record::RecordError;
 use xcscr::record::reader::Recording;
-use xcscr::record::{RecordError, recover};
+use xcscr::record::recover;
 
 /// A recording of an episode, and what is in it.
 fn recorded(folder: &Path) -> (PathBuf, Vec<u8>) {

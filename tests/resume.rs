@@ -10,12 +10,13 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use program::{assert_same, contents, dice, ended, expect, rounds, signal, spawn};
-use xcscr::random::Stream;
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
 use xcscr::record::{self, RecordMode, Recorder, RecorderMemory, RobotShape, RunInfo};
-use xcscr::reward::Method;
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Checkpoint, Config, Plan, Settings, Trial, seal, unseal};
+use xcscr::trial::{Checkpoint, Config, Plan, Settings, Trial, seal, unseal};
 use xcscr::world::Maze;
+use xcscr::xcs::random::Stream;
 
 fn plan(world: &str, method: Method, arena: ArenaKind, episodes: u32) -> Plan {
     let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use assert_cmd::cargo::CommandCargoExt;
 use tempfile::TempDir;
-use xcscr::random::{Stream, StreamName};
+use xcscr::xcs::random::{Stream, StreamName};
 
 /// 2 worlds x 2 methods x 4 trials.
 const SMALL: &str = r#"

@@ -10,14 +10,15 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use xcscr::agent::{self, Method};
+use xcscr::arena::ArenaKind;
 use xcscr::episode::{self, Episode, Learned, Observer};
-use xcscr::random::{Stream, StreamName};
-use xcscr::reward::{self, Method};
 use xcscr::sensor::Sensor;
-use xcscr::signal::{Action, Percept};
-use xcscr::study::{ArenaKind, Config, Plan, Settings, Trial};
+use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::Maze;
+use xcscr::xcs::random::{Stream, StreamName};
 use xcscr::xcs::{self, MatchSet, Xcs};
+use xcscr::xcs::{Action, Percept};
 
 const SEEDS: [u64; 3] = [1, 2, 3];
 
@@ -123,13 +124,13 @@ struct Walked {
 fn walk(world: (&str, u32), method: Method, xcs: xcs::Params, run: (u32, u64)) -> Walked {
     let ((world, limit), (problems, seed)) = (world, run);
     let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
-    let reward = reward::Params {
+    let reward = agent::Params {
         goal: 1000.0,
         step: 0.0,
         collision: 0.0,
         gamma: 0.71,
         step_threshold: limit,
-        ..reward::Params::default()
+        ..agent::Params::default()
     };
     let episode = episode::Params {
         alternate: true,

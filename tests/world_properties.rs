@@ -1,8 +1,8 @@
 //! What holds for every maze, tried on random ones.
 
 use proptest::prelude::*;
-use xcscr::random::{Stream, StreamName};
 use xcscr::world::{Cell, Maze, Paths};
+use xcscr::xcs::random::{Stream, StreamName};
 
 const WORLDS: [&[u8]; 3] = [
     include_bytes!("../worlds/maze4.json"),

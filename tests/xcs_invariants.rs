@@ -1,8 +1,8 @@
 //! What holds for XCS whatever it meets.
 
 use proptest::prelude::*;
-use xcscr::random::{Stream, StreamName};
-use xcscr::signal::{Action, Percept};
+use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::{Action, Percept};
 use xcscr::xcs::{MatchSet, Params, Xcs};
 
 const ACTIONS: usize = 3;

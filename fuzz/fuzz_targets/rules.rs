@@ -1,7 +1,7 @@
 //! Any text as a file of rules.
 #![no_main]
 
-use xcscr::reward::Knowledge;
+use xcscr::agent::Knowledge;
 
 libfuzzer_sys::fuzz_target!(|text: &[u8]| {
     if let Ok(known) = serde_json::from_slice::<Knowledge>(text) {

@@ -1,7 +1,7 @@
 //! Any text as a settings file.
 #![no_main]
 
-use xcscr::study::{Resolved, Settings};
+use xcscr::trial::{Resolved, Settings};
 
 libfuzzer_sys::fuzz_target!(|text: &str| {
     if let Ok(resolved) = Resolved::new(&Settings::default(), Some(("fuzz.toml", text)), &[]) {

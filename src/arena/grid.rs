@@ -3,8 +3,8 @@
 use nalgebra::{Complex, Isometry2, UnitComplex};
 
 use super::{Arena, Contact, Lasting, Outcome, Sample, View};
-use crate::signal::Action;
 use crate::world::{Cell, Direction, Maze};
+use xcs::Action;
 
 /// Duration of a move, in nanoseconds.
 const MOVE_NS: u64 = 1_000_000_000;

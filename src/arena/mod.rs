@@ -1,21 +1,23 @@
 //! A maze one can act in.
 //!
 //! An [`Arena`] reports facts: it moved, it collided, it reached the goal. What a fact is worth
-//! is decided in [`crate::reward`]. Two arenas exist: [`GridArena`], where a move is a step from
+//! is decided in [`crate::agent`]. Two arenas exist: [`GridArena`], where a move is a step from
 //! cell to cell, and [`PhysicsArena`], where a differential-drive robot drives there.
 
 mod grid;
+mod kind;
 mod physics;
 
 use nalgebra::{Isometry2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
 pub use grid::GridArena;
+pub use kind::ArenaKind;
 pub use physics::{PhysicsArena, PhysicsError, PhysicsParams, Snapshot};
 
-use crate::random::Stream;
-use crate::signal::Action;
 use crate::world::{Cell, Maze};
+use xcs::Action;
+use xcs::random::Stream;
 
 /// What came of an action.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use xcscr::agent::{Knowledge, Method};
+use xcscr::arena::ArenaKind;
 use xcscr::disk;
-use xcscr::reward::{Knowledge, Method};
+use xcscr::run::RunFolder;
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, MOST_TOML_BYTES, Resolved, RunFolder, Settings};
+use xcscr::trial::{MOST_TOML_BYTES, Resolved, Settings};
 
 use super::failure::{Exit, Failure};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 
 use clap::Subcommand;
-use xcscr::study::{Resolved, Settings};
+use xcscr::trial::{Resolved, Settings};
 
 use super::choices::SettingsArgs;
 use super::failure::{Exit, Failure};

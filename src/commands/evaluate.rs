@@ -2,8 +2,9 @@
 
 use std::io::Write;
 
-use xcscr::reward::Knowledge;
-use xcscr::study::{ArenaKind, Evaluation, Plan};
+use xcscr::agent::Knowledge;
+use xcscr::arena::ArenaKind;
+use xcscr::trial::{Evaluation, Plan};
 
 use super::choices::{self, SettingsArgs};
 use super::failure::{Exit, Failure};

@@ -5,7 +5,8 @@ use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
 use xcscr::record::RecordError;
-use xcscr::study::{PlanError, RunFolderError, SettingsError};
+use xcscr::run::RunFolderError;
+use xcscr::trial::{PlanError, SettingsError};
 use xcscr::world::WorldError;
 
 /// The exit codes of unsuccessful ends; `--help` explains them.

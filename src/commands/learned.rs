@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use xcscr::reward::{Knowledge, Method};
+use xcscr::agent::{Knowledge, Method};
+use xcscr::arena::ArenaKind;
+use xcscr::run::RunFolder;
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Config, Plan, RunFolder, Settings};
+use xcscr::trial::{Config, Plan, Settings};
 use xcscr::world::Maze;
 
 use super::choices;

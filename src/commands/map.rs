@@ -4,8 +4,9 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use xcscr::disk;
-use xcscr::study::map::{Film, FilmError, Scenes};
-use xcscr::study::{Plan, RunFolder};
+use xcscr::picture::{Film, FilmError, Scenes};
+use xcscr::run::RunFolder;
+use xcscr::trial::Plan;
 
 use super::failure::{Exit, Failure};
 use super::source::Source;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use xcscr::episode::{Ending, Episode, Learned, Observer};
-use xcscr::study;
+use xcscr::trial;
 
 const TEMPLATE: &str = "{bar:30} episode {pos}/{len}, {msg}, {eta} left";
 
@@ -28,7 +28,7 @@ impl Progress {
     }
 
     /// The bar of a trial that has come so far.
-    pub fn after(mut self, progress: &study::Progress) -> Self {
+    pub fn after(mut self, progress: &trial::Progress) -> Self {
         self.bar.set_position(progress.episodes.into());
         self.bar.reset_eta();
         self.best = progress.best_steps;

@@ -5,11 +5,12 @@ use std::io::Write;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use xcscr::reward::{CollisionRule, Foresight, Knowledge, ReturnRule};
+use xcscr::agent::{CollisionRule, Foresight, Knowledge, ReturnRule};
 use xcscr::sensor::action_name;
-use xcscr::signal::{Action, Percept};
-use xcscr::study::{Condensed, MOST_PERCEPTS, Plan, Table};
+use xcscr::study::Table;
+use xcscr::trial::{Condensed, MOST_PERCEPTS, Plan};
 use xcscr::world::Cell;
+use xcscr::xcs::{Action, Percept};
 use xcscr::xcs::{Classifier, Condition, Population};
 
 use super::failure::{Exit, Failure};

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use xcscr::disk;
 use xcscr::record::{RecordMode, RecordSummary, Recorder, RecorderMemory};
-use xcscr::study::{Checkpoint, Plan, RunFolder, Trial};
+use xcscr::run::RunFolder;
+use xcscr::trial::{Checkpoint, Plan, Trial};
 
 use super::failure::{Exit, Failure};
 use super::interrupt::Interrupt;

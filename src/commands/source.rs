@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use xcscr::record::RecordMode;
 use xcscr::record::reader::Recording;
-use xcscr::study::Plan;
+use xcscr::trial::Plan;
 use xcscr::world::Maze;
 
 use super::failure::{Exit, Failure};

@@ -7,9 +7,10 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
+use xcscr::arena::ArenaKind;
 use xcscr::study::{
-    ArenaKind, Arm, Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder,
-    StudyWatcher, TrialRecord, merge_studies, run_study,
+    Arm, Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder, StudyWatcher,
+    TrialRecord, merge_studies, run_study,
 };
 
 use super::choices;

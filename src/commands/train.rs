@@ -3,11 +3,13 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
 use xcscr::episode::Observer;
 use xcscr::record::{RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
-use xcscr::reward::Method;
+use xcscr::run::RunFolder;
 use xcscr::sensor::Sensor;
-use xcscr::study::{ArenaKind, Config, Plan, RunFolder, Settings, Trial};
+use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};

@@ -7,7 +7,7 @@ use serde::Serialize;
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
-use xcscr::study::{Condensed, Trial};
+use xcscr::trial::{Condensed, Trial};
 use xcscr::world::{Facts, Maze, draw};
 
 use super::failure::Failure;

@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 
+use crate::agent::{Agent, StepCredit};
 use crate::arena::{Outcome, View};
-use crate::reward::{RewardMethod, StepCredit};
 use crate::sensor::Sensor;
-use crate::signal::{Action, Percept};
 use crate::world::Cell;
-use crate::xcs::PredictionArray;
+use xcs::PredictionArray;
+use xcs::{Action, Percept};
 
 /// How an episode ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -118,7 +118,7 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
 #[derive(Clone, Copy)]
 pub struct Learned<'a> {
     /// The learner.
-    pub method: &'a dyn RewardMethod,
+    pub method: &'a dyn Agent,
     /// How it perceives.
     pub sensor: Sensor,
     /// What can be seen at the end of the episode.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bounds::{OutOfRange, within};
+use xcs::bounds::{OutOfRange, within};
 
 /// Settings of the episode loop.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

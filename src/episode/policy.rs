@@ -1,9 +1,9 @@
 //! The greedy policy, and whether it is globally optimal.
 
-use crate::reward::RewardMethod;
+use crate::agent::Agent;
 use crate::sensor::Sensor;
 use crate::world::{Cell, Maze, Paths};
-use crate::xcs::PredictionArray;
+use xcs::PredictionArray;
 
 /// The worth of each action in each free cell of a maze, in reading order of the cells.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +13,7 @@ pub struct PolicyMap {
 
 impl PolicyMap {
     /// Asks a learner what it would do in each free cell that is no goal. Changes nothing.
-    pub fn of(method: &dyn RewardMethod, sensor: Sensor, maze: &Maze) -> Self {
+    pub fn of(method: &dyn Agent, sensor: Sensor, maze: &Maze) -> Self {
         let worth = |cell| (cell, method.worth(&sensor.perceive_at(maze, cell)));
         let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
         Self {
@@ -74,7 +74,7 @@ impl PolicyMap {
 /// [`PolicyMap::is_optimal`]; `None` when it is. Asks the learner about no more cells than it takes
 /// to find the first fault, beginning with `suspect`, where a fault was before.
 pub fn first_fault(
-    method: &dyn RewardMethod,
+    method: &dyn Agent,
     sensor: Sensor,
     maze: &Maze,
     paths: &Paths,

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use super::observer::{Ending, Episode, Learned, Observer, Step};
+use crate::agent::{Agent, Explorer};
 use crate::arena::{Arena, Outcome};
-use crate::reward::{Explorer, RewardMethod};
 use crate::sensor::Sensor;
 use crate::world::Cell;
 
@@ -15,7 +15,7 @@ pub fn run(
     start: Cell,
     arena: &mut dyn Arena,
     sensor: Sensor,
-    method: &mut dyn RewardMethod,
+    method: &mut dyn Agent,
     explorer: &mut Explorer,
     observer: &mut dyn Observer,
 ) -> (Episode, ControlFlow<()>) {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::mode::RecordMode;
+use super::write::RecordMode;
 use crate::sensor::Sensor;
 
 /// The facts of a run that its recordings carry.

@@ -4,34 +4,22 @@
 //! run. All times in a file are simulation time; no real date is in it. The same run gives the
 //! same bytes, so that a recording can be verified by running it again.
 
-mod byte_range;
-mod channels;
-mod check;
-mod compare;
 mod error;
 mod info;
-pub mod layout;
-#[cfg(feature = "live")]
-pub mod live;
-mod log_file;
-mod mode;
-mod outbox;
-mod parse;
-pub mod reader;
-mod rebuild;
-mod recorder;
-mod recover;
-mod salvage;
-mod scribe;
-pub mod server;
+mod read;
+mod repair;
+mod serve;
+mod topics;
+mod write;
 
-pub use channels::Topic;
-pub use check::{Finding, FindingKind, check, check_recording};
-pub use compare::{Difference, compare};
 pub use error::RecordError;
 pub use info::{RobotShape, RunInfo};
-pub use mode::{RecordMode, RecordModeError};
-pub use outbox::Tap;
-pub use recorder::{RecordSummary, Recorder, RecorderMemory};
-pub use recover::recover;
-pub use salvage::Recovery;
+pub use read::{Difference, Finding, FindingKind, check, check_recording, compare, reader};
+pub use repair::{Recovery, recover};
+#[cfg(feature = "live")]
+pub use serve::live;
+pub use serve::server;
+pub use topics::Topic;
+pub use write::{
+    RecordMode, RecordModeError, RecordSummary, Recorder, RecorderMemory, Tap, layout,
+};

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Sensor;
-use crate::signal::{Action, Percept};
 use crate::world::{Cell, Maze, Paths};
+use xcs::{Action, Percept};
 
 /// Free cells, two or more and none of them a goal, that give the same percept.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

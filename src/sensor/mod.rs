@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 pub use words::{Alleles, action_name};
 
 use crate::arena::View;
-use crate::signal::Percept;
 use crate::world::{Cell, Maze};
+use xcs::Percept;
 
 /// How the robot perceives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! The eight surrounding cells, two bits each.
 
-use crate::signal::Percept;
 use crate::world::{Cell, Direction, Maze};
+use xcs::Percept;
 
 /// Two bits for each of eight cells.
 pub const WIDTH: usize = 16;

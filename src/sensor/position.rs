@@ -1,7 +1,7 @@
 //! The robot's cell in binary.
 
-use crate::signal::Percept;
 use crate::world::{Cell, Maze};
+use xcs::Percept;
 
 /// Bits that hold every column and every row.
 pub fn width(maze: &Maze) -> usize {

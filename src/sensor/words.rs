@@ -1,8 +1,8 @@
 //! What a condition demands of a percept, in words.
 
 use super::{Sensor, neighbours, position};
-use crate::signal::Action;
 use crate::world::{Direction, Maze};
+use xcs::Action;
 
 /// The value that a condition demands of an allele; `None` for a don't-care.
 pub type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;

@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::protocol::study_names;
-use super::trial::{PlanError, SettingsError};
+use crate::trial::{PlanError, SettingsError};
 use crate::world::WorldError;
 
 /// Why a study cannot go on.

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::error::StudyError;
-use super::folder::{OpenFolder, StudyFolder};
 use super::protocol::Protocol;
-use super::record::TrialRecord;
-use super::shard::Shard;
+use super::store::Shard;
+use super::store::TrialRecord;
+use super::store::folder::{OpenFolder, StudyFolder};
 
 /// Hears how a study goes on.
 pub trait StudyWatcher {

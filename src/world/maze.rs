@@ -4,7 +4,7 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::direction::{Direction, Moves};
-use crate::signal::Action;
+use xcs::Action;
 
 /// A cell of the maze; row 0 is the northern border, column 0 the western one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

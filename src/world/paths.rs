@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::maze::{Cell, Maze};
-use crate::signal::Action;
+use xcs::Action;
 
 /// In place of a distance: the cell is free, but no way leads from it to a goal.
 const CUT_OFF: u32 = u32::MAX;

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use xcscr::agent::{Agent, EndCredit, Knowledge, StepCredit};
 use xcscr::arena::Outcome;
-use xcscr::reward::{EndCredit, Knowledge, RewardMethod, StepCredit};
-use xcscr::signal::{Action, Percept};
 use xcscr::xcs::PredictionArray;
+use xcscr::xcs::{Action, Percept};
 
 /// Walks one way per episode; a way is written in the letters of the compass.
 pub struct Scripted {
@@ -28,7 +28,7 @@ impl Scripted {
     }
 }
 
-impl RewardMethod for Scripted {
+impl Agent for Scripted {
     fn consider(&mut self, _: &Percept) -> PredictionArray {
         let letter = self.way().as_bytes()[self.step];
         let wanted = b"NESW".iter().position(|&l| l == letter).unwrap();

@@ -4,13 +4,13 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use xcscr::agent::{Agent, Explorer, Method, Setup};
 use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::episode::{self, Observer};
-use xcscr::random::{Stream, StreamName};
 use xcscr::record::{RecordError, RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
-use xcscr::reward::{Explorer, Method, RewardMethod, Setup};
 use xcscr::sensor::Sensor;
 use xcscr::world::Maze;
+use xcscr::xcs::random::{Stream, StreamName};
 
 /// A trial of so many episodes.
 #[derive(Clone)]
@@ -57,13 +57,13 @@ impl Trial {
         }
     }
 
-    pub fn learner(&self) -> Box<dyn RewardMethod> {
+    pub fn learner(&self) -> Box<dyn Agent> {
         let actions = self.maze().action_count();
         Method::Xcscr.build(actions, 0, Setup::default(), self.seed)
     }
 
     /// Runs the trial; stops when the observer says so.
-    pub fn run(&self, method: &mut dyn RewardMethod, observer: &mut dyn Observer) {
+    pub fn run(&self, method: &mut dyn Agent, observer: &mut dyn Observer) {
         let mut arena: Box<dyn Arena> = match self.arena {
             "grid" => Box::new(GridArena::new(self.maze())),
             _ => {
@@ -93,7 +93,7 @@ impl Trial {
     pub fn record_with(
         &self,
         folder: &Path,
-        method: &mut dyn RewardMethod,
+        method: &mut dyn Agent,
     ) -> Result<RecordSummary, RecordError> {
         let mut recorder = self.recorder(folder)?;
         self.run(method, &mut recorder);

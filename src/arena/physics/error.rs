@@ -1,6 +1,6 @@
 //! Why a maze cannot be simulated.
 
-use crate::bounds::OutOfRange;
+use xcs::bounds::OutOfRange;
 
 /// A physics arena that cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -37,9 +37,9 @@ use self::robot::{Command, Motion, Wheels};
 use self::simulation::{Simulation, State, eastward};
 use self::walls::Block;
 use super::{Arena, Contact, Lasting, Outcome, Sample, View};
-use crate::random::Stream;
-use crate::signal::Action;
 use crate::world::{Cell, Direction, Maze, Moves};
+use xcs::Action;
+use xcs::random::Stream;
 
 /// Duration of a physics step in nanoseconds, for clocks that never drift ...
 const STEP_NS: u64 = 50_000_000;

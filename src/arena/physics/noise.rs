@@ -3,7 +3,7 @@
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
 
 use super::params::PhysicsParams;
-use crate::random::Stream;
+use xcs::random::Stream;
 
 /// Draws all noise of the arena from one stream. Without noise it draws nothing.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bounds::{OutOfRange, within};
+use xcs::bounds::{OutOfRange, within};
 
 /// The robot, its controller and its noise.
 ///

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::PhysicsArena;
 use super::robot::Wheels;
 use super::simulation::State;
-use crate::random::Stream;
 use crate::world::Cell;
+use xcs::random::Stream;
 
 /// Everything that changes while a [`PhysicsArena`] runs, down to the forces in a contact.
 ///

@@ -1,5 +1,5 @@
 use super::*;
-use crate::random::StreamName;
+use xcs::random::StreamName;
 
 /// A maze with many corners; `settings` are further keys of its world file.
 fn maze(settings: &str) -> Maze {

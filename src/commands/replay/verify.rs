@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use xcscr::record::{self, RecordMode};
-use xcscr::study::{Plan, Trial};
+use xcscr::trial::{Plan, Trial};
 
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::progress::Progress;

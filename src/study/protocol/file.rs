@@ -8,13 +8,14 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::shipped;
-use crate::bounds::OutOfRange;
+use crate::agent::Method;
+use crate::arena::ArenaKind;
 use crate::disk;
-use crate::reward::Method;
 use crate::sensor::Sensor;
 use crate::study::error::StudyError;
-use crate::study::trial::{ArenaKind, MOST_TOML_BYTES, flatten, shortened, similar};
+use crate::trial::{MOST_TOML_BYTES, flatten, shortened, similar};
 use crate::world::{Maze, Recipe};
+use xcs::bounds::OutOfRange;
 
 /// The keys of a study file.
 const KEYS: [&str; 15] = [
@@ -245,7 +246,8 @@ mod tests {
 
     fn message(text: &str) -> String {
         let file = StudyFile::parse(text, "s.toml", Path::new(""));
-        let frozen = file.and_then(|file| super::super::Protocol::new(&file, &Default::default()));
+        let frozen =
+            file.and_then(|file| crate::study::protocol::Protocol::new(&file, &Default::default()));
         frozen.unwrap_err().to_string()
     }
 

@@ -4,11 +4,12 @@ use toml::{Table, Value};
 
 use super::file::{Document, NOTHING};
 use super::{Arm, Protocol, StudyFile, Variant};
-use crate::bounds::within;
-use crate::reward::Method;
+use crate::agent::Method;
+use crate::arena::ArenaKind;
 use crate::study::error::StudyError;
-use crate::study::trial::{ArenaKind, PlanError, Resolved, Settings};
+use crate::trial::{PlanError, Resolved, Settings};
 use crate::world::Maze;
+use xcs::bounds::within;
 
 /// More combinations than these fill the memory with settings before the first trial begins.
 const MOST_ARMS: usize = 10_000;

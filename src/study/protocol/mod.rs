@@ -16,11 +16,12 @@ pub use freeze::Overrides;
 pub(super) use shipped::study_names;
 
 use super::error::StudyError;
-use super::trial::{ArenaKind, Config, Plan, Settings};
-use crate::random::replicate_seed;
-use crate::reward::Method;
+use crate::agent::Method;
+use crate::arena::ArenaKind;
 use crate::sensor::Sensor;
+use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;
+use xcs::random::replicate_seed;
 
 /// The values that a sweep gives to settings, by their full names.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -14,12 +14,12 @@ const WORLDS: [(&str, &str); 5] = [
 
 /// The studies, by name.
 const STUDIES: [(&str, &str); 6] = [
-    ("paper", include_str!("../presets/paper.toml")),
-    ("ablation", include_str!("../presets/ablation.toml")),
-    ("plus", include_str!("../presets/plus.toml")),
-    ("repairs", include_str!("../presets/repairs.toml")),
-    ("transfer", include_str!("../presets/transfer.toml")),
-    ("starts", include_str!("../presets/starts.toml")),
+    ("paper", include_str!("presets/paper.toml")),
+    ("ablation", include_str!("presets/ablation.toml")),
+    ("plus", include_str!("presets/plus.toml")),
+    ("repairs", include_str!("presets/repairs.toml")),
+    ("transfer", include_str!("presets/transfer.toml")),
+    ("starts", include_str!("presets/starts.toml")),
 ];
 
 /// The text of a world file that comes with the program.

@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::comparisons::{p_value, points, points_range};
 use super::document::Table;
+use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::Arm;
 use crate::study::statistics::{Interval, Proportion, fisher_exact, holm};
-use crate::study::summary::{ArmRecords, rounded};
 
 /// What one switch does in one world.
 #[derive(Debug, Clone, PartialEq, Serialize)]

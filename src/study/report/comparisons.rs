@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::document::Table;
-use crate::reward::Method;
+use crate::agent::Method;
+use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::{Arm, NOTHING};
 use crate::study::statistics::{Interval, Proportion, fisher_exact, holm, log_rank, trials_needed};
-use crate::study::summary::{ArmRecords, rounded};
 
 /// Errors of the first kind that are accepted.
 const ALPHA: f64 = 0.05;

@@ -3,6 +3,7 @@
 pub(super) mod ablation;
 mod comparisons;
 mod document;
+mod figures;
 mod paper;
 mod results;
 mod settings;
@@ -16,11 +17,11 @@ pub use paper::AgainstPaper;
 
 use document::Block;
 
+use super::analysis::summary::{ArmRecords, ArmSummary};
 use super::error::StudyError;
-use super::figures::{Picture, draw_figures};
-use super::folder::{StudyFolder, write_whole};
 use super::protocol::Protocol;
-use super::summary::{ArmRecords, ArmSummary};
+use super::report::figures::{Picture, draw_figures};
+use super::store::folder::{StudyFolder, write_whole};
 
 /// The report of a study.
 #[derive(Debug, Clone, Serialize)]

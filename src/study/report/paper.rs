@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use super::comparisons::p_value;
 use super::document::Table;
-use crate::reward::Method;
+use crate::agent::Method;
 use crate::sensor::Sensor;
+use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::{Proportion, fisher_exact, quantile};
-use crate::study::summary::{ArmRecords, rounded};
-use crate::study::trial::Settings;
+use crate::trial::Settings;
 
 /// The episodes before which the paper looks for successes, by world: `xcscr` mainly succeeds
 /// before them.

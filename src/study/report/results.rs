@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::Value;
 
 use super::document::Table;
+use crate::study::analysis::summary::ArmSummary;
 use crate::study::protocol::{Arm, Variant};
-use crate::study::summary::ArmSummary;
 
 /// What the columns mean.
 pub const LEGEND: &str = "optimal: trials whose greedy policy became globally optimal, with \

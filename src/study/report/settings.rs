@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use toml::{Table, Value};
 
 use crate::study::protocol::Arm;
-use crate::study::trial::{Settings, flatten};
+use crate::trial::{Settings, flatten};
 
 /// Which settings differ from the defaults, and where, in sentences.
 pub fn sentences(arms: &[Arm]) -> String {

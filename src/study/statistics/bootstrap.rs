@@ -1,7 +1,7 @@
 //! Intervals by resampling.
 
 use super::{Interval, iqm, quantile};
-use crate::random::Stream;
+use xcs::random::Stream;
 
 /// How often the numbers are drawn anew.
 const RESAMPLES: usize = 2_000;
@@ -27,7 +27,7 @@ fn resample(numbers: &[f64], stream: &mut Stream) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::StreamName;
+    use xcs::random::StreamName;
 
     #[test]
     fn close_to_scipy_and_the_same_every_time() {

@@ -1,7 +1,7 @@
 //! Corridors side by side.
 
 use super::field::Field;
-use crate::random::Stream;
+use xcs::random::Stream;
 
 /// Openings from one corridor to the next.
 const OPENINGS: usize = 2;

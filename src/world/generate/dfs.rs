@@ -1,7 +1,7 @@
 //! Depth-first search with backtracking over the cells with odd coordinates.
 
 use super::field::Field;
-use crate::random::Stream;
+use xcs::random::Stream;
 
 /// Carves passages until every odd cell is part of the maze.
 pub fn carve(field: &mut Field, stream: &mut Stream) {

@@ -1,7 +1,7 @@
 //! Obstacles at random.
 
 use super::field::Field;
-use crate::random::Stream;
+use xcs::random::Stream;
 
 /// The share of cells that become walls; with more, the field falls apart into small pieces.
 const DENSITY: f64 = 0.3;

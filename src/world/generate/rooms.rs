@@ -1,7 +1,7 @@
 //! Rooms by recursive division.
 
 use super::field::Field;
-use crate::random::Stream;
+use xcs::random::Stream;
 
 /// A rectangle of free cells: first and last column, first and last row. The first ones are odd.
 #[derive(Clone, Copy)]

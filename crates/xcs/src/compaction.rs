@@ -1,0 +1,378 @@
+//! Condensing \[P\]: few general rules that decide as all of them do.
+//!
+//! Once payoffs are known, most rules never decide anything, and many say the same of percepts
+//! that differ only where it does not matter. What is made here is a set of rules of which each
+//! advocates, wherever it matches, an action that \[P\] rates best. Removing rules that never
+//! decide and subsuming others cannot make more general rules than \[P\] holds; therefore
+//! conditions are grown anew from the percepts, as general as that allows, and the fewest are kept
+//! that cover every percept.
+
+use std::cmp::Reverse;
+
+use fixedbitset::FixedBitSet;
+
+use super::classifier::Classifier;
+use super::condition::Condition;
+use super::population::Population;
+use super::prediction::PredictionArray;
+use crate::signal::{Action, Percept};
+
+/// Conditions that are kept while they grow.
+const WIDEST_STAR: usize = 8;
+/// Rules with which choosing is begun; the best choice is kept.
+const BEGINNINGS: usize = 32;
+
+/// The condensed rules of `population`, in the order in which they were chosen: those that cover
+/// the most percepts first. In each of `percepts` where any action has a `worth`, every action they
+/// advocate is one of the greatest worth, and there is one. Percepts may repeat; all are of the
+/// same width.
+///
+/// A rule predicts the mean worth of its action where it matches; its error is the mean deviation
+/// from that, its experience the greatest of the rules that it takes over.
+pub fn compact(
+    population: &Population,
+    percepts: &[Percept],
+    worth: impl Fn(&Percept) -> PredictionArray,
+) -> Population {
+    let task = Task::new(population, percepts, worth);
+    let chosen = fewest(task.candidates(), task.known.len());
+    let rules: Vec<Classifier> = chosen.iter().map(|one| task.classifier(one)).collect();
+    rules
+        .try_into()
+        .expect("rules of one width, none of them twice")
+}
+
+/// What has to be preserved.
+struct Task<'a> {
+    population: &'a Population,
+    /// The percepts of which the population says something, each once, with the worth of actions.
+    known: Vec<(Percept, PredictionArray)>,
+    /// By action: the known percepts in which it is one of the best.
+    right: Vec<FixedBitSet>,
+    /// By allele: the known percepts in which it is 1.
+    ones: Vec<FixedBitSet>,
+}
+
+/// A rule that could be kept.
+#[derive(Clone)]
+struct Candidate {
+    condition: Condition,
+    action: Action,
+    /// The known percepts that it matches.
+    covers: FixedBitSet,
+}
+
+/// A condition in the making.
+#[derive(Clone)]
+struct Partial {
+    /// The alleles that it demands, in order.
+    alleles: Vec<usize>,
+    /// The known percepts that it matches.
+    covers: FixedBitSet,
+}
+
+impl<'a> Task<'a> {
+    fn new(
+        population: &'a Population,
+        percepts: &[Percept],
+        worth: impl Fn(&Percept) -> PredictionArray,
+    ) -> Self {
+        let mut percepts = percepts.to_vec();
+        percepts.sort_unstable();
+        percepts.dedup();
+        let with_worth = percepts
+            .into_iter()
+            .map(|percept| (percept, worth(&percept)));
+        let known: Vec<_> = with_worth.filter(|(_, w)| w.greatest().is_some()).collect();
+        let first = known.first();
+        let (width, actions) = first.map_or((0, 0), |(p, w)| (p.width(), w.as_slice().len()));
+        let where_it = |holds: &dyn Fn(&Percept, &PredictionArray) -> bool| {
+            let all = known.iter().enumerate();
+            let mut set = FixedBitSet::with_capacity(known.len());
+            set.extend(
+                all.filter(|(_, (p, worth))| holds(p, worth))
+                    .map(|(at, _)| at),
+            );
+            set
+        };
+        let is_best = |action| where_it(&|_, worth| worth.best_actions().any(|a| a == action));
+        Self {
+            population,
+            right: Action::all(actions).map(is_best).collect(),
+            ones: (0..width)
+                .map(|allele| where_it(&|p, _| p.bit(allele)))
+                .collect(),
+            known,
+        }
+    }
+
+    /// For each known percept and best action, the rules grown from it.
+    fn candidates(&self) -> Vec<Candidate> {
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for (at, (_, worth)) in self.known.iter().enumerate() {
+            for action in worth.best_actions() {
+                let grown = self.star(at, action).into_iter();
+                candidates.extend(grown.map(|one| self.without_needless(at, action, one.alleles)));
+            }
+        }
+        candidates.sort_by_key(|one| (one.condition, one.action));
+        candidates.dedup_by_key(|one| (one.condition, one.action));
+        candidates
+    }
+
+    /// Conditions that demand of percept number `at` what keeps them from matching where `action`
+    /// is not best: one wrong percept after the other is ruled out, in every way there is, and the
+    /// conditions that match the most right ones are kept (the star of the AQ algorithm,
+    /// Michalski 1969).
+    fn star(&self, at: usize, action: Action) -> Vec<Partial> {
+        let right = &self.right[action.index()];
+        let mut star = vec![self.everything()];
+        while star.iter().any(|one| !one.covers.is_subset(right)) {
+            let grown = star
+                .iter()
+                .flat_map(|one| self.ruling_out_one(one, at, right));
+            let mut grown: Vec<Partial> = grown.collect();
+            grown.sort_by_cached_key(|one| {
+                let fine = one.covers.intersection_count(right);
+                let wrong = one.covers.difference_count(right);
+                (Reverse(fine), wrong, one.alleles.clone())
+            });
+            grown.dedup_by(|a, b| a.alleles == b.alleles);
+            grown.truncate(WIDEST_STAR);
+            star = grown;
+        }
+        star
+    }
+
+    fn everything(&self) -> Partial {
+        let mut covers = FixedBitSet::with_capacity(self.known.len());
+        covers.insert_range(..);
+        Partial {
+            alleles: Vec::new(),
+            covers,
+        }
+    }
+
+    /// All ways to keep a condition from matching the first wrong percept by one allele more of
+    /// percept number `at`; the condition itself if it matches none.
+    fn ruling_out_one(&self, one: &Partial, at: usize, right: &FixedBitSet) -> Vec<Partial> {
+        let Some(wrong) = one.covers.difference(right).next() else {
+            return vec![one.clone()];
+        };
+        let differs =
+            |allele: &usize| self.ones[*allele].contains(at) != self.ones[*allele].contains(wrong);
+        let with = |allele| {
+            let mut alleles = one.alleles.clone();
+            alleles.insert(alleles.partition_point(|&other| other < allele), allele);
+            Partial {
+                alleles,
+                covers: self.narrowed(at, allele, &one.covers),
+            }
+        };
+        (0..self.ones.len()).filter(differs).map(with).collect()
+    }
+
+    /// Drops each allele that later ones made needless.
+    fn without_needless(&self, at: usize, action: Action, mut alleles: Vec<usize>) -> Candidate {
+        let right = &self.right[action.index()];
+        for place in (0..alleles.len()).rev() {
+            let dropped = alleles.remove(place);
+            if !self.matching(at, &alleles).is_subset(right) {
+                alleles.insert(place, dropped);
+            }
+        }
+        Candidate {
+            condition: Condition::of_alleles(&self.known[at].0, alleles.iter().copied()),
+            action,
+            covers: self.matching(at, &alleles),
+        }
+    }
+
+    /// The known percepts that agree with percept number `at` in some alleles.
+    fn matching(&self, at: usize, alleles: &[usize]) -> FixedBitSet {
+        let all = self.everything().covers;
+        let narrow = |covers, &allele: &usize| self.narrowed(at, allele, &covers);
+        alleles.iter().fold(all, narrow)
+    }
+
+    /// Those of some percepts that agree with percept number `at` in an allele.
+    fn narrowed(&self, at: usize, allele: usize, covers: &FixedBitSet) -> FixedBitSet {
+        let mut covers = covers.clone();
+        match self.ones[allele].contains(at) {
+            true => covers.intersect_with(&self.ones[allele]),
+            false => covers.difference_with(&self.ones[allele]),
+        }
+        covers
+    }
+
+    /// The rule with its figures, from those that it takes over.
+    fn classifier(&self, one: &Candidate) -> Classifier {
+        let worth = |at: usize| self.known[at].1.get(one.action).unwrap_or(0.0);
+        let count = one.covers.count_ones(..).max(1) as f64;
+        let prediction = one.covers.ones().map(worth).sum::<f64>() / count;
+        let deviation = |at| (worth(at) - prediction).abs();
+        let rules = self.population.rules().iter();
+        let taken_over = rules.filter(|rule| {
+            rule.action == one.action
+                && (rule.condition == one.condition
+                    || one.condition.is_more_general_than(&rule.condition))
+        });
+        Classifier {
+            condition: one.condition,
+            action: one.action,
+            prediction,
+            error: one.covers.ones().map(deviation).sum::<f64>() / count,
+            fitness: 1.0,
+            numerosity: 1,
+            experience: taken_over.map(|rule| rule.experience).max().unwrap_or(0),
+            time_stamp: 0,
+            set_size: 1.0,
+            eam: 1.0,
+        }
+    }
+}
+
+/// The fewest candidates found that cover all of `count` percepts, by beginning with each of those
+/// that cover the most.
+fn fewest(mut candidates: Vec<Candidate>, count: usize) -> Vec<Candidate> {
+    candidates.sort_by_cached_key(|one| {
+        let covered = one.covers.count_ones(..);
+        (Reverse(covered), one.condition.specificity())
+    });
+    let beginnings = candidates.iter().take(BEGINNINGS);
+    let choices = beginnings.map(|first| without_superfluous(cover(first, &candidates, count)));
+    choices.min_by_key(Vec::len).unwrap_or_default()
+}
+
+/// Chooses `first`, then each time the first candidate that covers the most percepts not yet
+/// covered, until all of `count` percepts are.
+fn cover(first: &Candidate, candidates: &[Candidate], count: usize) -> Vec<Candidate> {
+    let mut open = FixedBitSet::with_capacity(count);
+    open.insert_range(..);
+    let mut chosen = Vec::new();
+    let mut next = Some(first);
+    while let Some(best) = next {
+        open.difference_with(&best.covers);
+        chosen.push(best.clone());
+        let rest = candidates
+            .iter()
+            .rev()
+            .filter(|one| !one.covers.is_disjoint(&open));
+        next = rest.max_by_key(|one| one.covers.intersection_count(&open));
+    }
+    chosen
+}
+
+/// Removes rules whose percepts the others cover, the last chosen first.
+fn without_superfluous(mut chosen: Vec<Candidate>) -> Vec<Candidate> {
+    for at in (0..chosen.len()).rev() {
+        let one = chosen.remove(at);
+        let mut open = one.covers.clone();
+        chosen
+            .iter()
+            .for_each(|other| open.difference_with(&other.covers));
+        if !open.is_clear() {
+            chosen.insert(at, one);
+        }
+    }
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Params;
+
+    fn rule(condition: &str, action: usize, prediction: f64) -> Classifier {
+        let (condition, action) = (condition.parse().unwrap(), Action::new(action).unwrap());
+        Classifier {
+            prediction,
+            ..Classifier::new(condition, action, 0, &Params::default())
+        }
+    }
+
+    fn population(rules: &[(String, usize, f64)]) -> Population {
+        let mut rules: Vec<_> = rules.iter().map(|(c, a, p)| rule(c, *a, *p)).collect();
+        rules.sort_by_key(|rule| (rule.condition, rule.action));
+        rules.dedup_by_key(|rule| (rule.condition, rule.action));
+        rules.try_into().unwrap()
+    }
+
+    fn all_percepts(width: usize) -> Vec<Percept> {
+        (0..1 << width)
+            .map(|word| Percept::from_word(word, width))
+            .collect()
+    }
+
+    fn best(population: &Population, percept: &Percept) -> Vec<usize> {
+        let worth = population.sums(percept).array(3, false);
+        worth.best_actions().map(Action::index).collect()
+    }
+
+    /// The condensed rules, and how many percepts they were condensed for.
+    fn condensed(population: &Population, percepts: &[Percept]) -> Population {
+        compact(population, percepts, |p| population.sums(p).array(3, false))
+    }
+
+    #[test]
+    fn a_table_of_a_simple_concept_becomes_one_rule_for_each_answer() {
+        // The answer is the second bit.
+        let table: Vec<_> = all_percepts(4)
+            .into_iter()
+            .flat_map(|percept| {
+                let answer = usize::from(percept.bit(1));
+                [0, 1].map(|a| {
+                    (
+                        percept.to_string(),
+                        a,
+                        if a == answer { 1000.0 } else { 0.0 },
+                    )
+                })
+            })
+            .collect();
+        let condensed = condensed(&population(&table), &all_percepts(4));
+        let shown = condensed.rules().iter();
+        let mut shown: Vec<_> = shown
+            .map(|r| (r.condition.to_string(), r.action.index(), r.prediction))
+            .collect();
+        shown.sort_by_key(|a| a.1);
+        assert_eq!(
+            shown,
+            [("#0##".into(), 0, 1000.0), ("#1##".into(), 1, 1000.0)]
+        );
+    }
+
+    #[test]
+    fn nothing_is_made_of_nothing() {
+        assert!(condensed(&Population::default(), &all_percepts(3)).is_empty());
+        let rules = population(&[("111".into(), 0, 1.0)]);
+        assert!(condensed(&rules, &["000".parse().unwrap()]).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn condensed_rules_choose_what_all_rules_choose_in_every_percept(
+            rules in prop::collection::vec(("[01#]{5}", 0_usize..3, -1_i32..2), 0..40),
+        ) {
+            // Few different predictions, so that there are ties.
+            let rules: Vec<_> =
+                rules.into_iter().map(|(c, a, p)| (c, a, f64::from(p))).collect();
+            let full = population(&rules);
+            let known = all_percepts(5).iter().filter(|p| !best(&full, p).is_empty()).count();
+            let condensed = condensed(&full, &all_percepts(5));
+            prop_assert!(condensed.len() <= known, "{} for {known}", condensed.len());
+            for percept in all_percepts(5) {
+                let (wanted, chosen) = (best(&full, &percept), best(&condensed, &percept));
+                if wanted.is_empty() {
+                    continue;
+                }
+                prop_assert!(!chosen.is_empty(), "{}", percept);
+                for action in chosen {
+                    prop_assert!(wanted.contains(&action), "{}: {} of {:?}", percept, action, wanted);
+                }
+            }
+        }
+    }
+}

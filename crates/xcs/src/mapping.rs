@@ -1,0 +1,246 @@
+//! XCSAM: rules for the best actions only.
+//!
+//! XCS keeps rules for every action in every niche, also for those it will never take. Implemented
+//! after M. Nakata, P. L. Lanzi and K. Takadama, "XCS with adaptive action mapping" (2012): each
+//! rule carries `eam`, how many actions its niche needs. It falls toward 1 while its action is
+//! judged the best one and rises toward the number of actions otherwise. Covering asks only for
+//! the mean eam of \[M\], and rules of large eam are deleted first.
+
+use super::learner::Xcs;
+use super::sets::{ActionSet, MatchSet};
+use crate::signal::{Action, Percept};
+
+impl Xcs {
+    /// From now on the mapping adapts.
+    pub fn with_adaptive_mapping(mut self) -> Self {
+        self.adapts = true;
+        self
+    }
+
+    /// The eam of a rule of which it is not known whether its action is the best: the number of
+    /// actions, or 1 where the mapping does not adapt.
+    pub(super) fn eam_at_first(&self) -> f32 {
+        if self.adapts {
+            self.actions as f32
+        } else {
+            1.0
+        }
+    }
+
+    /// Moves eam of the rules of \[A\] at learning rate beta: toward 1 if `payoff` shows that its
+    /// action is one of the best in a percept whose `greatest` worth was known, toward the number
+    /// of actions otherwise. Does nothing where the mapping does not adapt.
+    pub fn adapt_mapping(&mut self, set: &ActionSet, payoff: f64, greatest: f64) {
+        if !self.adapts {
+            return;
+        }
+        let needs = if is_best(payoff, greatest, self.params.zeta) {
+            1.0
+        } else {
+            self.actions as f64
+        };
+        let beta = self.params.beta;
+        let moved = |eam: f64| (eam + beta * (needs - eam)) as f32;
+        for &id in set.members() {
+            self.population
+                .modify(id, |rule| rule.eam = moved(rule.eam.into()));
+        }
+    }
+
+    /// Covers one of the actions that \[M\] lacks, any with the same chance, if it holds fewer than
+    /// its rules ask for; `false` if it holds enough.
+    pub(super) fn cover_as_asked(&mut self, percept: &Percept, set: &MatchSet) -> bool {
+        let missing = Action::all(self.actions).filter(|&action| !set.covers(action));
+        let missing: Vec<Action> = missing.collect();
+        let held = self.actions - missing.len();
+        if held as f64 >= self.actions_asked(set) {
+            return false;
+        }
+        let chosen = self.stream.choose(&missing).copied();
+        chosen
+            .inspect(|&action| self.cover(percept, action))
+            .is_some()
+    }
+
+    /// The mean eam of the micro-classifiers of \[M\]; of none, the number of actions.
+    fn actions_asked(&self, set: &MatchSet) -> f64 {
+        if set.is_empty() {
+            return self.actions as f64;
+        }
+        let rules = set
+            .members()
+            .iter()
+            .flat_map(|ids| self.population.living(ids));
+        let eam: f64 = rules
+            .map(|(_, rule)| f64::from(rule.eam) * f64::from(rule.numerosity))
+            .sum();
+        eam / f64::from(set.micro())
+    }
+}
+
+/// Is a payoff as good as the greatest worth, but for a fraction 1 - zeta of it?
+///
+/// For worths above 0 this is the paper's `payoff >= zeta * greatest`; below 0, where that would
+/// ask for more than the greatest, the margin still is one.
+fn is_best(payoff: f64, greatest: f64, zeta: f64) -> bool {
+    payoff >= greatest - (1.0 - zeta) * greatest.abs()
+}
+
+/// \[P\] with the eam of each rule, which rules by themselves leave out.
+pub(super) mod saved {
+    use serde::de::{Deserialize, Deserializer, Error};
+    use serde::{Serialize, Serializer};
+
+    use crate::Population;
+
+    pub fn serialize<S: Serializer>(population: &Population, to: S) -> Result<S::Ok, S::Error> {
+        let eams: Vec<f32> = population.rules().iter().map(|rule| rule.eam).collect();
+        (population, eams).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Population, D::Error> {
+        let (population, eams): (Population, Vec<f32>) = Deserialize::deserialize(from)?;
+        let whole = population.with_eams(&eams);
+        whole.ok_or_else(|| D::Error::custom("there must be one eam for each rule"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{Stream, StreamName};
+    use crate::{Classifier, MatchSet, Params, Population};
+
+    fn rule(condition: &str, action: usize, eam: f32) -> Classifier {
+        let action = Action::new(action).unwrap();
+        let condition = condition.parse().unwrap();
+        Classifier {
+            eam,
+            ..Classifier::new(condition, action, 0, &Params::default())
+        }
+    }
+
+    /// A learner for four actions that starts with some rules.
+    fn learner(rules: &[Classifier]) -> Xcs {
+        let eams: Vec<f32> = rules.iter().map(|rule| rule.eam).collect();
+        let rules = Population::try_from(rules.to_vec()).unwrap();
+        Xcs::new(Params::default(), 4, Stream::new(1, StreamName::Evolution))
+            .with_population(rules.with_eams(&eams).unwrap())
+    }
+
+    fn adaptive(rules: &[Classifier]) -> Xcs {
+        learner(rules).with_adaptive_mapping()
+    }
+
+    /// The eam of all rules after action 0 was paid in percept 0, where the greatest worth was 100.
+    fn eams_after(mut xcs: Xcs, payoffs: &[f64]) -> Vec<f32> {
+        let set = xcs.matching_action_set(&"0".parse().unwrap(), Action::new(0).unwrap());
+        for &payoff in payoffs {
+            xcs.adapt_mapping(&set, payoff, 100.0);
+        }
+        xcs.population()
+            .rules()
+            .iter()
+            .map(|rule| rule.eam)
+            .collect()
+    }
+
+    /// The actions that rules advocate in percept 0 once \[M\] is formed.
+    fn actions_held(mut xcs: Xcs) -> Vec<usize> {
+        let mut set = MatchSet::default();
+        xcs.form_match_set(&"0".parse().unwrap(), &mut set);
+        let held = Action::all(4).filter(|&action| set.covers(action));
+        held.map(Action::index).collect()
+    }
+
+    #[test]
+    fn eam_falls_toward_1_where_the_action_is_best() {
+        let rules = [rule("0", 0, 4.0), rule("0", 1, 4.0)];
+        // 4 + 0.2 (1 - 4) = 3.4; 3.4 + 0.2 (1 - 3.4) = 2.92. The other action's rule is not paid.
+        assert_eq!(eams_after(adaptive(&rules), &[100.0]), [3.4, 4.0]);
+        assert_eq!(eams_after(adaptive(&rules), &[100.0, 99.0]), [2.92, 4.0]);
+        let end = eams_after(adaptive(&rules), &[100.0; 1000])[0];
+        assert!((1.0..1.00001).contains(&end), "{end}");
+    }
+
+    #[test]
+    fn eam_rises_toward_the_number_of_actions_where_it_is_not() {
+        let rules = [rule("0", 0, 1.0)];
+        // 1 + 0.2 (4 - 1) = 1.6; 1.6 + 0.2 (4 - 1.6) = 2.08.
+        assert_eq!(eams_after(adaptive(&rules), &[98.9]), [1.6]);
+        assert_eq!(eams_after(adaptive(&rules), &[98.9, -50.0]), [2.08]);
+        let end = eams_after(adaptive(&rules), &[0.0; 1000])[0];
+        assert!((3.9999..=4.0).contains(&end), "{end}");
+    }
+
+    #[test]
+    fn without_an_adaptive_mapping_eam_stays() {
+        assert_eq!(eams_after(learner(&[rule("0", 0, 1.0)]), &[0.0; 9]), [1.0]);
+    }
+
+    #[test]
+    fn ties_are_best_on_either_side_of_zero() {
+        let judged = |payoff, greatest| is_best(payoff, greatest, 0.99);
+        assert!(judged(99.0, 100.0) && !judged(98.9, 100.0));
+        assert!(judged(0.0, 0.0) && !judged(-1.0, 0.0));
+        assert!(judged(-100.0, -100.0) && judged(-101.0, -100.0) && !judged(-101.1, -100.0));
+    }
+
+    #[test]
+    fn covering_asks_for_one_action_where_eam_is_1() {
+        assert_eq!(actions_held(adaptive(&[rule("0", 2, 1.0)])), [2]);
+        let all = actions_held(learner(&[rule("0", 2, 1.0)]));
+        assert_eq!(all, [0, 1, 2, 3], "XCS covers them all");
+    }
+
+    #[test]
+    fn covering_asks_for_the_mean_eam_of_micro_classifiers() {
+        assert_eq!(actions_held(adaptive(&[])).len(), 4, "nothing is known");
+        assert_eq!(actions_held(adaptive(&[rule("0", 2, 4.0)])).len(), 4);
+        // (2 * 1 + 4) / 3 = 2 actions are asked for, and held.
+        let many = Classifier {
+            numerosity: 2,
+            ..rule("0", 2, 1.0)
+        };
+        assert_eq!(actions_held(adaptive(&[many, rule("#", 0, 4.0)])), [0, 2]);
+        // (1 + 4) / 2 = 2.5 of them; with a third, of eam 4, there are (1 + 4 + 4) / 3 = 3.
+        let two = [rule("0", 2, 1.0), rule("#", 0, 4.0)];
+        assert_eq!(actions_held(adaptive(&two)).len(), 3);
+    }
+
+    #[test]
+    fn rules_from_elsewhere_begin_with_the_eam_of_new_ones() {
+        let brought = learner(&[rule("0", 2, 1.5)]);
+        for (mut xcs, eam) in [(adaptive(&[]), 4.0), (learner(&[]), 1.0)] {
+            xcs.start_from(brought.population());
+            assert_eq!(xcs.population().rules()[0].eam, eam);
+        }
+    }
+
+    #[test]
+    fn a_memory_keeps_eam_and_a_hostile_one_is_refused() {
+        let fresh = adaptive(&[]);
+        let recall = |xcs: &Xcs| -> Xcs {
+            postcard::from_bytes(&postcard::to_allocvec(xcs).unwrap()).unwrap()
+        };
+        let of = |eam| recall(&adaptive(&[rule("0", 2, eam)]));
+        assert_eq!(of(1.5).population().rules()[0].eam, 1.5);
+        let accepted = |eam| of(eam).descends_from(&fresh);
+        assert_eq!([1.0, 1.5, 4.0].map(accepted), [true; 3]);
+        let refused = [0.99, 4.01, -1.0, f32::NAN, f32::INFINITY];
+        assert_eq!(refused.map(accepted), [false; 5]);
+        assert!(
+            !recall(&learner(&[])).descends_from(&fresh),
+            "it does not adapt"
+        );
+        let plain = recall(&learner(&[rule("0", 2, 1.5)]));
+        assert!(!plain.descends_from(&learner(&[])), "eam without XCSAM");
+    }
+
+    #[test]
+    fn a_memory_with_too_few_or_many_eams_is_refused() {
+        let rules = Population::try_from(vec![rule("0", 2, 1.0)]).unwrap();
+        let refused = [vec![], vec![1.0, 1.0]].map(|eams| rules.clone().with_eams(&eams).is_none());
+        assert_eq!(refused, [true; 2]);
+    }
+}

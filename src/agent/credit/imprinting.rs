@@ -1,0 +1,174 @@
+//! The imprinting mechanism (Alg. 2 to 4).
+
+use serde::{Deserialize, Serialize};
+
+use super::params::Params;
+use super::stack::Shares;
+use xcs::Xcs;
+use xcs::random::Stream;
+use xcs::{Action, Percept};
+
+/// A policy as it was executed: the percept and action of each step.
+pub(super) type Policy = Vec<(Percept, Action)>;
+
+/// Keeps the best executed policies, and decides when one of them is rehearsed.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Imprinting {
+    on: bool,
+    theta_x: f64,
+    /// \[PS\]: different policies of the same, shortest length.
+    policies: Vec<Policy>,
+    stream: Stream,
+}
+
+impl Imprinting {
+    pub fn new(params: &Params, stream: Stream) -> Self {
+        Self {
+            on: params.imprinting,
+            theta_x: params.theta_x,
+            policies: Vec::new(),
+            stream,
+        }
+    }
+
+    /// Can this mechanism, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        (self.on, self.theta_x) == (fresh.on, fresh.theta_x)
+            && self.policies.iter().all(|policy| !policy.is_empty())
+    }
+
+    /// Alg. 2: a success updates \[PS\]; a failure names, with probability 1 - theta_x, one of its
+    /// policies to be rehearsed.
+    pub fn after(&mut self, reached_goal: bool, policy: Policy) -> Option<&[(Percept, Action)]> {
+        if !self.on {
+            return None;
+        }
+        if reached_goal {
+            self.update(policy);
+            return None;
+        }
+        let rehearses = self.stream.unit() > self.theta_x;
+        let chosen = self.policies.get(..).filter(|_| rehearses)?;
+        self.stream.choose(chosen).map(Vec::as_slice)
+    }
+
+    /// Alg. 3: a shorter policy replaces the set, a different one of the same length joins it.
+    fn update(&mut self, policy: Policy) {
+        let shortest = self.policies.first().map_or(usize::MAX, Vec::len);
+        if policy.len() < shortest {
+            self.policies = vec![policy];
+        } else if policy.len() == shortest && !self.policies.contains(&policy) {
+            self.policies.push(policy);
+        }
+    }
+}
+
+/// Alg. 4: every (percept, action) pair of a policy is updated as if the policy had just
+/// succeeded, each with its share of the reward.
+pub(super) fn clone_behaviour(
+    xcs: &mut Xcs,
+    policy: &[(Percept, Action)],
+    shares: &Shares,
+    beta: f64,
+) {
+    for (back, (percept, action)) in policy.iter().rev().enumerate() {
+        let cloned = xcs.matching_action_set(percept, *action);
+        xcs.update(&cloned, shares.of_step(back), beta);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use xcs;
+    use xcs::random::StreamName;
+
+    /// A policy that takes these actions in as many different percepts.
+    fn policy(actions: &[usize]) -> Policy {
+        let step = |(at, &action): (usize, &usize)| {
+            let percept = Percept::from_bits((0..8).map(|bit| at >> bit & 1 == 1));
+            (percept.unwrap(), Action::new(action).unwrap())
+        };
+        actions.iter().enumerate().map(step).collect()
+    }
+
+    fn imprinting(theta_x: f64) -> Imprinting {
+        let params = Params {
+            theta_x,
+            ..Params::default()
+        };
+        Imprinting::new(&params, Stream::new(1, StreamName::Imprinting))
+    }
+
+    #[test]
+    fn algorithm_3_keeps_the_different_policies_of_the_shortest_length() {
+        let mut imprinting = imprinting(0.5);
+        let lengths = |i: &Imprinting| i.policies.iter().map(Vec::len).collect::<Vec<_>>();
+        imprinting.after(true, policy(&[0, 1, 2]));
+        imprinting.after(true, policy(&[0, 1, 3]));
+        imprinting.after(true, policy(&[0, 1, 2]));
+        assert_eq!(lengths(&imprinting), [3, 3], "the same policy joins once");
+        imprinting.after(true, policy(&[0, 0, 0, 0]));
+        assert_eq!(lengths(&imprinting), [3, 3], "a longer policy is ignored");
+        imprinting.after(true, policy(&[2, 1]));
+        assert_eq!(
+            lengths(&imprinting),
+            [2],
+            "a shorter policy replaces the set"
+        );
+    }
+
+    #[test]
+    fn algorithm_2_rehearses_after_failures_only_with_probability_one_minus_theta_x() {
+        let share = |theta_x| {
+            let mut imprinting = imprinting(theta_x);
+            assert!(
+                imprinting.after(false, policy(&[1])).is_none(),
+                "[PS] is empty"
+            );
+            assert!(
+                imprinting.after(true, policy(&[0, 1])).is_none(),
+                "a success"
+            );
+            let rehearsals = (0..1000).filter(|_| imprinting.after(false, policy(&[1])).is_some());
+            rehearsals.count()
+        };
+        assert_eq!((share(0.0), share(1.0)), (1000, 0));
+        assert!((650..750).contains(&share(0.3)), "{}", share(0.3));
+    }
+
+    #[test]
+    fn switched_off_it_never_rehearses() {
+        let params = Params {
+            imprinting: false,
+            theta_x: 0.0,
+            ..Params::default()
+        };
+        let mut imprinting = Imprinting::new(&params, Stream::new(1, StreamName::Imprinting));
+        imprinting.after(true, policy(&[0, 1]));
+        assert!(imprinting.after(false, policy(&[1])).is_none());
+    }
+
+    #[test]
+    fn algorithm_4_pays_every_pair_of_the_policy_its_share() {
+        let policy = policy(&[0, 1, 0]);
+        let params = xcs::Params {
+            dont_care: 0.0,
+            ..xcs::Params::default()
+        };
+        let mut xcs = Xcs::new(params, 2, Stream::new(1, StreamName::Evolution));
+        for (percept, _) in &policy {
+            xcs.form_match_set(percept, &mut xcs::MatchSet::default());
+        }
+        let params = Params::default();
+        let shares = Shares::new(1000.0, 3, 3, params.sharing, &params);
+        clone_behaviour(&mut xcs, &policy, &shares, 0.2);
+        let worth = policy.iter().map(|(p, action)| xcs.worth(p).get(*action));
+        assert_eq!(
+            worth.collect::<Vec<_>>(),
+            [Some(810.0), Some(900.0), Some(1000.0)]
+        );
+        let (percept, _) = policy[0];
+        assert_eq!(xcs.worth(&percept).get(Action::new(1).unwrap()), Some(0.0));
+    }
+}

@@ -1,0 +1,59 @@
+//! The learning-rate switching mechanism (paper, section III-C).
+
+use serde::{Deserialize, Serialize};
+
+use super::params::Params;
+
+/// Chooses the rate with which the end of an episode is learned.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct LearningRate {
+    success: f64,
+    failure: f64,
+}
+
+impl LearningRate {
+    /// Switched off, both rates are `beta`.
+    pub fn new(params: &Params, beta: f64) -> Self {
+        if params.learning_rate_switching {
+            Self {
+                success: params.beta_success,
+                failure: params.beta_failure,
+            }
+        } else {
+            Self {
+                success: beta,
+                failure: beta,
+            }
+        }
+    }
+
+    /// The rate after a success or a failure.
+    pub fn after(&self, reached_goal: bool) -> f64 {
+        if reached_goal {
+            self.success
+        } else {
+            self.failure
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn success_is_learned_fast_and_failure_slowly() {
+        let rate = LearningRate::new(&Params::default(), 0.1);
+        assert_eq!((rate.after(true), rate.after(false)), (0.2, 0.05));
+    }
+
+    #[test]
+    fn switched_off_both_are_learned_alike() {
+        let params = Params {
+            learning_rate_switching: false,
+            ..Params::default()
+        };
+        let rate = LearningRate::new(&params, 0.1);
+        assert_eq!((rate.after(true), rate.after(false)), (0.1, 0.1));
+    }
+}

@@ -1,0 +1,115 @@
+//! The reward stack \[R\] and how a long-term reward is shared out along it.
+
+use super::params::{Params, Sharing};
+use xcs::{Action, Percept};
+use xcs::{ActionSet, Xcs};
+
+/// \[R\]: the action sets of an episode, oldest first.
+#[derive(Debug, Clone, Default)]
+pub(super) struct RewardStack {
+    sets: Vec<ActionSet>,
+}
+
+impl RewardStack {
+    /// Adds the latest action set.
+    pub fn push(&mut self, set: ActionSet) {
+        self.sets.push(set);
+    }
+
+    /// The steps so far.
+    pub fn len(&self) -> usize {
+        self.sets.len()
+    }
+
+    /// The policy that was executed: the percept and action of each step.
+    pub fn policy(&self) -> Vec<(Percept, Action)> {
+        self.sets
+            .iter()
+            .map(|set| (set.percept, set.action))
+            .collect()
+    }
+
+    /// Empties the stack and updates each set with its share of the reward, the latest first, at
+    /// learning rate `beta`; then each niche may evolve.
+    pub fn unwind(&mut self, xcs: &mut Xcs, shares: &Shares, beta: f64) {
+        for (back, set) in self.sets.drain(..).rev().enumerate() {
+            xcs.update(&set, shares.of_step(back), beta);
+            xcs.evolve(&set);
+        }
+    }
+}
+
+/// What each step of an episode gets of its long-term reward.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shares {
+    reward: f64,
+    gamma: f64,
+}
+
+impl Shares {
+    /// Shares of the reward r_l among `steps` steps, where `shortest` is the length of the
+    /// shortest success so far in the trial.
+    pub fn new(
+        reward: f64,
+        steps: usize,
+        shortest: usize,
+        sharing: Sharing,
+        params: &Params,
+    ) -> Self {
+        match sharing {
+            Sharing::Even => {
+                let given = params.even_constant > 0.0;
+                let c = if given {
+                    params.even_constant
+                } else {
+                    shortest as f64
+                };
+                Self {
+                    reward: c * reward / steps.max(1) as f64,
+                    gamma: 1.0,
+                }
+            }
+            Sharing::Discounted => Self {
+                reward,
+                gamma: params.gamma,
+            },
+        }
+    }
+
+    /// r_a of the step that lies `back` steps before the last one (Eq. 8 and 9).
+    pub fn of_step(&self, back: usize) -> f64 {
+        (0..back).fold(self.reward, |share, _| share * self.gamma)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equation_8_gives_every_step_the_same() {
+        let params = Params {
+            even_constant: 5.0,
+            ..Params::default()
+        };
+        let shares = Shares::new(1000.0, 20, 10, Sharing::Even, &params);
+        assert_eq!([0, 7, 19].map(|back| shares.of_step(back)), [250.0; 3]);
+    }
+
+    #[test]
+    fn equation_8_pays_the_shortest_success_in_full_by_default() {
+        let shares = Shares::new(1000.0, 10, 10, Sharing::Even, &Params::default());
+        assert_eq!(shares.of_step(3), 1000.0);
+        let longer = Shares::new(1000.0, 20, 10, Sharing::Even, &Params::default());
+        assert_eq!(longer.of_step(3), 500.0);
+    }
+
+    #[test]
+    fn equation_9_counts_back_from_the_goal() {
+        let shares = Shares::new(1000.0, 20, 10, Sharing::Discounted, &Params::default());
+        assert_eq!(
+            [0, 1, 2].map(|back| shares.of_step(back)),
+            [1000.0, 900.0, 810.0]
+        );
+    }
+}

@@ -1,0 +1,224 @@
+//! What a learner knows, and a learner that only uses it.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::model::Foresight;
+use super::{Agent, EndCredit, StepCredit};
+use crate::arena::Outcome;
+use xcs::{Action, Percept};
+use xcs::{Population, PredictionArray};
+
+/// What was learned: enough to follow the greedy policy.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Knowledge {
+    /// The rules of an XCS.
+    Rules(Population),
+    /// The rules of an XCS that divides by the fitness of all of \[M\] (`xcs.worth_over_match_set`).
+    RulesOverMatchSet(Population),
+    /// The rules of an XCS that also foresees what actions do.
+    Foresighted {
+        /// What actions are worth.
+        rules: Population,
+        /// What they do.
+        foresight: Foresight,
+    },
+    /// The table of a tabular method: the worth of each action in each percept.
+    Table(BTreeMap<Percept, Vec<Option<f64>>>),
+}
+
+impl Knowledge {
+    /// The worth of each of `actions` actions under a percept.
+    pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
+        match self {
+            Self::Rules(rules) | Self::Foresighted { rules, .. } => {
+                rules.sums(percept).array(actions, false)
+            }
+            Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
+            Self::Table(table) => {
+                let mut array = PredictionArray::new(actions);
+                let row = table.get(percept).map_or(&[][..], Vec::as_slice);
+                for (action, worth) in Action::all(actions).zip(row) {
+                    worth.iter().for_each(|&worth| array.set(action, worth));
+                }
+                array
+            }
+        }
+    }
+
+    /// The rules that say what actions are worth; `None` for a table.
+    pub fn rules(&self) -> Option<&Population> {
+        match self {
+            Self::Rules(rules)
+            | Self::RulesOverMatchSet(rules)
+            | Self::Foresighted { rules, .. } => Some(rules),
+            Self::Table(_) => None,
+        }
+    }
+
+    /// What is foreseen; `None` for methods that foresee nothing.
+    pub fn foresight(&self) -> Option<&Foresight> {
+        match self {
+            Self::Foresighted { foresight, .. } => Some(foresight),
+            Self::Rules(_) | Self::RulesOverMatchSet(_) | Self::Table(_) => None,
+        }
+    }
+
+    /// Accepts what is known when it is about percepts of `width` bits and `actions` actions.
+    ///
+    /// # Errors
+    /// The first rule or row that is not.
+    pub fn check(&self, width: usize, actions: usize) -> Result<(), Misfit> {
+        let rules = self.rules().map_or(&[][..], Population::rules).iter();
+        let own = rules.map(|rule| (rule.condition, Some(rule.action)));
+        let foretelling = self.foresight().map_or(&[][..], |f| &f.collisions).iter();
+        let foretelling = foretelling.map(|rule| (rule.condition, rule.action));
+        for (condition, action) in own.chain(foretelling) {
+            let action = action.map_or(0, Action::index);
+            Misfit::check(&condition, condition.width(), width, action, actions)?;
+        }
+        if let Self::Table(table) = self {
+            for (percept, row) in table {
+                let last = row.len().saturating_sub(1);
+                Misfit::check(percept, percept.width(), width, last, actions)?;
+            }
+        }
+        self.foresight().map_or(Ok(()), |foresight| {
+            foresight.check(actions).map_err(Misfit::Foresight)
+        })
+    }
+
+    /// The number of rules, or of pairs in the table.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Table(table) => table.values().flatten().flatten().count(),
+            _ => self.rules().map_or(0, Population::len),
+        }
+    }
+
+    /// Is nothing known?
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Knowledge of another world.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Misfit {
+    /// A rule looks at percepts of another width.
+    #[error("rule {rule} looks at {width} bits, but percepts in this world have {wanted}")]
+    Width {
+        /// Its condition.
+        rule: String,
+        /// The width of the condition.
+        width: usize,
+        /// The width of percepts.
+        wanted: usize,
+    },
+    /// A rule advocates an action that is no move.
+    #[error(
+        "rule {rule} advocates action {action}, but this world has only {actions} moves, counted from 0"
+    )]
+    Action {
+        /// Its condition.
+        rule: String,
+        /// The action.
+        action: usize,
+        /// How many there are.
+        actions: usize,
+    },
+    /// What is foreseen cannot be.
+    #[error("{0}")]
+    Foresight(String),
+    /// They are of another kind than the method's.
+    #[error(
+        "the method `{0}` cannot start from these rules: give XCS methods rules of one of them, \
+         and xcscr-plus rules of xcscr-plus; tabular methods start from nothing"
+    )]
+    Useless(&'static str),
+}
+
+impl Misfit {
+    fn check(
+        rule: &dyn fmt::Display,
+        width: usize,
+        wanted: usize,
+        action: usize,
+        actions: usize,
+    ) -> Result<(), Self> {
+        let rule = || rule.to_string();
+        if width != wanted {
+            let rule = rule();
+            return Err(Self::Width {
+                rule,
+                width,
+                wanted,
+            });
+        }
+        if action >= actions {
+            let rule = rule();
+            return Err(Self::Action {
+                rule,
+                action,
+                actions,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// A method that no longer learns: it acts on what is known and changes nothing.
+#[derive(Debug, Clone, Serialize)]
+pub struct Frozen {
+    knowledge: Knowledge,
+    actions: usize,
+    step_threshold: u32,
+}
+
+impl Frozen {
+    /// Acts on `knowledge` with `actions` actions, for at most `step_threshold` steps an episode.
+    pub fn new(knowledge: Knowledge, actions: usize, step_threshold: u32) -> Self {
+        Self {
+            knowledge,
+            actions,
+            step_threshold,
+        }
+    }
+}
+
+impl Agent for Frozen {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.worth(percept)
+    }
+
+    fn credit(&mut self, _: Action, _: Outcome) -> StepCredit {
+        StepCredit::default()
+    }
+
+    fn finish(&mut self, _: bool) -> EndCredit {
+        EndCredit {
+            long_term_reward: 0.0,
+            learning_rate: 0.0,
+            imprinted: false,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.step_threshold
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.knowledge.worth(percept, self.actions)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        self.knowledge.clone()
+    }
+
+    fn rule_count(&self) -> usize {
+        self.knowledge.len()
+    }
+}

@@ -1,0 +1,123 @@
+//! The methods by their names.
+
+use super::{
+    Adapted, Agent, Combined, Params, Plus, PlusParams, Sharing, Standard, Tabular, TabularParams,
+};
+use xcs::Xcs;
+use xcs::random::{Stream, StreamName};
+
+/// The reward methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Standard XCS.
+    Xcs,
+    /// XCS with adaptive action mapping: rules for the best actions only.
+    Xcsam,
+    /// XCS adapted to robots, reward shared evenly (Eq. 7 and 8).
+    AdaptedEven,
+    /// XCS adapted to robots, reward discounted (Eq. 7 and 9).
+    AdaptedDiscounted,
+    /// The paper's combined reward method.
+    Xcscr,
+    /// The same with each mechanism repaired.
+    XcscrPlus,
+    /// Q-learning in a table.
+    QLearning,
+    /// Sarsa with eligibility traces in a table.
+    SarsaLambda,
+    /// Q-learning that replays remembered transitions.
+    DynaQ,
+    /// Planning on a model that takes the unknown for the best.
+    RMax,
+}
+
+impl Method {
+    /// All methods, in the order in which they are reported.
+    pub const ALL: [Self; 10] = [
+        Self::Xcs,
+        Self::Xcsam,
+        Self::AdaptedEven,
+        Self::AdaptedDiscounted,
+        Self::Xcscr,
+        Self::XcscrPlus,
+        Self::QLearning,
+        Self::SarsaLambda,
+        Self::DynaQ,
+        Self::RMax,
+    ];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Xcs => "xcs",
+            Self::Xcsam => "xcsam",
+            Self::AdaptedEven => "adapted-even",
+            Self::AdaptedDiscounted => "adapted-discounted",
+            Self::Xcscr => "xcscr",
+            Self::XcscrPlus => "xcscr-plus",
+            Self::QLearning => "q-learning",
+            Self::SarsaLambda => "sarsa-lambda",
+            Self::DynaQ => "dyna-q",
+            Self::RMax => "r-max",
+        }
+    }
+
+    /// Does it learn rules, and not a table?
+    pub fn learns_rules(self) -> bool {
+        !matches!(
+            self,
+            Self::QLearning | Self::SarsaLambda | Self::DynaQ | Self::RMax
+        )
+    }
+
+    /// A learner that knows nothing yet, for `actions` actions and percepts whose first `ring` bits
+    /// lie in a ring around the robot. `seed` is the trial's root seed.
+    pub fn build(self, actions: usize, ring: usize, setup: Setup, seed: u64) -> Box<dyn Agent> {
+        let Setup {
+            xcs,
+            reward,
+            tabular,
+            plus,
+        } = setup;
+        let stream = |name| Stream::new(seed, name);
+        let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
+        match self {
+            Self::Xcs => Box::new(Standard::new(learner(), reward)),
+            Self::Xcsam => Box::new(Standard::new(learner().with_adaptive_mapping(), reward)),
+            Self::AdaptedEven => Box::new(Adapted::new(learner(), reward, Sharing::Even)),
+            Self::AdaptedDiscounted => {
+                Box::new(Adapted::new(learner(), reward, Sharing::Discounted))
+            }
+            Self::Xcscr => Box::new(Combined::new(
+                learner(),
+                reward,
+                stream(StreamName::Imprinting),
+            )),
+            Self::XcscrPlus => {
+                let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
+                Box::new(Plus::new(xcs, [actions, ring], reward, plus, streams))
+            }
+            Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
+            Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
+            Self::DynaQ => {
+                let replay = stream(StreamName::Replay);
+                Box::new(Tabular::dyna_q(actions, reward, tabular, replay))
+            }
+            Self::RMax => Box::new(Tabular::r_max(actions, reward, tabular)),
+        }
+    }
+}
+
+/// The parameters of all methods; each takes what it needs. They must have been checked.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Setup {
+    /// XCS.
+    pub xcs: xcs::Params,
+    /// Rewards and reward methods.
+    pub reward: Params,
+    /// Tabular methods.
+    pub tabular: TabularParams,
+    /// The repairs of `xcscr-plus`.
+    pub plus: PlusParams,
+}

@@ -1,0 +1,108 @@
+//! General rules about ways back, learned from a step or two.
+//!
+//! "A move is undone by the action that is half a turn further": whether that is so, and how far
+//! one has to turn, is not told but counted. Where it holds, the way back need not be tried in
+//! every cell.
+
+use serde::{Deserialize, Serialize};
+
+use crate::agent::model::ReturnRule;
+use xcs::{Action, MAX_ACTIONS};
+
+/// A rule is believed from so many successes on ...
+const LEAST_HITS: u32 = 2;
+/// ... that are at least this share of its trials.
+const LEAST_ACCURACY: f64 = 0.9;
+/// Counts in files lie below this, so that there is room to count on.
+const MOST_COUNTED: u32 = u32::MAX / 4;
+
+/// For each turn from one action to the next, how often it led back.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct ReturnRules {
+    actions: usize,
+    /// By turn: how often it led back, and how often elsewhere.
+    counts: [[u32; 2]; MAX_ACTIONS],
+}
+
+impl ReturnRules {
+    /// Nothing is known of `actions` actions.
+    pub fn new(actions: usize) -> Self {
+        Self {
+            actions,
+            counts: Default::default(),
+        }
+    }
+
+    /// Takes rules from another world.
+    pub fn bring(&mut self, rules: &[ReturnRule]) {
+        for rule in rules {
+            self.counts[rule.turn.index()] = [rule.hits, rule.misses];
+        }
+    }
+
+    /// Can these rules, read from a file, stand for some that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let mut counts = self.counts.iter().flatten();
+        self.actions == fresh.actions && counts.all(|&count| count <= MOST_COUNTED)
+    }
+
+    /// Learns whether `next`, taken right after a move by `first`, led back.
+    pub fn learn(&mut self, first: Action, next: Action, back: bool) {
+        let turn = (next.index() + self.actions - first.index()) % self.actions;
+        self.counts[turn][usize::from(!back)] += 1;
+    }
+
+    /// The actions that are believed to undo a move by `first`.
+    pub fn undoing(&self, first: Action) -> impl Iterator<Item = Action> {
+        let undone_by =
+            move |rule: ReturnRule| Action::new((first.index() + rule.turn.index()) % self.actions);
+        self.rules().filter_map(undone_by)
+    }
+
+    /// The rules that are believed.
+    pub fn rules(&self) -> impl Iterator<Item = ReturnRule> {
+        let turns = Action::all(self.actions).zip(&self.counts);
+        let rules = turns.map(|(turn, &[hits, misses])| ReturnRule { turn, hits, misses });
+        rules.filter(|&ReturnRule { hits, misses, .. }| {
+            hits >= LEAST_HITS && f64::from(hits) >= LEAST_ACCURACY * f64::from(hits + misses)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn undoing(rules: &ReturnRules, first: usize) -> Vec<usize> {
+        let first = Action::new(first).unwrap();
+        rules.undoing(first).map(Action::index).collect()
+    }
+
+    fn learn(rules: &mut ReturnRules, [first, next]: [usize; 2], back: bool) {
+        let [first, next] = [first, next].map(|number| Action::new(number).unwrap());
+        rules.learn(first, next, back);
+    }
+
+    #[test]
+    fn going_back_twice_in_any_direction_is_enough_to_believe_in_it() {
+        let mut rules = ReturnRules::new(4);
+        learn(&mut rules, [0, 2], true);
+        assert!(undoing(&rules, 0).is_empty());
+        learn(&mut rules, [3, 1], true);
+        assert_eq!(
+            [0, 1, 2, 3].map(|first| undoing(&rules, first)),
+            [[2], [3], [0], [1]]
+        );
+    }
+
+    #[test]
+    fn a_turn_that_often_leads_elsewhere_is_not_believed() {
+        let mut rules = ReturnRules::new(4);
+        for back in [true, true, false, true] {
+            learn(&mut rules, [0, 2], back);
+        }
+        assert!(undoing(&rules, 0).is_empty());
+        (0..10).for_each(|_| learn(&mut rules, [0, 2], true));
+        assert_eq!(undoing(&rules, 0), [2]);
+    }
+}

@@ -1,0 +1,241 @@
+//! Tabular rivals on the same percepts, so that every claim about rules has its control.
+
+mod params;
+mod table;
+mod traces;
+
+pub use params::TabularParams;
+
+use std::mem::discriminant;
+
+use serde::{Deserialize, Serialize};
+
+use table::Table;
+use traces::Traces;
+
+use super::credit::Params;
+use super::explorer::Explorer;
+use super::knowledge::Knowledge;
+use super::memory::{self, MemoryError};
+use super::model::planner::{Belief, Planner, Values};
+use super::model::transitions::{Transition, Transitions};
+use super::{Agent, EndCredit, StepCredit};
+use crate::arena::Outcome;
+use xcs::PredictionArray;
+use xcs::random::Stream;
+use xcs::{Action, Percept};
+
+/// The value of an untried pair for a policy that is planned on what is known: below all others.
+const UNTRIED: f64 = -1e9;
+
+/// How a table of values is learned (Sutton and Barto 2018; R-max: Brafman and Tennenholtz 2002).
+#[derive(Debug, Clone, Serialize, Deserialize)]
+enum Algorithm {
+    /// Toward the reward plus the best value after it.
+    QLearning,
+    /// Toward the reward plus the value of the action that was really chosen after it.
+    SarsaLambda(Traces),
+    /// Q-learning that replays remembered transitions, drawn from the stream.
+    DynaQ(Transitions, Stream),
+    /// Values planned on a model that takes the unknown for the best.
+    RMax(Transitions),
+}
+
+/// The methods `q-learning`, `sarsa-lambda`, `dyna-q` and `r-max`.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Tabular {
+    algorithm: Algorithm,
+    params: Params,
+    own: TabularParams,
+    table: Table,
+    /// What the greedy policy follows, where that is not `table`.
+    policy: Option<Table>,
+    /// The percept under consideration.
+    percept: Option<Percept>,
+    /// The last step, before it is known what came after it.
+    pending: Option<(Percept, Action, f64)>,
+}
+
+impl Tabular {
+    /// Q-learning, for `actions` actions. All parameters must have been checked.
+    pub fn q_learning(actions: usize, params: Params, own: TabularParams) -> Self {
+        Self::new(Algorithm::QLearning, actions, params, own)
+    }
+
+    /// Sarsa(lambda).
+    pub fn sarsa_lambda(actions: usize, params: Params, own: TabularParams) -> Self {
+        let algorithm = Algorithm::SarsaLambda(Traces::default());
+        Self::new(algorithm, actions, params, own)
+    }
+
+    /// Dyna-Q, which draws what it replays from `stream`.
+    pub fn dyna_q(actions: usize, params: Params, own: TabularParams, stream: Stream) -> Self {
+        let algorithm = Algorithm::DynaQ(Transitions::default(), stream);
+        Self::new(algorithm, actions, params, own)
+    }
+
+    /// R-max.
+    pub fn r_max(actions: usize, params: Params, own: TabularParams) -> Self {
+        Self::new(
+            Algorithm::RMax(Transitions::default()),
+            actions,
+            params,
+            own,
+        )
+    }
+
+    fn new(algorithm: Algorithm, actions: usize, params: Params, own: TabularParams) -> Self {
+        Self {
+            algorithm,
+            params,
+            own,
+            table: Table::new(actions),
+            policy: None,
+            percept: None,
+            pending: None,
+        }
+    }
+
+    /// Can this method, read from a file, stand for one that began as `fresh`?
+    fn descends_from(&self, fresh: &Self) -> bool {
+        let memory_is_sound = match &self.algorithm {
+            Algorithm::DynaQ(memory, _) | Algorithm::RMax(memory) => memory.is_sound(),
+            _ => true,
+        };
+        let mut tables = self.policy.iter().chain([&self.table]);
+        discriminant(&self.algorithm) == discriminant(&fresh.algorithm)
+            && (&self.params, &self.own) == (&fresh.params, &fresh.own)
+            && memory_is_sound
+            && tables.all(|table| table.descends_from(&fresh.table))
+    }
+
+    /// Learns the pending step, now that it is known what came after it.
+    fn learn(&mut self, next: Option<Percept>, next_action: Option<Action>) {
+        let Some((percept, action, reward)) = self.pending.take() else {
+            return;
+        };
+        let step = Transition {
+            percept,
+            action,
+            reward,
+            next,
+        };
+        let (alpha, gamma) = (self.own.alpha, self.params.gamma);
+        match &mut self.algorithm {
+            Algorithm::QLearning => self.table.q_update(&step, alpha, gamma),
+            Algorithm::SarsaLambda(traces) => {
+                let decay = self.own.lambda * gamma;
+                traces.learn(&mut self.table, &step, next_action, [alpha, gamma, decay]);
+            }
+            Algorithm::DynaQ(memory, stream) => {
+                memory.learn(&step, 1);
+                self.table.q_update(&step, alpha, gamma);
+                for _ in 0..self.own.replays {
+                    if let Some(recalled) = memory.recall(stream) {
+                        self.table.q_update(&recalled, alpha, gamma);
+                    }
+                }
+            }
+            Algorithm::RMax(memory) => {
+                if memory.learn(&step, self.own.known_after) {
+                    self.plan();
+                }
+            }
+        }
+    }
+
+    /// R-max: plans again on what is remembered.
+    fn plan(&mut self) {
+        let Algorithm::RMax(memory) = &self.algorithm else {
+            return;
+        };
+        let actions = self.table.actions();
+        let planner = Planner {
+            actions,
+            known_after: self.own.known_after,
+            gamma: self.params.gamma,
+        };
+        let table = |unknown: f64| {
+            let values = planner.plan(memory, |_, _| Belief::Worth(unknown), Values::default());
+            Table::from_values(memory, &values, actions)
+        };
+        self.policy = (!self.own.optimistic_policy).then(|| table(UNTRIED));
+        self.table = table(self.params.goal);
+    }
+}
+
+impl Agent for Tabular {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        if !matches!(self.algorithm, Algorithm::SarsaLambda(_)) {
+            self.learn(Some(*percept), None);
+        }
+        self.percept = Some(*percept);
+        self.table.worth(percept)
+    }
+
+    /// R-max explores by its optimism alone.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
+        match self.algorithm {
+            Algorithm::RMax(_) => (explorer.exploit(worth), false),
+            _ => explorer.choose(worth),
+        }
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let percept = self.percept.expect("consider comes before credit");
+        if matches!(self.algorithm, Algorithm::SarsaLambda(_)) {
+            self.learn(Some(percept), Some(action));
+        }
+        let short_term_reward = self.params.short_term(outcome);
+        self.pending = Some((percept, action, short_term_reward));
+        StepCredit {
+            short_term_reward,
+            ..StepCredit::default()
+        }
+    }
+
+    /// What came after the last step of a failure was never perceived, so it is not learned.
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
+        if reached_goal {
+            self.pending
+                .iter_mut()
+                .for_each(|(.., reward)| *reward += long_term_reward);
+            self.learn(None, None);
+        }
+        self.pending = None;
+        if let Algorithm::SarsaLambda(traces) = &mut self.algorithm {
+            traces.clear();
+        }
+        EndCredit {
+            long_term_reward,
+            learning_rate: self.own.alpha,
+            imprinted: false,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.params.step_threshold
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.policy.as_ref().unwrap_or(&self.table).worth(percept)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        self.policy.as_ref().unwrap_or(&self.table).knowledge()
+    }
+
+    fn rule_count(&self) -> usize {
+        self.table.len()
+    }
+
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
+        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        Ok(Box::new(method))
+    }
+}

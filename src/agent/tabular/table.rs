@@ -1,0 +1,121 @@
+//! The table of values Q.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::agent::knowledge::Knowledge;
+use crate::agent::model::planner::Values;
+use crate::agent::model::transitions::{Transition, Transitions};
+use xcs::PredictionArray;
+use xcs::{Action, MAX_ACTIONS, Percept};
+
+/// Q: the value of each action in each percept that was met; 0 where nothing was learned.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Table {
+    actions: usize,
+    rows: BTreeMap<Percept, [f64; MAX_ACTIONS]>,
+}
+
+impl Table {
+    pub fn new(actions: usize) -> Self {
+        Self {
+            actions,
+            rows: BTreeMap::new(),
+        }
+    }
+
+    /// Can this table, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let mut numbers = self.rows.values().flatten();
+        self.actions == fresh.actions && numbers.all(|number| number.is_finite())
+    }
+
+    /// The table of planned values.
+    pub fn from_values(memory: &Transitions, values: &Values, actions: usize) -> Self {
+        let mut table = Self::new(actions);
+        for (number, percept) in memory.percepts().iter().enumerate() {
+            for action in Action::all(actions) {
+                *table.entry(*percept, action) = values.get(number, action).unwrap_or(0.0);
+            }
+        }
+        table
+    }
+
+    pub fn actions(&self) -> usize {
+        self.actions
+    }
+
+    /// The number of pairs that were met.
+    pub fn len(&self) -> usize {
+        self.rows.len() * self.actions
+    }
+
+    /// Q of a pair.
+    pub fn get(&self, percept: &Percept, action: Action) -> f64 {
+        self.rows
+            .get(percept)
+            .map_or(0.0, |row| row[action.index()])
+    }
+
+    /// Q of a pair, to be changed.
+    pub fn entry(&mut self, percept: Percept, action: Action) -> &mut f64 {
+        &mut self.rows.entry(percept).or_default()[action.index()]
+    }
+
+    /// The greatest Q of a percept; 0 at a goal.
+    pub fn greatest(&self, percept: Option<&Percept>) -> f64 {
+        let row = percept.and_then(|percept| self.rows.get(percept));
+        row.map_or(0.0, |row| {
+            row[..self.actions].iter().copied().fold(f64::MIN, f64::max)
+        })
+    }
+
+    /// Q of all actions in a percept.
+    pub fn worth(&self, percept: &Percept) -> PredictionArray {
+        let mut array = PredictionArray::new(self.actions);
+        Action::all(self.actions).for_each(|action| array.set(action, self.get(percept, action)));
+        array
+    }
+
+    /// The whole table.
+    pub fn knowledge(&self) -> Knowledge {
+        let rows = self.rows.iter().map(|(percept, row)| {
+            (
+                *percept,
+                row[..self.actions].iter().copied().map(Some).collect(),
+            )
+        });
+        Knowledge::Table(rows.collect())
+    }
+
+    /// One step of Q-learning: toward the reward plus the discounted greatest value after it.
+    pub fn q_update(&mut self, transition: &Transition, alpha: f64, gamma: f64) {
+        let target = transition.reward + gamma * self.greatest(transition.next.as_ref());
+        let q = self.entry(transition.percept, transition.action);
+        *q += alpha * (target - *q);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_q_update_moves_toward_the_reward_and_the_discounted_best_value() {
+        let [here, there]: [Percept; 2] = ["00", "01"].map(|bits| bits.parse().unwrap());
+        let action = Action::new(1).unwrap();
+        let mut table = Table::new(2);
+        *table.entry(there, action) = 100.0;
+        let step = |next| Transition {
+            percept: here,
+            action,
+            reward: -1.0,
+            next,
+        };
+        table.q_update(&step(Some(there)), 0.5, 0.9);
+        assert_eq!(table.get(&here, action), 44.5); // 0 + 0.5 (-1 + 0.9 * 100 - 0)
+        table.q_update(&step(None), 1.0, 0.9);
+        assert_eq!(table.get(&here, action), -1.0);
+    }
+}

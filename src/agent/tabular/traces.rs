@@ -1,0 +1,50 @@
+//! Eligibility traces of Sarsa(lambda).
+
+use serde::{Deserialize, Serialize};
+
+use super::table::Table;
+use crate::agent::model::transitions::Transition;
+use xcs::{Action, Percept};
+
+/// How much each pair of this episode is still responsible for (replacing traces).
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Traces {
+    pairs: Vec<(Percept, Action, f64)>,
+}
+
+impl Traces {
+    /// Traces weaker than this are forgotten.
+    const FAINT: f64 = 1e-4;
+
+    /// One step of Sarsa(lambda); `next` is the action chosen after the transition. `decay` is
+    /// gamma times lambda.
+    pub fn learn(
+        &mut self,
+        table: &mut Table,
+        transition: &Transition,
+        next: Option<Action>,
+        [alpha, gamma, decay]: [f64; 3],
+    ) {
+        let Transition {
+            percept,
+            action,
+            reward,
+            ..
+        } = *transition;
+        let after = transition.next.zip(next);
+        let after = after.map_or(0.0, |(percept, action)| table.get(&percept, action));
+        let surprise = reward + gamma * after - table.get(&percept, action);
+        self.pairs.retain(|(p, a, _)| (*p, *a) != (percept, action));
+        self.pairs.push((percept, action, 1.0));
+        for (percept, action, trace) in &mut self.pairs {
+            *table.entry(*percept, *action) += alpha * surprise * *trace;
+            *trace *= decay;
+        }
+        self.pairs.retain(|(.., trace)| *trace > Self::FAINT);
+    }
+
+    /// Forgets all traces at the end of an episode.
+    pub fn clear(&mut self) {
+        self.pairs.clear();
+    }
+}

@@ -1,0 +1,178 @@
+//! What is shown: a policy after one episode, or after many.
+
+use std::ops::ControlFlow;
+
+use super::{drawing, moving_png, pixels, svg};
+use crate::arena::View;
+use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
+use crate::trial::{Plan, PlanError, Trial};
+use crate::world::{Cell, Maze};
+
+/// The most moments of an animation; of longer runs not every episode is shown.
+const MOST_MOMENTS: u32 = 45;
+
+/// Which episodes are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scenes {
+    /// The policy after the last episode.
+    Last,
+    /// The policy after this one, counted from 1.
+    After(u32),
+    /// The policy as it forms, in at most 45 moments.
+    Forming,
+}
+
+/// The policy after an episode, and what that episode was.
+#[derive(Debug, Clone)]
+pub struct Moment {
+    /// The episode, as it ended.
+    pub episode: Episode,
+    /// What was known after it.
+    pub policy: PolicyMap,
+    /// The cells that were visited in it, the start first.
+    pub visited: Vec<Cell>,
+}
+
+/// One policy or several, to be drawn over the maze. The same film gives the same bytes.
+#[derive(Debug, Clone)]
+pub struct Film {
+    pub(super) maze: Maze,
+    pub(super) title: String,
+    pub(super) moments: Vec<Moment>,
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum FilmError {
+    /// The trial cannot be run.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The run has fewer episodes.
+    #[error("there is no episode {wanted}: the run has {episodes}")]
+    NoSuchEpisode {
+        /// The episode that was asked for.
+        wanted: u32,
+        /// How many there are.
+        episodes: u32,
+    },
+    /// The picture cannot be made.
+    #[error("cannot draw the picture: {0}")]
+    Picture(String),
+}
+
+impl Film {
+    /// Runs the trial again, as far as is needed, and keeps what is to be shown.
+    ///
+    /// # Errors
+    /// When the plan cannot be run, or has no such episode.
+    pub fn of(plan: &Plan, scenes: Scenes) -> Result<Self, FilmError> {
+        let episodes = plan.config.episodes;
+        let (last, every) = match scenes {
+            Scenes::Last => (episodes, episodes),
+            Scenes::After(wanted) if (1..=episodes).contains(&wanted) => (wanted, wanted),
+            Scenes::After(wanted) => return Err(FilmError::NoSuchEpisode { wanted, episodes }),
+            Scenes::Forming => (episodes, episodes.div_ceil(MOST_MOMENTS)),
+        };
+        let mut camera = Camera::new(last, every);
+        // The camera itself ends the trial.
+        let _ = Trial::new(plan.clone())?.run(&mut camera);
+        let config = &plan.config;
+        let (world, method) = (plan.maze.name(), config.method.name());
+        let (arena, seed) = (config.arena.name(), config.seed);
+        Ok(Self {
+            maze: plan.maze.clone(),
+            title: format!("{world}: {method} on {arena}, seed {seed}"),
+            moments: camera.moments,
+        })
+    }
+
+    /// The moments, in order.
+    pub fn moments(&self) -> &[Moment] {
+        &self.moments
+    }
+
+    /// An SVG document, which moves if there are several moments.
+    pub fn svg(&self) -> String {
+        svg::document(&drawing::draw(self))
+    }
+
+    /// A PNG file, which is an animated one (APNG) if there are several moments.
+    ///
+    /// # Errors
+    /// When the picture is too large.
+    pub fn png(&self) -> Result<Vec<u8>, FilmError> {
+        let drawing = drawing::draw(self);
+        let picture = match drawing.frames.len() {
+            1 => pixels::png(&drawing),
+            _ => moving_png::png(&drawing),
+        };
+        picture.map_err(FilmError::Picture)
+    }
+}
+
+/// Keeps the moments that are wanted.
+struct Camera {
+    last: u32,
+    every: u32,
+    visited: Vec<Cell>,
+    moments: Vec<Moment>,
+}
+
+impl Camera {
+    fn new(last: u32, every: u32) -> Self {
+        Self {
+            last,
+            every,
+            visited: Vec::new(),
+            moments: Vec::new(),
+        }
+    }
+}
+
+impl Observer for Camera {
+    fn began(&mut self, _: u32, view: &View<'_>) {
+        self.visited = vec![view.cell];
+    }
+
+    fn stepped(&mut self, step: &Step<'_>) {
+        self.visited.push(step.view.cell);
+    }
+
+    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
+        // Counted from the last, so that it is always there.
+        if (self.last - episode.episode).is_multiple_of(self.every) {
+            self.moments.push(Moment {
+                episode: *episode,
+                policy: PolicyMap::of(learned.method, learned.sensor, learned.view.maze),
+                visited: std::mem::take(&mut self.visited),
+            });
+        }
+        match episode.episode < self.last {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        }
+    }
+}
+
+impl Moment {
+    /// What is said about it below the title.
+    pub(super) fn caption(&self, maze: &Maze, shortest: Option<u32>) -> String {
+        let Episode {
+            episode,
+            steps,
+            ending,
+            ..
+        } = self.episode;
+        let how = match ending {
+            Ending::Goal => "to the goal",
+            Ending::StepLimit => "and gave up",
+        };
+        let from = self.visited[0];
+        let greedy = match self.policy.greedy_steps(maze, from) {
+            Some(now) if Some(now) == shortest => format!("{now} steps, the fewest"),
+            Some(now) => format!("{now} steps"),
+            None => "never arrives".to_owned(),
+        };
+        format!("episode {episode}: {steps} steps {how}; greedy path now: {greedy}")
+    }
+}

@@ -1,0 +1,236 @@
+//! What is wrong with a recording.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::path::Path;
+
+use super::reader::Recording;
+use crate::record::error::RecordError;
+use crate::record::topics::Topic;
+use crate::record::write::layout;
+use crate::world::Maze;
+
+/// Gaps between messages with poses up to this long are normal: the grid moves once a second.
+const GRID_GAP_NS: u64 = 1_000_000_000;
+/// The same for a robot that drives: each message shows half a second of its way.
+const DRIVE_GAP_NS: u64 = 600_000_000;
+/// What every recording carries.
+const ATTACHED: [&str; 2] = ["world.json", "config.json"];
+/// What that of a whole run carries beside.
+const ATTACHED_TO_RUN: [&str; 1] = ["foxglove-layout.json"];
+
+/// Something that is wrong with a recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finding {
+    /// What kind of fault it is.
+    pub kind: FindingKind,
+    /// What exactly was found, and where.
+    pub what: String,
+}
+
+/// The kinds of faults.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FindingKind {
+    /// It cannot be read: unfinished, no MCAP file, or a wrong check sum.
+    Unreadable,
+    /// The index at the end says something else than the file itself.
+    Index,
+    /// An attachment or a metadata record is missing.
+    Facts,
+    /// A topic or its schema is missing or another.
+    Topic,
+    /// A message is no valid JSON.
+    Message,
+    /// Time runs backwards.
+    Order,
+    /// The robot's pose is missing for a while.
+    Gap,
+    /// The layout points at something that does not exist.
+    Layout,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.what)
+    }
+}
+
+/// Checks a file; an empty list means that it is sound.
+///
+/// # Errors
+/// [`RecordError::Read`] when there is no such file. What is wrong *in* it is a finding.
+pub fn check(path: &Path) -> Result<Vec<Finding>, RecordError> {
+    match Recording::open(path) {
+        Ok(recording) => Ok(check_recording(&recording)),
+        Err(error @ RecordError::Read { .. }) => Err(error),
+        Err(error) => Ok(vec![finding(FindingKind::Unreadable, error.to_string())]),
+    }
+}
+
+/// Checks a recording that can be read.
+pub fn check_recording(recording: &Recording) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    check_facts(recording, &mut findings);
+    check_topics(recording, &mut findings);
+    check_messages(recording, &mut findings);
+    check_layout(recording, &mut findings);
+    findings
+}
+
+fn finding(kind: FindingKind, what: String) -> Finding {
+    Finding { kind, what }
+}
+
+fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
+    let of_run: &[&str] = if is_run(recording) {
+        &ATTACHED_TO_RUN
+    } else {
+        &[]
+    };
+    for &name in ATTACHED.iter().chain(of_run) {
+        let data = recording.attachment(name);
+        let what = match data.map(serde_json::from_slice::<serde::de::IgnoredAny>) {
+            None => format!("the attachment {name} is missing"),
+            Some(Err(error)) => format!("the attachment {name} is no JSON: {error}"),
+            Some(Ok(_)) => continue,
+        };
+        findings.push(finding(FindingKind::Facts, what));
+    }
+    if recording.metadata("run").is_none() {
+        let what = "the metadata record `run` is missing";
+        findings.push(finding(FindingKind::Facts, what.to_owned()));
+    }
+}
+
+/// Is it the file of a whole run?
+fn is_run(recording: &Recording) -> bool {
+    let episode = recording.metadata("run").and_then(|run| run.get("episode"));
+    episode.is_some_and(|episode| episode == "run")
+}
+
+fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
+    let present = recording.topics();
+    let expected: &[Topic] = if is_run(recording) {
+        &Topic::OF_RUN
+    } else {
+        &Topic::ALL
+    };
+    for topic in expected {
+        let (name, schema) = (topic.name(), topic.schema());
+        let what = match present.iter().find(|found| found.name == name) {
+            None => format!("the topic {name} is missing"),
+            Some(found) if found.schema != schema.name => {
+                format!(
+                    "{name} has the schema `{}`, expected `{}`",
+                    found.schema, schema.name
+                )
+            }
+            Some(found) if found.schema_data != *schema.data => {
+                format!("{name} has another version of the schema `{}`", schema.name)
+            }
+            Some(_) => continue,
+        };
+        findings.push(finding(FindingKind::Topic, what));
+    }
+}
+
+fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
+    let (mut before_ns, mut posed_ns) = (0, None);
+    let mut counts: BTreeMap<String, u64> = BTreeMap::new();
+    let gap_ns = longest_gap_ns(recording);
+    for message in recording.messages() {
+        let message = match message {
+            Ok(message) => message,
+            Err(error) => {
+                return findings.push(finding(FindingKind::Unreadable, error.to_string()));
+            }
+        };
+        let (topic, now_ns) = (message.topic(), message.time_ns);
+        *counts.entry(topic.to_owned()).or_default() += 1;
+        if now_ns < before_ns {
+            let what = format!("{topic} at {now_ns} ns comes after a message at {before_ns} ns");
+            findings.push(finding(FindingKind::Order, what));
+        }
+        before_ns = now_ns;
+        if message.encoding() == "json" && message.json().is_none() {
+            let what = format!("{topic} at {now_ns} ns is no JSON");
+            findings.push(finding(FindingKind::Message, what));
+        }
+        if topic == Topic::Transforms.name() {
+            let before = posed_ns.replace(now_ns);
+            if let Some(before) = before.filter(|&before| now_ns > before + gap_ns) {
+                let what = format!("no pose on /tf from {before} ns to {now_ns} ns");
+                findings.push(finding(FindingKind::Gap, what));
+            }
+        }
+    }
+    check_index(recording, &counts, findings);
+}
+
+fn longest_gap_ns(recording: &Recording) -> u64 {
+    let arena = recording.metadata("run").and_then(|run| run.get("arena"));
+    match arena.map(String::as_str) {
+        Some("grid") => GRID_GAP_NS,
+        _ => DRIVE_GAP_NS,
+    }
+}
+
+/// The index must count the messages that there are.
+fn check_index(recording: &Recording, counts: &BTreeMap<String, u64>, findings: &mut Vec<Finding>) {
+    for topic in recording.topics() {
+        let found = counts.get(&topic.name).copied().unwrap_or(0);
+        if found != topic.messages {
+            let (name, claimed) = (topic.name, topic.messages);
+            let what = format!("{name} has {found} messages, the index says {claimed}");
+            findings.push(finding(FindingKind::Index, what));
+        }
+    }
+    let chunks = &recording.summary().chunk_indexes;
+    if chunks.is_empty() && counts.values().sum::<u64>() > 0 {
+        let what = "no chunk is indexed, so that a viewer finds no message";
+        findings.push(finding(FindingKind::Index, what.to_owned()));
+    }
+}
+
+fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
+    let Some(layout) = layout_of(recording) else {
+        return;
+    };
+    let fields: BTreeMap<String, BTreeSet<String>> = recording
+        .topics()
+        .into_iter()
+        .map(|topic| (topic.name, json_fields(&topic.schema_data)))
+        .collect();
+    for path in layout::paths(&layout) {
+        let what = match fields.get(&path.topic) {
+            None => format!("the layout shows {path}, but there is no such topic"),
+            Some(known) if path.field.as_ref().is_some_and(|f| !known.contains(f)) => {
+                format!("the layout shows {path}, but there is no such field")
+            }
+            Some(_) => continue,
+        };
+        findings.push(finding(FindingKind::Layout, what));
+    }
+}
+
+/// The layout that lies beside a recording, if its world can be read.
+fn layout_of(recording: &Recording) -> Option<Vec<u8>> {
+    if let Some(attached) = recording.attachment("foxglove-layout.json") {
+        return Some(attached.to_vec());
+    }
+    let world = recording.attachment("world.json")?;
+    let maze = Maze::from_json(world, "world.json").ok()?;
+    Some(layout::of_episode(&maze).into_bytes())
+}
+
+/// The fields that a JSON schema has; none for other schemas.
+fn json_fields(schema: &[u8]) -> BTreeSet<String> {
+    let schema: serde_json::Value = serde_json::from_slice(schema).unwrap_or_default();
+    let properties = schema["properties"].as_object();
+    properties
+        .into_iter()
+        .flatten()
+        .map(|(name, _)| name.clone())
+        .collect()
+}

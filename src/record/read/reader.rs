@@ -1,0 +1,246 @@
+//! Reading recordings back.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{McapError, McapResult, MessageStream, Summary};
+use serde::Serialize;
+
+use super::parse::parse_record;
+use crate::disk;
+use crate::record::error::RecordError;
+
+/// A recording in memory, whose check sums are right.
+#[derive(Debug, Clone)]
+pub struct Recording {
+    path: PathBuf,
+    bytes: Vec<u8>,
+    summary: Summary,
+    attachments: Vec<Attachment>,
+    metadata: BTreeMap<String, BTreeMap<String, String>>,
+}
+
+/// A topic and what is said on it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct TopicInfo {
+    /// The topic's name.
+    pub name: String,
+    /// The schema's name; empty when there is none.
+    pub schema: String,
+    /// The text or descriptor that the schema consists of; left out where topics are listed.
+    #[serde(skip)]
+    pub schema_data: Vec<u8>,
+    /// `json` or `protobuf`.
+    pub encoding: String,
+    /// How many messages there are.
+    pub messages: u64,
+}
+
+/// A message of a recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    channel: Arc<mcap::Channel<'static>>,
+    /// When it was written, in nanoseconds of simulation time.
+    pub time_ns: u64,
+    /// The encoded message.
+    pub data: Vec<u8>,
+}
+
+impl Message {
+    /// The topic on which it was sent.
+    pub fn topic(&self) -> &str {
+        &self.channel.topic
+    }
+
+    /// `json` or `protobuf`.
+    pub fn encoding(&self) -> &str {
+        &self.channel.message_encoding
+    }
+
+    /// The message as JSON; `None` unless it is encoded so.
+    pub fn json(&self) -> Option<serde_json::Value> {
+        (self.encoding() == "json").then(|| serde_json::from_slice(&self.data).ok())?
+    }
+}
+
+/// A text that travels with a recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attachment {
+    /// Its name, like that of a file.
+    pub name: String,
+    /// Its media type.
+    pub media_type: String,
+    /// Its content.
+    pub data: Vec<u8>,
+}
+
+impl Recording {
+    /// Reads a file and checks its check sums.
+    ///
+    /// # Errors
+    /// [`RecordError::Read`] when there is no such file; otherwise as [`Self::from_bytes`].
+    pub fn open(path: &Path) -> Result<Self, RecordError> {
+        let bytes = disk::read_plain(path).map_err(|cause| RecordError::Read {
+            path: path.to_owned(),
+            cause,
+        })?;
+        Self::from_bytes(path, bytes)
+    }
+
+    /// Reads a recording that is in memory; messages about it call it `path`.
+    ///
+    /// # Errors
+    /// [`RecordError::Unfinished`] when the name ends in `.part`, [`RecordError::Damaged`] when
+    /// the bytes are no whole MCAP file or a check sum is wrong.
+    pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, RecordError> {
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "part")
+        {
+            return Err(RecordError::Unfinished {
+                path: path.to_owned(),
+            });
+        }
+        let damaged = |cause: McapError| RecordError::Damaged {
+            path: path.to_owned(),
+            cause: cause.to_string(),
+        };
+        let mut recording = Self {
+            path: path.to_owned(),
+            summary: Summary::default(),
+            attachments: Vec::new(),
+            metadata: BTreeMap::new(),
+            bytes: Vec::new(),
+        };
+        recording.scan(&bytes).map_err(damaged)?;
+        let summary = Summary::read(&bytes).map_err(damaged)?;
+        recording.summary = summary.ok_or_else(|| damaged(McapError::BadFooter))?;
+        recording.bytes = bytes;
+        Ok(recording)
+    }
+
+    /// Reads every record, with all check sums; keeps attachments and metadata.
+    fn scan(&mut self, bytes: &[u8]) -> McapResult<()> {
+        let options = LinearReaderOptions::default()
+            .with_check_finishes_after_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_validate_data_section_crc(true)
+            .with_validate_summary_section_crc(true)
+            .with_record_length_limit(longest_record(bytes.len() as u64));
+        let mut reader = LinearReader::new_with_options(options);
+        let mut rest = bytes;
+        while let Some(event) = reader.next_event() {
+            match event? {
+                LinearReadEvent::ReadRequest(wanted) => {
+                    let (now, later) = rest.split_at(wanted.min(rest.len()));
+                    reader.insert(now.len()).copy_from_slice(now);
+                    reader.notify_read(now.len());
+                    rest = later;
+                }
+                LinearReadEvent::Record { opcode, data } => {
+                    self.keep(parse_record(opcode, data)?);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self, record: Record<'_>) {
+        match record {
+            Record::Attachment { header, data, .. } => self.attachments.push(Attachment {
+                name: header.name,
+                media_type: header.media_type,
+                data: data.into_owned(),
+            }),
+            Record::Metadata(record) => {
+                self.metadata.insert(record.name, record.metadata);
+            }
+            _ => {}
+        }
+    }
+
+    /// The name under which it was opened.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The whole file.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// The topics, in the order of their names.
+    pub fn topics(&self) -> Vec<TopicInfo> {
+        let counts = self
+            .summary
+            .stats
+            .as_ref()
+            .map(|s| &s.channel_message_counts);
+        let mut topics: Vec<TopicInfo> = Vec::new();
+        let channels: BTreeMap<_, _> = self.summary.channels.iter().collect();
+        for (id, channel) in channels {
+            let schema = channel.schema.as_ref();
+            topics.push(TopicInfo {
+                name: channel.topic.clone(),
+                schema: schema.map_or_else(String::new, |s| s.name.clone()),
+                schema_data: schema.map_or_else(Vec::new, |s| s.data.to_vec()),
+                encoding: channel.message_encoding.clone(),
+                messages: counts.and_then(|c| c.get(id)).copied().unwrap_or(0),
+            });
+        }
+        topics.sort_by(|a, b| a.name.cmp(&b.name));
+        topics
+    }
+
+    /// All messages in the order of the file, which is the order of time.
+    pub fn messages(&self) -> impl Iterator<Item = Result<Message, RecordError>> + '_ {
+        let stream = MessageStream::new(&self.bytes);
+        let (stream, failed) = match stream {
+            Ok(stream) => (Some(stream), None),
+            Err(error) => (None, Some(Err(error))),
+        };
+        let messages = stream.into_iter().flatten().chain(failed);
+        messages.map(|message| match message {
+            Ok(message) => Ok(Message {
+                channel: message.channel,
+                time_ns: message.log_time,
+                data: message.data.into_owned(),
+            }),
+            Err(cause) => Err(RecordError::Damaged {
+                path: self.path.clone(),
+                cause: cause.to_string(),
+            }),
+        })
+    }
+
+    /// What is attached, in the order of the file.
+    pub fn attachments(&self) -> &[Attachment] {
+        &self.attachments
+    }
+
+    /// What is attached under this name.
+    pub fn attachment(&self, name: &str) -> Option<&[u8]> {
+        let found = self.attachments.iter().find(|one| one.name == name);
+        found.map(|one| one.data.as_slice())
+    }
+
+    /// A metadata record, such as `run`.
+    pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
+        self.metadata.get(name)
+    }
+
+    /// The file's own index.
+    pub(crate) fn summary(&self) -> &Summary {
+        &self.summary
+    }
+}
+
+/// The longest record that is believed in a file of this many bytes: damaged lengths must not
+/// make a small file fill the memory.
+pub(crate) fn longest_record(bytes: u64) -> usize {
+    let most = bytes.saturating_mul(10).saturating_add(64 << 20);
+    usize::try_from(most).unwrap_or(usize::MAX)
+}

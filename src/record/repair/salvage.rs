@@ -1,0 +1,267 @@
+//! The whole records of a broken MCAP file.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use mcap::records::{AttachmentHeader, MessageHeader, Record};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{MAGIC, McapResult, Summary};
+
+use crate::record::read::parse::parse_record;
+use crate::record::read::reader::longest_record;
+use crate::record::write::log_file::{Sink, writer};
+
+/// The opcode and the length before each record.
+const HEAD_BYTES: usize = 9;
+
+/// What was saved, and what was not.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Recovery {
+    /// Messages saved.
+    pub messages: u64,
+    /// Attachments saved.
+    pub attachments: u64,
+    /// Metadata records saved.
+    pub metadata: u64,
+    /// Bytes of records that could not be saved.
+    pub lost_bytes: u64,
+    /// The first fault because of which something was lost.
+    pub fault: Option<String>,
+}
+
+impl Recovery {
+    /// Was everything saved that had been written?
+    pub fn is_lossless(&self) -> bool {
+        self.fault.is_none()
+    }
+
+    /// Counts a loss; the first one is named.
+    fn lose(&mut self, bytes: usize, at: usize, what: &dyn std::fmt::Display) {
+        self.lost_bytes += bytes as u64;
+        self.fault
+            .get_or_insert_with(|| format!("from byte {at}: {what}"));
+    }
+}
+
+/// Copies whole records into `sink`; the bytes begin with the magic of an MCAP file.
+///
+/// # Errors
+/// Those of the sink.
+pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recovery)> {
+    let mut salvor = Salvor::new(sink)?;
+    // A sound index knows channels whose own records were lost.
+    if let Some(summary) = sound_summary(bytes) {
+        salvor.learn(&summary)?;
+    }
+    let mut has_end = false;
+    let mut at = MAGIC.len();
+    while at < bytes.len() {
+        let Some((opcode, body)) = record_at(bytes, at) else {
+            let what = "the file ends within a record";
+            salvor.recovery.lose(bytes.len() - at, at, &what);
+            break;
+        };
+        let size = HEAD_BYTES + body.len();
+        match parse_record(opcode, body) {
+            // What follows is only the index.
+            Ok(Record::DataEnd(end)) => {
+                has_end = true;
+                salvor.check_sum(&bytes[..at], end.data_section_crc);
+                break;
+            }
+            Ok(Record::Chunk { .. }) => salvor.take_chunk(&bytes[at..at + size], at)?,
+            Ok(record) => salvor.take(record, at)?,
+            Err(fault) => salvor.recovery.lose(size, at, &fault),
+        }
+        at += size;
+    }
+    if !has_end {
+        let what = "the file has no end, so that what came after is missing";
+        salvor.recovery.lose(0, bytes.len(), &what);
+    }
+    salvor.finish()
+}
+
+/// The index, if its check sum is right.
+fn sound_summary(bytes: &[u8]) -> Option<Summary> {
+    let footer = mcap::read::footer(bytes).ok()?;
+    let start = usize::try_from(footer.summary_start).ok()?;
+    // The sum is the last field before the closing magic, and covers all before itself.
+    let end = bytes.len().checked_sub(MAGIC.len() + size_of::<u32>())?;
+    let summed = bytes.get(start..end)?;
+    let is_sound = start > 0 && crc32fast::hash(summed) == footer.summary_crc;
+    is_sound
+        .then(|| Summary::read(bytes).ok().flatten())
+        .flatten()
+}
+
+/// The opcode and the body of the record at a place; `None` when it is not whole.
+fn record_at(bytes: &[u8], at: usize) -> Option<(u8, &[u8])> {
+    let head = bytes.get(at..at + HEAD_BYTES)?;
+    let (opcode, length) = head.split_first()?;
+    let length = u64::from_le_bytes(length.try_into().ok()?);
+    let start = at + HEAD_BYTES;
+    let end = start.checked_add(usize::try_from(length).ok()?)?;
+    Some((*opcode, bytes.get(start..end)?))
+}
+
+/// The records of a chunk, whose check sum is right.
+fn records_of(chunk: &[u8]) -> McapResult<Vec<Record<'static>>> {
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_prevalidate_chunk_crcs(true)
+        .with_record_length_limit(longest_record(chunk.len() as u64));
+    let mut reader = LinearReader::new_with_options(options);
+    let mut rest = chunk;
+    let mut records = Vec::new();
+    while let Some(event) = reader.next_event() {
+        match event? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (now, later) = rest.split_at(wanted.min(rest.len()));
+                reader.insert(now.len()).copy_from_slice(now);
+                reader.notify_read(now.len());
+                rest = later;
+            }
+            LinearReadEvent::Record { opcode, data } => {
+                records.push(parse_record(opcode, data)?.into_owned());
+            }
+        }
+    }
+    Ok(records)
+}
+
+/// What a channel's record says of it.
+fn described(channel: mcap::records::Channel) -> mcap::Channel<'static> {
+    mcap::Channel {
+        id: channel.id,
+        topic: channel.topic,
+        schema: None,
+        message_encoding: channel.message_encoding,
+        metadata: channel.metadata,
+    }
+}
+
+/// Writes what is saved.
+struct Salvor<W: Write> {
+    writer: Sink<W>,
+    /// Numbers in the new file by those in the old one.
+    schemas: BTreeMap<u16, u16>,
+    channels: BTreeMap<u16, u16>,
+    recovery: Recovery,
+}
+
+impl<W: Write> Salvor<W> {
+    fn new(sink: W) -> McapResult<Self> {
+        Ok(Self {
+            writer: writer(sink)?,
+            schemas: BTreeMap::from([(0, 0)]),
+            channels: BTreeMap::new(),
+            recovery: Recovery::default(),
+        })
+    }
+
+    fn learn(&mut self, summary: &Summary) -> McapResult<()> {
+        let schemas: BTreeMap<_, _> = summary.schemas.iter().collect();
+        for (&id, schema) in schemas {
+            self.add_schema(id, &schema.name, &schema.encoding, &schema.data)?;
+        }
+        let channels: BTreeMap<_, _> = summary.channels.iter().collect();
+        for (&id, channel) in channels {
+            let schema = channel.schema.as_ref().map_or(0, |schema| schema.id);
+            self.add_channel(id, schema, channel)?;
+        }
+        Ok(())
+    }
+
+    fn add_schema(&mut self, id: u16, name: &str, encoding: &str, data: &[u8]) -> McapResult<()> {
+        let new = self.writer.add_schema(name, encoding, data)?;
+        self.schemas.insert(id, new);
+        Ok(())
+    }
+
+    fn add_channel(&mut self, id: u16, schema: u16, channel: &mcap::Channel<'_>) -> McapResult<()> {
+        if let Some(&schema) = self.schemas.get(&schema) {
+            let (topic, encoding) = (&channel.topic, &channel.message_encoding);
+            let metadata = &channel.metadata;
+            let new = self.writer.add_channel(schema, topic, encoding, metadata)?;
+            self.channels.insert(id, new);
+        }
+        Ok(())
+    }
+
+    /// Saves a record of the data section.
+    fn take(&mut self, record: Record<'_>, at: usize) -> McapResult<()> {
+        match record {
+            Record::Schema { header, data } => {
+                self.add_schema(header.id, &header.name, &header.encoding, &data)?;
+            }
+            Record::Channel(channel) => {
+                let (id, schema) = (channel.id, channel.schema_id);
+                self.add_channel(id, schema, &described(channel))?;
+            }
+            Record::Message { header, data } => self.take_message(header, &data, at)?,
+            Record::Attachment { header, data, .. } => self.take_attachment(header, data)?,
+            Record::Metadata(metadata) => {
+                self.writer.write_metadata(&metadata)?;
+                self.recovery.metadata += 1;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Saves what a chunk holds; nothing of it if its check sum is wrong.
+    fn take_chunk(&mut self, chunk: &[u8], at: usize) -> McapResult<()> {
+        match records_of(chunk) {
+            Ok(records) => records
+                .into_iter()
+                .try_for_each(|record| self.take(record, at)),
+            Err(fault) => {
+                self.recovery.lose(chunk.len(), at, &fault);
+                Ok(())
+            }
+        }
+    }
+
+    fn take_message(&mut self, header: MessageHeader, data: &[u8], at: usize) -> McapResult<()> {
+        let Some(&channel_id) = self.channels.get(&header.channel_id) else {
+            let what = format!("nothing says what channel {} is", header.channel_id);
+            self.recovery.lose(data.len(), at, &what);
+            return Ok(());
+        };
+        let header = MessageHeader {
+            channel_id,
+            ..header
+        };
+        self.writer.write_to_known_channel(&header, data)?;
+        self.recovery.messages += 1;
+        Ok(())
+    }
+
+    fn take_attachment(&mut self, header: AttachmentHeader, data: Cow<'_, [u8]>) -> McapResult<()> {
+        self.writer.attach(&mcap::Attachment {
+            log_time: header.log_time,
+            create_time: header.create_time,
+            name: header.name,
+            media_type: header.media_type,
+            data: Cow::Borrowed(&data),
+        })?;
+        self.recovery.attachments += 1;
+        Ok(())
+    }
+
+    /// Compares the sum over all data; it tells of changes that no record's own sum covers.
+    fn check_sum(&mut self, data: &[u8], expected: u32) {
+        if expected != 0 && crc32fast::hash(data) != expected {
+            let what = "the check sum over all data is wrong";
+            self.recovery.lose(0, data.len(), &what);
+        }
+    }
+
+    fn finish(mut self) -> McapResult<(W, Recovery)> {
+        self.writer.finish()?;
+        Ok((self.writer.into_inner().into_inner(), self.recovery))
+    }
+}

@@ -1,0 +1,6 @@
+//! Handing recordings to viewers: finished files over HTTP, and a run that is under way.
+
+mod byte_range;
+#[cfg(feature = "live")]
+pub mod live;
+pub mod server;

@@ -1,0 +1,95 @@
+//! `/step`: a step, at the moment of its decision.
+
+use foxglove::Schema;
+use serde::{Serialize, Serializer};
+
+use super::decimal;
+use super::schema::{Kind, object};
+use crate::arena::Outcome;
+use crate::episode::Step;
+use xcs::Percept;
+
+/// What was perceived and chosen, and what came of it.
+#[derive(Debug, Serialize)]
+pub(in crate::record) struct StepRecord<'a> {
+    episode: u32,
+    step: u32,
+    col: u16,
+    row: u16,
+    percept: Percept,
+    action: &'static str,
+    explored: bool,
+    outcome: &'static str,
+    reward: f64,
+    #[serde(serialize_with = "decimals")]
+    worth: &'a [Option<f64>],
+    error: f64,
+    match_set: u32,
+    action_set: u32,
+}
+
+impl<'a> StepRecord<'a> {
+    pub fn new(step: &'a Step<'_>) -> Self {
+        let direction = step.view.maze.direction(step.action);
+        Self {
+            episode: step.episode,
+            step: step.step,
+            col: step.cell.col,
+            row: step.cell.row,
+            percept: step.percept,
+            action: direction.map_or("unknown", |d| d.name()),
+            explored: step.explored,
+            outcome: outcome_name(step.outcome),
+            reward: decimal(step.credit.short_term_reward),
+            worth: step.worth.as_slice(),
+            error: decimal(step.credit.error),
+            match_set: step.credit.match_set,
+            action_set: step.credit.action_set,
+        }
+    }
+}
+
+fn decimals<S: Serializer>(worth: &&[Option<f64>], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(worth.iter().map(|one| one.map(decimal)))
+}
+
+/// The outcome's name in files.
+fn outcome_name(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Moved => "moved",
+        Outcome::Collided { .. } => "collided",
+        Outcome::Stalled => "stalled",
+        Outcome::ReachedGoal => "reached-goal",
+    }
+}
+
+pub(super) fn schema() -> Schema {
+    let fields = [
+        ("episode", Kind::Count, "from 1"),
+        ("step", Kind::Count, "from 1 in each episode"),
+        ("col", Kind::Count, "cell before the step, from the west"),
+        ("row", Kind::Count, "cell before the step, from the north"),
+        ("percept", Kind::Text, "bits perceived there"),
+        ("action", Kind::Text, "direction chosen"),
+        ("explored", Kind::Bool, "chosen by chance?"),
+        (
+            "outcome",
+            Kind::Text,
+            "moved, collided, stalled, reached-goal",
+        ),
+        ("reward", Kind::Number, "short-term reward"),
+        (
+            "worth",
+            Kind::Numbers,
+            "of each action, clockwise from north; null: unknown",
+        ),
+        (
+            "error",
+            Kind::Number,
+            "mean prediction error of [A], in reward",
+        ),
+        ("match_set", Kind::Count, "micro-classifiers in [M]"),
+        ("action_set", Kind::Count, "micro-classifiers in [A]"),
+    ];
+    object("xcscr.Step", &fields)
+}

@@ -1,0 +1,287 @@
+//! One MCAP file that is being written.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use mcap::{Attachment, Compression, McapError, McapResult, WriteOptions, Writer};
+
+use crate::disk;
+use crate::record::error::RecordError;
+use crate::record::topics::Topic;
+
+/// Uncompressed size at which a chunk is closed, in bytes.
+const CHUNK_BYTES: u64 = 512 * 1024;
+/// What the header says about who wrote the file.
+const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
+
+/// How all our files are written.
+pub type Sink<W> = Writer<NoSeek<W>>;
+
+/// Begins an MCAP stream.
+pub fn writer<W: Write>(sink: W) -> McapResult<Sink<W>> {
+    // Seeking would patch a chunk's length in afterwards: a killed writer would then leave a
+    // chunk of length 2^64-1. Threads would be started anew for every file.
+    WriteOptions::new()
+        .compression(Some(Compression::Zstd))
+        .compression_level(3)
+        .compression_threads(0)
+        .chunk_size(Some(CHUNK_BYTES))
+        .disable_seeking(true)
+        .library(LIBRARY)
+        .create(NoSeek::new(sink))
+}
+
+/// An MCAP stream with a fixed set of topics. The same calls give the same bytes.
+pub struct LogFile<W: Write> {
+    writer: Sink<W>,
+    /// By [`Topic`]: the channel, if this file has one.
+    channels: [Option<u16>; Topic::ALL.len()],
+    /// Messages written so far.
+    messages: u64,
+}
+
+impl<W: Write> LogFile<W> {
+    /// Begins a file; the topics must have been declared before the first message.
+    pub fn new(sink: W) -> McapResult<Self> {
+        let writer = writer(sink)?;
+        Ok(Self {
+            writer,
+            channels: [None; Topic::ALL.len()],
+            messages: 0,
+        })
+    }
+
+    /// Declares topics, so that they exist even if nothing is ever said on them.
+    pub fn declare(&mut self, topics: &[Topic]) -> McapResult<()> {
+        topics.iter().try_for_each(|&topic| self.declare_one(topic))
+    }
+
+    fn declare_one(&mut self, topic: Topic) -> McapResult<()> {
+        let schema = topic.schema();
+        let id = self
+            .writer
+            .add_schema(&schema.name, &schema.encoding, &schema.data)?;
+        let encoding = topic.message_encoding();
+        let channel = self
+            .writer
+            .add_channel(id, topic.name(), encoding, &BTreeMap::new())?;
+        self.channels[topic as usize] = Some(channel);
+        Ok(())
+    }
+
+    /// Writes a message, unless the file lacks the topic.
+    pub fn message(&mut self, topic: Topic, time_ns: u64, encoded: &[u8]) -> McapResult<()> {
+        let Some(channel_id) = self.channels[topic as usize] else {
+            return Ok(());
+        };
+        let header = MessageHeader {
+            channel_id,
+            sequence: 0,
+            log_time: time_ns,
+            publish_time: time_ns,
+        };
+        self.messages += 1;
+        self.writer.write_to_known_channel(&header, encoded)
+    }
+
+    /// Messages written so far.
+    pub fn messages(&self) -> u64 {
+        self.messages
+    }
+
+    /// Attaches a JSON text.
+    pub fn attach(&mut self, name: &str, time_ns: u64, text: &str) -> McapResult<()> {
+        self.writer.attach(&Attachment {
+            log_time: time_ns,
+            create_time: time_ns,
+            name: name.to_owned(),
+            media_type: "application/json".to_owned(),
+            data: text.as_bytes().into(),
+        })
+    }
+
+    /// Writes a metadata record.
+    pub fn metadata(&mut self, name: &str, metadata: BTreeMap<String, String>) -> McapResult<()> {
+        self.writer.write_metadata(&Metadata {
+            name: name.to_owned(),
+            metadata,
+        })
+    }
+
+    /// Closes the chunk and hands everything to the system.
+    pub fn flush(&mut self) -> McapResult<()> {
+        self.writer.flush()
+    }
+
+    /// Writes the indexes and gives the sink back.
+    pub fn finish(mut self) -> McapResult<W> {
+        self.writer.finish()?;
+        Ok(self.writer.into_inner().into_inner())
+    }
+}
+
+/// A [`LogFile`] on the disk, called `NAME.part` until it is finished.
+pub struct OpenFile {
+    log: LogFile<BufWriter<File>>,
+    /// The same file once more, to bring it to the disk while it is written.
+    disk: File,
+    path: PathBuf,
+    part: PathBuf,
+}
+
+impl OpenFile {
+    /// Creates `folder/name.part`, in place of an older one.
+    pub fn create(folder: &Path, name: &str) -> Result<Self, RecordError> {
+        Self::create_as(folder, name, "part")
+    }
+
+    /// The same with another extension than `part`.
+    pub fn create_as(folder: &Path, name: &str, extension: &str) -> Result<Self, RecordError> {
+        let path = folder.join(name);
+        let part = folder.join(format!("{name}.{extension}"));
+        let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
+        let (disk, file) = created.map_err(|cause| RecordError::Create {
+            path: part.clone(),
+            cause,
+        })?;
+        let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file));
+        Ok(Self {
+            log: log.map_err(|cause| write_error(&part, &cause))?,
+            disk,
+            path,
+            part,
+        })
+    }
+
+    /// Brings to the disk what was flushed so far.
+    pub fn sync(&self) -> Result<(), RecordError> {
+        let synced = self.disk.sync_data();
+        synced.map_err(|cause| write_error(&self.part, &McapError::Io(cause)))
+    }
+
+    /// Takes the place of `folder/name.part`.
+    pub fn become_part(&mut self) -> Result<(), RecordError> {
+        self.sync()?;
+        let part = disk::part(&self.path);
+        disk::rename(&self.part, &part)
+            .map_err(|cause| write_error(&self.part, &McapError::Io(cause)))?;
+        self.part = part;
+        Ok(())
+    }
+
+    /// Messages written so far.
+    pub fn messages(&self) -> u64 {
+        self.log.messages()
+    }
+
+    /// Does something to the stream; an error names the file.
+    pub fn with(
+        &mut self,
+        act: impl FnOnce(&mut LogFile<BufWriter<File>>) -> McapResult<()>,
+    ) -> Result<(), RecordError> {
+        act(&mut self.log).map_err(|cause| write_error(&self.part, &cause))
+    }
+
+    /// Finishes the file, brings it safely to the disk and gives it its name. Returns the path
+    /// and the size in bytes.
+    pub fn finish(self) -> Result<(PathBuf, u64), RecordError> {
+        let Self {
+            log, path, part, ..
+        } = self;
+        let saved = log.finish().and_then(|sink| {
+            let file = sink
+                .into_inner()
+                .map_err(|e| McapError::Io(e.into_error()))?;
+            file.sync_all()?;
+            let bytes = file.metadata()?.len();
+            fs::rename(&part, &path)?;
+            Ok(bytes)
+        });
+        match saved {
+            Ok(bytes) => Ok((path, bytes)),
+            Err(cause) => Err(write_error(&part, &cause)),
+        }
+    }
+
+    /// Gives the file up.
+    pub fn discard(self) -> Result<(), RecordError> {
+        let Self { log, part, .. } = self;
+        drop(log);
+        fs::remove_file(&part).map_err(|cause| write_error(&part, &McapError::Io(cause)))
+    }
+}
+
+/// The library's own error says only that there was one; the system's, below it, says which.
+fn write_error(part: &Path, error: &McapError) -> RecordError {
+    let cause = match error {
+        McapError::Io(cause) => cause.to_string(),
+        other => other.to_string(),
+    };
+    RecordError::Write {
+        path: part.to_owned(),
+        cause,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io;
+
+    /// Takes so many bytes and then no more.
+    struct Full {
+        room: usize,
+    }
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let taken = bytes.len().min(self.room);
+            self.room -= taken;
+            match taken {
+                0 if !bytes.is_empty() => Err(io::ErrorKind::StorageFull.into()),
+                _ => Ok(taken),
+            }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn write_to(sink: impl Write) -> McapResult<()> {
+        let mut log = LogFile::new(sink)?;
+        log.attach("world.json", 0, "{}")?;
+        log.declare(&Topic::ALL)?;
+        for time_ns in 0..50 {
+            log.message(Topic::Step, time_ns, b"{}")?;
+        }
+        log.flush()?;
+        log.message(Topic::Log, 50, b"")?;
+        log.finish().map(|_| ())
+    }
+
+    #[test]
+    fn a_disk_that_fills_up_anywhere_is_an_error_and_no_panic() {
+        let mut whole = Vec::new();
+        write_to(&mut whole).unwrap();
+        for room in (0..whole.len()).step_by(53) {
+            assert!(write_to(Full { room }).is_err(), "{room} bytes were enough");
+        }
+        assert!(write_to(Full { room: whole.len() }).is_ok());
+    }
+
+    #[test]
+    fn a_message_on_a_topic_that_the_file_lacks_is_left_out() {
+        let mut bytes = Vec::new();
+        let mut log = LogFile::new(&mut bytes).unwrap();
+        log.declare(&[Topic::Log]).unwrap();
+        log.message(Topic::Step, 0, b"{}").unwrap();
+        log.finish().unwrap();
+        let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+        assert_eq!(summary.stats.unwrap().message_count, 0);
+    }
+}

@@ -1,0 +1,74 @@
+//! The files that are open, and who is told what.
+
+use foxglove::Encode;
+use serde::Serialize;
+
+use super::log_file::OpenFile;
+use crate::record::error::RecordError;
+use crate::record::topics::Topic;
+
+/// Which of the open files a message is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum For {
+    /// The episode's file.
+    Episode,
+    /// The file of the whole run.
+    Run,
+    /// Both.
+    Both,
+}
+
+/// Is told what the file of an episode is told: topic, time in nanoseconds, encoded message.
+pub type Tap = Box<dyn FnMut(Topic, u64, &[u8])>;
+
+/// The open files. Each takes the topics that it declared.
+#[derive(Default)]
+pub(super) struct Outbox {
+    pub run: Option<OpenFile>,
+    pub episode: Option<OpenFile>,
+    pub tap: Option<Tap>,
+    scratch: Vec<u8>,
+}
+
+impl Outbox {
+    /// Sends a well-known message.
+    pub fn send(
+        &mut self,
+        to: For,
+        topic: Topic,
+        time_ns: u64,
+        message: &impl Encode,
+    ) -> Result<(), RecordError> {
+        self.scratch.clear();
+        message
+            .encode(&mut self.scratch)
+            .expect("a vector has room for any message");
+        self.deliver(to, topic, time_ns)
+    }
+
+    /// Sends a message of our own.
+    pub fn send_json(
+        &mut self,
+        to: For,
+        topic: Topic,
+        time_ns: u64,
+        message: &impl Serialize,
+    ) -> Result<(), RecordError> {
+        self.scratch.clear();
+        serde_json::to_writer(&mut self.scratch, message)
+            .expect("our messages have text keys and a vector has room");
+        self.deliver(to, topic, time_ns)
+    }
+
+    fn deliver(&mut self, to: For, topic: Topic, time_ns: u64) -> Result<(), RecordError> {
+        if let Some(tap) = self.tap.as_mut().filter(|_| to != For::Run) {
+            tap(topic, time_ns, &self.scratch);
+        }
+        let episode = self.episode.as_mut().filter(|_| to != For::Run);
+        let run = self.run.as_mut().filter(|_| to != For::Episode);
+        for file in episode.into_iter().chain(run) {
+            file.with(|log| log.message(topic, time_ns, &self.scratch))?;
+        }
+        Ok(())
+    }
+}

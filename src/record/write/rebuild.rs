@@ -1,0 +1,97 @@
+//! An unfinished `run.mcap` written again, so that it can go on with the same bytes.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use mcap::records::{MessageHeader, Record};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{McapError, McapResult};
+
+use super::log_file::OpenFile;
+use crate::record::error::RecordError;
+use crate::record::read::parse::parse_record;
+use crate::record::read::reader::longest_record;
+use crate::record::topics::Topic;
+
+/// Sends the first `messages` messages of `source` to `file` and closes chunks where the source
+/// does. Check sums are checked on the way.
+pub fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<(), RecordError> {
+    let unreadable = |cause| RecordError::Read {
+        path: source.to_owned(),
+        cause,
+    };
+    let damaged = |cause: McapError| RecordError::Damaged {
+        path: source.to_owned(),
+        cause: cause.to_string(),
+    };
+    let mut disk = File::open(source).map_err(unreadable)?;
+    let bytes = disk.metadata().map_err(unreadable)?.len();
+    let options = LinearReaderOptions::default()
+        .with_prevalidate_chunk_crcs(true)
+        .with_record_length_limit(longest_record(bytes));
+    let mut reader = LinearReader::new_with_options(options);
+    let mut copy = Copy {
+        file,
+        topics: BTreeMap::new(),
+        left: messages,
+    };
+    while copy.left > 0 {
+        match reader.next_event().transpose().map_err(damaged)? {
+            Some(LinearReadEvent::ReadRequest(wanted)) => {
+                let read = disk.read(reader.insert(wanted)).map_err(unreadable)?;
+                reader.notify_read(read);
+            }
+            Some(LinearReadEvent::Record { opcode, data }) => {
+                copy.take(parse_record(opcode, data).map_err(damaged)?)?;
+            }
+            None => return Err(damaged(McapError::UnexpectedEof)),
+        }
+    }
+    copy.file.with(|log| log.flush())
+}
+
+/// What is copied, and how much of it is left.
+struct Copy<'a> {
+    file: &'a mut OpenFile,
+    topics: BTreeMap<u16, Topic>,
+    left: u64,
+}
+
+impl Copy<'_> {
+    fn take(&mut self, record: Record<'_>) -> Result<(), RecordError> {
+        match record {
+            Record::Channel(channel) => {
+                let mut topics = Topic::ALL.into_iter();
+                if let Some(topic) = topics.find(|topic| topic.name() == channel.topic) {
+                    self.topics.insert(channel.id, topic);
+                }
+                Ok(())
+            }
+            Record::Message { header, data } => {
+                self.left -= 1;
+                self.file
+                    .with(|log| send(log, &self.topics, &header, &data))
+            }
+            // These follow a chunk.
+            Record::MessageIndex(_) => self.file.with(|log| log.flush()),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn send<W: std::io::Write>(
+    log: &mut super::log_file::LogFile<W>,
+    topics: &BTreeMap<u16, Topic>,
+    header: &MessageHeader,
+    data: &[u8],
+) -> McapResult<()> {
+    match topics.get(&header.channel_id) {
+        Some(&topic) => log.message(topic, header.log_time, data),
+        None => Err(McapError::UnknownChannel(
+            header.sequence,
+            header.channel_id,
+        )),
+    }
+}

@@ -1,0 +1,349 @@
+//! Which files there are, and when they are made, kept and given up.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::layout;
+use super::log_file::OpenFile;
+use super::mode::RecordMode;
+use super::outbox::{Outbox, Tap};
+use super::rebuild;
+use super::scribe::Scribe;
+use crate::agent::Agent;
+use crate::arena::View;
+use crate::disk;
+use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
+use crate::record::error::RecordError;
+use crate::record::info::RunInfo;
+use crate::record::topics::Topic;
+use crate::record::topics::curve::Curve;
+use crate::world::Maze;
+
+/// The file of the whole run.
+const RUN_FILE: &str = "run.mcap";
+
+/// Writes one MCAP file per episode, `ep-0001.mcap` and so on, and `run.mcap` with what happens
+/// once per step or more rarely. The same run gives the same bytes.
+///
+/// A file is called `NAME.mcap.part` until it is whole and safely on the disk. After the first
+/// error nothing more is written: [`Observer::ended`] then ends the trial, and
+/// [`finish`](Self::finish) gives the error out.
+///
+/// All files carry the run's facts: the attachments `world.json` and `config.json`, and the
+/// metadata record `run`. The layout is attached to `run.mcap` only: it was a tenth of what an
+/// episode took, no viewer looks for it there, and it lies beside the files. The rules, some hundred kilobytes that
+/// MCAP does not compress, are attached to `run.mcap` as they are at the end, and to the episode
+/// that [`RecordMode::Best`] keeps; those of any other episode come from running it again.
+pub struct Recorder {
+    folder: PathBuf,
+    info: RunInfo,
+    mode: RecordMode,
+    world: String,
+    layout: String,
+    scribe: Scribe,
+    outbox: Outbox,
+    /// The episodes whose files are kept, with their sizes in bytes.
+    kept: Vec<(u32, u64)>,
+    /// Steps of the episode that is the best so far.
+    best: Option<u32>,
+    clock_ns: u64,
+    error: Option<RecordError>,
+}
+
+/// What a recorder keeps between two episodes, beside the files on the disk.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecorderMemory {
+    mode: RecordMode,
+    /// Messages in `run.mcap`.
+    messages: u64,
+    kept: Vec<(u32, u64)>,
+    best: Option<u32>,
+    clock_ns: u64,
+    scribe: (Curve, bool),
+}
+
+impl RecorderMemory {
+    /// Before anything was recorded.
+    pub fn new(mode: RecordMode) -> Self {
+        Self {
+            mode,
+            messages: 0,
+            kept: Vec::new(),
+            best: None,
+            clock_ns: 0,
+            scribe: (Curve::default(), false),
+        }
+    }
+}
+
+/// What a recorder leaves behind.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RecordSummary {
+    /// The recordings, episodes first, `run.mcap` last.
+    pub files: Vec<PathBuf>,
+    /// Their sizes together, in bytes.
+    pub bytes: u64,
+}
+
+impl Recorder {
+    /// Makes `folder` if it is missing, lays both layouts into it and begins `run.mcap`; older
+    /// files of these names are replaced. With [`RecordMode::None`] it does nothing at all.
+    ///
+    /// # Errors
+    /// [`RecordError::Create`] when the folder or a file in it cannot be made.
+    pub fn create(
+        folder: &Path,
+        maze: &Maze,
+        info: RunInfo,
+        mode: RecordMode,
+    ) -> Result<Self, RecordError> {
+        let mut recorder = Self::new(folder, maze, info, mode);
+        if mode != RecordMode::None {
+            recorder.lay_out(maze)?;
+            recorder.outbox.run = Some(recorder.open_run(maze, "part")?);
+        }
+        Ok(recorder)
+    }
+
+    /// Goes on where a recorder was of which this is the memory; `learned` is what the episodes
+    /// before taught. What `run.mcap.part` holds beyond them is given up, because the episodes
+    /// after them will be run again.
+    ///
+    /// # Errors
+    /// When `run.mcap.part` is missing, damaged or too short, or a file cannot be made.
+    pub fn resume(
+        folder: &Path,
+        maze: &Maze,
+        info: RunInfo,
+        memory: RecorderMemory,
+        learned: PolicyMap,
+    ) -> Result<Self, RecordError> {
+        if memory.mode == RecordMode::None || memory.messages == 0 {
+            return Self::create(folder, maze, info, memory.mode);
+        }
+        let mut recorder = Self::new(folder, maze, info, memory.mode);
+        recorder.lay_out(maze)?;
+        recorder.outbox.run = Some(recorder.rebuilt_run(maze, memory.messages)?);
+        recorder.scribe.resume(memory.scribe, learned);
+        recorder.kept = memory.kept;
+        recorder.best = memory.best;
+        recorder.clock_ns = memory.clock_ns;
+        Ok(recorder)
+    }
+
+    /// `run.mcap.part` with its first `messages` messages only. When the run was stopped on its
+    /// last steps, it may have its final name already.
+    fn rebuilt_run(&self, maze: &Maze, messages: u64) -> Result<OpenFile, RecordError> {
+        let whole = self.folder.join(RUN_FILE);
+        let part = disk::part(&whole);
+        let source = if part.exists() { part } else { whole };
+        // Aside, so that nothing is lost if this is stopped, too.
+        let mut run = self.open_run(maze, "again")?;
+        rebuild::copy(&source, messages, &mut run)?;
+        run.become_part()?;
+        Ok(run)
+    }
+
+    fn new(folder: &Path, maze: &Maze, info: RunInfo, mode: RecordMode) -> Self {
+        Self {
+            folder: folder.to_owned(),
+            mode,
+            world: maze.name().to_owned(),
+            layout: layout::of_episode(maze),
+            scribe: Scribe::new(maze, info.robot),
+            info,
+            outbox: Outbox::default(),
+            kept: Vec::new(),
+            best: None,
+            clock_ns: 0,
+            error: None,
+        }
+    }
+
+    /// From now on also tells `tap` what the files of episodes are told, kept or not.
+    pub fn tap(&mut self, tap: Tap) {
+        self.outbox.tap = Some(tap);
+    }
+
+    /// What is needed to go on after the last episode; brings the files of all episodes so far
+    /// safely to the disk.
+    ///
+    /// # Errors
+    /// The first error of the whole recording.
+    pub fn memory(&mut self) -> Result<RecorderMemory, RecordError> {
+        if let Some(error) = self.error.take() {
+            return Err(error);
+        }
+        let run = self.outbox.run.as_ref();
+        run.map_or(Ok(()), OpenFile::sync)?;
+        Ok(RecorderMemory {
+            mode: self.mode,
+            messages: run.map_or(0, OpenFile::messages),
+            kept: self.kept.clone(),
+            best: self.best,
+            clock_ns: self.clock_ns,
+            scribe: self.scribe.memory(),
+        })
+    }
+
+    /// Finishes `run.mcap` with the rules that `method` ended with.
+    ///
+    /// # Errors
+    /// The first error of the whole recording; unfinished files are kept as `.part`.
+    pub fn finish(mut self, method: &dyn Agent) -> Result<RecordSummary, RecordError> {
+        if let Some(error) = self.error.take() {
+            return Err(error);
+        }
+        let kept = std::mem::take(&mut self.kept).into_iter();
+        let mut files: Vec<_> = kept
+            .map(|(episode, bytes)| (self.folder.join(episode_file(episode)), bytes))
+            .collect();
+        if let Some(mut run) = self.outbox.run.take() {
+            let rules = rules_json(method);
+            run.with(|log| log.attach("rules.json", self.clock_ns, &rules))?;
+            files.push(run.finish()?);
+        }
+        Ok(RecordSummary {
+            bytes: files.iter().map(|(_, bytes)| bytes).sum(),
+            files: files.into_iter().map(|(path, _)| path).collect(),
+        })
+    }
+
+    /// Makes the folder and lays both layouts into it.
+    fn lay_out(&self, maze: &Maze) -> Result<(), RecordError> {
+        fs::create_dir_all(&self.folder).map_err(|cause| RecordError::Create {
+            path: self.folder.clone(),
+            cause,
+        })?;
+        for (name, text) in [
+            ("foxglove-layout.json", &self.layout),
+            ("foxglove-layout-run.json", &layout::of_run(maze)),
+        ] {
+            let path = self.folder.join(name);
+            disk::replace(&path, text.as_bytes())
+                .map_err(|cause| RecordError::Create { path, cause })?;
+        }
+        Ok(())
+    }
+
+    fn open_run(&self, maze: &Maze, extension: &str) -> Result<OpenFile, RecordError> {
+        let file = OpenFile::create_as(&self.folder, RUN_FILE, extension)?;
+        self.introduce(file, None, &layout::of_run(maze), &Topic::OF_RUN)
+    }
+
+    /// Begins a file with the facts of the run and its topics.
+    fn introduce(
+        &self,
+        mut file: OpenFile,
+        episode: Option<u32>,
+        layout: &str,
+        topics: &[Topic],
+    ) -> Result<OpenFile, RecordError> {
+        file.with(|log| {
+            log.metadata("run", self.info.metadata(&self.world, self.mode, episode))?;
+            log.attach("world.json", self.clock_ns, &self.info.world_json)?;
+            log.attach("config.json", self.clock_ns, &self.info.config_json)?;
+            if episode.is_none() {
+                log.attach("foxglove-layout.json", self.clock_ns, layout)?;
+            }
+            log.declare(topics)
+        })?;
+        Ok(file)
+    }
+
+    fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), RecordError> {
+        self.clock_ns = view.now().time_ns;
+        if self.mode.wants(episode) {
+            let file = OpenFile::create(&self.folder, &episode_file(episode))?;
+            let file = self.introduce(file, Some(episode), &self.layout, &Topic::ALL)?;
+            self.outbox.episode = Some(file);
+        }
+        self.scribe.began(&mut self.outbox, episode, view)
+    }
+
+    fn end(&mut self, episode: &Episode, learned: &Learned<'_>) -> Result<(), RecordError> {
+        self.clock_ns = learned.view.now().time_ns;
+        self.scribe.ended(&mut self.outbox, episode, learned)?;
+        if let Some(run) = &mut self.outbox.run {
+            run.with(|log| log.flush())?;
+        }
+        match self.outbox.episode.take() {
+            Some(file) => self.keep(file, episode, learned.method),
+            None => Ok(()),
+        }
+    }
+
+    /// Finishes an episode's file or gives it up; drops the one that it replaces.
+    fn keep(
+        &mut self,
+        mut file: OpenFile,
+        episode: &Episode,
+        method: &dyn Agent,
+    ) -> Result<(), RecordError> {
+        if self.mode == RecordMode::Best {
+            let is_best = self.best.is_none_or(|best| episode.steps < best);
+            if episode.ending != Ending::Goal || !is_best {
+                return file.discard();
+            }
+            self.best = Some(episode.steps);
+            let rules = rules_json(method);
+            file.with(|log| log.attach("rules.json", self.clock_ns, &rules))?;
+        }
+        let (_, bytes) = file.finish()?;
+        if matches!(self.mode, RecordMode::Best | RecordMode::Last) {
+            self.drop_kept()?;
+        }
+        self.kept.push((episode.episode, bytes));
+        Ok(())
+    }
+
+    fn drop_kept(&mut self) -> Result<(), RecordError> {
+        for (episode, _) in std::mem::take(&mut self.kept) {
+            let path = self.folder.join(episode_file(episode));
+            // It is gone already when this episode is run for the second time.
+            disk::remove(&path).map_err(|cause| RecordError::Write {
+                path,
+                cause: cause.to_string(),
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Does something unless there was an error before; keeps the first one.
+    fn attempt(&mut self, act: impl FnOnce(&mut Self) -> Result<(), RecordError>) {
+        let is_heard = self.mode != RecordMode::None || self.outbox.tap.is_some();
+        if self.error.is_none() && is_heard {
+            self.error = act(self).err();
+        }
+    }
+}
+
+impl Observer for Recorder {
+    fn began(&mut self, episode: u32, view: &View<'_>) {
+        self.attempt(|recorder| recorder.begin(episode, view));
+    }
+
+    fn stepped(&mut self, step: &Step<'_>) {
+        self.attempt(|recorder| recorder.scribe.stepped(&mut recorder.outbox, step));
+    }
+
+    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
+        self.attempt(|recorder| recorder.end(episode, learned));
+        match self.error {
+            Some(_) => ControlFlow::Break(()),
+            None => ControlFlow::Continue(()),
+        }
+    }
+}
+
+fn episode_file(episode: u32) -> String {
+    format!("ep-{episode:04}.mcap")
+}
+
+/// What a learner knows, as the text of `rules.json`.
+fn rules_json(method: &dyn Agent) -> String {
+    serde_json::to_string(&method.knowledge()).expect("knowledge is plain data")
+}

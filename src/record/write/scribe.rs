@@ -1,0 +1,248 @@
+//! Who writes down what is seen: turns events into messages, in the order of time.
+
+use super::outbox::{For, Outbox};
+use crate::arena::{Contact, Sample, View};
+use crate::episode::{Episode, Learned, PolicyMap, Step};
+use crate::record::error::RecordError;
+use crate::record::info::RobotShape;
+use crate::record::topics::contact::ContactRecord;
+use crate::record::topics::curve::Curve;
+use crate::record::topics::episode::{EpisodeRecord, Outlook};
+use crate::record::topics::step::StepRecord;
+use crate::record::topics::trail::Trail;
+use crate::record::topics::transforms::Transforms;
+use crate::record::topics::{Topic, log, maze, policy, robot, worth};
+use crate::world::{Cell, Maze, Paths};
+
+/// Poses are written at most every 50 ms, and where a move ends.
+const POSE_PERIOD_NS: u64 = 50_000_000;
+/// A message on `/tf` shows where the robot is and so many poses after that.
+const POSES_AHEAD: usize = 10;
+
+/// Keeps what messages need beyond the event that they report.
+pub(super) struct Scribe {
+    robot: RobotShape,
+    transforms: Transforms,
+    trail: Trail,
+    curve: Curve,
+    paths: Paths,
+    start: Option<Cell>,
+    /// What was learned up to the last episode.
+    policy: Option<PolicyMap>,
+    was_optimal: bool,
+    /// When the robot could decide last: at the end of the last move.
+    decided_ns: u64,
+    /// The poses of the last move that are written; at first where the episode began.
+    way: Vec<Sample>,
+    maze_shown: bool,
+}
+
+impl Scribe {
+    pub fn new(maze: &Maze, robot: RobotShape) -> Self {
+        Self {
+            robot,
+            transforms: Transforms::default(),
+            trail: Trail::new(maze),
+            curve: Curve::default(),
+            paths: Paths::new(maze),
+            start: None,
+            policy: None,
+            was_optimal: false,
+            decided_ns: 0,
+            way: Vec::new(),
+            maze_shown: false,
+        }
+    }
+
+    /// The learning curve so far, and whether the policy was globally optimal.
+    pub fn memory(&self) -> (Curve, bool) {
+        (self.curve.clone(), self.was_optimal)
+    }
+
+    /// Goes on after episodes of which this is the memory; `policy` is what they taught.
+    pub fn resume(&mut self, (curve, was_optimal): (Curve, bool), policy: PolicyMap) {
+        self.curve = curve.restored();
+        self.was_optimal = was_optimal;
+        self.policy = Some(policy);
+        self.maze_shown = true;
+    }
+
+    /// An episode begins: everything that a viewer needs to draw its first picture.
+    pub fn began(
+        &mut self,
+        out: &mut Outbox,
+        episode: u32,
+        view: &View<'_>,
+    ) -> Result<(), RecordError> {
+        let now = view.now();
+        let time_ns = now.time_ns;
+        self.decided_ns = time_ns;
+        self.start = Some(view.cell);
+        self.trail.restart(view);
+        self.way.clear();
+        self.way.push(now);
+        self.show_way(out, 0)?;
+        let maze = maze::scene(view.maze, time_ns);
+        let shown = std::mem::replace(&mut self.maze_shown, true);
+        let to = if shown { For::Episode } else { For::Both };
+        out.send(to, Topic::Maze, time_ns, &maze)?;
+        let robot = robot::scene(&self.robot, time_ns);
+        out.send(For::Episode, Topic::Robot, time_ns, &robot)?;
+        self.show_policy(out, For::Episode, view.maze, time_ns)?;
+        self.show_trail(out, For::Episode, time_ns)?;
+        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
+        let clear = ContactRecord::clear(episode, 0);
+        out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
+        out.send(
+            For::Both,
+            Topic::Log,
+            time_ns,
+            &log::began(episode, time_ns),
+        )
+    }
+
+    /// A step was taken.
+    pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
+        let end_ns = step.view.now().time_ns;
+        let record = StepRecord::new(step);
+        out.send_json(For::Both, Topic::Step, self.decided_ns, &record)?;
+        self.moved(out, step)?;
+        if step.view.contacts.is_empty() {
+            self.warn(out, step, end_ns)?;
+        } else {
+            let clear = ContactRecord::clear(step.episode, step.step);
+            out.send_json(For::Episode, Topic::Contact, end_ns, &clear)?;
+        }
+        self.trail.step(&step.view);
+        if self.trail.is_due() {
+            self.show_trail(out, For::Episode, end_ns)?;
+        }
+        self.decided_ns = end_ns;
+        Ok(())
+    }
+
+    /// The way of a step: poses and hits, in the order of time.
+    fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
+        self.follow(step.view.trace);
+        let mut hits = step.view.contacts.iter().enumerate().peekable();
+        for from in (0..self.way.len().saturating_sub(1)).step_by(POSES_AHEAD) {
+            let now_ns = self.way[from].time_ns;
+            while let Some((number, hit)) = hits.next_if(|(_, hit)| hit.time_ns < now_ns) {
+                self.hit(out, step, number, hit)?;
+            }
+            self.show_way(out, from)?;
+        }
+        hits.try_for_each(|(number, hit)| self.hit(out, step, number, hit))
+    }
+
+    /// Keeps the poses of a move that are to be written; it begins where the last one ended.
+    fn follow(&mut self, trace: &[Sample]) {
+        self.way.drain(..self.way.len().saturating_sub(1));
+        let end_ns = trace.last().map(|sample| sample.time_ns);
+        for sample in trace {
+            let ahead_ns = match self.way.last() {
+                Some(before) => sample.time_ns.saturating_sub(before.time_ns),
+                None => POSE_PERIOD_NS,
+            };
+            if ahead_ns >= POSE_PERIOD_NS || ahead_ns > 0 && Some(sample.time_ns) == end_ns {
+                self.way.push(*sample);
+            }
+        }
+    }
+
+    /// Hit `number` of a step, from 0; only the first is worth a warning.
+    fn hit(
+        &self,
+        out: &mut Outbox,
+        step: &Step<'_>,
+        number: usize,
+        hit: &Contact,
+    ) -> Result<(), RecordError> {
+        let record = ContactRecord::hit(step.episode, step.step, hit);
+        out.send_json(For::Episode, Topic::Contact, hit.time_ns, &record)?;
+        match number {
+            0 => self.warn(out, step, hit.time_ns),
+            _ => Ok(()),
+        }
+    }
+
+    fn warn(&self, out: &mut Outbox, step: &Step<'_>, time_ns: u64) -> Result<(), RecordError> {
+        match log::collision(step, time_ns) {
+            Some(warning) => out.send(For::Both, Topic::Log, time_ns, &warning),
+            None => Ok(()),
+        }
+    }
+
+    /// An episode is over and learned.
+    pub fn ended(
+        &mut self,
+        out: &mut Outbox,
+        episode: &Episode,
+        learned: &Learned<'_>,
+    ) -> Result<(), RecordError> {
+        let maze = learned.view.maze;
+        let time_ns = learned.view.now().time_ns;
+        let policy = PolicyMap::of(learned.method, learned.sensor, maze);
+        let outlook = self.outlook(&policy, maze);
+        self.policy = Some(policy);
+        self.curve.push(episode);
+        self.show_policy(out, For::Both, maze, time_ns)?;
+        self.show_trail(out, For::Both, time_ns)?;
+        out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
+        // Nothing new, but viewers draw a state only up to its last message.
+        let clear = ContactRecord::clear(episode.episode, episode.steps);
+        out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
+        let record = EpisodeRecord::new(episode, outlook);
+        out.send_json(For::Both, Topic::Episode, time_ns, &record)?;
+        let said = log::ended(episode, time_ns);
+        out.send(For::Both, Topic::Log, time_ns, &said)?;
+        if std::mem::replace(&mut self.was_optimal, outlook.optimal) != outlook.optimal {
+            let said = log::optimal(outlook.optimal, time_ns);
+            out.send(For::Both, Topic::Log, time_ns, &said)?;
+        }
+        Ok(())
+    }
+
+    /// What the policy is good for.
+    fn outlook(&self, policy: &PolicyMap, maze: &Maze) -> Outlook {
+        Outlook {
+            optimal: policy.is_optimal(maze, &self.paths),
+            greedy_steps: self.start.and_then(|cell| policy.greedy_steps(maze, cell)),
+            shortest: self.start.and_then(|cell| self.paths.distance(maze, cell)),
+        }
+    }
+
+    /// Where the robot is at pose `from` of its way, and what comes next.
+    fn show_way(&mut self, out: &mut Outbox, from: usize) -> Result<(), RecordError> {
+        let end = self.way.len().min(from + POSES_AHEAD + 1);
+        let frames = self.transforms.along(&self.way[from..end]);
+        out.send(
+            For::Episode,
+            Topic::Transforms,
+            self.way[from].time_ns,
+            frames,
+        )
+    }
+
+    fn show_trail(&self, out: &mut Outbox, to: For, time_ns: u64) -> Result<(), RecordError> {
+        out.send(to, Topic::Trail, time_ns, &self.trail.scene(time_ns))
+    }
+
+    fn show_policy(
+        &self,
+        out: &mut Outbox,
+        to: For,
+        maze: &Maze,
+        time_ns: u64,
+    ) -> Result<(), RecordError> {
+        let (arrows, heat) = match &self.policy {
+            Some(known) => (
+                policy::scene(known, maze, time_ns),
+                worth::grid(known, maze, time_ns),
+            ),
+            None => (policy::empty(time_ns), worth::empty(maze, time_ns)),
+        };
+        out.send(to, Topic::Policy, time_ns, &arrows)?;
+        out.send(to, Topic::Worth, time_ns, &heat)
+    }
+}

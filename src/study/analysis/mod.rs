@@ -1,0 +1,6 @@
+//! What the trials of a study amount to, by arm.
+
+pub(super) mod summary;
+pub(super) mod tables;
+
+pub use summary::{ArmRecords, ArmSummary};

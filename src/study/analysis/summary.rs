@@ -1,0 +1,230 @@
+//! What the trials of each arm say together.
+
+use serde::Serialize;
+
+use crate::study::protocol::{Arm, Protocol};
+use crate::study::statistics::{
+    Interval, Lifetime, Proportion, Survival, bootstrap_interval, quantile,
+};
+use crate::study::store::folder::StudyFolder;
+use crate::study::store::{Figures, TrialRecord};
+use xcs::random::{Stream, StreamName};
+
+/// The finished trials of one arm.
+#[derive(Debug, Clone)]
+pub struct ArmRecords<'a> {
+    /// What they have in common.
+    pub arm: &'a Arm,
+    /// The trials that did not fail.
+    pub figures: Vec<&'a Figures>,
+    /// How many failed.
+    pub failed: usize,
+    episodes: u32,
+}
+
+impl<'a> ArmRecords<'a> {
+    /// The finished trials of each arm of a study.
+    pub fn all(folder: &'a StudyFolder) -> Vec<Self> {
+        let protocol = folder.protocol();
+        let records: Vec<&TrialRecord> = folder.records().collect();
+        let arms = protocol.arms.iter().enumerate();
+        arms.map(|(i, arm)| Self::new(protocol, i, arm, &records))
+            .collect()
+    }
+
+    fn new(protocol: &Protocol, i: usize, arm: &'a Arm, records: &[&'a TrialRecord]) -> Self {
+        let own = records
+            .iter()
+            .filter(|record| record.trial / protocol.trials == i);
+        let figures: Vec<&Figures> = own.clone().filter_map(|record| record.figures()).collect();
+        Self {
+            arm,
+            failed: own.count() - figures.len(),
+            figures,
+            episodes: protocol.episodes,
+        }
+    }
+
+    /// The trials that found a globally optimal policy.
+    pub fn successes(&self) -> Proportion {
+        Proportion {
+            successes: self.first_episodes().len() as u64,
+            trials: self.figures.len() as u64,
+        }
+    }
+
+    /// The first optimal episodes of those trials that had one.
+    pub fn first_episodes(&self) -> Vec<f64> {
+        let firsts = self
+            .figures
+            .iter()
+            .filter_map(|one| one.progress.first_optimal_episode);
+        firsts.map(f64::from).collect()
+    }
+
+    /// Episodes until the policy was optimal; trials without one are censored at their end.
+    pub fn lifetimes(&self) -> Vec<Lifetime> {
+        let lifetime = |one: &&Figures| {
+            let first = one.progress.first_optimal_episode;
+            Lifetime {
+                time: first.unwrap_or(self.episodes),
+                happened: first.is_some(),
+            }
+        };
+        self.figures.iter().map(lifetime).collect()
+    }
+
+    /// The same in steps in the environment.
+    pub fn step_lifetimes(&self) -> Vec<Lifetime> {
+        let lifetime = |one: &&Figures| {
+            let first = one.progress.first_optimal_env_steps;
+            let steps = first.unwrap_or(one.progress.steps);
+            Lifetime {
+                time: u32::try_from(steps).unwrap_or(u32::MAX),
+                happened: first.is_some(),
+            }
+        };
+        self.figures.iter().map(lifetime).collect()
+    }
+
+    /// Steps in the environment until the policy was optimal, or else until the end.
+    fn env_steps(&self) -> Vec<f64> {
+        let figures = self.figures.iter().map(|one| &one.progress);
+        figures
+            .map(|one| one.first_optimal_env_steps.unwrap_or(one.steps) as f64)
+            .collect()
+    }
+
+    /// The interquartile mean of these steps with its bootstrap interval. Each arm begins the
+    /// stream of `seed` anew: its interval is the same whatever stands beside it.
+    pub fn iqm_env_steps(&self, seed: u64) -> Option<Interval> {
+        bootstrap_interval(
+            &self.env_steps(),
+            &mut Stream::new(seed, StreamName::Bootstrap),
+        )
+    }
+
+    /// Rules that are left of those of the retained trials.
+    fn condensed_rules(&self) -> Vec<f64> {
+        let retained = self.figures.iter().filter(|one| one.progress.optimal);
+        let counts = retained.filter_map(|one| one.condensed_rules);
+        counts.map(|count| count as f64).collect()
+    }
+
+    /// The rounded mean of a figure; `None` without trials.
+    fn mean(&self, figure: impl Fn(&Figures) -> f64) -> Option<f64> {
+        let sum: f64 = self.figures.iter().map(|one| figure(one)).sum();
+        let trials = self.figures.len();
+        (trials > 0).then(|| rounded(sum / trials as f64))
+    }
+}
+
+/// A row of `summary.json`. Numbers are rounded to six decimals, so that they do not depend on
+/// the last digit of a machine's logarithm.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArmSummary {
+    /// The world's name.
+    pub world: String,
+    /// The reward method.
+    pub method: &'static str,
+    /// The arena.
+    pub arena: &'static str,
+    /// The percept.
+    pub sensor: &'static str,
+    /// What the sweep sets; empty without one.
+    pub variant: String,
+    /// Finished trials that did not fail.
+    pub trials: u64,
+    /// Trials that failed.
+    pub failed: usize,
+    /// Trials that found a globally optimal policy.
+    pub successes: u64,
+    /// Lower 95 % limit of their share (Wilson).
+    pub wilson_low: f64,
+    /// Upper 95 % limit of their share (Wilson).
+    pub wilson_high: f64,
+    /// The first episode by which half of all trials were optimal (Kaplan-Meier); `null` when
+    /// fewer ever were.
+    pub median_episode: Option<u32>,
+    /// The first episode by which 95 % of all trials were optimal; `null` when fewer ever were.
+    pub p95_episode: Option<u32>,
+    /// The median first optimal episode of the successful trials alone.
+    pub median_episode_of_successes: Option<f64>,
+    /// Trials whose policy was optimal after the last episode, too.
+    pub retained: u64,
+    /// Trials of which an executed episode was as short as a shortest path.
+    pub executed_optimal: u64,
+    /// Interquartile mean of the environment steps until the policy was optimal; trials without
+    /// one count with all their steps.
+    pub iqm_env_steps: Option<f64>,
+    /// Its lower bootstrap 95 % limit.
+    pub iqm_env_steps_low: Option<f64>,
+    /// Its upper bootstrap 95 % limit.
+    pub iqm_env_steps_high: Option<f64>,
+    /// Mean steps of a trial; `null` when all failed, as the next two.
+    pub mean_steps: Option<f64>,
+    /// Mean collisions of a trial.
+    pub mean_collisions: Option<f64>,
+    /// Mean number of rules at the end.
+    pub mean_rules: Option<f64>,
+    /// The median number of rules that are left of those of the retained trials when they are
+    /// condensed; `null` for tables.
+    pub median_condensed_rules: Option<f64>,
+    /// The most of them.
+    pub most_condensed_rules: Option<usize>,
+}
+
+impl ArmSummary {
+    /// The summary of each arm of a study.
+    pub fn all(folder: &StudyFolder) -> Vec<Self> {
+        let seed = folder.protocol().seed;
+        let arms = ArmRecords::all(folder);
+        arms.iter().map(|arm| Self::new(arm, seed)).collect()
+    }
+
+    fn new(records: &ArmRecords<'_>, seed: u64) -> Self {
+        let arm = records.arm;
+        let successes = records.successes();
+        let wilson = successes.wilson();
+        let survival = Survival::new(&records.lifetimes());
+        let iqm = records.iqm_env_steps(seed);
+        let condensed = records.condensed_rules();
+        let count = |is: &dyn Fn(&Figures) -> bool| {
+            records.figures.iter().filter(|one| is(one)).count() as u64
+        };
+        Self {
+            world: arm.world.clone(),
+            method: arm.method.name(),
+            arena: arm.arena.name(),
+            sensor: arm.sensor.name(),
+            variant: arm.variant.to_string(),
+            trials: successes.trials,
+            failed: records.failed,
+            successes: successes.successes,
+            wilson_low: rounded(wilson.low),
+            wilson_high: rounded(wilson.high),
+            median_episode: survival.time_when_left(0.5),
+            p95_episode: survival.time_when_left(0.05),
+            median_episode_of_successes: quantile(&records.first_episodes(), 0.5),
+            retained: count(&|one| one.progress.optimal),
+            executed_optimal: count(&|one| one.progress.first_executed_optimal_episode.is_some()),
+            iqm_env_steps: iqm.map(|iqm| rounded(iqm.value)),
+            iqm_env_steps_low: iqm.map(|iqm| rounded(iqm.low)),
+            iqm_env_steps_high: iqm.map(|iqm| rounded(iqm.high)),
+            mean_steps: records.mean(|one| one.progress.steps as f64),
+            mean_collisions: records.mean(|one| one.progress.collisions as f64),
+            mean_rules: records.mean(|one| one.rules as f64),
+            median_condensed_rules: quantile(&condensed, 0.5),
+            most_condensed_rules: condensed
+                .iter()
+                .copied()
+                .reduce(f64::max)
+                .map(|n| n as usize),
+        }
+    }
+}
+
+/// To six decimals.
+pub fn rounded(number: f64) -> f64 {
+    (number * 1e6).round() / 1e6
+}

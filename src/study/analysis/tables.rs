@@ -1,0 +1,108 @@
+//! `trials.csv` and `summary.json`: what other programs read.
+
+use serde::Serialize;
+
+use super::summary::ArmSummary;
+use crate::study::error::StudyError;
+use crate::study::protocol::Protocol;
+use crate::study::store::folder::{StudyFolder, write_whole};
+use crate::study::store::{Figures, TrialRecord};
+
+/// A row of `trials.csv`; fields without a value are empty.
+#[derive(Debug, Serialize)]
+struct TrialRow<'a> {
+    world: &'a str,
+    method: &'static str,
+    arena: &'static str,
+    sensor: &'static str,
+    variant: String,
+    trial: usize,
+    seed: u64,
+    first_optimal_episode: Option<u32>,
+    first_optimal_env_steps: Option<u64>,
+    first_executed_optimal_episode: Option<u32>,
+    retained: Option<bool>,
+    steps: Option<u64>,
+    collisions: Option<u64>,
+    rules: Option<usize>,
+    condensed_rules: Option<usize>,
+    error: &'a str,
+}
+
+impl<'a> TrialRow<'a> {
+    fn new(protocol: &'a Protocol, record: &'a TrialRecord) -> Self {
+        let arm = protocol.arm(record.trial);
+        let figures = record.figures();
+        let progress = figures.map(|Figures { progress, .. }| progress);
+        Self {
+            world: &arm.world,
+            method: arm.method.name(),
+            arena: arm.arena.name(),
+            sensor: arm.sensor.name(),
+            variant: arm.variant.to_string(),
+            trial: protocol.replicate(record.trial),
+            seed: protocol.trial_seed(record.trial),
+            first_optimal_episode: progress.and_then(|one| one.first_optimal_episode),
+            first_optimal_env_steps: progress.and_then(|one| one.first_optimal_env_steps),
+            first_executed_optimal_episode: progress
+                .and_then(|one| one.first_executed_optimal_episode),
+            retained: progress.map(|one| one.optimal),
+            steps: progress.map(|one| one.steps),
+            collisions: progress.map(|one| one.collisions),
+            rules: figures.map(|one| one.rules),
+            condensed_rules: figures.and_then(|one| one.condensed_rules),
+            error: record.result.as_ref().err().map_or("", String::as_str),
+        }
+    }
+}
+
+/// All that `summary.json` holds.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    study: &'a str,
+    plan: String,
+    version: &'a str,
+    seed: u64,
+    episodes: u32,
+    arms: Vec<ArmSummary>,
+}
+
+impl StudyFolder {
+    /// The summary as a JSON document.
+    pub fn summary_json(&self) -> String {
+        let protocol = self.protocol();
+        let summary = Summary {
+            study: &protocol.name,
+            plan: self.plan().to_owned(),
+            version: &protocol.version,
+            seed: protocol.seed,
+            episodes: protocol.episodes,
+            arms: ArmSummary::all(self),
+        };
+        let text = serde_json::to_string_pretty(&summary).expect("plain data becomes JSON");
+        text + "\n"
+    }
+
+    /// Writes `trials.csv` and `summary.json`.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn write_tables(&self) -> Result<(), StudyError> {
+        let path = self.path().join("trials.csv");
+        let mut table = csv::Writer::from_writer(Vec::new());
+        for record in self.records() {
+            let row = TrialRow::new(self.protocol(), record);
+            table
+                .serialize(row)
+                .map_err(|fault| StudyError::io(&path, fault.into()))?;
+        }
+        let bytes = table
+            .into_inner()
+            .map_err(|fault| StudyError::io(&path, fault.into_error()))?;
+        write_whole(&path, &bytes)?;
+        write_whole(
+            &self.path().join("summary.json"),
+            self.summary_json().as_bytes(),
+        )
+    }
+}

@@ -1,0 +1,86 @@
+//! Figures of a study, as SVG and PNG. Only this folder knows the drawing library.
+
+mod ablation;
+mod canvas;
+mod curves;
+mod histogram;
+mod panels;
+mod steps;
+mod theme;
+
+use ablation::Ablation;
+use canvas::Drawing;
+use curves::Curves;
+use histogram::Histograms;
+use panels::Panels;
+use steps::Steps;
+
+use crate::study::analysis::summary::ArmRecords;
+use crate::study::error::StudyError;
+use crate::study::store::folder::{StudyFolder, write_whole};
+
+/// A figure that a study has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// The file name, without ending.
+    pub name: &'static str,
+    /// What it shows.
+    pub caption: &'static str,
+}
+
+const FIRST_OPTIMAL: Picture = Picture {
+    name: "first-optimal",
+    caption: "When the greedy policy first became globally optimal",
+};
+const CURVES: Picture = Picture {
+    name: "curves",
+    caption: "The share of trials that had found an optimal policy",
+};
+const STEPS: Picture = Picture {
+    name: "steps",
+    caption: "Environment steps until the policy was globally optimal",
+};
+const ABLATION: Picture = Picture {
+    name: "ablation",
+    caption: "What each switch contributes",
+};
+
+/// Draws the figures of a study into its folder, and tells which there are.
+///
+/// # Errors
+/// When a figure cannot be drawn or written.
+pub fn draw_figures(folder: &StudyFolder) -> Result<Vec<Picture>, StudyError> {
+    let records = ArmRecords::all(folder);
+    let panels = Panels::new(&records, folder.protocol().episodes);
+    let mut pictures = Vec::new();
+    if panels.series.len() <= theme::MOST_SERIES {
+        pictures.push(draw(folder, FIRST_OPTIMAL, &Histograms(&panels))?);
+        pictures.push(draw(folder, CURVES, &Curves(&panels))?);
+    }
+    if let Some(chart) = Steps::new(&panels, folder.protocol().seed) {
+        pictures.push(draw(folder, STEPS, &chart)?);
+    }
+    if let Some(chart) = Ablation::new(&records) {
+        pictures.push(draw(folder, ABLATION, &chart)?);
+    }
+    Ok(pictures)
+}
+
+fn draw(
+    folder: &StudyFolder,
+    picture: Picture,
+    drawing: &impl Drawing,
+) -> Result<Picture, StudyError> {
+    let name = picture.name;
+    let fault = |fault| StudyError::Figure {
+        name: name.to_owned(),
+        fault,
+    };
+    let (svg, png) = (
+        canvas::svg(drawing).map_err(fault)?,
+        canvas::png(drawing).map_err(fault)?,
+    );
+    write_whole(&folder.path().join(format!("{name}.svg")), svg.as_bytes())?;
+    write_whole(&folder.path().join(format!("{name}.png")), &png)?;
+    Ok(picture)
+}

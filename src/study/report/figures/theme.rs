@@ -1,0 +1,109 @@
+//! What all figures share: sizes, letters and colours.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontStyle, register_font};
+
+/// DejaVu Sans, cut down to Latin letters; embedded, so that figures need no installed font and
+/// are the same everywhere.
+const FONT: &[u8] = include_bytes!("../../../../assets/font/DejaVuSans-latin.ttf");
+
+/// Colours that colour-blind people can tell apart (Okabe and Ito 2008), the plain ones first.
+const COLOURS: [RGBColor; 8] = [
+    RGBColor(90, 90, 90),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 0, 0),
+];
+
+/// The most series that can be told apart.
+pub const MOST_SERIES: usize = COLOURS.len();
+/// The series whose colours marks have where nothing else is told apart.
+pub const BLUE: usize = 2;
+/// The series whose colours marks have that stand out.
+pub const RED: usize = 3;
+/// Text with its place in the middle, and at the middle of its left or right end.
+pub const CENTRED: Pos = Pos {
+    h_pos: HPos::Center,
+    v_pos: VPos::Center,
+};
+/// See [`CENTRED`].
+pub const FROM_LEFT: Pos = Pos {
+    h_pos: HPos::Left,
+    v_pos: VPos::Center,
+};
+/// See [`CENTRED`].
+pub const FROM_RIGHT: Pos = Pos {
+    h_pos: HPos::Right,
+    v_pos: VPos::Center,
+};
+/// Text and axes.
+pub const INK: RGBColor = RGBColor(34, 34, 34);
+/// Grid lines.
+pub const FAINT: RGBColor = RGBColor(225, 225, 225);
+
+/// How large a figure is drawn: all sizes are multiplied by this.
+#[derive(Debug, Clone, Copy)]
+pub struct Theme {
+    scale: u32,
+}
+
+impl Theme {
+    /// A theme in which every pixel of the figure has `scale` x `scale` pixels.
+    ///
+    /// # Errors
+    /// When the embedded font cannot be read.
+    pub fn new(scale: u32) -> Result<Self, String> {
+        let registered = register_font("sans-serif", FontStyle::Normal, FONT);
+        registered.map_err(|_| "the embedded font cannot be read".to_owned())?;
+        Ok(Self { scale })
+    }
+
+    /// A length in pixels.
+    pub fn px(self, length: u32) -> u32 {
+        length * self.scale
+    }
+
+    /// A signed length in pixels.
+    pub fn ipx(self, length: i32) -> i32 {
+        length * i32::try_from(self.scale).unwrap_or(1)
+    }
+
+    /// Text of this size.
+    pub fn text(self, size: u32) -> TextStyle<'static> {
+        ("sans-serif", self.px(size)).into_font().color(&INK)
+    }
+
+    /// A line of this width.
+    pub fn line(self, colour: impl Into<RGBAColor>, width: u32) -> ShapeStyle {
+        ShapeStyle {
+            color: colour.into(),
+            filled: false,
+            stroke_width: self.px(width),
+        }
+    }
+}
+
+/// How wide the longest of some names is in small letters.
+pub fn widest(names: &[String]) -> u32 {
+    let letters = names.iter().map(|name| name.chars().count()).max();
+    7 * letters.unwrap_or(0) as u32
+}
+
+/// The colour of a series.
+pub fn colour(series: usize) -> RGBColor {
+    COLOURS[series % COLOURS.len()]
+}
+
+/// Round places on an axis of episodes: at most seven, from 0 on.
+pub fn ticks(episodes: u32) -> Vec<u32> {
+    let step = [1, 2, 5, 10, 20, 30, 50, 100, 200, 500]
+        .into_iter()
+        .find(|step| episodes / step <= 6)
+        .unwrap_or(episodes / 5);
+    (0..=episodes / step).map(|tick| tick * step).collect()
+}

@@ -1,0 +1,296 @@
+//! The folder of a study.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
+use super::journal::{self, Journal};
+use super::record::TrialRecord;
+use crate::disk;
+use crate::disk::{FolderLock, LockError};
+use crate::study::error::StudyError;
+use crate::study::protocol::{Protocol, id_of};
+
+/// The frozen study.
+const PLAN: &str = "plan.json";
+/// Finished trials.
+const JOURNAL: &str = "journal";
+/// Room for the largest sensible study, worlds and all.
+const MOST_PLAN_BYTES: u64 = 1 << 30;
+
+/// A folder with a frozen study and its finished trials.
+#[derive(Debug)]
+pub struct StudyFolder {
+    path: PathBuf,
+    protocol: Protocol,
+    /// The protocol's id, as it was when it was frozen: a newer program may know more settings.
+    plan: String,
+    records: BTreeMap<usize, TrialRecord>,
+    /// Held by who writes in the folder.
+    _lock: Option<FolderLock>,
+}
+
+impl StudyFolder {
+    /// Reads the folder of a study.
+    ///
+    /// # Errors
+    /// When there is no study in it, or a damaged one.
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
+        let (protocol, plan) =
+            read_plan(path)?.ok_or_else(|| StudyError::NoStudy(path.to_owned()))?;
+        let (records, _) = journal::read(&path.join(JOURNAL), &plan)?;
+        Self::checked(path, protocol, plan, records)
+    }
+
+    /// Reads the folder of a study in order to write in it.
+    ///
+    /// # Errors
+    /// The same, or [`StudyError::Locked`].
+    pub fn read_locked(path: &Path) -> Result<Self, StudyError> {
+        let lock = path.is_dir().then(|| lock(path)).transpose()?;
+        let folder = Self::read(path)?;
+        Ok(Self {
+            _lock: lock,
+            ..folder
+        })
+    }
+
+    /// Joins folders of one study, in any order.
+    ///
+    /// # Errors
+    /// [`StudyError::Mixed`] when their plans differ, [`StudyError::Contradiction`] when they
+    /// disagree about a trial, or when a folder cannot be read.
+    pub fn join(paths: &[PathBuf]) -> Result<Self, StudyError> {
+        let mut folders = paths.iter().map(|path| Self::read(path));
+        let mut joined = folders
+            .next()
+            .unwrap_or(Err(StudyError::NoStudy(PathBuf::new())))?;
+        for folder in folders {
+            joined.add(folder?)?;
+        }
+        Ok(joined)
+    }
+
+    fn add(&mut self, other: Self) -> Result<(), StudyError> {
+        let (ours, theirs) = (self.plan.clone(), other.plan);
+        if ours != theirs {
+            return Err(StudyError::Mixed(
+                self.path.clone(),
+                other.path,
+                ours,
+                theirs,
+            ));
+        }
+        for (trial, record) in other.records {
+            if *self.records.entry(trial).or_insert_with(|| record.clone()) != record {
+                let folder = other.path;
+                return Err(StudyError::Contradiction { folder, trial });
+            }
+        }
+        Ok(())
+    }
+
+    fn checked(
+        path: &Path,
+        protocol: Protocol,
+        plan: String,
+        records: Vec<TrialRecord>,
+    ) -> Result<Self, StudyError> {
+        if let Some(record) = records.iter().find(|record| record.trial >= protocol.len()) {
+            let fault = format!("it has no trial {}", record.trial);
+            return Err(StudyError::damaged(&path.join(JOURNAL), fault));
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            protocol,
+            plan,
+            records: records
+                .into_iter()
+                .map(|record| (record.trial, record))
+                .collect(),
+            _lock: None,
+        })
+    }
+
+    /// The frozen study.
+    pub fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+
+    /// The id of the frozen study.
+    pub fn plan(&self) -> &str {
+        &self.plan
+    }
+
+    /// Where the folder is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The finished trials, in their order.
+    pub fn records(&self) -> impl Iterator<Item = &TrialRecord> {
+        self.records.values()
+    }
+
+    /// The trials that are not finished, in their order.
+    pub fn missing(&self) -> Vec<usize> {
+        let trials = 0..self.protocol.len();
+        trials
+            .filter(|trial| !self.records.contains_key(trial))
+            .collect()
+    }
+
+    /// The trials that failed.
+    pub fn failed(&self) -> Vec<usize> {
+        let failed = self.records().filter(|record| record.result.is_err());
+        failed.map(|record| record.trial).collect()
+    }
+
+    /// Accepts the study when all trials are finished.
+    ///
+    /// # Errors
+    /// [`StudyError::Incomplete`].
+    pub fn require_complete(&self) -> Result<(), StudyError> {
+        let total = self.protocol.len();
+        match self.missing().len() {
+            0 => Ok(()),
+            missing => Err(StudyError::Incomplete { missing, total }),
+        }
+    }
+}
+
+/// A study folder in which this process, and no other, may write.
+#[derive(Debug)]
+pub struct OpenFolder {
+    folder: StudyFolder,
+    journal: Journal,
+}
+
+impl OpenFolder {
+    /// Makes or reopens the folder of a study.
+    ///
+    /// # Errors
+    /// [`StudyError::Locked`], [`StudyError::OtherStudy`], or an error of the file system.
+    pub fn open(path: &Path, protocol: &Protocol) -> Result<Self, StudyError> {
+        fs::create_dir_all(path).map_err(|cause| StudyError::create(path, cause))?;
+        let lock = lock(path)?;
+        let wanted = protocol.id();
+        match read_plan(path)? {
+            None => write_plan(path, protocol)?,
+            Some((_, found)) if found == wanted => (),
+            Some((_, found)) => {
+                let folder = path.to_owned();
+                return Err(StudyError::OtherStudy {
+                    folder,
+                    found,
+                    wanted,
+                });
+            }
+        }
+        let (journal, records) = Journal::open(&path.join(JOURNAL), &wanted)?;
+        let folder = StudyFolder::checked(path, protocol.clone(), wanted, records)?;
+        let folder = StudyFolder {
+            _lock: Some(lock),
+            ..folder
+        };
+        Ok(Self { folder, journal })
+    }
+
+    /// What is in the folder.
+    pub fn folder(&self) -> &StudyFolder {
+        &self.folder
+    }
+
+    /// Keeps finished trials.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn add(&mut self, records: Vec<TrialRecord>) -> Result<(), StudyError> {
+        self.journal.append(&records)?;
+        let numbered = records.into_iter().map(|record| (record.trial, record));
+        self.folder.records.extend(numbered);
+        Ok(())
+    }
+
+    /// Keeps all trials of a joined study.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn add_all(&mut self, joined: &StudyFolder) -> Result<(), StudyError> {
+        let missing = joined.records().filter(|record| {
+            let known = &self.folder.records;
+            !known.contains_key(&record.trial)
+        });
+        self.add(missing.cloned().collect())
+    }
+
+    /// Puts the journal in order. The folder stays locked as long as it is held.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn close(self) -> Result<StudyFolder, StudyError> {
+        let Self { folder, journal } = self;
+        drop(journal);
+        let records: Vec<TrialRecord> = folder.records().cloned().collect();
+        let text = journal::text(&folder.plan, &records);
+        write_whole(&folder.path.join(JOURNAL), text.as_bytes())?;
+        Ok(folder)
+    }
+}
+
+fn lock(folder: &Path) -> Result<FolderLock, StudyError> {
+    FolderLock::acquire(folder).map_err(|fault| match fault {
+        LockError::Held(pid) => StudyError::Locked {
+            folder: folder.to_owned(),
+            holder: pid.map_or("another process".to_owned(), |pid| format!("process {pid}")),
+        },
+        LockError::File(path, cause) => StudyError::create(&path, cause),
+    })
+}
+
+/// What `plan.json` holds.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlanFile {
+    /// The checksum of the study's text.
+    plan: String,
+    study: Box<RawValue>,
+}
+
+fn read_plan(folder: &Path) -> Result<Option<(Protocol, String)>, StudyError> {
+    let path = folder.join(PLAN);
+    let text = match disk::read(&path, MOST_PLAN_BYTES) {
+        Ok(text) => text,
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(cause) => return Err(StudyError::io(&path, cause)),
+    };
+    let damaged = |fault: String| StudyError::damaged(&path, fault);
+    let file: PlanFile =
+        serde_json::from_slice(&text).map_err(|fault| damaged(fault.to_string()))?;
+    if id_of(file.study.get()) != file.plan {
+        return Err(damaged("it was changed after it was frozen".to_owned()));
+    }
+    let study = serde_json::from_str(file.study.get());
+    let study: Protocol = study.map_err(|fault| damaged(fault.to_string()))?;
+    study.check().map_err(damaged)?;
+    Ok(Some((study, file.plan)))
+}
+
+fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> {
+    let study = RawValue::from_string(protocol.to_json()).expect("JSON is valid JSON");
+    let file = PlanFile {
+        plan: protocol.id(),
+        study,
+    };
+    let text = serde_json::to_string_pretty(&file).expect("plain data becomes JSON");
+    write_whole(&folder.join(PLAN), format!("{text}\n").as_bytes())
+}
+
+/// Writes a file so that it is there either whole or not at all; see [`disk::replace`].
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
+    disk::replace(path, bytes).map_err(|cause| StudyError::io(path, cause))
+}

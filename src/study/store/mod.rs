@@ -1,0 +1,10 @@
+//! What a study keeps on disk: its folder, and a journal of finished trials for each shard.
+
+pub(super) mod folder;
+pub(super) mod journal;
+mod record;
+mod shard;
+
+pub use folder::StudyFolder;
+pub use record::{Figures, TrialRecord};
+pub use shard::Shard;

@@ -1,0 +1,78 @@
+//! What is kept of a finished trial.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use serde::{Deserialize, Serialize};
+
+use crate::study::protocol::Protocol;
+use crate::trial::{Condensed, Plan, Progress, Trial};
+
+/// The figures of a trial that reached its end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
+    /// What happened.
+    #[serde(flatten)]
+    pub progress: Progress,
+    /// Rules at the end.
+    pub rules: usize,
+    /// How many are left of them when they are condensed; `None` for a table.
+    pub condensed_rules: Option<usize>,
+}
+
+/// A finished trial of a study: its number, and its figures or why it failed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrialRecord {
+    /// The trial's number in the study, from 0.
+    pub trial: usize,
+    /// Its figures, or its error.
+    pub result: Result<Figures, String>,
+}
+
+impl TrialRecord {
+    /// Runs a trial of a study to its end. A fault of the trial, even a panic, becomes part of the
+    /// record.
+    pub fn of(protocol: &Protocol, trial: usize) -> Self {
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            figures(protocol.plan(trial), protocol.earlier_plan(trial))
+        }));
+        let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
+        Self { trial, result }
+    }
+
+    /// The figures, unless the trial failed.
+    pub fn figures(&self) -> Option<&Figures> {
+        self.result.as_ref().ok()
+    }
+}
+
+/// Runs a trial, from what an earlier one has learned if there is one.
+fn figures(mut plan: Plan, earlier: Option<Plan>) -> Result<Figures, String> {
+    if let Some(earlier) = earlier {
+        plan.config.initial = Some(finished(earlier)?.method().knowledge());
+    }
+    let trial = finished(plan)?;
+    let Plan { maze, config } = trial.plan();
+    let condensed = Condensed::new(&trial.method().knowledge(), config.sensor, maze);
+    Ok(Figures {
+        progress: trial.progress().clone(),
+        rules: trial.method().rule_count(),
+        condensed_rules: condensed.map(|condensed| condensed.rules.len()),
+    })
+}
+
+fn finished(plan: Plan) -> Result<Trial, String> {
+    let mut trial = Trial::new(plan).map_err(|fault| fault.to_string())?;
+    // `()` never breaks off.
+    let _ = trial.run(&mut ());
+    Ok(trial)
+}
+
+/// What a panic says.
+fn words(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    format!(
+        "internal fault: {}",
+        text.unwrap_or("a panic without words")
+    )
+}

@@ -1,0 +1,247 @@
+//! One trial: a fresh learner, run for a number of episodes from one seed.
+
+mod checkpoint;
+mod condensed;
+mod evaluation;
+mod plan;
+mod resolve;
+mod settings;
+mod toml_text;
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+
+pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
+pub use condensed::{Condensed, MOST_PERCEPTS};
+pub use evaluation::Evaluation;
+pub use plan::{Config, Plan, PlanError};
+pub use resolve::{Origin, Resolved, SettingsError};
+pub(crate) use resolve::{flatten, similar};
+pub use settings::Settings;
+pub use toml_text::MOST_TOML_BYTES;
+pub(crate) use toml_text::shortened;
+
+use crate::agent::{Agent, Explorer};
+use crate::arena::Arena;
+use crate::episode::{self, Episode, Observer, PolicyMap};
+use crate::world::{Cell, Paths};
+use xcs::random::{Stream, StreamName};
+
+/// The figures of a trial so far.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Progress {
+    /// Finished episodes.
+    pub episodes: u32,
+    /// Steps taken in the environment.
+    pub steps: u64,
+    /// Collisions among them.
+    pub collisions: u64,
+    /// The first episode after which the greedy policy was globally optimal.
+    pub first_optimal_episode: Option<u32>,
+    /// Steps taken until then.
+    pub first_optimal_env_steps: Option<u64>,
+    /// The first episode that was itself as short as the shortest path.
+    pub first_executed_optimal_episode: Option<u32>,
+    /// Is the greedy policy globally optimal now?
+    pub optimal: bool,
+    /// The fewest steps of an episode that reached a goal.
+    pub best_steps: Option<u32>,
+}
+
+/// More simulated time than any trial takes: 36 years, in nanoseconds.
+const LONGEST_NS: u64 = 1 << 60;
+
+impl Progress {
+    /// Can a trial of these choices have come so far?
+    fn is_possible(&self, config: &Config) -> bool {
+        let most = u64::from(self.episodes) * u64::from(config.settings.reward.step_threshold);
+        self.episodes <= config.episodes && self.steps <= most && self.collisions <= self.steps
+    }
+}
+
+/// A trial in progress: run it episode by episode, or all at once.
+pub struct Trial {
+    plan: Plan,
+    paths: Paths,
+    arena: Box<dyn Arena>,
+    method: Box<dyn Agent>,
+    explorer: Explorer,
+    /// The cells in which an episode can start.
+    start_cells: Vec<Cell>,
+    starts: Stream,
+    /// Where the greedy policy was not globally optimal after the last episode.
+    fault: Option<Cell>,
+    progress: Progress,
+}
+
+impl Trial {
+    /// A trial at its beginning.
+    pub fn new(plan: Plan) -> Result<Self, PlanError> {
+        plan.check()?;
+        let Plan { maze, config } = &plan;
+        let exploration = Stream::new(config.seed, StreamName::Exploration);
+        Ok(Self {
+            paths: Paths::new(maze),
+            arena: config.build_arena(maze)?,
+            method: config.build_method(maze)?,
+            explorer: Explorer::new(config.settings.episode.explore, exploration),
+            start_cells: maze.start_cells(),
+            starts: Stream::new(config.seed, StreamName::Start),
+            fault: None,
+            progress: Progress::default(),
+            plan,
+        })
+    }
+
+    /// The trial as it is between two episodes.
+    pub fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
+            config: self.plan.config.clone(),
+            world: self.plan.maze.to_json(),
+            progress: self.progress.clone(),
+            method: self.method.memory(),
+            arena: self.arena.lasting(),
+            explorer: self.explorer.clone(),
+            starts: self.starts.clone(),
+        }
+    }
+
+    /// The trial that a checkpoint was made of. It goes on as that one did, to the bit.
+    ///
+    /// # Errors
+    /// When the checkpoint contradicts itself.
+    pub fn resume(saved: &Checkpoint) -> Result<Self, CheckpointError> {
+        let mut trial = Self::new(saved.plan()?)?;
+        let Plan { maze, config } = &trial.plan;
+        trial.method = trial.method.restored(&saved.method)?;
+        let contradiction = |what: &str| CheckpointError::Content(what.to_owned());
+        let width = config.sensor.width(maze);
+        trial
+            .method
+            .knowledge()
+            .check(width, maze.action_count())
+            .map_err(|misfit| CheckpointError::Content(misfit.to_string()))?;
+        if !saved.progress.is_possible(config) || saved.arena.time_ns > LONGEST_NS {
+            return Err(contradiction("it counts more than can have happened"));
+        }
+        let alternates = config.settings.episode.alternate;
+        if !alternates && !saved.explorer.descends_from(&trial.explorer) {
+            return Err(contradiction(
+                "it explores in another way than its settings say",
+            ));
+        }
+        trial.arena.continue_from(&saved.arena);
+        trial.explorer = saved.explorer.clone();
+        trial.starts = saved.starts.clone();
+        trial.progress = saved.progress.clone();
+        Ok(trial)
+    }
+
+    /// Is every episode done?
+    pub fn is_finished(&self) -> bool {
+        self.progress.episodes >= self.plan.config.episodes
+    }
+
+    /// Runs the next episode. `Break` means that an observer wants the trial to end.
+    pub fn run_episode(&mut self, observer: &mut dyn Observer) -> (Episode, ControlFlow<()>) {
+        let start = self.next_start();
+        let number = self.progress.episodes + 1;
+        self.take_turns(number);
+        let (episode, flow) = episode::run(
+            number,
+            start,
+            &mut *self.arena,
+            self.plan.config.sensor,
+            &mut *self.method,
+            &mut self.explorer,
+            observer,
+        );
+        self.count(&episode, start);
+        (episode, flow)
+    }
+
+    /// Runs all episodes that are left, until an observer wants the trial to end.
+    pub fn run(&mut self, observer: &mut dyn Observer) -> ControlFlow<()> {
+        while !self.is_finished() {
+            self.run_episode(observer).1?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Episodes that alternate explore (and evolve) or exploit; all others do both.
+    fn take_turns(&mut self, number: u32) {
+        let settings = &self.plan.config.settings.episode;
+        let turn = settings.turn_of(number);
+        let explore = turn.map_or(settings.explore, |explores| f64::from(u8::from(explores)));
+        self.explorer.set_probability(explore);
+        self.method.begin(turn.unwrap_or(true));
+    }
+
+    fn next_start(&mut self) -> Cell {
+        match self.start_cells[..] {
+            [only] => only,
+            _ => *self
+                .starts
+                .choose(&self.start_cells)
+                .expect("a checked maze has a start cell"),
+        }
+    }
+
+    fn count(&mut self, episode: &Episode, start: Cell) {
+        self.fault = self.find_fault();
+        let optimal = self.fault.is_none();
+        let shortest = self.paths.distance(&self.plan.maze, start);
+        let progress = &mut self.progress;
+        progress.episodes += 1;
+        progress.steps += u64::from(episode.steps);
+        progress.collisions += u64::from(episode.collisions);
+        progress.optimal = optimal;
+        if optimal && progress.first_optimal_episode.is_none() {
+            progress.first_optimal_episode = Some(episode.episode);
+            progress.first_optimal_env_steps = Some(progress.steps);
+        }
+        if episode.ending == episode::Ending::Goal {
+            let best = progress
+                .best_steps
+                .map_or(episode.steps, |b| b.min(episode.steps));
+            progress.best_steps = Some(best);
+            if Some(episode.steps) == shortest {
+                progress
+                    .first_executed_optimal_episode
+                    .get_or_insert(episode.episode);
+            }
+        }
+    }
+
+    /// Where the greedy policy is not globally optimal now.
+    fn find_fault(&self) -> Option<Cell> {
+        let Plan { maze, config } = &self.plan;
+        episode::first_fault(&*self.method, config.sensor, maze, &self.paths, self.fault)
+    }
+
+    /// The policy that the learner would follow now, without exploring.
+    pub fn policy(&self) -> PolicyMap {
+        PolicyMap::of(&*self.method, self.plan.config.sensor, &self.plan.maze)
+    }
+
+    /// The figures so far.
+    pub fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The shortest paths of the maze.
+    pub fn paths(&self) -> &Paths {
+        &self.paths
+    }
+
+    /// The learner.
+    pub fn method(&self) -> &dyn Agent {
+        &*self.method
+    }
+}

@@ -1,0 +1,134 @@
+//! What a trial is: a world, and everything that can be chosen about it.
+
+use serde::{Deserialize, Serialize};
+
+use super::settings::Settings;
+use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
+use crate::arena::{Arena, ArenaKind, GridArena, PhysicsArena, PhysicsError};
+use crate::sensor::Sensor;
+use crate::world::Maze;
+use xcs::bounds::{OutOfRange, within};
+use xcs::random::{Stream, StreamName};
+
+/// Everything that can be chosen about a trial, but the world. Stored with every run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// The version of this program; another one may give other bytes.
+    pub version: String,
+    /// The reward method.
+    pub method: Method,
+    /// The arena.
+    pub arena: ArenaKind,
+    /// The percept.
+    pub sensor: Sensor,
+    /// The number of episodes; 1 to 1,000,000.
+    pub episodes: u32,
+    /// The root seed of all random streams.
+    pub seed: u64,
+    /// All settings.
+    pub settings: Settings,
+    /// What was learned elsewhere, to start from.
+    pub initial: Option<Knowledge>,
+}
+
+impl Config {
+    /// An arena around a maze.
+    ///
+    /// # Errors
+    /// When the world makes no sense in physics.
+    pub fn build_arena(&self, maze: &Maze) -> Result<Box<dyn Arena>, PhysicsError> {
+        Ok(match self.arena {
+            ArenaKind::Grid => Box::new(GridArena::new(maze.clone())),
+            ArenaKind::Physics => {
+                let noise = Stream::new(self.seed, StreamName::Physics);
+                let params = self.settings.physics.clone();
+                Box::new(PhysicsArena::new(maze.clone(), params, noise)?)
+            }
+        })
+    }
+
+    /// The noise level: 0 on the grid.
+    pub fn noise(&self) -> f64 {
+        match self.arena {
+            ArenaKind::Grid => 0.0,
+            ArenaKind::Physics => self.settings.physics.noise,
+        }
+    }
+
+    /// A learner that knows nothing yet, or what it is to start from. The settings must have been
+    /// checked.
+    ///
+    /// # Errors
+    /// When what it is to start from is of no use to it.
+    pub fn build_method(&self, maze: &Maze) -> Result<Box<dyn Agent>, Misfit> {
+        let Settings {
+            xcs,
+            reward,
+            tabular,
+            plus,
+            ..
+        } = self.settings.clone();
+        let setup = Setup {
+            xcs,
+            reward,
+            tabular,
+            plus,
+        };
+        let (actions, ring) = (maze.action_count(), self.sensor.ring());
+        let mut method = self.method.build(actions, ring, setup, self.seed);
+        if let Some(knowledge) = &self.initial {
+            knowledge.check(self.sensor.width(maze), actions)?;
+            if !method.bring(knowledge) {
+                return Err(Misfit::Useless(self.method.name()));
+            }
+        }
+        Ok(method)
+    }
+}
+
+/// A trial before it begins: the same plan gives the same bytes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// The world.
+    pub maze: Maze,
+    /// All that can be chosen.
+    pub config: Config,
+}
+
+impl Plan {
+    /// Accepts the plan when every setting lies in its range.
+    ///
+    /// # Errors
+    /// The first setting that does not.
+    pub fn check(&self) -> Result<(), PlanError> {
+        within("episodes", self.config.episodes, 1..=1_000_000)?;
+        Ok(self.config.settings.check()?)
+    }
+
+    /// The name of the folder that a run of this plan makes.
+    pub fn folder_name(&self) -> String {
+        let Config {
+            method,
+            arena,
+            seed,
+            ..
+        } = &self.config;
+        let (method, arena) = (method.name(), arena.name());
+        format!("{}-{method}-{arena}-s{seed}", self.maze.name())
+    }
+}
+
+/// Why a trial cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// A setting lies outside of its range.
+    #[error(transparent)]
+    Setting(#[from] OutOfRange),
+    /// The knowledge is about another world.
+    #[error(transparent)]
+    Knowledge(#[from] Misfit),
+    /// The physics arena refuses the world.
+    #[error(transparent)]
+    Physics(#[from] PhysicsError),
+}

@@ -1,0 +1,388 @@
+//! Where settings come from: default, then file, then the command line.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use toml::{Table, Value};
+
+use super::settings::Settings;
+use super::toml_text::shortened;
+use xcs::bounds::OutOfRange;
+
+/// Where the value of a setting came from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Origin {
+    /// Nobody set it.
+    Default,
+    /// A settings file, by its name.
+    File(String),
+    /// `--set` on the command line.
+    Set,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Default => f.write_str("default"),
+            Self::File(name) => f.write_str(name),
+            Self::Set => f.write_str("--set"),
+        }
+    }
+}
+
+/// Why settings cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    /// The file is no TOML.
+    #[error("{origin} is no valid TOML: {fault}")]
+    Syntax {
+        /// Which file.
+        origin: Origin,
+        /// What the TOML parser says, with line and column.
+        fault: String,
+    },
+    /// `--set` without an equals sign.
+    #[error("`--set {0}` sets nothing: write `--set section.key=value`")]
+    NoValue(String),
+    /// There is no such setting.
+    #[error("{origin}: there is no setting `{key}`{}", did_you_mean(.suggestion))]
+    Unknown {
+        /// The key that was given.
+        key: String,
+        /// Where.
+        origin: Origin,
+        /// A setting with a similar name.
+        suggestion: Option<String>,
+    },
+    /// The value is of the wrong type.
+    #[error("{origin}: `{key}` is {given}, but must be {wanted}")]
+    Type {
+        /// The setting.
+        key: String,
+        /// Where.
+        origin: Origin,
+        /// The value that was given.
+        given: String,
+        /// What it must be.
+        wanted: String,
+    },
+    /// The value lies outside of its range.
+    #[error("{origin}: {fault}")]
+    Range {
+        /// Where.
+        origin: Origin,
+        /// Which setting, and its range.
+        fault: OutOfRange,
+    },
+}
+
+fn did_you_mean(suggestion: &Option<String>) -> String {
+    let hint = "; `xcscr config show --resolved` lists all".to_owned();
+    suggestion
+        .as_ref()
+        .map_or(hint, |key| format!("; did you mean `{key}`?"))
+}
+
+/// Settings, and where each one came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resolved {
+    /// The checked settings.
+    pub settings: Settings,
+    values: BTreeMap<String, (Value, Origin)>,
+}
+
+impl Resolved {
+    /// Lays a settings file (its name and text) and `--set` arguments (`section.key=value`, later
+    /// ones win) over `base`, and checks the result.
+    ///
+    /// # Errors
+    /// The first fault, with its place and the way out.
+    pub fn new(
+        base: &Settings,
+        file: Option<(&str, &str)>,
+        sets: &[String],
+    ) -> Result<Self, SettingsError> {
+        let defaults = Table::try_from(base).expect("settings are plain data");
+        let mut values = BTreeMap::new();
+        for (key, value) in flatten(defaults) {
+            values.insert(key, (value, Origin::Default));
+        }
+        if let Some((name, text)) = file {
+            let origin = Origin::File(name.to_owned());
+            let table: Table = text.parse().map_err(|fault: toml::de::Error| {
+                let (origin, fault) = (origin.clone(), shortened(&fault.to_string()));
+                SettingsError::Syntax { origin, fault }
+            })?;
+            for (key, value) in flatten(table) {
+                overlay(&mut values, key, value, &origin)?;
+            }
+        }
+        for set in sets {
+            let assigned = set.split_once('=');
+            let (key, text) = assigned.ok_or_else(|| SettingsError::NoValue(set.clone()))?;
+            overlay(
+                &mut values,
+                key.trim().to_owned(),
+                value_of(text.trim()),
+                &Origin::Set,
+            )?;
+        }
+        Ok(Self {
+            settings: checked(&values)?,
+            values,
+        })
+    }
+
+    /// Each setting by its full name, with its value as it is written in TOML and its origin.
+    pub fn entries(&self) -> impl Iterator<Item = (&str, String, &Origin)> {
+        let entries = self.values.iter();
+        entries.map(|(key, (value, origin))| (key.as_str(), value.to_string(), origin))
+    }
+}
+
+/// A value of the command line: what TOML would read, or else the text itself.
+fn value_of(text: &str) -> Value {
+    let read = format!("value = {text}").parse::<Table>().ok();
+    // A text of several lines could hold more than the value.
+    let alone = read.filter(|table| table.len() == 1);
+    let value = alone.and_then(|mut table| table.remove("value"));
+    value.unwrap_or_else(|| Value::String(text.to_owned()))
+}
+
+/// Tables within tables as one list with full names.
+pub fn flatten(table: Table) -> Vec<(String, Value)> {
+    let mut flat = Vec::new();
+    for (key, value) in table {
+        match value {
+            Value::Table(inner) => {
+                let inner = flatten(inner).into_iter();
+                flat.extend(inner.map(|(name, value)| (format!("{key}.{name}"), value)));
+            }
+            value => flat.push((key, value)),
+        }
+    }
+    flat
+}
+
+/// Replaces a value by one of the same type; whole numbers serve as fractions, too.
+fn overlay(
+    values: &mut BTreeMap<String, (Value, Origin)>,
+    key: String,
+    value: Value,
+    origin: &Origin,
+) -> Result<(), SettingsError> {
+    let Some((present, _)) = values.get(&key) else {
+        return Err(SettingsError::Unknown {
+            suggestion: similar(&key, values.keys().map(String::as_str)),
+            key: shortened(&key),
+            origin: origin.clone(),
+        });
+    };
+    let value = match (present, value) {
+        (Value::Float(_), Value::Integer(whole)) => Value::Float(whole as f64),
+        (_, value) => value,
+    };
+    if !present.same_type(&value) {
+        return Err(SettingsError::Type {
+            origin: origin.clone(),
+            given: shortened(&value.to_string()),
+            wanted: kind(&key, present),
+            key,
+        });
+    }
+    values.insert(key, (value, origin.clone()));
+    Ok(())
+}
+
+/// What a setting takes that now has this value.
+fn kind(key: &str, value: &Value) -> String {
+    match value {
+        Value::Integer(_) => match range_of(key, value) {
+            Some(OutOfRange { allowed, .. }) => format!("a whole number {allowed}"),
+            None => "a whole number".to_owned(),
+        },
+        Value::Float(_) => "a number".to_owned(),
+        Value::Boolean(_) => "true or false".to_owned(),
+        _ => "a text".to_owned(),
+    }
+}
+
+/// The most similar of the known keys, if one is similar at all.
+pub fn similar<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+    let ranked = known.map(|name| (strsim::jaro_winkler(key, name), name));
+    let best = ranked.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 > 0.8).then(|| best.1.to_owned())
+}
+
+/// The settings that the values make, each in its range.
+fn checked(values: &BTreeMap<String, (Value, Origin)>) -> Result<Settings, SettingsError> {
+    let mut all = Table::new();
+    for (key, (value, origin)) in values {
+        let (section, name) = key
+            .split_once('.')
+            .expect("every setting lies in a section");
+        let alone = Table::from_iter([(name.to_owned(), value.clone())]);
+        // Read on its own first, so that the message can name the setting.
+        Table::from_iter([(section.to_owned(), Value::Table(alone.clone()))])
+            .try_into::<Settings>()
+            .map_err(|fault| unreadable(key, value, origin, fault.message()))?;
+        let section = all
+            .entry(section)
+            .or_insert_with(|| Value::Table(Table::new()));
+        section
+            .as_table_mut()
+            .expect("sections are tables")
+            .extend(alone);
+    }
+    let settings: Settings = all.try_into().expect("each value was read on its own");
+    settings
+        .check()
+        .map(|()| settings.clone())
+        .map_err(|fault| {
+            let origin = values
+                .get(fault.key)
+                .map_or(Origin::Default, |(_, origin)| origin.clone());
+            SettingsError::Range { origin, fault }
+        })
+}
+
+/// Why a value of the right type cannot be read: a whole number out of its range, or a name that
+/// is none of those allowed, for which the parser has words.
+fn unreadable(key: &str, value: &Value, origin: &Origin, fault: &str) -> SettingsError {
+    let origin = origin.clone();
+    if let Some(fault) = range_of(key, value) {
+        return SettingsError::Range { origin, fault };
+    }
+    let expected = fault.split_once("expected ").map(|(_, expected)| expected);
+    SettingsError::Type {
+        key: key.to_owned(),
+        origin,
+        given: shortened(&value.to_string()),
+        wanted: expected.unwrap_or(fault).trim().to_owned(),
+    }
+}
+
+/// The range that a whole number missed by so much that no setting can hold it: what is said of
+/// the largest number that one can.
+fn range_of(key: &str, given: &Value) -> Option<OutOfRange> {
+    let (section, name) = key.split_once('.')?;
+    let largest = Table::from_iter([(name.to_owned(), Value::Integer(u32::MAX.into()))]);
+    let all = Table::from_iter([(section.to_owned(), Value::Table(largest))]);
+    let fault = all.try_into::<Settings>().ok()?.check().err()?;
+    let value = given.to_string();
+    (fault.key == key).then_some(OutOfRange { value, ..fault })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(file: Option<&str>, sets: &[&str]) -> String {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let file = file.map(|text| ("run.toml", text));
+        Resolved::new(&Settings::default(), file, &sets)
+            .unwrap_err()
+            .to_string()
+    }
+
+    #[test]
+    fn the_command_line_wins_over_the_file_and_the_file_over_the_default() {
+        let file = "[xcs]\nbeta = 0.3\nmu = 0.01\n";
+        let sets = ["xcs.mu=0.02".to_owned(), "reward.sharing=even".to_owned()];
+        let resolved =
+            Resolved::new(&Settings::default(), Some(("run.toml", file)), &sets).unwrap();
+        let xcs = &resolved.settings.xcs;
+        assert_eq!((xcs.alpha, xcs.beta, xcs.mu), (0.1, 0.3, 0.02));
+        let origin = |wanted| {
+            let entry = resolved.entries().find(|(key, ..)| *key == wanted).unwrap();
+            format!("{} {}", entry.1, entry.2)
+        };
+        assert_eq!(origin("xcs.alpha"), "0.1 default");
+        assert_eq!(origin("xcs.beta"), "0.3 run.toml");
+        assert_eq!(origin("xcs.mu"), "0.02 --set");
+        assert_eq!(origin("reward.sharing"), "\"even\" --set");
+    }
+
+    #[test]
+    fn an_unknown_key_is_answered_with_a_similar_one() {
+        assert_eq!(
+            message(None, &["xcs.betta=1"]),
+            "--set: there is no setting `xcs.betta`; did you mean `xcs.beta`?"
+        );
+        assert_eq!(
+            message(Some("[foo]\nq = 1"), &[]),
+            "run.toml: there is no setting `foo.q`; `xcscr config show --resolved` lists all"
+        );
+    }
+
+    #[test]
+    fn a_value_of_the_wrong_type_is_answered_with_the_right_one() {
+        assert_eq!(
+            message(None, &["xcs.ga=0.5"]),
+            "--set: `xcs.ga` is 0.5, but must be true or false"
+        );
+        assert_eq!(
+            message(None, &["reward.sharing=odd"]),
+            "--set: `reward.sharing` is \"odd\", but must be `even` or `discounted`"
+        );
+        assert_eq!(
+            message(None, &["xcs.nu=-1"]).split(',').next().unwrap(),
+            "--set: `xcs.nu` is -1"
+        );
+    }
+
+    #[test]
+    fn a_value_out_of_range_is_answered_with_the_range() {
+        assert_eq!(
+            message(None, &["xcs.beta=nan"]),
+            "--set: `xcs.beta` is NaN, but must be from 0.000001 to 1"
+        );
+    }
+
+    #[test]
+    fn a_set_without_a_value_and_a_broken_file_are_refused() {
+        assert!(message(None, &["xcs.beta"]).contains("write `--set section.key=value`"));
+        assert!(message(Some("[xcs"), &[]).starts_with("run.toml is no valid TOML"));
+    }
+
+    #[test]
+    fn whole_numbers_that_no_setting_can_hold_are_refused_with_the_range_of_this_one() {
+        for value in ["-1", "4294967296", "-9223372036854775808"] {
+            assert_eq!(
+                message(None, &[&format!("xcs.population_size={value}")]),
+                format!("--set: `xcs.population_size` is {value}, but must be from 32 to 1000000")
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_whole_number_is_refused_with_the_range_too() {
+        for value in ["nan", "inf", "2.5", "many"] {
+            let message = message(None, &[&format!("xcs.nu={value}")]);
+            assert!(
+                message.contains("must be a whole number from 1 to 20"),
+                "{message}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_value_of_several_lines_sets_nothing_beside_its_key() {
+        let message = message(None, &["xcs.nu=1\nxcs.mu=2"]);
+        assert!(message.contains("must be a whole number"), "{message}");
+    }
+
+    #[test]
+    fn a_message_repeats_only_the_beginning_of_a_long_line() {
+        let long = "x".repeat(1_000_000);
+        for text in [
+            format!("[xcs]\nbeta = \"{long}\"\n"),
+            format!("{long} = 1\n"),
+            format!("{} 1\n", "[".repeat(1_000_000)),
+            format!("[reward]\nsharing = \"{long}\"\n"),
+        ] {
+            let message = message(Some(&text), &[]);
+            assert!(message.len() < 1000, "{} bytes", message.len());
+        }
+    }
+}
