@@ -77,7 +77,7 @@ fn group(maze: &Maze) -> Group {
 
 fn kind(maze: &Maze, paths: &Paths, (a, b): (Cell, Cell)) -> Group {
     let best = |cell, action| paths.successor(maze, cell, action).is_some();
-    let mut actions = xcscr::signal::Action::all(maze.action_count());
+    let mut actions = xcscr::xcs::Action::all(maze.action_count());
     let shared = actions.any(|action| best(a, action) && best(b, action));
     match (paths.distance(maze, a) == paths.distance(maze, b), shared) {
         (true, true) => Group::None,
