@@ -24,7 +24,7 @@ Exit codes:
   70  internal fault: please report it
   73  cannot create the output
   74  input or output error, such as a full disk
-  75  interrupted, and a valid checkpoint was left: go on with `train --resume`
+  75  interrupted, and a valid checkpoint was left: resume it with `train --resume`
  130  interrupted for the second time, and ended at once";
 
 /// A mobile robot in a physics-simulated maze learns readable rules (XCS and XCSCR), and every

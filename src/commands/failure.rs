@@ -5,7 +5,7 @@ use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
 use xcscr::record::RecordError;
-use xcscr::run::RunFolderError;
+use xcscr::run::{RunError, RunFolderError};
 use xcscr::trial::{PlanError, SettingsError};
 use xcscr::world::WorldError;
 
@@ -49,11 +49,6 @@ impl Failure {
             exit,
             message: message.into(),
         }
-    }
-
-    /// The same failure with one more thing to say.
-    pub fn and(self, more: &str) -> Self {
-        Self::new(self.exit, format!("{}; {more}", self.message))
     }
 
     /// The failure after a panic, whose own message is already on stderr.
@@ -140,6 +135,22 @@ impl From<RunFolderError> for Failure {
             RunFolderError::Io { .. } | RunFolderError::Write { .. } => Exit::Io,
         };
         Self::new(exit, error.to_string())
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        let message = error.to_string();
+        match error {
+            RunError::Folder(error) => error.into(),
+            RunError::Plan(error) => error.into(),
+            RunError::World(error) => error.into(),
+            RunError::Record(error) => error.into(),
+            RunError::Recording { .. } => Self::new(Exit::BadData, message),
+            RunError::Interrupted { .. } => Self::new(Exit::Interrupted, message),
+            RunError::Resumable { cause, .. } => Self::new(Self::from(*cause).exit, message),
+            _ => Self::new(Exit::CannotCreate, message),
+        }
     }
 }
 

@@ -4,9 +4,9 @@ use std::io::{self, Write};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use xcscr::record::Topic;
 #[cfg(feature = "live")]
 use xcscr::record::live::Stream;
+use xcscr::record::{Tap, Topic};
 
 use super::failure::{Exit, Failure};
 use super::interrupt::Interrupt;
@@ -15,6 +15,8 @@ use super::interrupt::Interrupt;
 pub const LIVE_PORT: u16 = 8765;
 /// How often one looks whether somebody watches, or wants to end.
 const TICK: Duration = Duration::from_millis(100);
+/// How long training waits for a viewer: long enough to open one, and a script is not stuck.
+const VIEWER_WAIT: Duration = Duration::from_secs(60);
 
 /// Arguments of commands that can stream.
 #[derive(Debug, clap::Args)]
@@ -79,6 +81,12 @@ impl Broadcast {
         }
         // A viewer asks for one topic after the other.
         thread::sleep(TICK);
+    }
+
+    /// Waits a while for a viewer; then what is to be done with each message that is recorded.
+    pub fn into_tap(mut self) -> Tap {
+        self.wait_for_viewer(VIEWER_WAIT);
+        Box::new(move |topic, time_ns, data: &[u8]| self.send(topic, time_ns, data))
     }
 
     /// Waits until it is time, then sends a message.

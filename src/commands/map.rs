@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 
 use xcscr::disk;
 use xcscr::picture::{Film, FilmError, Scenes};
-use xcscr::run::RunFolder;
+use xcscr::run::{RunFolder, Source};
 use xcscr::trial::Plan;
 
 use super::failure::{Exit, Failure};
-use super::source::Source;
 
 /// Arguments of `map`.
 #[derive(Debug, clap::Args)]

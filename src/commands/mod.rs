@@ -13,7 +13,6 @@ mod progress;
 pub mod recover;
 pub mod replay;
 pub mod rules;
-mod session;
 mod source;
 pub mod study;
 pub mod train;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use xcscr::episode::{Ending, Episode, Learned, Observer};
-use xcscr::trial;
+use xcscr::trial::Trial;
 
 const TEMPLATE: &str = "{bar:30} episode {pos}/{len}, {msg}, {eta} left";
 
@@ -15,8 +15,18 @@ pub struct Progress {
 }
 
 impl Progress {
+    /// A bar for what is left of a trial; `quiet` hides it.
+    pub fn new(trial: &Trial, quiet: bool) -> Self {
+        let progress = trial.progress();
+        let mut this = Self::of(trial.plan().config.episodes, quiet);
+        this.bar.set_position(progress.episodes.into());
+        this.bar.reset_eta();
+        this.best = progress.best_steps;
+        this
+    }
+
     /// A bar for this many episodes; `quiet` hides it.
-    pub fn new(episodes: u32, quiet: bool) -> Self {
+    pub fn of(episodes: u32, quiet: bool) -> Self {
         let target = if quiet {
             ProgressDrawTarget::hidden()
         } else {
@@ -25,14 +35,6 @@ impl Progress {
         let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
         let bar = ProgressBar::with_draw_target(Some(episodes.into()), target).with_style(style);
         Self { bar, best: None }
-    }
-
-    /// The bar of a trial that has come so far.
-    pub fn after(mut self, progress: &trial::Progress) -> Self {
-        self.bar.set_position(progress.episodes.into());
-        self.bar.reset_eta();
-        self.best = progress.best_steps;
-        self
     }
 }
 

@@ -1,12 +1,7 @@
-//! Where recordings lie, and what run they come from.
+//! Where recordings lie.
 
 use std::fs;
 use std::path::{Path, PathBuf};
-
-use xcscr::record::RecordMode;
-use xcscr::record::reader::Recording;
-use xcscr::trial::Plan;
-use xcscr::world::Maze;
 
 use super::failure::{Exit, Failure};
 
@@ -40,45 +35,4 @@ pub fn recordings(path: &Path) -> Result<Vec<PathBuf>, Failure> {
         return Err(Failure::new(Exit::Missing, message));
     }
     Ok(files)
-}
-
-/// Where a recording says that it comes from.
-pub struct Source {
-    /// How to run it again.
-    pub plan: Plan,
-    /// Which episodes were kept.
-    pub mode: RecordMode,
-    /// The episode that it shows; `None` for the whole run.
-    pub episode: Option<u32>,
-    /// The whole file.
-    pub bytes: Vec<u8>,
-}
-
-impl Source {
-    /// Reads a recording.
-    pub fn of(file: &Path) -> Result<Self, Failure> {
-        let recording = Recording::open(file)?;
-        let damaged = |what: String| {
-            let message = format!("{}: {what}", file.display());
-            Failure::new(Exit::BadData, message)
-        };
-        let attached = |name: &str| {
-            let missing = || damaged(format!("the attachment {name} is missing"));
-            recording.attachment(name).ok_or_else(missing)
-        };
-        let config = serde_json::from_slice(attached("config.json")?)
-            .map_err(|fault| damaged(format!("config.json: {fault}")))?;
-        let maze = Maze::from_json(attached("world.json")?, "world.json")?;
-        let metadata = recording.metadata("run");
-        let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
-        let mode = entry("record")
-            .parse()
-            .map_err(|fault| damaged(format!("{fault}")))?;
-        Ok(Self {
-            plan: Plan { maze, config },
-            mode,
-            episode: entry("episode").parse().ok(),
-            bytes: recording.bytes().to_vec(),
-        })
-    }
 }

@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
-use xcscr::episode::Observer;
-use xcscr::record::{RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
-use xcscr::run::RunFolder;
+use xcscr::record::RecordMode;
+use xcscr::run::{Finished, Resumed, RunFolder, Session};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
 use super::failure::Failure;
+use super::interrupt::Interrupt;
 use super::live::{LIVE_PORT, LiveArgs};
-use super::session::Session;
+use super::progress::Progress;
 use super::train_report::TrainReport;
 
 /// What is settled once a run has begun.
@@ -100,21 +100,24 @@ impl TrainArgs {
 /// Trains, records, saves and reports.
 pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     let broadcast = args.live.open(args.port, 10.0)?;
-    let mut session = match (&args.world, &args.resume) {
+    let (mut session, interrupt) = match (&args.world, &args.resume) {
         (Some(world), _) => begin(args, world)?,
-        // As a run names its folder itself, without a slash at the end.
-        (None, folder) => {
-            let folder: PathBuf = folder.iter().flat_map(|path| path.components()).collect();
-            match Session::resume(&folder, args.quiet)? {
-                Ok(session) => session,
-                Err(finished) => return say_finished(&finished, args.json, out),
-            }
-        }
+        (None, folder) => match resume(folder.iter())? {
+            (Resumed::Unfinished(session), interrupt) => (*session, interrupt),
+            (Resumed::Finished(folder), _) => return say_finished(&folder, args.json, out),
+        },
     };
     if let Some(broadcast) = broadcast {
-        session.stream(broadcast);
+        session.tap(broadcast.into_tap());
     }
-    let (trial, folder, recording) = session.run()?;
+    let mut progress = Progress::new(session.trial(), args.quiet);
+    let finished = session.run(&mut progress, &|| interrupt.came());
+    drop(progress);
+    let Finished {
+        trial,
+        folder,
+        recording,
+    } = finished?;
     let report = TrainReport::new(&trial, folder.path());
     if args.json {
         return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?);
@@ -122,13 +125,28 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     report.print(&trial, &recording, out)
 }
 
-fn begin(args: &TrainArgs, world: &Path) -> Result<Session, Failure> {
+fn begin(args: &TrainArgs, world: &Path) -> Result<(Session, Interrupt), Failure> {
     let plan = args.plan(world)?;
     let default = || PathBuf::from("recordings").join(plan.folder_name());
     let path = args.out.clone().unwrap_or_else(default);
     let trial = Trial::new(plan)?;
     let folder = RunFolder::create(&path, args.force)?;
-    Session::begin(folder, trial, args.record, args.quiet)
+    let interrupt = watch(&folder)?;
+    Ok((Session::begin(folder, trial, args.record)?, interrupt))
+}
+
+/// Resumes the run in a folder, named as a run names its folder itself: without a slash at the end.
+fn resume<'a>(folder: impl Iterator<Item = &'a PathBuf>) -> Result<(Resumed, Interrupt), Failure> {
+    let path: PathBuf = folder.flat_map(|path| path.components()).collect();
+    let folder = RunFolder::resume(&path)?;
+    let interrupt = watch(&folder)?;
+    Ok((Session::resume(folder)?, interrupt))
+}
+
+/// Watches for signals from the moment on at which the folder is this process's own.
+fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
+    let farewell = format!("interrupted in an episode; {}", folder.way_on());
+    Ok(Interrupt::watch(farewell)?)
 }
 
 /// There is nothing left to do, which is a success.
@@ -144,38 +162,4 @@ fn say_finished(folder: &RunFolder, json: bool, out: &mut impl Write) -> Result<
         out,
         "{run_dir} is finished: all {episodes} episodes were run before"
     )?)
-}
-
-/// A recorder for a run of this plan, into `folder`.
-pub fn recorder(folder: &Path, plan: &Plan, mode: RecordMode) -> Result<Recorder, Failure> {
-    Ok(Recorder::create(folder, &plan.maze, run_info(plan)?, mode)?)
-}
-
-/// What the recordings of a run say about it.
-pub fn run_info(plan: &Plan) -> Result<RunInfo, Failure> {
-    let config = &plan.config;
-    Ok(RunInfo {
-        world_json: plan.maze.to_json(),
-        config_json: serde_json::to_string(config)?,
-        seed: config.seed,
-        method: config.method.name().to_owned(),
-        arena: config.arena.name().to_owned(),
-        sensor: config.sensor,
-        episodes: config.episodes,
-        robot: RobotShape::for_cell(plan.maze.cell_size_m()),
-    })
-}
-
-/// Runs a trial to its end while it is recorded and watched.
-pub fn train(
-    trial: &mut Trial,
-    recorder: Recorder,
-    watcher: impl Observer,
-) -> Result<RecordSummary, Failure> {
-    let mut observers = (recorder, watcher);
-    // A break comes from the recorder, whose error `finish` gives out.
-    let _ = trial.run(&mut observers);
-    let (recorder, watcher) = observers;
-    drop(watcher);
-    Ok(recorder.finish(trial.method())?)
 }

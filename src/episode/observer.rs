@@ -94,6 +94,20 @@ pub trait Observer {
 /// Nobody listens.
 impl Observer for () {}
 
+impl<O: Observer + ?Sized> Observer for &mut O {
+    fn began(&mut self, episode: u32, view: &View<'_>) {
+        (**self).began(episode, view);
+    }
+
+    fn stepped(&mut self, step: &Step<'_>) {
+        (**self).stepped(step);
+    }
+
+    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
+        (**self).ended(episode, learned)
+    }
+}
+
 /// Two listen; the trial ends when either wants it to.
 impl<A: Observer, B: Observer> Observer for (A, B) {
     fn began(&mut self, episode: u32, view: &View<'_>) {

@@ -1,11 +1,80 @@
-//! What can be wrong with the folder of a run.
+//! Why a run cannot be begun, resumed, finished or verified.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::disk;
-use crate::trial::CheckpointError;
+use crate::record::RecordError;
+use crate::trial::{CheckpointError, PlanError};
 use crate::world::WorldError;
+
+/// Why a run cannot go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// Its folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] RunFolderError),
+    /// Its settings or its world are refused.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The world is no good.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// It cannot be recorded, or a recording cannot be read.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// A recording does not say where it comes from.
+    #[error("{}: {fault}", .file.display())]
+    Recording {
+        /// The recording.
+        file: PathBuf,
+        /// What is wrong with it.
+        fault: String,
+    },
+    /// There is no temporary folder.
+    #[error("cannot make a temporary folder: {0}")]
+    Temporary(io::Error),
+    /// It was asked to stop, and left a checkpoint.
+    #[error("interrupted after episode {done} of {all}; {}", way_on(.folder))]
+    Interrupted {
+        /// Its folder.
+        folder: PathBuf,
+        /// Finished episodes.
+        done: u32,
+        /// All episodes.
+        all: u32,
+    },
+    /// It failed, but can be resumed from its last checkpoint.
+    #[error("{cause}; {}", way_on(.folder))]
+    Resumable {
+        /// Its folder.
+        folder: PathBuf,
+        /// What went wrong.
+        cause: Box<RunError>,
+    },
+}
+
+impl RunError {
+    /// The same for a run that has a checkpoint in `folder`.
+    pub(super) fn resumable_in(self, folder: &Path) -> Self {
+        match self {
+            Self::Interrupted { .. } => self,
+            cause => Self::Resumable {
+                folder: folder.to_owned(),
+                cause: Box::new(cause),
+            },
+        }
+    }
+}
+
+/// How to resume a run.
+pub(super) fn way_on(folder: &Path) -> String {
+    format!(
+        "resume it with `xcscr train --resume {}`",
+        disk::typed(folder)
+    )
+}
 
 /// Why a run folder cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -19,7 +88,7 @@ pub enum RunFolderError {
     #[error("{0} holds files, but no run: choose another folder with `--out`")]
     Foreign(PathBuf),
     /// There is a run that did not end.
-    #[error("{0} holds an interrupted run: go on with `xcscr train --resume {path}`, or replace it with `--force`", path = disk::typed(.0))]
+    #[error("{0} holds an interrupted run: resume it with `xcscr train --resume {path}`, or replace it with `--force`", path = disk::typed(.0))]
     Interrupted(PathBuf),
     /// Another process works in the folder.
     #[error("{folder} is in use by {}: wait for it, or choose another folder with `--out`", holder(.pid))]
@@ -29,7 +98,7 @@ pub enum RunFolderError {
         /// The process, if it could be found out.
         pid: Option<u32>,
     },
-    /// There is nothing to go on with.
+    /// There is nothing to resume.
     #[error("{0} holds no interrupted run: begin one with `xcscr train WORLD --out {path}`; `--force` replaces a run that is there", path = disk::typed(.0))]
     NothingToResume(PathBuf),
     /// The checkpoint is of no use.

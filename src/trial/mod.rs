@@ -60,6 +60,19 @@ impl Progress {
     }
 }
 
+impl Plan {
+    /// Runs the trial to its end, unrecorded.
+    ///
+    /// # Errors
+    /// When the world or a setting is refused.
+    pub fn run(self) -> Result<Trial, PlanError> {
+        let mut trial = Trial::new(self)?;
+        // Nobody listens who could break it off.
+        let _ = trial.run(&mut ());
+        Ok(trial)
+    }
+}
+
 /// A trial in progress: run it episode by episode, or all at once.
 pub struct Trial {
     plan: Plan,

@@ -96,7 +96,71 @@ pub struct Plan {
     pub config: Config,
 }
 
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            method: Method::Xcscr,
+            arena: ArenaKind::Physics,
+            sensor: Sensor::Neighbours,
+            episodes: 180,
+            seed: 1,
+            settings: Settings::default(),
+            initial: None,
+        }
+    }
+}
+
 impl Plan {
+    /// A trial of 180 episodes of `xcscr` in physics, from seed 1; each method below changes one
+    /// of these choices.
+    pub fn new(maze: Maze) -> Self {
+        let config = Config::default();
+        Self { maze, config }
+    }
+
+    /// With another reward method.
+    #[must_use]
+    pub fn method(mut self, method: Method) -> Self {
+        self.config.method = method;
+        self
+    }
+
+    /// In another arena.
+    #[must_use]
+    pub fn arena(mut self, arena: ArenaKind) -> Self {
+        self.config.arena = arena;
+        self
+    }
+
+    /// With another percept.
+    #[must_use]
+    pub fn sensor(mut self, sensor: Sensor) -> Self {
+        self.config.sensor = sensor;
+        self
+    }
+
+    /// With this many episodes; 1 to 1,000,000.
+    #[must_use]
+    pub fn episodes(mut self, episodes: u32) -> Self {
+        self.config.episodes = episodes;
+        self
+    }
+
+    /// From another root seed.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.config.seed = seed;
+        self
+    }
+
+    /// With other settings.
+    #[must_use]
+    pub fn settings(mut self, settings: Settings) -> Self {
+        self.config.settings = settings;
+        self
+    }
+
     /// Accepts the plan when every setting lies in its range.
     ///
     /// # Errors

@@ -8,10 +8,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use xcscr::record::layout;
 use xcscr::record::server::{Content, Server, foxglove_link, lichtblick_link};
+use xcscr::run::Source;
 use xcscr::world::Maze;
 
 use crate::commands::failure::{Exit, Failure};
-use crate::commands::source::Source;
 
 /// A link opens at most so many files; the others can be dragged into the viewer.
 const MOST_LINKED: usize = 10;

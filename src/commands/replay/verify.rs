@@ -1,16 +1,12 @@
 //! `xcscr replay --verify`: whether a new run gives the same bytes.
 
-use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 
-use xcscr::record::{self, RecordMode};
-use xcscr::trial::{Plan, Trial};
+use xcscr::run::{Again, Source};
 
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::progress::Progress;
-use crate::commands::source::Source;
-use crate::commands::train;
 
 /// What became of one recording, as `--json` prints it.
 #[derive(serde::Serialize)]
@@ -26,10 +22,11 @@ pub fn run(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Fa
     let mut verified = Vec::new();
     let mut again: Option<Again> = None;
     for file in files {
-        let difference = match Source::of(file) {
+        let difference = match Source::of(file).map_err(Failure::from) {
             Ok(source) => {
                 if again.as_ref().is_none_or(|run| !run.serves(&source)) {
-                    again = Some(Again::new(&source)?);
+                    let episodes = source.plan.config.episodes;
+                    again = Some(Again::new(&source, &mut Progress::of(episodes, false))?);
                 }
                 let run = again.as_ref().expect("a run was just made");
                 run.difference(&source)?
@@ -70,55 +67,4 @@ fn report(verified: &[Verified], json: bool, out: &mut impl Write) -> Result<(),
     }
     let message = format!("{} of {all} recordings differ from a new run", all - same);
     Err(Failure::new(Exit::Refuted, message))
-}
-
-/// A trial that was run again, into a folder that goes away afterwards.
-struct Again {
-    plan: Plan,
-    mode: RecordMode,
-    folder: tempfile::TempDir,
-}
-
-impl Again {
-    fn new(source: &Source) -> Result<Self, Failure> {
-        let plan = &source.plan;
-        let folder = tempfile::tempdir().map_err(|cause| {
-            Failure::new(
-                Exit::CannotCreate,
-                format!("cannot make a temporary folder: {cause}"),
-            )
-        })?;
-        let mut trial = Trial::new(plan.clone())?;
-        let recorder = train::recorder(folder.path(), plan, source.mode)?;
-        train::train(
-            &mut trial,
-            recorder,
-            Progress::new(plan.config.episodes, false),
-        )?;
-        Ok(Self {
-            plan: plan.clone(),
-            mode: source.mode,
-            folder,
-        })
-    }
-
-    fn serves(&self, source: &Source) -> bool {
-        self.mode == source.mode && self.plan == source.plan
-    }
-
-    /// The first difference between a recording and that of this run.
-    fn difference(&self, source: &Source) -> Result<Option<String>, Failure> {
-        let name = match source.episode {
-            None => "run.mcap".to_owned(),
-            Some(episode) => format!("ep-{episode:04}.mcap"),
-        };
-        let Ok(bytes) = fs::read(self.folder.path().join(&name)) else {
-            let episodes = self.plan.config.episodes;
-            return Ok(Some(format!(
-                "a new run of {episodes} episodes makes no {name}"
-            )));
-        };
-        let difference = record::compare(&source.bytes, &bytes)?;
-        Ok(difference.map(|difference| difference.to_string()))
-    }
 }

@@ -1,0 +1,319 @@
+//! The folder that a run leaves behind.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::error::{RunFolderError, way_on};
+
+use crate::agent::Knowledge;
+use crate::disk::{self, FolderLock, LOCK, LockError};
+use crate::trial::{CheckpointError, Config, Plan, seal, unseal};
+use crate::world::Maze;
+
+/// The world, as the run used it.
+const WORLD: &str = "world.json";
+/// All that was chosen.
+const CONFIG: &str = "config.json";
+/// What was learned.
+const RULES: &str = "rules.json";
+/// The run as it was a moment ago, while it lasts.
+const CHECKPOINT: &str = "checkpoint";
+/// What recordings leave beside numbered episodes.
+const RECORDINGS: [&str; 3] = [
+    "run.mcap",
+    "foxglove-layout.json",
+    "foxglove-layout-run.json",
+];
+
+/// A folder with the files of one run: `world.json`, `config.json`, `rules.json`, recordings, and
+/// a checkpoint while the run lasts.
+#[derive(Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+    /// Held by whoever writes.
+    _lock: Option<FolderLock>,
+}
+
+/// What a folder holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Holds {
+    /// Nothing, or what a run leaves that was killed before it had begun.
+    Nothing,
+    /// A run with a checkpoint.
+    Interrupted,
+    /// A run without one.
+    Run,
+    /// Something else.
+    Foreign,
+}
+
+impl RunFolder {
+    /// Makes the folder of a new run, and locks it. A run that is there already is replaced only
+    /// if `force` is set; then its files are removed, and nothing else.
+    ///
+    /// # Errors
+    /// When the folder holds something, is in use, or cannot be made.
+    pub fn create(path: &Path, force: bool) -> Result<Self, RunFolderError> {
+        // Without a lock yet, so that nothing is left in a folder that is none of ours. Another
+        // process may be about to begin there: then it has the lock.
+        if holds(path) == Holds::Foreign && !path.join(LOCK).exists() {
+            return Err(RunFolderError::Foreign(path.to_owned()));
+        }
+        fs::create_dir_all(path).map_err(|cause| RunFolderError::Create {
+            path: path.to_owned(),
+            cause,
+        })?;
+        let folder = Self::locked(path)?;
+        match holds(path) {
+            Holds::Foreign => Err(RunFolderError::Foreign(path.to_owned())),
+            Holds::Interrupted if !force => Err(RunFolderError::Interrupted(path.to_owned())),
+            Holds::Run if !force => Err(RunFolderError::Exists(path.to_owned())),
+            Holds::Run | Holds::Interrupted => folder.clear().map(|()| folder),
+            Holds::Nothing => Ok(folder),
+        }
+    }
+
+    /// Locks the folder of a run that is to go on, or that turns out to be finished.
+    ///
+    /// # Errors
+    /// When there is no run, or another process works on it.
+    pub fn resume(path: &Path) -> Result<Self, RunFolderError> {
+        match holds(path) {
+            Holds::Interrupted | Holds::Run => Self::locked(path),
+            _ => Err(RunFolderError::NothingToResume(path.to_owned())),
+        }
+    }
+
+    fn locked(path: &Path) -> Result<Self, RunFolderError> {
+        let lock = FolderLock::acquire(path).map_err(|error| match error {
+            LockError::File(path, cause) => RunFolderError::Create { path, cause },
+            LockError::Held(pid) => RunFolderError::InUse {
+                folder: path.to_owned(),
+                pid,
+            },
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            _lock: Some(lock),
+        })
+    }
+
+    /// Removes the files of the run, those last by which a folder is known as that of a run.
+    fn clear(&self) -> Result<(), RunFolderError> {
+        let entries = self.path.read_dir().and_then(Iterator::collect);
+        let entries: Vec<fs::DirEntry> = entries.map_err(|cause| RunFolderError::Io {
+            path: self.path.clone(),
+            cause,
+        })?;
+        let names = entries.iter().map(fs::DirEntry::file_name);
+        let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
+        names.retain(|name| is_of_a_run(name) && name != CONFIG && name != CHECKPOINT);
+        names.extend([CHECKPOINT.to_owned(), CONFIG.to_owned()]);
+        names.iter().try_for_each(|name| self.remove(name))
+    }
+
+    fn remove(&self, name: &str) -> Result<(), RunFolderError> {
+        let path = self.path.join(name);
+        disk::remove(&path).map_err(|cause| RunFolderError::Write { path, cause })
+    }
+
+    /// The folder of a run that exists, to be read.
+    pub fn open(path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            _lock: None,
+        }
+    }
+
+    /// How to resume the run, for a message.
+    pub fn way_on(&self) -> String {
+        way_on(&self.path)
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Saves what the run is about to do.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn save_plan(&self, plan: &Plan) -> Result<(), RunFolderError> {
+        self.write(WORLD, plan.maze.to_json().as_bytes())?;
+        self.write(CONFIG, to_json(&plan.config).as_bytes())
+    }
+
+    /// The plan of the run.
+    ///
+    /// # Errors
+    /// When a file is missing, damaged or unreadable.
+    pub fn plan(&self) -> Result<Plan, RunFolderError> {
+        let maze = Maze::load(&self.existing(WORLD)?)?;
+        let config: Config = self.read(CONFIG)?;
+        let plan = Plan { maze, config };
+        plan.check().map_err(|fault| self.damaged(CONFIG, &fault))?;
+        Ok(plan)
+    }
+
+    /// Saves what was learned.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn save_knowledge(&self, knowledge: &Knowledge) -> Result<(), RunFolderError> {
+        self.write(RULES, to_json(knowledge).as_bytes())
+    }
+
+    /// What was learned.
+    ///
+    /// # Errors
+    /// When the file is missing, damaged or unreadable.
+    pub fn knowledge(&self) -> Result<Knowledge, RunFolderError> {
+        self.read(RULES)
+    }
+
+    /// Saves where the run is, in place of an earlier checkpoint.
+    ///
+    /// # Errors
+    /// An error of the file system; the earlier checkpoint is kept.
+    pub fn save_checkpoint(&self, state: &impl Serialize) -> Result<(), RunFolderError> {
+        self.write(CHECKPOINT, &seal(state))
+    }
+
+    /// Does the run lack its end?
+    pub fn is_interrupted(&self) -> bool {
+        holds(&self.path) == Holds::Interrupted
+    }
+
+    /// Where the run was; `None` when it is finished.
+    ///
+    /// # Errors
+    /// When the checkpoint cannot be read, or is damaged, or of another version.
+    pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Option<T>, RunFolderError> {
+        let path = self.path.join(CHECKPOINT);
+        if !path.is_file() && self.path.join(RULES).is_file() {
+            return Ok(None);
+        }
+        let bytes = disk::read_plain(&path).map_err(|cause| match cause.kind() {
+            io::ErrorKind::NotFound => RunFolderError::NothingToResume(self.path.clone()),
+            _ => RunFolderError::Io {
+                path: path.clone(),
+                cause,
+            },
+        })?;
+        let state = unseal(&bytes).map_err(|fault| self.bad_checkpoint(fault))?;
+        Ok(Some(state))
+    }
+
+    /// That the checkpoint is of no use, for this reason.
+    pub fn bad_checkpoint(&self, fault: CheckpointError) -> RunFolderError {
+        let path = self.path.join(CHECKPOINT);
+        RunFolderError::Checkpoint { path, fault }
+    }
+
+    /// Ends the run: without a checkpoint it is finished.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn remove_checkpoint(&self) -> Result<(), RunFolderError> {
+        self.remove(CHECKPOINT)
+    }
+
+    fn existing(&self, name: &str) -> Result<PathBuf, RunFolderError> {
+        let path = self.path.join(name);
+        if path.is_file() {
+            Ok(path)
+        } else {
+            Err(RunFolderError::Missing(path))
+        }
+    }
+
+    fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunFolderError> {
+        let path = self.existing(name)?;
+        let text = fs::read(&path).map_err(|cause| RunFolderError::Io { path, cause })?;
+        serde_json::from_slice(&text).map_err(|fault| self.damaged(name, &fault))
+    }
+
+    fn damaged(&self, name: &str, fault: &dyn std::fmt::Display) -> RunFolderError {
+        RunFolderError::Damaged {
+            path: self.path.join(name),
+            fault: fault.to_string(),
+        }
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RunFolderError> {
+        let path = self.path.join(name);
+        disk::replace(&path, bytes).map_err(|cause| RunFolderError::Write { path, cause })
+    }
+}
+
+/// What is in a folder, which need not exist.
+fn holds(path: &Path) -> Holds {
+    let entries = path.read_dir().into_iter().flatten().flatten();
+    let mut names: Vec<_> = entries.map(|entry| entry.file_name()).collect();
+    let has = |name: &str| names.iter().any(|one| one == name);
+    if has(CHECKPOINT) {
+        return Holds::Interrupted;
+    }
+    if has(CONFIG) {
+        return Holds::Run;
+    }
+    // What is there before the first checkpoint.
+    let part = disk::part(Path::new(CHECKPOINT));
+    names.retain(|name| name != LOCK && name != part.as_os_str());
+    match names.is_empty() {
+        true => Holds::Nothing,
+        false => Holds::Foreign,
+    }
+}
+
+/// Is this one of the names that runs give to files?
+fn is_of_a_run(name: &str) -> bool {
+    let whole = name.strip_suffix(".part").unwrap_or(name);
+    let number = whole
+        .strip_prefix("ep-")
+        .and_then(|rest| rest.strip_suffix(".mcap"));
+    let is_number = |text: &str| text.len() >= 4 && text.bytes().all(|b| b.is_ascii_digit());
+    number.is_some_and(is_number)
+        || [WORLD, CONFIG, RULES, CHECKPOINT].contains(&whole)
+        || RECORDINGS.contains(&whole)
+        || whole == "run.mcap.again"
+}
+
+fn to_json(value: &impl Serialize) -> String {
+    let mut text = serde_json::to_string_pretty(value).expect("plain data becomes JSON");
+    text.push('\n');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_names_that_runs_give_are_those_of_a_run() {
+        for name in [
+            "ep-0001.mcap",
+            "ep-123456.mcap.part",
+            "run.mcap",
+            "rules.json",
+            "checkpoint",
+        ] {
+            assert!(is_of_a_run(name), "{name}");
+        }
+        for name in [
+            "ep-1.mcap",
+            "ep-best.mcap",
+            "notes.txt",
+            "ep-0001.mcap.bak",
+            "run",
+            "ep-.mcap",
+        ] {
+            assert!(!is_of_a_run(name), "{name}");
+        }
+    }
+}

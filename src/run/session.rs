@@ -1,0 +1,198 @@
+//! A run under way: it loses at most a moment of work, however it is stopped.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::error::RunError;
+use super::folder::RunFolder;
+use crate::episode::Observer;
+use crate::record::{
+    RecordMode, RecordSummary, Recorder, RecorderMemory, RobotShape, RunInfo, Tap,
+};
+use crate::trial::{Checkpoint, Plan, Trial};
+
+/// Checkpoints may cost one part in so many of the time ...
+const SHARE: u32 = 50;
+/// ... and are at most so far apart.
+const RAREST: Duration = Duration::from_secs(60);
+
+/// What a checkpoint holds.
+#[derive(Serialize, Deserialize)]
+struct State {
+    trial: Checkpoint,
+    recorder: RecorderMemory,
+}
+
+/// A recorded run under way, in a folder that nobody else works in.
+pub struct Session {
+    folder: RunFolder,
+    trial: Trial,
+    recorder: Recorder,
+    next_checkpoint: Instant,
+}
+
+/// What became of a run that was to be resumed.
+pub enum Resumed {
+    /// It goes on where it was.
+    Unfinished(Box<Session>),
+    /// There is nothing left to do.
+    Finished(RunFolder),
+}
+
+/// A run that is done.
+pub struct Finished {
+    /// The trial, with what was learned.
+    pub trial: Trial,
+    /// Its folder.
+    pub folder: RunFolder,
+    /// What was recorded.
+    pub recording: RecordSummary,
+}
+
+impl Session {
+    /// Begins a run in a folder that is empty.
+    ///
+    /// # Errors
+    /// When a file of the run cannot be written.
+    pub fn begin(folder: RunFolder, trial: Trial, mode: RecordMode) -> Result<Self, RunError> {
+        let plan = trial.plan();
+        // First, so that the run can be resumed whenever it is stopped from here on.
+        folder.save_checkpoint(&State {
+            trial: trial.checkpoint(),
+            recorder: RecorderMemory::new(mode),
+        })?;
+        folder.save_plan(plan)?;
+        let recorder = Recorder::create(folder.path(), &plan.maze, run_info(plan), mode)?;
+        Ok(Self::new(folder, trial, recorder))
+    }
+
+    /// Resumes the run in a folder from its last checkpoint.
+    ///
+    /// # Errors
+    /// When the checkpoint is missing, damaged or contradicts itself, or a recording that it
+    /// counts on is.
+    pub fn resume(folder: RunFolder) -> Result<Resumed, RunError> {
+        let Some(State { trial, recorder }) = folder.checkpoint()? else {
+            return Ok(Resumed::Finished(folder));
+        };
+        let trial = Trial::resume(&trial).map_err(|fault| folder.bad_checkpoint(fault))?;
+        let plan = trial.plan();
+        folder.save_plan(plan)?;
+        let (info, policy) = (run_info(plan), trial.policy());
+        let recorder = Recorder::resume(folder.path(), &plan.maze, info, recorder, policy)?;
+        let session = Self::new(folder, trial, recorder);
+        Ok(Resumed::Unfinished(Box::new(session)))
+    }
+
+    fn new(folder: RunFolder, trial: Trial, recorder: Recorder) -> Self {
+        Self {
+            folder,
+            trial,
+            recorder,
+            next_checkpoint: Instant::now(),
+        }
+    }
+
+    /// The trial as it is now.
+    pub fn trial(&self) -> &Trial {
+        &self.trial
+    }
+
+    /// Hands every message that is recorded from now on to `tap`, too.
+    pub fn tap(&mut self, tap: Tap) {
+        self.recorder.tap(tap);
+    }
+
+    /// Runs what is left and saves what was learned. `observer` sees every step after it was
+    /// recorded; the run ends with a checkpoint after the first episode at whose end `stop` is
+    /// true.
+    ///
+    /// # Errors
+    /// [`RunError::Interrupted`] when it was stopped; otherwise when something cannot be written.
+    pub fn run(
+        mut self,
+        observer: &mut dyn Observer,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Finished, RunError> {
+        let folder = self.folder.path().to_owned();
+        let resumable = |error: RunError| error.resumable_in(&folder);
+        self.episodes(observer, stop).map_err(resumable)?;
+        let Self {
+            folder,
+            trial,
+            recorder,
+            ..
+        } = self;
+        let recording = recorder.finish(trial.method());
+        let recording = recording.map_err(|error| resumable(error.into()))?;
+        folder
+            .save_knowledge(&trial.method().knowledge())
+            .and_then(|()| folder.remove_checkpoint())
+            .map_err(|error| resumable(error.into()))?;
+        Ok(Finished {
+            trial,
+            folder,
+            recording,
+        })
+    }
+
+    fn episodes(
+        &mut self,
+        observer: &mut dyn Observer,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<(), RunError> {
+        while !self.trial.is_finished() {
+            let mut observers = (&mut self.recorder, &mut *observer);
+            if self.trial.run_episode(&mut observers).1 == ControlFlow::Break(()) {
+                // A break comes from the recorder, whose error this gives out.
+                self.save()?;
+            }
+            if stop() {
+                self.save()?;
+                return Err(self.interrupted());
+            }
+            if Instant::now() >= self.next_checkpoint {
+                self.save()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes a checkpoint, and plans the next one by what this one cost.
+    fn save(&mut self) -> Result<(), RunError> {
+        let begun = Instant::now();
+        let state = State {
+            recorder: self.recorder.memory()?,
+            trial: self.trial.checkpoint(),
+        };
+        self.folder.save_checkpoint(&state)?;
+        let pause = (begun.elapsed() * SHARE).min(RAREST);
+        self.next_checkpoint = Instant::now() + pause;
+        Ok(())
+    }
+
+    fn interrupted(&self) -> RunError {
+        RunError::Interrupted {
+            folder: self.folder.path().to_owned(),
+            done: self.trial.progress().episodes,
+            all: self.trial.plan().config.episodes,
+        }
+    }
+}
+
+/// What the recordings of a run say about it.
+pub(super) fn run_info(plan: &Plan) -> RunInfo {
+    let config = &plan.config;
+    RunInfo {
+        world_json: plan.maze.to_json(),
+        config_json: serde_json::to_string(config).expect("plain data becomes JSON"),
+        seed: config.seed,
+        method: config.method.name().to_owned(),
+        arena: config.arena.name().to_owned(),
+        sensor: config.sensor,
+        episodes: config.episodes,
+        robot: RobotShape::for_cell(plan.maze.cell_size_m()),
+    }
+}

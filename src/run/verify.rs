@@ -1,0 +1,72 @@
+//! Whether a recorded run, made again, gives the same bytes.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use super::error::RunError;
+use super::session::run_info;
+use super::source::Source;
+use crate::episode::Observer;
+use crate::record::{self, RecordMode, Recorder};
+use crate::trial::{Plan, Trial};
+
+/// A recorded run that was made again, into a folder that goes away with this.
+pub struct Again {
+    plan: Plan,
+    mode: RecordMode,
+    folder: TempDir,
+}
+
+impl Again {
+    /// Runs again what a recording comes from, while `observer` watches.
+    ///
+    /// # Errors
+    /// When its settings or its world are refused, or a file cannot be written.
+    pub fn new(source: &Source, observer: &mut dyn Observer) -> Result<Self, RunError> {
+        let (plan, mode) = (&source.plan, source.mode);
+        let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
+        let mut trial = Trial::new(plan.clone())?;
+        let mut recorder = Recorder::create(folder.path(), &plan.maze, run_info(plan), mode)?;
+        // A break comes from the recorder, whose error `finish` gives out.
+        let _ = trial.run(&mut (&mut recorder, observer));
+        recorder.finish(trial.method())?;
+        Ok(Self {
+            plan: plan.clone(),
+            mode,
+            folder,
+        })
+    }
+
+    /// Is this the run that another recording comes from?
+    pub fn serves(&self, source: &Source) -> bool {
+        self.mode == source.mode && self.plan == source.plan
+    }
+
+    /// The first difference between a recording and that of this run, in words.
+    ///
+    /// # Errors
+    /// When one of the two cannot be read.
+    pub fn difference(&self, source: &Source) -> Result<Option<String>, RunError> {
+        let name = match source.episode {
+            None => "run.mcap".to_owned(),
+            Some(episode) => format!("ep-{episode:04}.mcap"),
+        };
+        let bytes = match self.read(&name) {
+            Ok(bytes) => bytes,
+            Err(_) => {
+                let episodes = self.plan.config.episodes;
+                let fault = format!("a new run of {episodes} episodes makes no {name}");
+                return Ok(Some(fault));
+            }
+        };
+        let difference = record::compare(&source.bytes, &bytes)?;
+        Ok(difference.map(|difference| difference.to_string()))
+    }
+
+    fn read(&self, name: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+        fs::read(self.folder.path().join(name))
+    }
+}
