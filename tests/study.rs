@@ -339,6 +339,102 @@ fn damage_is_noticed() {
     );
 }
 
+/// The lines of the journal of a study of 12 episodes.
+fn journal(desk: &Desk) -> Vec<String> {
+    desk.done("run small.toml --out a --trials 2");
+    let text = fs::read_to_string(desk.path("a/journal")).unwrap();
+    text.lines().map(str::to_owned).collect()
+}
+
+/// The same with other figures in the line of a trial, and the right checksum.
+fn forge(line: &str, figure: &str, value: serde_json::Value) -> String {
+    let mut record: serde_json::Value = serde_json::from_str(&line[9..]).unwrap();
+    record["result"]["Ok"][figure] = value;
+    let json = record.to_string();
+    format!("{:08x} {json}", crc32fast::hash(json.as_bytes()))
+}
+
+#[test]
+fn one_flipped_bit_in_a_journal_is_damage_and_takes_no_finished_trial_away() {
+    let desk = Desk::new();
+    let mut lines = journal(&desk);
+    let flipped = lines[2].replacen("\"steps\"", "\"stepr\"", 1);
+    assert_ne!(lines[2], flipped);
+    lines[2] = flipped;
+    let text = lines.join("\n") + "\n";
+    desk.write("a/journal", &text);
+    for words in [
+        "status a",
+        "report a",
+        "run small.toml --out a --trials 2",
+        "merge a --out b",
+    ] {
+        let message = desk.refused(words, 65);
+        assert!(message.contains("line 3 is bad"), "{words}: {message}");
+        assert_eq!(fs::read_to_string(desk.path("a/journal")).unwrap(), text);
+    }
+    // Control: the way out that the message names.
+    lines.remove(2);
+    desk.write("a/journal", &(lines.join("\n") + "\n"));
+    desk.done("run small.toml --out a --trials 2");
+}
+
+#[test]
+fn a_journal_that_contradicts_itself_is_refused() {
+    let desk = Desk::new();
+    let mut lines = journal(&desk);
+    lines.push(lines[3].clone());
+    desk.write("a/journal", &(lines.join("\n") + "\n"));
+    desk.done("status a");
+    lines.push(forge(&lines[3], "rules", 999.into()));
+    desk.write("a/journal", &(lines.join("\n") + "\n"));
+    let message = desk.refused("status a", 65);
+    assert!(
+        message.contains("another result of trial 2 than an earlier line"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_merge_into_a_folder_with_other_results_is_refused() {
+    let desk = Desk::new();
+    let mut lines = journal(&desk);
+    desk.done("merge a --out b");
+    lines[1] = forge(&lines[1], "rules", 999.into());
+    desk.write("b/journal", &(lines.join("\n") + "\n"));
+    let message = desk.refused("merge a --out b", 65);
+    assert!(message.contains("another result of trial 0"), "{message}");
+}
+
+#[test]
+fn figures_that_no_trial_can_have_are_refused_though_their_checksum_is_right() {
+    let desk = Desk::new();
+    let lines = journal(&desk);
+    for (figure, value) in [
+        ("first_optimal_episode", serde_json::json!(0)),
+        ("first_optimal_episode", serde_json::json!(13)),
+        ("first_optimal_episode", serde_json::json!(4294967295_u32)),
+        ("first_optimal_env_steps", serde_json::json!(u64::MAX)),
+        ("first_executed_optimal_episode", serde_json::json!(13)),
+        ("best_steps", serde_json::json!(0)),
+        ("episodes", serde_json::json!(11)),
+        ("steps", serde_json::json!(u64::MAX)),
+        ("collisions", serde_json::json!(u64::MAX)),
+        ("rules", serde_json::json!(u64::MAX)),
+        ("condensed_rules", serde_json::json!(u32::MAX)),
+    ] {
+        for trial in 1..lines.len() {
+            let mut lines = lines.clone();
+            lines[trial] = forge(&lines[trial], figure, value.clone());
+            desk.write("a/journal", &(lines.join("\n") + "\n"));
+            for words in ["report a", "run small.toml --out a --trials 2"] {
+                let message = desk.refused(words, 65);
+                assert!(message.contains(figure), "{figure} {value}: {message}");
+            }
+        }
+    }
+}
+
 #[test]
 fn only_the_papers_own_experiment_is_set_beside_the_paper() {
     let desk = Desk::new();

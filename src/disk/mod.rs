@@ -17,6 +17,22 @@ pub fn part(path: &Path) -> PathBuf {
     name.into()
 }
 
+/// Opens a file to be read. Pipes, devices and folders are refused at once: those may have no end,
+/// or wait for ever for a writer.
+///
+/// # Errors
+/// Those of the file system, and [`io::ErrorKind::InvalidInput`].
+pub fn open(path: &Path) -> io::Result<File> {
+    // Before it is opened: opening a pipe waits.
+    match fs::metadata(path)?.is_file() {
+        true => File::open(path),
+        false => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "it is no plain file",
+        )),
+    }
+}
+
 /// Reads a file of at most so many bytes: an endless one, such as a device, fills no memory.
 ///
 /// # Errors

@@ -58,13 +58,15 @@ pub enum StudyError {
     /// Folders of different studies cannot be joined.
     #[error("{} and {} hold different studies (plans {} and {})", .0.display(), .1.display(), .2, .3)]
     Mixed(PathBuf, PathBuf, String, String),
-    /// Two folders hold different results of one trial.
-    #[error("{} holds another result of trial {trial} than the folders before it: same plan, different program or machine?", .folder.display())]
+    /// There are different results of one trial.
+    #[error("{} holds another result of trial {trial} than {before}: same plan, different program or machine?", .place.display())]
     Contradiction {
-        /// The second folder.
-        folder: PathBuf,
+        /// The folder or file with the second result.
+        place: PathBuf,
         /// The trial.
         trial: usize,
+        /// Where the first one is.
+        before: &'static str,
     },
     /// Trials are missing.
     #[error("{missing} of {total} trials are missing; `xcscr study status` lists them")]

@@ -8,7 +8,7 @@ mod resolve;
 mod settings;
 mod toml_text;
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, RangeInclusive};
 
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,7 @@ use crate::agent::{Agent, Explorer};
 use crate::arena::Arena;
 use crate::episode::{self, Episode, Observer, PolicyMap};
 use crate::world::{Cell, Paths};
+use xcs::bounds::{OutOfRange, within};
 use xcs::random::{Stream, StreamName};
 
 /// The figures of a trial so far.
@@ -53,11 +54,51 @@ pub struct Progress {
 const LONGEST_NS: u64 = 1 << 60;
 
 impl Progress {
-    /// Can a trial of these choices have come so far?
-    fn is_possible(&self, config: &Config) -> bool {
-        let most = u64::from(self.episodes) * u64::from(config.settings.reward.step_threshold);
-        self.episodes <= config.episodes && self.steps <= most && self.collisions <= self.steps
+    /// Accepts the figures that a trial of these choices can have come to.
+    ///
+    /// # Errors
+    /// The first figure that is out of its range, with the range.
+    pub fn check(&self, config: &Config) -> Result<(), OutOfRange> {
+        let (done, limit) = (self.episodes, config.settings.reward.step_threshold);
+        within("episodes", done, 0..=config.episodes)?;
+        within("steps", self.steps, u64::from(done)..=longest(done, limit))?;
+        within("collisions", self.collisions, 0..=self.steps)?;
+        self.check_optimum(limit)?;
+        let executed = self.first_executed_optimal_episode;
+        some_within("first_executed_optimal_episode", executed, 1..=done)?;
+        some_within("best_steps", self.best_steps, 1..=limit)
     }
+
+    /// The first optimum has an episode and a step, or neither.
+    fn check_optimum(&self, limit: u32) -> Result<(), OutOfRange> {
+        let (episode, steps) = (self.first_optimal_episode, self.first_optimal_env_steps);
+        some_within("first_optimal_episode", episode, 1..=self.episodes)?;
+        let Some((first, steps)) = episode.zip(steps) else {
+            let is_without = episode.is_none() && steps.is_none() && !self.optimal;
+            let refusal = || OutOfRange {
+                key: "first_optimal_episode",
+                value: episode.map_or("missing".to_owned(), |first| first.to_string()),
+                allowed: "there if, and only if, `first_optimal_env_steps` is".to_owned(),
+            };
+            return is_without.then_some(()).ok_or_else(refusal);
+        };
+        let latest = self.steps.min(longest(first, limit));
+        within("first_optimal_env_steps", steps, u64::from(first)..=latest)
+    }
+}
+
+/// The most steps that so many episodes take.
+fn longest(episodes: u32, limit: u32) -> u64 {
+    u64::from(episodes) * u64::from(limit)
+}
+
+/// Accepts a figure that is missing, or lies in its range.
+fn some_within<T: PartialOrd + std::fmt::Display>(
+    key: &'static str,
+    figure: Option<T>,
+    range: RangeInclusive<T>,
+) -> Result<(), OutOfRange> {
+    figure.map_or(Ok(()), |figure| within(key, figure, range))
 }
 
 impl Plan {
@@ -135,8 +176,10 @@ impl Trial {
             .knowledge()
             .check(width, maze.action_count())
             .map_err(|misfit| CheckpointError::Content(misfit.to_string()))?;
-        if !saved.progress.is_possible(config) || saved.arena.time_ns > LONGEST_NS {
-            return Err(contradiction("it counts more than can have happened"));
+        let progress = saved.progress.check(config);
+        progress.map_err(|fault| CheckpointError::Content(fault.to_string()))?;
+        if saved.arena.time_ns > LONGEST_NS {
+            return Err(contradiction("its clock is beyond the end of any trial"));
         }
         let alternates = config.settings.episode.alternate;
         if !alternates && !saved.explorer.descends_from(&trial.explorer) {

@@ -3,18 +3,12 @@
 use toml::{Table, Value};
 
 use super::file::{Document, NOTHING};
-use super::{Arm, Protocol, StudyFile, Variant};
+use super::{Arm, MOST_ARMS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
 use crate::arena::ArenaKind;
 use crate::study::error::StudyError;
 use crate::trial::{PlanError, Resolved, Settings};
 use crate::world::Maze;
-use xcs::bounds::within;
-
-/// More combinations than these fill the memory with settings before the first trial begins.
-const MOST_ARMS: usize = 10_000;
-/// What is left to do is kept as a list.
-const MOST_TRIALS: usize = 10_000_000;
 
 /// What the command line says otherwise than the study file.
 #[derive(Debug, Clone, Default)]
@@ -38,10 +32,8 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
         .map_or(document.arenas.clone(), |arena| vec![arena]);
     check_number(file, document.worlds.len() * arenas.len())?;
     let worlds = file.worlds()?;
-    check_names(file, &worlds)?;
     let afters = file.earlier_worlds()?;
     let earlier: Vec<Maze> = afters.iter().flatten().cloned().collect();
-    check_names(file, &earlier)?;
     let afters: Vec<_> = afters.iter().map(Option::as_ref).collect();
     let protocol = Protocol {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -53,33 +45,11 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
         worlds,
         earlier,
     };
-    within("trials", protocol.trials, 1..=1_000_000).map_err(PlanError::from)?;
-    within("episodes", protocol.episodes, 1..=1_000_000).map_err(PlanError::from)?;
-    within(
-        "trials of all combinations",
-        protocol.len(),
-        0..=MOST_TRIALS,
-    )
-    .map_err(PlanError::from)?;
+    protocol.check_numbers().map_err(PlanError::from)?;
     match protocol.check() {
         Ok(()) => Ok(protocol),
         Err(fault) => Err(StudyError::file(&file.origin, &fault)),
     }
-}
-
-/// Names tell worlds apart, in tables and in protocols, and are printed to terminals.
-fn check_names(file: &StudyFile, worlds: &[Maze]) -> Result<(), StudyError> {
-    if file.document.name.contains(char::is_control) {
-        let fault = "`name` holds a control character: leave it out";
-        return Err(StudyError::file(&file.origin, fault));
-    }
-    for (i, maze) in worlds.iter().enumerate() {
-        if worlds[..i].iter().any(|other| other.name() == maze.name()) {
-            let fault = format!("two worlds are called `{}`", maze.name());
-            return Err(StudyError::file(&file.origin, &fault));
-        }
-    }
-    Ok(())
 }
 
 /// Refuses a study of too many combinations; the sweep alone can make billions of them.

@@ -21,7 +21,13 @@ use crate::arena::ArenaKind;
 use crate::sensor::Sensor;
 use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;
+use xcs::bounds::{OutOfRange, within};
 use xcs::random::replicate_seed;
+
+/// More combinations than these fill the memory with settings before the first trial begins.
+const MOST_ARMS: usize = 10_000;
+/// What is left to do is kept as a list.
+const MOST_TRIALS: usize = 10_000_000;
 
 /// The values that a sweep gives to settings, by their full names.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -139,22 +145,16 @@ impl Protocol {
         shipped.is_some() && shipped.as_ref() == named(&self.worlds, name)
     }
 
-    /// The plan of a trial. Where it starts from what an [earlier trial](Self::earlier_plan) has
-    /// learned, that is still to be filled in.
-    pub fn plan(&self, trial: usize) -> Plan {
+    /// The world of a trial.
+    pub(super) fn maze(&self, trial: usize) -> &Maze {
         let maze = named(&self.worlds, &self.arm(trial).world);
-        self.plan_in(maze.expect("arms name worlds of their study"), trial)
+        maze.expect("arms name worlds of their study")
     }
 
-    /// The plan of the trial that comes before a trial and learns for it, from the same seed.
-    pub fn earlier_plan(&self, trial: usize) -> Option<Plan> {
-        let maze = named(&self.earlier, self.arm(trial).after.as_deref()?);
-        Some(self.plan_in(maze.expect("arms name worlds of their study"), trial))
-    }
-
-    fn plan_in(&self, maze: &Maze, trial: usize) -> Plan {
+    /// All that is chosen for a trial, but its world.
+    pub(super) fn config(&self, trial: usize) -> Config {
         let arm = self.arm(trial);
-        let config = Config {
+        Config {
             version: self.version.clone(),
             method: arm.method,
             arena: arm.arena,
@@ -163,11 +163,25 @@ impl Protocol {
             seed: self.trial_seed(trial),
             settings: arm.settings.clone(),
             initial: None,
-        };
-        Plan {
-            maze: maze.clone(),
-            config,
         }
+    }
+
+    /// The plan of a trial. Where it starts from what an [earlier trial](Self::earlier_plan) has
+    /// learned, that is still to be filled in.
+    pub fn plan(&self, trial: usize) -> Plan {
+        Plan {
+            maze: self.maze(trial).clone(),
+            config: self.config(trial),
+        }
+    }
+
+    /// The plan of the trial that comes before a trial and learns for it, from the same seed.
+    pub fn earlier_plan(&self, trial: usize) -> Option<Plan> {
+        let maze = named(&self.earlier, self.arm(trial).after.as_deref()?);
+        Some(Plan {
+            maze: maze.expect("arms name worlds of their study").clone(),
+            config: self.config(trial),
+        })
     }
 
     /// Does every arm name a world of the study, and is no setting out of range?
@@ -176,14 +190,35 @@ impl Protocol {
             let earlier = |name: &String| named(&self.earlier, name).is_some();
             named(&self.worlds, &arm.world).is_some() && arm.after.as_ref().is_none_or(earlier)
         };
-        if self.arms.len().checked_mul(self.trials).is_none() {
-            return Err("it has more trials than can be counted".to_owned());
-        }
+        self.check_numbers().map_err(|fault| fault.to_string())?;
+        self.check_names()?;
         if self.is_empty() || !self.arms.iter().all(known) {
             return Err("it has no trials, or trials in worlds that it does not hold".to_owned());
         }
         let mut firsts = (0..self.arms.len()).map(|arm| arm * self.trials);
         firsts.try_for_each(|trial| self.check_arm_of(trial))
+    }
+
+    /// Are there no more trials than can be listed?
+    fn check_numbers(&self) -> Result<(), OutOfRange> {
+        within("trials", self.trials, 1..=1_000_000)?;
+        within("episodes", self.episodes, 1..=1_000_000)?;
+        within("combinations", self.arms.len(), 0..=MOST_ARMS)?;
+        within("trials of all combinations", self.len(), 0..=MOST_TRIALS)
+    }
+
+    /// Names tell worlds apart, in tables and in protocols, and are printed to terminals.
+    fn check_names(&self) -> Result<(), String> {
+        if self.name.contains(char::is_control) {
+            return Err("`name` holds a control character: leave it out".to_owned());
+        }
+        for worlds in [&self.worlds, &self.earlier] {
+            let is_twin = |i: usize| named(&worlds[..i], worlds[i].name()).is_some();
+            if let Some(twin) = (0..worlds.len()).find(|&i| is_twin(i)) {
+                return Err(format!("two worlds are called `{}`", worlds[twin].name()));
+            }
+        }
+        Ok(())
     }
 
     /// Is no setting of an arm out of range, and does the earlier world fit?

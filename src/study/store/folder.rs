@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-use super::journal::{self, Journal};
+use super::journal::{self, Contents, Journal};
 use super::record::TrialRecord;
 use crate::disk;
 use crate::disk::{FolderLock, LockError};
@@ -42,8 +42,14 @@ impl StudyFolder {
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let (protocol, plan) =
             read_plan(path)?.ok_or_else(|| StudyError::NoStudy(path.to_owned()))?;
-        let (records, _) = journal::read(&path.join(JOURNAL), &plan)?;
-        Self::checked(path, protocol, plan, records)
+        let (records, _) = read_records(path, &protocol, &plan)?;
+        Ok(Self {
+            path: path.to_owned(),
+            protocol,
+            plan,
+            records,
+            _lock: None,
+        })
     }
 
     /// Reads the folder of a study in order to write in it.
@@ -86,34 +92,13 @@ impl StudyFolder {
             ));
         }
         for (trial, record) in other.records {
-            if *self.records.entry(trial).or_insert_with(|| record.clone()) != record {
-                let folder = other.path;
-                return Err(StudyError::Contradiction { folder, trial });
-            }
+            insert(&mut self.records, record).map_err(|()| StudyError::Contradiction {
+                place: other.path.clone(),
+                trial,
+                before: "the folders before it",
+            })?;
         }
         Ok(())
-    }
-
-    fn checked(
-        path: &Path,
-        protocol: Protocol,
-        plan: String,
-        records: Vec<TrialRecord>,
-    ) -> Result<Self, StudyError> {
-        if let Some(record) = records.iter().find(|record| record.trial >= protocol.len()) {
-            let fault = format!("it has no trial {}", record.trial);
-            return Err(StudyError::damaged(&path.join(JOURNAL), fault));
-        }
-        Ok(Self {
-            path: path.to_owned(),
-            protocol,
-            plan,
-            records: records
-                .into_iter()
-                .map(|record| (record.trial, record))
-                .collect(),
-            _lock: None,
-        })
     }
 
     /// The frozen study.
@@ -191,11 +176,14 @@ impl OpenFolder {
                 });
             }
         }
-        let (journal, records) = Journal::open(&path.join(JOURNAL), &wanted)?;
-        let folder = StudyFolder::checked(path, protocol.clone(), wanted, records)?;
+        let (records, whole) = read_records(path, protocol, &wanted)?;
+        let journal = Journal::open(&path.join(JOURNAL), &wanted, whole)?;
         let folder = StudyFolder {
+            path: path.to_owned(),
+            protocol: protocol.clone(),
+            plan: wanted,
+            records,
             _lock: Some(lock),
-            ..folder
         };
         Ok(Self { folder, journal })
     }
@@ -219,13 +207,25 @@ impl OpenFolder {
     /// Keeps all trials of a joined study.
     ///
     /// # Errors
-    /// An error of the file system.
+    /// [`StudyError::Contradiction`] when it holds another result of one, or an error of the file
+    /// system.
     pub fn add_all(&mut self, joined: &StudyFolder) -> Result<(), StudyError> {
-        let missing = joined.records().filter(|record| {
-            let known = &self.folder.records;
-            !known.contains_key(&record.trial)
-        });
-        self.add(missing.cloned().collect())
+        let known = &self.folder.records;
+        let mut missing = Vec::new();
+        for record in joined.records() {
+            match known.get(&record.trial) {
+                Some(one) if one != record => {
+                    return Err(StudyError::Contradiction {
+                        place: self.folder.path.clone(),
+                        trial: record.trial,
+                        before: "the folders that are to be joined in it",
+                    });
+                }
+                Some(_) => {}
+                None => missing.push(record.clone()),
+            }
+        }
+        self.add(missing)
     }
 
     /// Puts the journal in order. The folder stays locked as long as it is held.
@@ -278,6 +278,40 @@ fn read_plan(folder: &Path) -> Result<Option<(Protocol, String)>, StudyError> {
     let study: Protocol = study.map_err(|fault| damaged(fault.to_string()))?;
     study.check().map_err(damaged)?;
     Ok(Some((study, file.plan)))
+}
+
+/// The finished trials by their numbers, and the whole bytes of their journal.
+fn read_records(
+    folder: &Path,
+    protocol: &Protocol,
+    plan: &str,
+) -> Result<(BTreeMap<usize, TrialRecord>, u64), StudyError> {
+    let path = folder.join(JOURNAL);
+    let Contents { records, whole } = journal::read(&path, plan)?;
+    let mut checked = BTreeMap::new();
+    for record in records {
+        let trial = record.trial;
+        let fault = record.check(protocol);
+        fault.map_err(|fault| StudyError::damaged(&path, fault))?;
+        insert(&mut checked, record).map_err(|()| StudyError::Contradiction {
+            place: path.clone(),
+            trial,
+            before: "an earlier line of it",
+        })?;
+    }
+    Ok((checked, whole))
+}
+
+/// Adds a record, unless another one of its trial is there.
+fn insert(records: &mut BTreeMap<usize, TrialRecord>, record: TrialRecord) -> Result<(), ()> {
+    match records.get(&record.trial) {
+        Some(known) if *known != record => Err(()),
+        Some(_) => Ok(()),
+        None => {
+            records.insert(record.trial, record);
+            Ok(())
+        }
+    }
 }
 
 fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> {

@@ -1,16 +1,20 @@
 //! Finished trials on disk, one per line, each with its checksum.
 //!
-//! A line counts once it is whole. What a killed process left half written is cut off when the
-//! journal is opened again. At the end of a study the journal is rewritten in the order of the
-//! trials, so that equal studies leave equal bytes.
+//! A line counts once it is whole. What a killed process left half written is the last line: it is
+//! cut off when the journal is opened again. A bad line before others is damage, and refused. At
+//! the end of a study the journal is rewritten in the order of the trials, so that equal studies
+//! leave equal bytes.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
 use super::record::TrialRecord;
 use crate::disk;
 use crate::study::error::StudyError;
+
+/// More than a record needs; a longer line is none.
+const MOST_LINE_BYTES: u64 = 1 << 20;
 
 /// An open journal.
 #[derive(Debug)]
@@ -20,9 +24,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens or begins the journal of the study with this plan, and reads what is in it.
-    pub fn open(path: &Path, plan: &str) -> Result<(Self, Vec<TrialRecord>), StudyError> {
-        let (records, whole) = read(path, plan)?;
+    /// Opens or begins the journal of the study with this plan, of which so many bytes are whole.
+    pub fn open(path: &Path, plan: &str, whole: u64) -> Result<Self, StudyError> {
         let opened = disk::require_plain(path)
             .and_then(|()| OpenOptions::new().create(true).append(true).open(path));
         let file = opened.map_err(|cause| StudyError::create(path, cause))?;
@@ -31,12 +34,12 @@ impl Journal {
             file,
         };
         journal.repair(whole, plan)?;
-        Ok((journal, records))
+        Ok(journal)
     }
 
     /// Cuts off what is not whole.
-    fn repair(&mut self, whole: usize, plan: &str) -> Result<(), StudyError> {
-        let cut = self.file.set_len(whole as u64);
+    fn repair(&mut self, whole: u64, plan: &str) -> Result<(), StudyError> {
+        let cut = self.file.set_len(whole);
         let begun = cut.and_then(|()| match whole {
             0 => self.file.write_all(header(plan).as_bytes()),
             _ => Ok(()),
@@ -63,35 +66,67 @@ pub fn text(plan: &str, records: &[TrialRecord]) -> String {
         .fold(header(plan), |text, record| text + &line(record))
 }
 
-/// The records of a journal, and the length of its whole lines; none when there is no journal.
-pub fn read(path: &Path, plan: &str) -> Result<(Vec<TrialRecord>, usize), StudyError> {
-    let bytes = match disk::read_plain(path) {
-        Ok(bytes) => bytes,
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Vec::new(),
+/// What a journal holds.
+#[derive(Debug, Default, PartialEq)]
+pub struct Contents {
+    /// Its records, in the order of their lines.
+    pub records: Vec<TrialRecord>,
+    /// Bytes until the end of the last whole line; after it, one torn line at most.
+    pub whole: u64,
+}
+
+/// Reads a journal; one that does not exist holds nothing.
+///
+/// # Errors
+/// [`StudyError::Damaged`] when it is that of another plan, or a line is bad that is not the last.
+pub fn read(path: &Path, plan: &str) -> Result<Contents, StudyError> {
+    let mut lines = match disk::open(path) {
+        Ok(file) => BufReader::new(file),
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(Contents::default()),
         Err(cause) => return Err(StudyError::io(path, cause)),
     };
+    let mut next = || next_line(&mut lines).map_err(|cause| StudyError::io(path, cause));
     let header = header(plan);
-    let Some(mut rest) = bytes.strip_prefix(header.as_bytes()) else {
+    let first = next()?;
+    if first != header.as_bytes() {
         // A header half written is the beginning of a new journal.
-        return match header.as_bytes().starts_with(&bytes) {
-            true => Ok((Vec::new(), 0)),
+        return match header.as_bytes().starts_with(&first) {
+            true => Ok(Contents::default()),
             false => Err(StudyError::damaged(
                 path,
                 "it does not begin as the journal of its plan",
             )),
         };
-    };
-    let mut records = Vec::new();
-    while let Some(end) = rest.iter().position(|byte| *byte == b'\n') {
-        match parse(&rest[..end]) {
-            Some(record) => records.push(record),
-            // Nothing after a torn line was acknowledged.
-            None => break,
-        }
-        rest = &rest[end + 1..];
     }
-    let whole = bytes.len() - rest.len();
-    Ok((records, whole))
+    let mut contents = Contents {
+        records: Vec::new(),
+        whole: header.len() as u64,
+    };
+    for number in 2.. {
+        let line = next()?;
+        match parse(&line) {
+            _ if line.is_empty() => break,
+            Some(record) => contents.records.push(record),
+            None if next()?.is_empty() => break,
+            None => return Err(StudyError::damaged(path, damaged_line(number))),
+        }
+        contents.whole += line.len() as u64;
+    }
+    Ok(contents)
+}
+
+/// The next line with its end, if it has one; empty after the last.
+fn next_line(lines: &mut impl BufRead) -> io::Result<Vec<u8>> {
+    let mut line = Vec::new();
+    lines.take(MOST_LINE_BYTES).read_until(b'\n', &mut line)?;
+    Ok(line)
+}
+
+fn damaged_line(number: u64) -> String {
+    format!(
+        "line {number} is bad, and not the last; take it out, and `xcscr study run` runs its trial \
+         again"
+    )
 }
 
 fn header(plan: &str) -> String {
@@ -104,8 +139,10 @@ fn line(record: &TrialRecord) -> String {
 }
 
 fn parse(line: &[u8]) -> Option<TrialRecord> {
+    let line = line.strip_suffix(b"\n")?;
     let (sum, json) = std::str::from_utf8(line).ok()?.split_once(' ')?;
-    let intact = u32::from_str_radix(sum, 16).ok()? == crc32fast::hash(json.as_bytes());
+    // Compared as text: a number has several spellings, and a flipped bit may lead to another.
+    let intact = sum == format!("{:08x}", crc32fast::hash(json.as_bytes()));
     intact.then(|| serde_json::from_str(json).ok()).flatten()
 }
 
@@ -131,22 +168,45 @@ mod tests {
         let full = text("p", &all);
         for length in 0..=full.len() {
             fs::write(&path, &full[..length]).unwrap();
-            let (mut journal, kept) = Journal::open(&path, "p").unwrap();
-            assert_eq!(kept, all[..kept.len()]);
-            journal.append(&all[kept.len()..]).unwrap();
+            let Contents { records, whole } = read(&path, "p").unwrap();
+            let mut journal = Journal::open(&path, "p", whole).unwrap();
+            let kept = records.len();
+            assert_eq!(records, all[..kept]);
+            journal.append(&all[kept..]).unwrap();
             assert_eq!(fs::read_to_string(&path).unwrap(), full, "cut to {length}");
         }
     }
 
     #[test]
-    fn a_flipped_bit_ends_what_counts() {
+    fn a_flipped_bit_is_damage_but_in_the_last_line_where_it_may_be_a_torn_tail() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("journal");
-        let mut bytes = text("p", &records(3)).into_bytes();
-        let middle = bytes.len() / 2;
-        bytes[middle] ^= 4;
-        fs::write(&path, bytes).unwrap();
-        assert_eq!(read(&path, "p").unwrap().0, records(1));
+        let sound = text("p", &records(3)).into_bytes();
+        let last = sound.len() - line(&records(3)[2]).len();
+        for at in 0..8 * sound.len() {
+            let mut bytes = sound.clone();
+            bytes[at / 8] ^= 1 << (at % 8);
+            fs::write(&path, &bytes).unwrap();
+            // A line is torn in two when one of its bytes becomes the end of a line.
+            let may_be_torn = at / 8 >= last - 1 && bytes[at / 8] != b'\n';
+            match read(&path, "p") {
+                Ok(contents) => {
+                    assert!(may_be_torn, "bit {at} is taken for work that is not done");
+                    assert!(contents.records.len() < 3, "bit {at} changes nothing");
+                }
+                Err(fault) => assert!(!may_be_torn, "bit {at}: {fault}"),
+            }
+        }
+    }
+
+    #[test]
+    fn lines_without_an_end_fill_no_memory() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal");
+        fs::write(&path, text("p", &records(1))).unwrap();
+        let file = OpenOptions::new().append(true).open(&path).unwrap();
+        file.set_len(64 << 30).unwrap();
+        assert!(read(&path, "p").is_err());
     }
 
     #[test]

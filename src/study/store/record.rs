@@ -5,7 +5,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::{Deserialize, Serialize};
 
 use crate::study::protocol::Protocol;
-use crate::trial::{Condensed, Plan, Progress, Trial};
+use crate::trial::{Condensed, Config, Plan, Progress, Trial};
+use crate::world::Maze;
+use xcs::bounds::{OutOfRange, within};
 
 /// The figures of a trial that reached its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,6 +19,28 @@ pub struct Figures {
     pub rules: usize,
     /// How many are left of them when they are condensed; `None` for a table.
     pub condensed_rules: Option<usize>,
+}
+
+impl Figures {
+    /// Accepts the figures to which a trial of these choices can have come at its end.
+    fn check(&self, maze: &Maze, config: &Config) -> Result<(), OutOfRange> {
+        within(
+            "episodes",
+            self.progress.episodes,
+            config.episodes..=config.episodes,
+        )?;
+        self.progress.check(config)?;
+        // A table has a row for each cell at most; a population is over its limit but for a moment.
+        let cells = usize::from(maze.width()) * usize::from(maze.height());
+        let most =
+            (cells * maze.action_count()).max(2 * config.settings.xcs.population_size as usize);
+        within("rules", self.rules, 0..=most)?;
+        within(
+            "condensed_rules",
+            self.condensed_rules.unwrap_or(0),
+            0..=self.rules,
+        )
+    }
 }
 
 /// A finished trial of a study: its number, and its figures or why it failed.
@@ -37,6 +61,23 @@ impl TrialRecord {
         }));
         let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
         Self { trial, result }
+    }
+
+    /// Accepts the record when its study has such a trial, which can have come to these figures.
+    ///
+    /// # Errors
+    /// The first figure that is out of its range.
+    pub(super) fn check(&self, protocol: &Protocol) -> Result<(), String> {
+        let (trial, trials) = (self.trial, protocol.len());
+        if trial >= trials {
+            return Err(format!(
+                "the study has no trial {trial}, only {trials}, from 0"
+            ));
+        }
+        let figures = self.figures().map_or(Ok(()), |figures| {
+            figures.check(protocol.maze(trial), &protocol.config(trial))
+        });
+        figures.map_err(|fault| format!("trial {trial}: {fault}"))
     }
 
     /// The figures, unless the trial failed.
