@@ -131,14 +131,28 @@ pub struct Trial {
 
 impl Trial {
     /// A trial at its beginning.
+    ///
+    /// # Errors
+    /// When the world or a setting is refused.
     pub fn new(plan: Plan) -> Result<Self, PlanError> {
+        plan.check()?;
+        let agent = plan.config.build_method(&plan.maze)?;
+        Self::with_agent(plan, agent)
+    }
+
+    /// The same with an agent of one's own in place of the plan's method. It can be resumed from a
+    /// checkpoint only if the agent knows how: see [`Agent::memory`].
+    ///
+    /// # Errors
+    /// When the world or a setting is refused.
+    pub fn with_agent(plan: Plan, agent: Box<dyn Agent>) -> Result<Self, PlanError> {
         plan.check()?;
         let Plan { maze, config } = &plan;
         let exploration = Stream::new(config.seed, StreamName::Exploration);
         Ok(Self {
             paths: Paths::new(maze),
             arena: config.build_arena(maze)?,
-            method: config.build_method(maze)?,
+            method: agent,
             explorer: Explorer::new(config.settings.episode.explore, exploration),
             start_cells: maze.start_cells(),
             starts: Stream::new(config.seed, StreamName::Start),
