@@ -12,9 +12,10 @@ use xcscr::agent::{self, Agent, Explorer, Method, Setup};
 use xcscr::arena::GridArena;
 use xcscr::episode;
 use xcscr::sensor::Sensor;
+use xcscr::streams::StreamName;
 use xcscr::world::Maze;
 use xcscr::xcs;
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::random::Stream;
 
 const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4-classic.json");
 

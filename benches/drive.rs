@@ -9,9 +9,10 @@ use std::path::Path;
 
 use serde_json::json;
 use xcscr::arena::{Arena, PhysicsArena, PhysicsParams};
+use xcscr::streams::StreamName;
 use xcscr::world::{Cell, Direction, Maze};
 use xcscr::xcs::Action;
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::random::Stream;
 
 const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
 /// A physics step lasts 50 ms.

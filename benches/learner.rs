@@ -1,7 +1,8 @@
 //! The learner alone: cost against population size and against the width of the percept.
 
 use divan::{Bencher, black_box};
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::streams::StreamName;
+use xcscr::xcs::random::Stream;
 use xcscr::xcs::{Action, Percept};
 use xcscr::xcs::{ActionSet, MatchSet, Params, Xcs};
 

@@ -9,10 +9,11 @@ use xcscr::arena::ArenaKind;
 use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::record::{RecordMode, Recorder, RobotShape, RunInfo};
 use xcscr::sensor::Sensor;
+use xcscr::streams::StreamName;
 use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::{Cell, Maze};
 use xcscr::xcs::Action;
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::random::Stream;
 
 const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
 /// The corridor of Maze4, with a wall to its north.

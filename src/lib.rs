@@ -58,6 +58,7 @@
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
 // In flow order, which is the import order; `tests/layering.rs` watches over it.
+pub mod streams;
 pub mod disk;
 pub mod world;
 pub mod arena;

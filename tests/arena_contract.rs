@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use xcscr::arena::{Arena, GridArena, Outcome, PhysicsArena, PhysicsParams};
+use xcscr::streams::StreamName;
 use xcscr::world::{Cell, Maze};
 use xcscr::xcs::Action;
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::random::Stream;
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
 const EPISODES: u64 = 30;

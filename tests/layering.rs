@@ -4,14 +4,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Who may import what, in the order in which `lib.rs` lists the modules.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
+    ("streams", &[]),
     ("disk", &[]),
-    ("world", &[]),
-    ("arena", &["world"]),
+    ("world", &["streams"]),
+    ("arena", &["streams", "world"]),
     ("sensor", &["world", "arena"]),
-    ("agent", &["arena"]),
+    ("agent", &["streams", "arena"]),
     ("episode", &["world", "arena", "sensor", "agent"]),
-    ("trial", &["world", "arena", "sensor", "agent", "episode"]),
+    (
+        "trial",
+        &["streams", "world", "arena", "sensor", "agent", "episode"],
+    ),
     (
         "record",
         &[
@@ -33,7 +37,7 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     (
         "study",
         &[
-            "disk", "world", "arena", "sensor", "agent", "episode", "trial", "picture",
+            "streams", "disk", "world", "arena", "sensor", "agent", "episode", "trial", "picture",
         ],
     ),
 ];

@@ -3,7 +3,8 @@
 //! Numbers marked (calc) were computed with a pocket calculator's worth of Python, from the
 //! equations as Butz and Wilson (2001) print them, not with this program.
 
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::streams::StreamName;
+use xcscr::xcs::random::Stream;
 use xcscr::xcs::{Action, Percept};
 use xcscr::xcs::{Classifier, Params, Population, Xcs};
 

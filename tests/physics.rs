@@ -5,9 +5,10 @@ use std::path::Path;
 
 use nalgebra::{Point2, Vector2};
 use xcscr::arena::{Arena, Outcome, PhysicsArena, PhysicsParams, Snapshot};
+use xcscr::streams::StreamName;
 use xcscr::world::Maze;
 use xcscr::xcs::Action;
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::random::Stream;
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
 const EAST: usize = 1;

@@ -11,7 +11,8 @@ use std::time::Duration;
 
 use assert_cmd::cargo::CommandCargoExt;
 use tempfile::TempDir;
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::streams::StreamName;
+use xcscr::xcs::random::Stream;
 
 /// 2 worlds x 2 methods x 4 trials.
 const SMALL: &str = r#"

@@ -14,9 +14,10 @@ use xcscr::agent::{self, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::{self, Episode, Learned, Observer};
 use xcscr::sensor::Sensor;
+use xcscr::streams::StreamName;
 use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::Maze;
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::random::Stream;
 use xcscr::xcs::{self, MatchSet, Xcs};
 use xcscr::xcs::{Action, Percept};
 

@@ -1,8 +1,9 @@
 //! What holds for every maze, tried on random ones.
 
 use proptest::prelude::*;
+use xcscr::streams::StreamName;
 use xcscr::world::{Cell, Maze, Paths};
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::random::Stream;
 
 const WORLDS: [&[u8]; 3] = [
     include_bytes!("../worlds/maze4.json"),

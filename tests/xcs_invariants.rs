@@ -1,7 +1,8 @@
 //! What holds for XCS whatever it meets.
 
 use proptest::prelude::*;
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::streams::StreamName;
+use xcscr::xcs::random::Stream;
 use xcscr::xcs::{Action, Percept};
 use xcscr::xcs::{MatchSet, Params, Xcs};
 

@@ -76,7 +76,7 @@ impl Explorer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use xcs::random::StreamName;
+    use crate::streams::StreamName;
 
     #[test]
     fn only_actions_with_a_worth_are_explored_unless_there_are_none() {

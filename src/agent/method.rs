@@ -3,8 +3,9 @@
 use super::{
     Adapted, Agent, Combined, Params, Plus, PlusParams, Sharing, Standard, Tabular, TabularParams,
 };
+use crate::streams::StreamName;
 use xcs::Xcs;
-use xcs::random::{Stream, StreamName};
+use xcs::random::Stream;
 
 /// The reward methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

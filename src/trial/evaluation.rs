@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::plan::{Plan, PlanError};
 use crate::agent::{Explorer, Frozen, Knowledge};
 use crate::episode::{self, Ending};
+use crate::streams::StreamName;
 use crate::world::Paths;
-use xcs::random::{Stream, StreamName};
+use xcs::random::Stream;
 
 /// Nanoseconds in a second.
 const SECOND_NS: f64 = 1e9;

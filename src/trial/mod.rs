@@ -25,9 +25,10 @@ pub(crate) use toml_text::shortened;
 use crate::agent::{Agent, Explorer};
 use crate::arena::Arena;
 use crate::episode::{self, Episode, Observer, PolicyMap};
+use crate::streams::StreamName;
 use crate::world::{Cell, Paths};
 use xcs::bounds::{OutOfRange, within};
-use xcs::random::{Stream, StreamName};
+use xcs::random::Stream;
 
 /// The figures of a trial so far.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

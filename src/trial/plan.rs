@@ -6,9 +6,10 @@ use super::settings::Settings;
 use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
 use crate::arena::{Arena, ArenaKind, GridArena, PhysicsArena, PhysicsError};
 use crate::sensor::Sensor;
+use crate::streams::StreamName;
 use crate::world::Maze;
 use xcs::bounds::{OutOfRange, within};
-use xcs::random::{Stream, StreamName};
+use xcs::random::Stream;
 
 /// Everything that can be chosen about a trial, but the world. Stored with every run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -9,8 +9,9 @@ use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::episode::{self, Observer};
 use xcscr::record::{RecordError, RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
 use xcscr::sensor::Sensor;
+use xcscr::streams::StreamName;
 use xcscr::world::Maze;
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::xcs::random::Stream;
 
 /// A trial of so many episodes.
 #[derive(Clone)]

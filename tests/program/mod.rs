@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
-use xcscr::xcs::random::{Stream, StreamName};
+use xcscr::streams::StreamName;
+use xcscr::xcs::random::Stream;
 
 /// How often a random experiment is repeated: `commit` times, or `long` times when the
 /// environment variable `XCSCR_LONG` is set.

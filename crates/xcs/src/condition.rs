@@ -221,7 +221,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::random::StreamName;
 
     fn condition(text: &str) -> Condition {
         text.parse().unwrap()
@@ -266,13 +265,13 @@ mod tests {
     fn certain_mutation_flips_every_allele_within_the_niche() {
         let percept = "0110".parse().unwrap();
         let mut rule = condition("0##0");
-        rule.mutate(&percept, 1.0, &mut Stream::new(1, StreamName::Evolution));
+        rule.mutate(&percept, 1.0, &mut Stream::new(1, 0_u64));
         assert_eq!(rule.to_string(), "#11#");
     }
 
     #[test]
     fn covering_wants_the_percept_and_its_share_of_dont_cares() {
-        let mut stream = Stream::new(1, StreamName::Evolution);
+        let mut stream = Stream::new(1, 0_u64);
         let percept: Percept = "01".repeat(128).parse().unwrap();
         let cover = Condition::covering(&percept, 0.25, &mut stream);
         assert!(cover.matches(&percept));
@@ -294,7 +293,7 @@ mod tests {
             bits in "[01]{1,256}", seed in any::<u64>(), from in 0_usize..257, len in 0_usize..257,
         ) {
             let percept: Percept = bits.parse().unwrap();
-            let mut stream = Stream::new(seed, StreamName::Evolution);
+            let mut stream = Stream::new(seed, 0_u64);
             let mut a = Condition::covering(&percept, 0.5, &mut stream);
             let mut b = Condition::covering(&percept, 0.5, &mut stream);
             a.exchange(&mut b, from.min(bits.len()), (from + len).min(bits.len()));

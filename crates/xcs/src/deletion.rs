@@ -333,8 +333,8 @@ mod tests {
 
     #[test]
     fn the_cached_roulette_stops_where_the_plain_one_does() {
-        use crate::random::{Stream, StreamName};
-        let mut stream = Stream::new(7, StreamName::Evolution);
+        use crate::random::Stream;
+        let mut stream = Stream::new(7, 0_u64);
         let params = Params::default();
         let random_rule = |s: &mut Stream| Classifier {
             eam: 1.0 + 3.0 * s.unit() as f32,

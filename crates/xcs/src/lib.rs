@@ -1,10 +1,44 @@
 //! XCS, the accuracy-based learning classifier system.
 //!
-//! Implemented after M. V. Butz and S. W. Wilson, "An algorithmic description of XCS" (2001).
-//! It knows percepts, actions and payoffs, and nothing of the environment: who is credited with
-//! what, and when, is the caller's part, which calls, step by step, [`Xcs::form_match_set`],
-//! [`Xcs::predict`], [`MatchSet::action_set`], [`Xcs::update`] and [`Xcs::evolve`]. With an
-//! adaptive mapping it is XCSAM: see [`Xcs::with_adaptive_mapping`].
+//! Implemented after M. V. Butz and S. W. Wilson, "An algorithmic description of XCS" (2001). It
+//! knows percepts, actions and rewards, and nothing else of the world: implement [`Environment`]
+//! and let a [`Runner`] learn in it. Episodes of one action are single-step problems; in longer ones
+//! the reward travels back, discounted.
+//!
+//! ```
+//! use xcs::{Action, Environment, Params, Percept, Response, Runner};
+//!
+//! /// Is the number of ones odd?
+//! struct Parity(u64);
+//!
+//! impl Environment for Parity {
+//!     fn actions(&self) -> usize {
+//!         2
+//!     }
+//!
+//!     fn begin(&mut self) -> Percept {
+//!         self.0 = (self.0 + 3) % 8;
+//!         Percept::from_word(self.0, 3)
+//!     }
+//!
+//!     fn act(&mut self, action: Action) -> Response {
+//!         let right = action.index() == self.0.count_ones() as usize % 2;
+//!         Response { reward: if right { 1000.0 } else { 0.0 }, next: None }
+//!     }
+//! }
+//!
+//! let mut runner = Runner::new(Parity(0), Params::default(), 7)?;
+//! for _ in 0..2_000 {
+//!     runner.learn();
+//! }
+//! assert!((0..8).all(|_| runner.test().reward == 1000.0));
+//! # Ok::<(), xcs::bounds::OutOfRange>(())
+//! ```
+//!
+//! Who is credited with what, and when, can also be the caller's part, which then calls, step by
+//! step, [`Xcs::form_match_set`], [`Xcs::predict`], [`MatchSet::action_set`], [`Xcs::update`] and
+//! [`Xcs::evolve`]. With an adaptive mapping it is XCSAM: see [`Xcs::with_adaptive_mapping`].
+//! [`compact`] condenses what was learned. The examples show the 11-multiplexer and a corridor.
 
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
@@ -23,6 +57,7 @@ mod match_index;
 mod params;
 mod population;
 mod prediction;
+mod runner;
 mod sets;
 mod signal;
 
@@ -34,5 +69,11 @@ pub use learner::Xcs;
 pub use params::Params;
 pub use population::{Population, PopulationError};
 pub use prediction::{PredictionArray, PredictionSums};
+pub use runner::{Environment, Episode, Response, Runner};
 pub use sets::{ActionSet, MatchSet};
 pub use signal::{Action, MAX_ACTIONS, MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept, PerceptError};
+
+/// Its example is tested with the others.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -108,7 +108,7 @@ pub(super) mod saved {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{Stream, StreamName};
+    use crate::random::Stream;
     use crate::{Classifier, MatchSet, Params, Population};
 
     fn rule(condition: &str, action: usize, eam: f32) -> Classifier {
@@ -124,7 +124,7 @@ mod tests {
     fn learner(rules: &[Classifier]) -> Xcs {
         let eams: Vec<f32> = rules.iter().map(|rule| rule.eam).collect();
         let rules = Population::try_from(rules.to_vec()).unwrap();
-        Xcs::new(Params::default(), 4, Stream::new(1, StreamName::Evolution))
+        Xcs::new(Params::default(), 4, Stream::new(1, 0_u64))
             .with_population(rules.with_eams(&eams).unwrap())
     }
 

@@ -246,7 +246,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::random::StreamName;
 
     fn rule(condition: &str, numerosity: u32) -> Classifier {
         let params = Params::default();
@@ -312,7 +311,7 @@ mod tests {
             rules in prop::collection::vec(("[01#]{6}", 1_u32..9), 1..80), seed in any::<u64>(),
         ) {
             let params = Params { population_size: 32, ..Params::default() };
-            let mut stream = Stream::new(seed, StreamName::Evolution);
+            let mut stream = Stream::new(seed, 0_u64);
             let mut population = Population::default();
             for (condition, numerosity) in &rules {
                 population.insert(rule(condition, *numerosity));

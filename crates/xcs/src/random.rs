@@ -1,34 +1,13 @@
 //! Random numbers that are the same on every machine and in every version.
 //!
-//! One root seed gives several named streams, so that switching one consumer off does not move
-//! the others. Only `next_u64` is taken from the generator (PCG XSL RR 128/64, whose output is
+//! One root seed gives as many independent streams as there are numbers for them, so that switching
+//! one consumer off does not move the others. Only `next_u64` is taken from the generator (PCG XSL RR 128/64, whose output is
 //! documented as portable); all sampling is done here, because samplers in libraries change
 //! their results between releases.
 
 use rand::Rng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
-
-/// Who draws: each name has a sequence of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StreamName {
-    /// The cell in which an episode starts.
-    Start,
-    /// Explore or exploit, and which action.
-    Exploration,
-    /// Covering, the genetic algorithm and deletion.
-    Evolution,
-    /// Imprinting: whether, and which policy of \[PS\].
-    Imprinting,
-    /// Noise of wheels and pose.
-    Physics,
-    /// Resampling in statistics.
-    Bootstrap,
-    /// Generated worlds.
-    World,
-    /// Which remembered transitions are replayed.
-    Replay,
-}
 
 /// A stream of random numbers; its whole state can be saved and restored.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,12 +32,13 @@ impl TryFrom<Pcg64> for Stream {
 }
 
 impl Stream {
-    /// The stream called `name` under the root `seed`.
-    pub fn new(seed: u64, name: StreamName) -> Self {
+    /// Stream number `which` under the root `seed`. An enum of those who draw, with a number each,
+    /// keeps the streams apart: `Stream::new(7, Draws::Noise)`, or simply `Stream::new(7, 1_u64)`.
+    pub fn new(seed: u64, which: impl Into<u64>) -> Self {
         let mut state = seed;
         let mut word = || u128::from(splitmix64(&mut state));
         let start = word() << 64 | word();
-        Self(Pcg64::new(start, name as u128))
+        Self(Pcg64::new(start, u128::from(which.into())))
     }
 
     /// 64 random bits.
@@ -131,7 +111,7 @@ mod tests {
 
     #[test]
     fn below_reaches_every_number_equally_often() {
-        let mut stream = Stream::new(1, StreamName::Start);
+        let mut stream = Stream::new(1, 0_u64);
         let mut counts = [0; 7];
         (0..70_000).for_each(|_| counts[stream.below(7)] += 1);
         assert!(
@@ -142,13 +122,13 @@ mod tests {
 
     #[test]
     fn unit_stays_below_one() {
-        let mut stream = Stream::new(2, StreamName::Start);
+        let mut stream = Stream::new(2, 0_u64);
         assert!((0..10_000).all(|_| (0.0..1.0).contains(&stream.unit())));
     }
 
     #[test]
     fn normal_has_mean_zero_and_deviation_one() {
-        let mut stream = Stream::new(3, StreamName::Physics);
+        let mut stream = Stream::new(3, 4_u64);
         let draws: Vec<f64> = (0..100_000).map(|_| stream.normal()).collect();
         let mean = draws.iter().sum::<f64>() / 1e5;
         let variance = draws.iter().map(|d| d * d).sum::<f64>() / 1e5;
@@ -170,9 +150,9 @@ mod tests {
     }
 
     #[test]
-    fn names_and_seeds_give_different_streams() {
-        let first = |seed, name| Stream::new(seed, name).bits();
-        assert_ne!(first(1, StreamName::Start), first(1, StreamName::Evolution));
-        assert_ne!(first(0, StreamName::Start), first(1, StreamName::Start));
+    fn numbers_and_seeds_give_different_streams() {
+        let first = |seed, which: u64| Stream::new(seed, which).bits();
+        assert_ne!(first(1, 0), first(1, 2));
+        assert_ne!(first(0, 0), first(1, 0));
     }
 }

@@ -1,4 +1,4 @@
-//! The two words that learner and world exchange: [`Percept`] and [`Action`].
+//! What learner and environment exchange: [`Percept`] and [`Action`].
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,7 +12,7 @@ pub const MAX_PERCEPT_BITS: usize = 64 * PERCEPT_WORDS;
 /// The largest number of actions that a learner can tell apart.
 pub const MAX_ACTIONS: usize = 8;
 
-/// What the robot perceives: a string of at most [`MAX_PERCEPT_BITS`] bits.
+/// What is perceived: a string of at most [`MAX_PERCEPT_BITS`] bits.
 ///
 /// Bit 0 is the first character of the printed form. Bits beyond the width are zero, so that
 /// equal percepts are equal word by word.
@@ -126,9 +126,9 @@ impl From<Percept> for String {
     }
 }
 
-/// What the robot can do: one of `0..n`, where `n` is at most [`MAX_ACTIONS`].
+/// What can be done: one of `0..n`, where `n` is at most [`MAX_ACTIONS`].
 ///
-/// The learner knows only the number; [`crate::world::Maze::direction`] gives it a meaning.
+/// The learner knows only the number; its meaning is the environment's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(transparent)]
 pub struct Action(u8);

@@ -80,8 +80,8 @@ pub(super) fn clone_behaviour(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::streams::StreamName;
     use xcs;
-    use xcs::random::StreamName;
 
     /// A policy that takes these actions in as many different percepts.
     fn policy(actions: &[usize]) -> Policy {

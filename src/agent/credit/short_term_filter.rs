@@ -37,8 +37,9 @@ impl ShortTermFilter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::streams::StreamName;
     use xcs::Action;
-    use xcs::random::{Stream, StreamName};
+    use xcs::random::Stream;
     use xcs::{self, MatchSet};
 
     /// The worth of the chosen action (of two, in one percept) after a reward was answered twice.

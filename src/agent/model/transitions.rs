@@ -173,7 +173,7 @@ impl Transitions {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use xcs::random::StreamName;
+    use crate::streams::StreamName;
 
     fn step(from: &str, reward: f64, to: Option<&str>) -> Transition {
         Transition {

@@ -1,5 +1,5 @@
 use super::*;
-use xcs::random::StreamName;
+use crate::streams::StreamName;
 
 /// A maze with many corners; `settings` are further keys of its world file.
 fn maze(settings: &str) -> Maze {

@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
+use crate::streams::StreamName;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::{
     Interval, Lifetime, Proportion, Survival, bootstrap_interval, quantile,
 };
 use crate::study::store::folder::StudyFolder;
 use crate::study::store::{Figures, TrialRecord};
-use xcs::random::{Stream, StreamName};
+use xcs::random::Stream;
 
 /// The finished trials of one arm.
 #[derive(Debug, Clone)]

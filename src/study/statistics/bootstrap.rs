@@ -27,7 +27,7 @@ fn resample(numbers: &[f64], stream: &mut Stream) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use xcs::random::StreamName;
+    use crate::streams::StreamName;
 
     #[test]
     fn close_to_scipy_and_the_same_every_time() {

@@ -12,8 +12,9 @@ use std::str::FromStr;
 
 use self::field::Field;
 use super::maze::Maze;
+use crate::streams::StreamName;
 use xcs::bounds::{OutOfRange, within};
-use xcs::random::{Stream, StreamName};
+use xcs::random::Stream;
 
 /// How many cells a generated maze may have on each side.
 const SIDES: RangeInclusive<u16> = 5..=1024;

@@ -1,0 +1,30 @@
+//! The named streams of random numbers: who draws, each from a sequence of its own, so that
+//! switching one of them off does not move the others.
+
+/// Who draws random numbers; see [`xcs::random::Stream::new`]. The numbers are part of what makes
+/// a seed give the same bytes: new names go to the end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StreamName {
+    /// The cell in which an episode starts.
+    Start,
+    /// Explore or exploit, and which action.
+    Exploration,
+    /// Covering, the genetic algorithm and deletion.
+    Evolution,
+    /// Imprinting: whether, and which policy of \[PS\].
+    Imprinting,
+    /// Noise of wheels and pose.
+    Physics,
+    /// Resampling in statistics.
+    Bootstrap,
+    /// Generated worlds.
+    World,
+    /// Which remembered transitions are replayed.
+    Replay,
+}
+
+impl From<StreamName> for u64 {
+    fn from(name: StreamName) -> Self {
+        name as Self
+    }
+}
