@@ -46,23 +46,23 @@ pub enum Command {
     Train(TrainArgs),
     /// Run the greedy policy of a finished run, without learning.
     Evaluate(EvaluateArgs),
-    /// Read what was learned: all rules, or few that choose the same.
+    /// Print the learned rules, all of them or condensed.
     Rules(RulesArgs),
-    /// Show what recordings hold, open them in a viewer, or verify them against a new run.
+    /// Summarise recordings, open them in a viewer, or verify them by running again.
     Replay(ReplayArgs),
-    /// Say what is wrong with recordings.
+    /// Check recordings for damage.
     Check(CheckArgs),
-    /// Run many trials, compare methods, and say what the data can decide.
+    /// Run many trials and compare methods.
     #[command(subcommand)]
     Study(StudyCommand),
-    /// Make a whole recording of what can be read of a broken one.
+    /// Recover what can be read of a damaged recording.
     Recover(RecoverArgs),
     /// Draw the learned policy over the maze, or how it forms.
     Map(MapArgs),
     /// Check, show, describe and generate world files.
     #[command(subcommand)]
     World(WorldCommand),
-    /// Show all settings, and where each came from.
+    /// Show all settings and where each came from.
     #[command(subcommand)]
     Config(ConfigCommand),
     /// Print completions for a shell, such as `source <(xcscr completions bash)`.

@@ -4,7 +4,7 @@
     pip install mcap mcap-protobuf-support
     python3 tests/read_recordings.py recordings/maze4-xcscr-physics-s1
 
-Decodes every message of every file and checks check sums, schemas, topics, the order of time,
+Decodes every message of every file and checks checksums, schemas, topics, the order of time,
 attachments and metadata. Prints one line; ends with code 1 and a message at the first fault.
 """
 
@@ -62,12 +62,12 @@ def check_sums(data):
     footer_at = len(data) - len(MAGIC) - 29
     summary_start, _, summary_crc = struct.unpack_from("<QQI", data, footer_at + 9)
     found = zlib.crc32(data[summary_start : footer_at + 9 + 16])
-    expect(found == summary_crc, "wrong check sum of the summary")
-    # The data section ends with its own record: opcode, length 4, check sum.
+    expect(found == summary_crc, "wrong checksum of the summary")
+    # The data section ends with its own record: opcode, length 4, checksum.
     end_at = summary_start - 13
     opcode, length, data_crc = struct.unpack_from("<BQI", data, end_at)
     expect((opcode, length) == (0x0F, 4), "the data section does not end before the summary")
-    expect(zlib.crc32(data[:end_at]) == data_crc, "wrong check sum of the data section")
+    expect(zlib.crc32(data[:end_at]) == data_crc, "wrong checksum of the data section")
 
 
 def check_json(schema, message, where):

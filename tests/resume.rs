@@ -305,11 +305,11 @@ fn a_damaged_or_foreign_checkpoint_is_refused_and_left_as_it_is() {
     let mut newer = sound.clone();
     newer[8] = 9;
     for (bytes, words) in [
-        (&flipped[..], "its check sum is wrong"),
+        (&flipped[..], "its checksum is wrong"),
         (&sound[..sound.len() / 2], "but should have"),
         (&newer[..], "it has format 9"),
-        (b"not at all", "it is no checkpoint"),
-        (&sound[..], "its content makes no sense"),
+        (b"not at all", "it is not a checkpoint"),
+        (&sound[..], "its content contradicts itself"),
     ] {
         fs::write(&file, bytes).unwrap();
         let (_, stderr) = expect(65, &["train", "--resume", dir]);

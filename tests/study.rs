@@ -173,7 +173,7 @@ fn links_in_a_study_folder_lead_nobody_out_of_it() {
     std::os::unix::fs::symlink(desk.path("precious"), desk.path("a").join("journal")).unwrap();
     let message = desk.refused("run small.toml --trials 1 --out a", 73);
     assert!(
-        message.contains("journal: it is no plain file"),
+        message.contains("journal: it is not a regular file"),
         "{message}"
     );
     assert_eq!(fs::read(desk.path("precious")).unwrap(), b"");

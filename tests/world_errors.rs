@@ -671,7 +671,7 @@ fn a_missing_colon() {
 }
 "#;
     assert_snapshot!(refusal(text.as_bytes()), @r#"
-    error: the file is no valid JSON
+    error: the file is not valid JSON
      --> bad.json:2:10
       |
     2 |   "rows" []
@@ -957,7 +957,7 @@ fn a_nul_byte() {
 #[test]
 fn bytes_that_are_no_utf_8() {
     assert_snapshot!(refusal(b"{\n  \"rows\": [\"####\", \"#S\xffG#\"]\n}"), @r#####"
-    error: the file is no UTF-8 text
+    error: the file is not UTF-8 text
      --> bad.json:2:23
       |
     2 |   "rows": ["####", "#S�G#"]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Why a learner cannot go on from what was saved.
+/// Why a learner cannot resume from what was saved.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MemoryError {
     /// The bytes do not make a learner.

@@ -44,7 +44,7 @@ pub struct SettingsArgs {
     /// Settings file (TOML); `xcscr config show` prints one.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Set one setting, such as `xcs.beta=0.1`; wins over the file.
+    /// Override one setting, such as `xcs.beta=0.1`.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }

@@ -18,10 +18,10 @@ pub struct EvaluateArgs {
     /// Another arena than the run's own.
     #[arg(long, value_parser = choices::arena())]
     arena: Option<ArenaKind>,
-    /// How many episodes.
+    /// Number of episodes.
     #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     episodes: u32,
-    /// The root of starts and noise.
+    /// Root seed of start cells and noise.
     #[arg(long, default_value_t = 1, value_name = "S")]
     seed: u64,
     #[command(flatten)]

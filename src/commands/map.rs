@@ -15,7 +15,7 @@ use super::failure::{Exit, Failure};
 pub struct MapArgs {
     /// The folder of a run, or one of its recordings.
     run: PathBuf,
-    /// The picture: .svg or .png.
+    /// The picture to write: .svg or .png.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// The policy after this episode [default: that of the recording, or the last].
@@ -67,7 +67,7 @@ impl Kind {
             Some("png" | "apng") => Ok(Self::Png),
             _ => {
                 let message = format!(
-                    "{} is no name of a picture: it must end in .svg or .png",
+                    "{} is not a picture file name: it must end in .svg or .png",
                     file.display()
                 );
                 Err(Failure::new(Exit::Usage, message))

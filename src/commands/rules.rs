@@ -24,10 +24,10 @@ pub struct RulesArgs {
     /// Only the rules that match what the robot perceives in this cell.
     #[arg(long, value_name = "COL,ROW", value_parser = cell)]
     cell: Option<Cell>,
-    /// The order of the rules; the greatest first, errors and actions the smallest.
+    /// Order of the rules: largest first, except by error and action.
     #[arg(long, value_name = "BY", default_value = "covers")]
     sort: Order,
-    /// Few general rules that choose the same in every percept of the world.
+    /// Condense to few general rules that choose the same action for every percept of the world.
     #[arg(long)]
     compact: bool,
     /// Print a rules.json file, which `evaluate` and `train --init-rules` read.
@@ -266,10 +266,11 @@ fn print_foresight(
     for ReturnRule { turn, hits, misses } in &foresight.returns {
         let (turn, all) = (turn.index(), hits + misses);
         let actions = plan.maze.action_count();
-        writeln!(
-            out,
-            "  a move is undone by the action {turn} of {actions} turns further ({hits} of {all})"
-        )?;
+        let undoing = match 2 * turn == actions {
+            true => "the opposite action".to_owned(),
+            false => format!("the action {turn} places further round"),
+        };
+        writeln!(out, "  {undoing} undoes a move ({hits} of {all})")?;
     }
     Ok(())
 }

@@ -22,9 +22,9 @@ const TEMPLATE: &str = "{bar:30} trial {pos}/{len}, {eta} left";
 /// What to do with studies.
 #[derive(Debug, Subcommand)]
 pub enum StudyCommand {
-    /// Run a study; one that was interrupted goes on where it stopped.
+    /// Run a study, or resume an interrupted one.
     Run(RunArgs),
-    /// List the trials that are missing or failed in a study, or in its shards together.
+    /// List the missing and failed trials of a study, or of its shards together.
     Status {
         /// Folders of one study.
         #[arg(required = true, value_name = "DIR")]
@@ -36,7 +36,7 @@ pub enum StudyCommand {
         #[arg(long)]
         json: bool,
     },
-    /// Join the shards of a study, in any order, into one folder.
+    /// Merge the shards of a study, in any order, into one folder.
     Merge {
         /// Folders of one study.
         #[arg(required = true, value_name = "DIR")]
@@ -70,13 +70,13 @@ pub struct RunArgs {
     /// Episodes of each trial.
     #[arg(long, value_name = "N")]
     episodes: Option<u32>,
-    /// The root of the trials' seeds.
+    /// Root seed of all trials.
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
     /// Run in this arena instead of the study's.
     #[arg(long, value_parser = choices::arena())]
     arena: Option<ArenaKind>,
-    /// Set one setting of all trials, such as `xcs.beta=0.1`; wins over the study.
+    /// Override one setting of all trials, such as `xcs.beta=0.1`.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Run only one part of several, such as 2/7.
@@ -88,7 +88,7 @@ pub struct RunArgs {
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
-    /// Show no progress.
+    /// Do not show progress.
     #[arg(long)]
     quiet: bool,
 }
@@ -127,7 +127,7 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         sets: args.set.clone(),
     };
     let protocol = Protocol::new(&StudyFile::load(&args.study)?, &overrides)?;
-    let farewell = "interrupted in a trial; the same command goes on";
+    let farewell = "interrupted in a trial; run the same command again to resume it";
     let interrupt = Interrupt::watch(farewell.to_owned())?;
     let mut progress = Progress::new(args.quiet, interrupt.clone());
     let folder = run_study(
@@ -144,7 +144,9 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     if missing.iter().any(|trial| args.shard.holds(*trial)) {
         let (done, all) = (protocol.len() - missing.len(), protocol.len());
-        let message = format!("interrupted after {done} of {all} trials; the same command goes on");
+        let message = format!(
+            "interrupted after {done} of {all} trials; run the same command again to resume it"
+        );
         return Err(Failure::new(Exit::Interrupted, message));
     }
     Status::new(&folder, None).print(args.json, out)?;

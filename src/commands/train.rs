@@ -39,10 +39,10 @@ pub struct TrainArgs {
     /// What the robot perceives.
     #[arg(long, default_value = "neighbours", value_parser = choices::sensor())]
     sensor: Sensor,
-    /// How many episodes.
+    /// Number of episodes.
     #[arg(long, default_value_t = 180, value_name = "N")]
     episodes: u32,
-    /// The root of all random numbers: the same seed gives the same bytes.
+    /// Root seed of all random streams: the same seed gives the same bytes.
     #[arg(long, default_value_t = 1, value_name = "S")]
     seed: u64,
     /// The folder of the run [default: recordings/<world>-<method>-<arena>-s<seed>].
@@ -51,16 +51,16 @@ pub struct TrainArgs {
     /// Replace the folder of an earlier run.
     #[arg(long)]
     force: bool,
-    /// Go on with the run in this folder, which was interrupted; it gives the same bytes as one
-    /// that never was.
+    /// Resume the interrupted run in this folder; the result is bit-identical to that of an
+    /// uninterrupted run.
     #[arg(long, value_name = "DIR", conflicts_with_all = CHOICES)]
     resume: Option<PathBuf>,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Start from what was learned elsewhere: a rules.json, or the folder of a run.
+    /// Start from rules learned elsewhere: a rules.json file or the folder of a run.
     #[arg(long, value_name = "RULES|RUN", conflicts_with = "resume")]
     init_rules: Option<PathBuf>,
-    /// Which episodes to keep: all, best, last, every:N or none.
+    /// Which episodes to record: all, best, last, every:N or none.
     #[arg(long, default_value = "all", value_name = "MODE")]
     record: RecordMode,
     #[command(flatten)]
@@ -71,7 +71,7 @@ pub struct TrainArgs {
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
-    /// Show no progress.
+    /// Do not show progress.
     #[arg(long)]
     quiet: bool,
 }

@@ -17,7 +17,7 @@ const MOST_LISTED: usize = 8;
 /// What to do with world files.
 #[derive(Debug, Subcommand)]
 pub enum WorldCommand {
-    /// Check world files: a line for each good one, a message for each bad one.
+    /// Check world files: one line for each valid file, one message for each invalid one.
     Check {
         /// World files.
         #[arg(required = true, value_name = "FILE")]
@@ -36,14 +36,14 @@ pub enum WorldCommand {
         #[arg(long)]
         json: bool,
     },
-    /// Make a maze by chance and print it as a world file.
+    /// Generate a random maze and print it as a world file.
     Generate(GenerateArgs),
 }
 
 /// Arguments of `world generate`.
 #[derive(Debug, clap::Args)]
 pub struct GenerateArgs {
-    /// How it is made: winding passages, rooms with doors, obstacles, or corridors.
+    /// Winding passages, rooms with doors, random obstacles, or corridors.
     #[arg(long, value_parser = choices::one_of(&MazeKind::ALL, MazeKind::name))]
     kind: MazeKind,
     /// Cells on each side, 5 to 1024.

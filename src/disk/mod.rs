@@ -28,7 +28,7 @@ pub fn open(path: &Path) -> io::Result<File> {
         true => File::open(path),
         false => Err(io::Error::new(
             io::ErrorKind::InvalidInput,
-            "it is no plain file",
+            "it is not a regular file",
         )),
     }
 }
@@ -53,7 +53,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// The same, and [`io::ErrorKind::InvalidData`] when it is no UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let text = String::from_utf8(read(path, most)?);
-    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no UTF-8 text"))
+    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
 /// Reads a file of any size, but no device and no pipe: those may have no end.
@@ -63,18 +63,18 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
 pub fn read_plain(path: &Path) -> io::Result<Vec<u8>> {
     match fs::metadata(path)?.is_file() {
         true => fs::read(path),
-        false => Err(io::Error::other("it is no plain file")),
+        false => Err(io::Error::other("it is not a regular file")),
     }
 }
 
 /// Refuses a name that leads elsewhere, before it is written to: a link, or a device.
 ///
 /// # Errors
-/// When there is something, and it is no plain file.
+/// When there is something, and it is not a regular file.
 pub fn require_plain(path: &Path) -> io::Result<()> {
     match fs::symlink_metadata(path) {
         Ok(found) if !found.is_file() => {
-            let message = "it is no plain file, so it was not made by this program; remove it";
+            let message = "it is not a regular file, so it was not made by this program; remove it";
             Err(io::Error::other(message))
         }
         _ => Ok(()),

@@ -102,7 +102,7 @@ pub enum RunFolderError {
     #[error("{0} holds no interrupted run: begin one with `xcscr train WORLD --out {path}`; `--force` replaces a run that is there", path = disk::typed(.0))]
     NothingToResume(PathBuf),
     /// The checkpoint is of no use.
-    #[error("cannot go on from {path}: {fault}")]
+    #[error("cannot resume from {path}: {fault}")]
     Checkpoint {
         /// The file.
         path: PathBuf,

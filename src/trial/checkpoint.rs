@@ -15,7 +15,7 @@ use xcs::random::Stream;
 const MAGIC: &[u8; 8] = b"xcscr\x1a\r\n";
 /// The number of this format.
 const FORMAT: u32 = 1;
-/// Magic, format and length before the content; a check sum after it.
+/// Magic, format and length before the content; a checksum after it.
 const HEAD: usize = MAGIC.len() + 4 + 8;
 const TAIL: usize = 4;
 
@@ -57,7 +57,7 @@ impl Checkpoint {
 #[non_exhaustive]
 pub enum CheckpointError {
     /// The bytes are no checkpoint at all.
-    #[error("it is no checkpoint")]
+    #[error("it is not a checkpoint")]
     Foreign,
     /// It has another format.
     #[error(
@@ -81,11 +81,11 @@ pub enum CheckpointError {
         /// The bytes that there should be.
         wanted: u64,
     },
-    /// Its check sum is wrong.
-    #[error("its check sum is wrong")]
+    /// Its checksum is wrong.
+    #[error("its checksum is wrong")]
     Crc,
     /// Its content makes no sense.
-    #[error("its content makes no sense: {0}")]
+    #[error("its content contradicts itself: {0}")]
     Content(String),
     /// Its plan cannot be run.
     #[error(transparent)]
@@ -98,7 +98,7 @@ pub enum CheckpointError {
     Memory(#[from] MemoryError),
 }
 
-/// Wraps a value for the disk: magic, format, length, version and value, check sum.
+/// Wraps a value for the disk: magic, format, length, version and value, checksum.
 pub fn seal(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = [MAGIC, &FORMAT.to_le_bytes()[..], &[0; 8]].concat();
     bytes = postcard::to_extend(&(env!("CARGO_PKG_VERSION"), value), bytes)

@@ -34,7 +34,7 @@ impl fmt::Display for Origin {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SettingsError {
     /// The file is no TOML.
-    #[error("{origin} is no valid TOML: {fault}")]
+    #[error("{origin} is not valid TOML: {fault}")]
     Syntax {
         /// Which file.
         origin: Origin,
@@ -42,7 +42,7 @@ pub enum SettingsError {
         fault: String,
     },
     /// `--set` without an equals sign.
-    #[error("`--set {0}` sets nothing: write `--set section.key=value`")]
+    #[error("`--set {0}` is not a setting: write `--set section.key=value`")]
     NoValue(String),
     /// There is no such setting.
     #[error("{origin}: there is no setting `{key}`{}", did_you_mean(.suggestion))]
@@ -342,7 +342,7 @@ mod tests {
     #[test]
     fn a_set_without_a_value_and_a_broken_file_are_refused() {
         assert!(message(None, &["xcs.beta"]).contains("write `--set section.key=value`"));
-        assert!(message(Some("[xcs"), &[]).starts_with("run.toml is no valid TOML"));
+        assert!(message(Some("[xcs"), &[]).starts_with("run.toml is not valid TOML"));
     }
 
     #[test]

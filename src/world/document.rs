@@ -29,7 +29,7 @@ struct KeyFault<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Splits the text into values; refuses what is no JSON object, and unknown or repeated keys.
+    /// Splits the text into values; refuses what is not JSON object, and unknown or repeated keys.
     pub fn parse(source: Source<'a>) -> Result<Self, WorldError> {
         refuse_other_kinds(source)?;
         let mut json = serde_json::Deserializer::from_str(source.text);

@@ -60,7 +60,7 @@ pub fn refuse_other_kinds(source: Source<'_>) -> Result<(), WorldError> {
     }
 }
 
-/// The error for a text that is no JSON.
+/// The error for a text that is not JSON.
 pub fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError {
     let at = offset(source.text, error);
     let text = error.to_string();
@@ -98,7 +98,7 @@ pub fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError
             "write a finite number, such as 1.0",
         ),
         _ => (
-            "the file is no valid JSON",
+            "the file is not valid JSON",
             cause,
             "see json.org for the rules; the usual causes are missing quotes, commas and brackets",
         ),

@@ -175,7 +175,7 @@ impl fmt::Debug for Condition {
 
 /// A text that is no condition.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no condition: expected at most {MAX_PERCEPT_BITS} characters, each 0, 1 or #")]
+#[error("`{0}` is not a condition: expected at most {MAX_PERCEPT_BITS} characters, each 0, 1 or #")]
 pub struct ConditionError(String);
 
 impl FromStr for Condition {

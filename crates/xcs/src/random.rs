@@ -16,7 +16,7 @@ pub struct Stream(Pcg64);
 
 /// A saved state from which no random numbers come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("a stream of random numbers stands still")]
+#[error("a saved random stream is degenerate: it would repeat one number")]
 pub struct StandsStill;
 
 impl TryFrom<Pcg64> for Stream {

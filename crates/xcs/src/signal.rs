@@ -97,7 +97,7 @@ impl fmt::Debug for Percept {
 
 /// A text that is no percept.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no percept: expected at most {MAX_PERCEPT_BITS} characters, each 0 or 1")]
+#[error("`{0}` is not a percept: expected at most {MAX_PERCEPT_BITS} characters, each 0 or 1")]
 pub struct PerceptError(String);
 
 impl FromStr for Percept {

@@ -32,7 +32,7 @@ pub struct Finding {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingKind {
-    /// It cannot be read: unfinished, no MCAP file, or a wrong check sum.
+    /// It cannot be read: unfinished, no MCAP file, or a wrong checksum.
     Unreadable,
     /// The index at the end says something else than the file itself.
     Index,
@@ -40,7 +40,7 @@ pub enum FindingKind {
     Facts,
     /// A topic or its schema is missing or another.
     Topic,
-    /// A message is no valid JSON.
+    /// A message is not valid JSON.
     Message,
     /// Time runs backwards.
     Order,
@@ -92,7 +92,7 @@ fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
         let data = recording.attachment(name);
         let what = match data.map(serde_json::from_slice::<serde::de::IgnoredAny>) {
             None => format!("the attachment {name} is missing"),
-            Some(Err(error)) => format!("the attachment {name} is no JSON: {error}"),
+            Some(Err(error)) => format!("the attachment {name} is not JSON: {error}"),
             Some(Ok(_)) => continue,
         };
         findings.push(finding(FindingKind::Facts, what));
@@ -154,7 +154,7 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
         }
         before_ns = now_ns;
         if message.encoding() == "json" && message.json().is_none() {
-            let what = format!("{topic} at {now_ns} ns is no JSON");
+            let what = format!("{topic} at {now_ns} ns is not JSON");
             findings.push(finding(FindingKind::Message, what));
         }
         if topic == Topic::Transforms.name() {

@@ -16,7 +16,7 @@ pub fn parse_record(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
 }
 
 /// The bytes before an attachment's content: two times, two texts and a length. `None` if they
-/// leave no room for the check sum behind it.
+/// leave no room for the checksum behind it.
 fn attachment_header(body: &[u8]) -> Option<usize> {
     let after_text = |at: usize| {
         let length = body.get(at..at.checked_add(4)?)?.try_into().ok()?;
@@ -33,7 +33,7 @@ mod tests {
     #[test]
     fn an_attachment_that_is_shorter_than_its_header_says_is_an_error() {
         // Two times, an empty name, an empty media type, a length, and three of four bytes of
-        // check sum.
+        // checksum.
         let body = [0; 16 + 4 + 4 + 8 + 3];
         for length in 0..body.len() {
             let parsed = parse_record(op::ATTACHMENT, &body[..length]);

@@ -13,7 +13,7 @@ use super::parse::parse_record;
 use crate::disk;
 use crate::record::error::RecordError;
 
-/// A recording in memory, whose check sums are right.
+/// A recording in memory, whose checksums are right.
 #[derive(Debug, Clone)]
 pub struct Recording {
     path: PathBuf,
@@ -78,7 +78,7 @@ pub struct Attachment {
 }
 
 impl Recording {
-    /// Reads a file and checks its check sums.
+    /// Reads a file and checks its checksums.
     ///
     /// # Errors
     /// [`RecordError::Read`] when there is no such file; otherwise as [`Self::from_bytes`].
@@ -94,7 +94,7 @@ impl Recording {
     ///
     /// # Errors
     /// [`RecordError::Unfinished`] when the name ends in `.part`, [`RecordError::Damaged`] when
-    /// the bytes are no whole MCAP file or a check sum is wrong.
+    /// the bytes are no whole MCAP file or a checksum is wrong.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, RecordError> {
         if path
             .extension()
@@ -122,7 +122,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Reads every record, with all check sums; keeps attachments and metadata.
+    /// Reads every record, with all checksums; keeps attachments and metadata.
     fn scan(&mut self, bytes: &[u8]) -> McapResult<()> {
         let options = LinearReaderOptions::default()
             .with_check_finishes_after_end_magic(true)

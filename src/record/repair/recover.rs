@@ -49,7 +49,7 @@ fn refuse(input: &Path, output: &Path, force: bool) -> io::Result<()> {
     let exists = |what| Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
     match output.exists() {
         true if same => exists("it is the file to recover"),
-        true if !output.is_file() => exists("it is no plain file"),
+        true if !output.is_file() => exists("it is not a regular file"),
         true if !force => exists("it exists (replace it with `--force`)"),
         _ => Ok(()),
     }

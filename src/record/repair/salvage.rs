@@ -83,7 +83,7 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
     salvor.finish()
 }
 
-/// The index, if its check sum is right.
+/// The index, if its checksum is right.
 fn sound_summary(bytes: &[u8]) -> Option<Summary> {
     let footer = mcap::read::footer(bytes).ok()?;
     let start = usize::try_from(footer.summary_start).ok()?;
@@ -106,7 +106,7 @@ fn record_at(bytes: &[u8], at: usize) -> Option<(u8, &[u8])> {
     Some((*opcode, bytes.get(start..end)?))
 }
 
-/// The records of a chunk, whose check sum is right.
+/// The records of a chunk, whose checksum is right.
 fn records_of(chunk: &[u8]) -> McapResult<Vec<Record<'static>>> {
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
@@ -212,7 +212,7 @@ impl<W: Write> Salvor<W> {
         Ok(())
     }
 
-    /// Saves what a chunk holds; nothing of it if its check sum is wrong.
+    /// Saves what a chunk holds; nothing of it if its checksum is wrong.
     fn take_chunk(&mut self, chunk: &[u8], at: usize) -> McapResult<()> {
         match records_of(chunk) {
             Ok(records) => records
@@ -255,7 +255,7 @@ impl<W: Write> Salvor<W> {
     /// Compares the sum over all data; it tells of changes that no record's own sum covers.
     fn check_sum(&mut self, data: &[u8], expected: u32) {
         if expected != 0 && crc32fast::hash(data) != expected {
-            let what = "the check sum over all data is wrong";
+            let what = "the checksum over all data is wrong";
             self.recovery.lose(0, data.len(), &what);
         }
     }

@@ -35,7 +35,7 @@ impl RecordMode {
 
 /// A text that is no [`RecordMode`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no way to record: expected all, best, last, every:N (N from 1), or none")]
+#[error("`{0}` is not a recording mode: expected all, best, last, every:N (N from 1), or none")]
 pub struct RecordModeError(String);
 
 impl FromStr for RecordMode {

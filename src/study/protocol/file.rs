@@ -198,7 +198,7 @@ impl StudyFile {
         let mut named = world_settings.keys().chain(world_sensors.keys());
         let unknown = named.find(|name| !worlds.iter().any(|maze| maze.name() == *name));
         unknown.map_or(Ok(()), |name| {
-            let fault = format!("`{name}` is no world of this study");
+            let fault = format!("`{name}` is not a world of this study");
             Err(StudyError::file(&self.origin, &fault))
         })
     }

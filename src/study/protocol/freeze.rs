@@ -17,7 +17,7 @@ pub struct Overrides {
     pub trials: Option<usize>,
     /// Episodes per trial.
     pub episodes: Option<u32>,
-    /// The root of the trials' seeds.
+    /// Root seed of all trials.
     pub seed: Option<u64>,
     /// The only arena.
     pub arena: Option<ArenaKind>,

@@ -77,7 +77,7 @@ pub struct Protocol {
     pub version: String,
     /// The study's name.
     pub name: String,
-    /// The root of the trials' seeds.
+    /// Root seed of all trials.
     pub seed: u64,
     /// Trials per arm.
     pub trials: usize,
