@@ -9,10 +9,8 @@ use std::path::Path;
 
 use serde_json::json;
 use xcscr::arena::{Arena, PhysicsArena, PhysicsParams};
-use xcscr::streams::StreamName;
 use xcscr::world::{Cell, Direction, Maze};
 use xcscr::xcs::Action;
-use xcscr::xcs::random::Stream;
 
 const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
 /// A physics step lasts 50 ms.
@@ -37,8 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [Some(east), Some(west), Some(north)] = toward else {
         return Err("the world has no main directions".into());
     };
-    let noise = Stream::new(1, StreamName::Physics);
-    let mut arena = PhysicsArena::new(maze, params, noise)?;
+    let mut arena = PhysicsArena::new(maze, params, 1)?;
     // Row 4 is free from column 1 to 6; a wall lies north of column 3.
     arena.reset(Cell { col: 3, row: 4 });
     for step in 0..moves {

@@ -9,11 +9,9 @@ use xcscr::arena::ArenaKind;
 use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::record::{RecordMode, Recorder, RobotShape, RunInfo};
 use xcscr::sensor::Sensor;
-use xcscr::streams::StreamName;
 use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::{Cell, Maze};
 use xcscr::xcs::Action;
-use xcscr::xcs::random::Stream;
 
 const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
 /// The corridor of Maze4, with a wall to its north.
@@ -56,7 +54,7 @@ fn physics_cell_moves(bencher: Bencher, moves: [usize; 2], shortcut: bool) {
         shortcut,
         ..PhysicsParams::default()
     };
-    let arena = PhysicsArena::new(maze(), params, Stream::new(1, StreamName::Physics));
+    let arena = PhysicsArena::new(maze(), params, 1);
     cell_moves(bencher, arena.expect("Maze4 fits into physics"), moves);
 }
 

@@ -21,6 +21,14 @@ pub enum StreamName {
     World,
     /// Which remembered transitions are replayed.
     Replay,
+    /// The lidar: its scale, and the noise of its beams.
+    Lidar,
+    /// The scales of the wheels, as the encoders have them.
+    Encoders,
+    /// The gyro: bias, scale and noise.
+    Gyro,
+    /// Which actions slip, and to which others.
+    Slip,
 }
 
 impl From<StreamName> for u64 {

@@ -23,8 +23,7 @@ fn robot(maze: &Maze, noise: f64, shortcut: bool) -> PhysicsArena {
         shortcut,
         ..PhysicsParams::default()
     };
-    let stream = Stream::new(1, StreamName::Physics);
-    PhysicsArena::new(maze.clone(), params, stream).unwrap()
+    PhysicsArena::new(maze.clone(), params, 1).unwrap()
 }
 
 /// An outcome without the numbers that only some arenas have.

@@ -4,7 +4,7 @@ use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Condensed, Config, Plan, Settings, Trial};
-use xcscr::world::Maze;
+use xcscr::world::{Maze, Paths};
 
 /// A finished trial of a few episodes in Maze4.
 fn finished(method: Method, over_match_set: bool) -> Trial {
@@ -78,7 +78,8 @@ fn rules_are_condensed_to_the_same_choices_in_both_readings_of_equation_6() {
         let trial = finished(Method::Xcscr, over_match_set);
         let maze = &trial.plan().maze;
         let knowledge = trial.method().knowledge();
-        let condensed = Condensed::new(&knowledge, Sensor::Neighbours, maze).unwrap();
+        let condensed =
+            Condensed::new(&knowledge, Sensor::Neighbours, maze, &Paths::new(maze)).unwrap();
         assert!(condensed.percepts > 5, "{} percepts", condensed.percepts);
         assert_eq!(
             condensed.agreeing, condensed.percepts,

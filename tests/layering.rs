@@ -48,6 +48,21 @@ const BINARY: [&str; 3] = ["main", "cli", "commands"];
 /// The only folder that names the physics engine.
 const PHYSICS: &str = "arena/physics";
 
+/// The robot's own computer, and all that it may name: it knows what its sensors tell, and nothing
+/// of the maze, the engine or its true pose.
+const ONBOARD: &str = "arena/physics/onboard";
+const UNKNOWN_ON_BOARD: [&str; 9] = [
+    "Maze",
+    "Cell",
+    "View",
+    "Sample",
+    "Moment",
+    "true_motion",
+    "simulation",
+    "rapier2d",
+    "parry2d",
+];
+
 /// All Rust files below `src`, with their paths from there.
 fn sources() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -112,6 +127,11 @@ fn first_names(text: &str) -> Vec<String> {
     names
 }
 
+/// All names in a text.
+fn words(code: &str) -> impl Iterator<Item = &str> {
+    code.split(|c: char| !(c.is_alphanumeric() || c == '_'))
+}
+
 /// What a file imports but must not.
 fn forbidden(file: &Path, text: &str) -> Vec<String> {
     let (module, code) = (module(file), code(text));
@@ -125,6 +145,13 @@ fn forbidden(file: &Path, text: &str) -> Vec<String> {
     if !file.starts_with(PHYSICS) {
         let engines = ["rapier2d", "parry2d"].into_iter();
         found.extend(engines.filter(|e| code.contains(e)).map(str::to_owned));
+    }
+    if file.starts_with(ONBOARD) {
+        found.extend(
+            words(&code)
+                .filter(|word| UNKNOWN_ON_BOARD.contains(word))
+                .map(str::to_owned),
+        );
     }
     let message = |name| format!("{} must not name `{name}`", file.display());
     found.into_iter().map(message).collect()
@@ -184,6 +211,10 @@ fn control_a_forbidden_arrow_is_found() {
     assert_eq!(found("world/file.rs", "use crate::{\n    sensor,\n};"), 1);
     assert_eq!(found("arena/grid.rs", "use rapier2d::prelude::*;"), 1);
     assert_eq!(found("commands/train.rs", "use crate::world::Maze;"), 1);
+    let onboard = |text| found("arena/physics/onboard/estimator.rs", text);
+    assert_eq!(onboard("use crate::world::{Cell, Maze};"), 2);
+    assert_eq!(onboard("fn f(v: &crate::arena::View<'_>) {}"), 1);
+    assert_eq!(onboard("use super::super::robot::true_motion;"), 1);
 }
 
 #[test]
@@ -200,6 +231,13 @@ fn control_an_allowed_arrow_and_a_comment_are_not_found() {
     );
     assert_eq!(
         found("arena/physics/mod.rs", "use rapier2d::prelude::*;"),
+        none
+    );
+    assert_eq!(
+        found(
+            "arena/physics/onboard/mod.rs",
+            "use super::readings::Readings;"
+        ),
         none
     );
     assert_eq!(found("commands/world.rs", "use crate::cli::Cli;"), none);

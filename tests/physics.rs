@@ -24,7 +24,7 @@ fn rows(cell_size_m: f64, rows: &[&str]) -> Maze {
 }
 
 fn arena(maze: Maze, params: PhysicsParams, seed: u64) -> PhysicsArena {
-    PhysicsArena::new(maze, params, Stream::new(seed, StreamName::Physics)).unwrap()
+    PhysicsArena::new(maze, params, seed).unwrap()
 }
 
 fn noise(noise: f64) -> PhysicsParams {

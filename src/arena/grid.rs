@@ -79,6 +79,8 @@ impl Arena for GridArena {
             cell: self.cell,
             trace: &self.trace,
             contacts: &self.contacts,
+            sensed: None,
+            executed: None,
         }
     }
 
@@ -86,6 +88,8 @@ impl Arena for GridArena {
         Lasting {
             time_ns: self.trace[1].time_ns,
             noise: None,
+            sensing: None,
+            slip: None,
         }
     }
 

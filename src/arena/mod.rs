@@ -7,13 +7,20 @@
 mod grid;
 mod kind;
 mod physics;
+mod sensed;
+mod slip;
 
 use nalgebra::{Isometry2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
 pub use grid::GridArena;
 pub use kind::ArenaKind;
-pub use physics::{PhysicsArena, PhysicsError, PhysicsParams, Snapshot};
+pub use physics::{
+    BumperParams, EncoderParams, EstimatorParams, GyroParams, LidarParams, Localisation,
+    PhysicsArena, PhysicsError, PhysicsParams, SensingMemory, Snapshot,
+};
+pub use sensed::{Beam, Estimate, Sensed, Surroundings};
+pub use slip::{ArenaParams, SlippingArena};
 
 use crate::world::{Cell, Maze};
 use xcs::Action;
@@ -70,6 +77,11 @@ pub struct View<'a> {
     pub trace: &'a [Sample],
     /// The hits during the last action, oldest first.
     pub contacts: &'a [Contact],
+    /// What the robot sensed, of one that knows only that; `None` of one that is told where it is.
+    pub sensed: Option<Sensed<'a>>,
+    /// The action that was carried out last, which may be another than the chosen one; `None`
+    /// after a reset, and where actions do not slip.
+    pub executed: Option<Action>,
 }
 
 impl View<'_> {
@@ -83,12 +95,16 @@ impl View<'_> {
 }
 
 /// What outlasts an episode: everything else a reset makes anew.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Lasting {
     /// Simulation time since the trial began, in nanoseconds.
     pub time_ns: u64,
     /// The noise to come; `None` where there is none.
     pub noise: Option<Stream>,
+    /// What sensors and estimator keep; `None` of a robot that is told where it is.
+    pub sensing: Option<SensingMemory>,
+    /// Which actions will slip; `None` where none do.
+    pub slip: Option<Stream>,
 }
 
 /// A maze with a robot in it. The clock runs on over all episodes of a trial.

@@ -9,7 +9,7 @@ use xcscr::agent::{CollisionRule, Foresight, Knowledge, ReturnRule};
 use xcscr::sensor::action_name;
 use xcscr::study::Table;
 use xcscr::trial::{Condensed, MOST_PERCEPTS, Plan};
-use xcscr::world::Cell;
+use xcscr::world::{Cell, Paths};
 use xcscr::xcs::{Action, Percept};
 use xcscr::xcs::{Classifier, Condition, Population};
 
@@ -108,7 +108,8 @@ fn load(learned: &LearnedArgs) -> Result<(Plan, Knowledge), Failure> {
 
 fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Condensed, Failure> {
     let Plan { maze, config } = plan;
-    Condensed::new(knowledge, config.sensor, maze).ok_or_else(|| {
+    let paths = Paths::with_slip(maze, config.settings.arena.slip);
+    Condensed::new(knowledge, config.sensor, maze, &paths).ok_or_else(|| {
         let name = maze.name();
         let message = format!(
             "{name} has more than {MOST_PERCEPTS} percepts: too many to condense rules for"

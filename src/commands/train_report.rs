@@ -48,7 +48,12 @@ impl TrainReport {
         let (maze, config) = (&plan.maze, &plan.config);
         let facts = Facts::new(maze);
         let start = maze.start();
-        let condensed = Condensed::new(&trial.method().knowledge(), config.sensor, maze);
+        let condensed = Condensed::new(
+            &trial.method().knowledge(),
+            config.sensor,
+            maze,
+            trial.paths(),
+        );
         Self {
             world: facts.world,
             method: config.method.name(),

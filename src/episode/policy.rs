@@ -88,7 +88,7 @@ pub fn first_fault(
     })
 }
 
-/// A cell that one gets to by the best actions, and in which one of these does not lead along a
+/// A cell that one gets to by the best actions (or by slipping), and in which one of these does not lead along a
 /// shortest path. Begins with the last of the cells in `open`.
 fn fault(
     maze: &Maze,
@@ -109,6 +109,10 @@ fn fault(
                 return Some(cell);
             };
             open.push(next);
+        }
+        if paths.slips() {
+            let around = maze.moves().directions().iter();
+            open.extend(around.filter_map(|&along| maze.step(cell, along)));
         }
     }
     None

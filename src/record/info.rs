@@ -27,6 +27,13 @@ pub struct RunInfo {
 }
 
 impl RunInfo {
+    /// The probability that actions slip, as the settings have it; 0 where they say nothing.
+    pub(super) fn slip(&self) -> f64 {
+        let config = serde_json::from_str(&self.config_json).ok();
+        let slip = |config: serde_json::Value| config.pointer("/settings/arena/slip")?.as_f64();
+        config.and_then(slip).unwrap_or(0.0)
+    }
+
     /// The entries of the metadata record `run`.
     pub(super) fn metadata(
         &self,

@@ -1,6 +1,12 @@
 //! From what can be seen to a [`Percept`].
+//!
+//! Some percepts are *looked up* in the maze, in the cell that the robot is told to stand in. That
+//! is privileged: no robot could. They are for the grid, and for the figures of the paper. Others
+//! are *sensed*: in the physics arena they are made of what the robot's lidar showed, and of
+//! nothing else. On the grid they are what a perfect lidar would show.
 
 mod alike;
+mod lidar;
 mod neighbours;
 mod position;
 mod words;
@@ -9,7 +15,7 @@ pub use alike::{Alike, alike};
 use serde::{Deserialize, Serialize};
 pub use words::{Alleles, action_name};
 
-use crate::arena::View;
+use crate::arena::{Sensed, View};
 use crate::world::{Cell, Maze};
 use xcs::Percept;
 
@@ -24,11 +30,25 @@ pub enum Sensor {
     Position,
     /// Neighbours, then position: what lies around, and no two cells look alike.
     NeighboursPosition,
+    /// The eight surrounding cells as a lidar shows them: two bits each, free `00`, wall or hidden
+    /// `01`. A lidar sees no goal.
+    Lidar,
+    /// How many cells are free in each main direction, up to three, and the diagonal cells.
+    LidarRanges,
+    /// Sixteen beams: how many free cells each goes through, up to seven.
+    LidarBeams,
 }
 
 impl Sensor {
     /// All sensors.
-    pub const ALL: [Self; 3] = [Self::Neighbours, Self::Position, Self::NeighboursPosition];
+    pub const ALL: [Self; 6] = [
+        Self::Neighbours,
+        Self::Position,
+        Self::NeighboursPosition,
+        Self::Lidar,
+        Self::LidarRanges,
+        Self::LidarBeams,
+    ];
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -36,7 +56,16 @@ impl Sensor {
             Self::Neighbours => "neighbours",
             Self::Position => "position",
             Self::NeighboursPosition => "neighbours-position",
+            Self::Lidar => "lidar",
+            Self::LidarRanges => "lidar-ranges",
+            Self::LidarBeams => "lidar-beams",
         }
+    }
+
+    /// Is the percept made of what the robot senses? All others are looked up in the maze, which
+    /// is privileged: no robot could.
+    pub fn is_sensed(self) -> bool {
+        matches!(self, Self::Lidar | Self::LidarRanges | Self::LidarBeams)
     }
 
     /// The percept's width in bits, the same everywhere in a maze.
@@ -45,6 +74,9 @@ impl Sensor {
             Self::Neighbours => neighbours::WIDTH,
             Self::Position => position::width(maze),
             Self::NeighboursPosition => neighbours::WIDTH + position::width(maze),
+            Self::Lidar => lidar::AROUND,
+            Self::LidarRanges => lidar::RANGES,
+            Self::LidarBeams => lidar::BEAMS,
         }
     }
 
@@ -53,6 +85,9 @@ impl Sensor {
     pub fn ring(self) -> usize {
         match self {
             Self::Neighbours | Self::NeighboursPosition => neighbours::WIDTH,
+            Self::Lidar => lidar::AROUND,
+            Self::LidarRanges => lidar::RANGES,
+            Self::LidarBeams => lidar::BEAMS,
             Self::Position => 0,
         }
     }
@@ -69,10 +104,16 @@ impl Sensor {
 
     /// What the robot perceives now.
     pub fn perceive(self, view: &View<'_>) -> Percept {
-        self.perceive_at(view.maze, view.cell)
+        let sensed = view.sensed.filter(|_| self.is_sensed());
+        match sensed {
+            Some(Sensed { surroundings, .. }) => {
+                self.by_lidar(&|east, north| surroundings.is_free(east, north))
+            }
+            None => self.perceive_at(view.maze, view.cell),
+        }
     }
 
-    /// What a robot in the middle of a free cell perceives.
+    /// What a robot in the middle of a free cell perceives, if its senses are perfect.
     pub fn perceive_at(self, maze: &Maze, cell: Cell) -> Percept {
         match self {
             Self::Neighbours => neighbours::percept(maze, cell),
@@ -80,6 +121,18 @@ impl Sensor {
             Self::NeighboursPosition => {
                 neighbours::percept(maze, cell).followed_by(&position::percept(maze, cell))
             }
+            Self::Lidar | Self::LidarRanges | Self::LidarBeams => {
+                self.by_lidar(&lidar::perfect(maze, cell))
+            }
+        }
+    }
+
+    /// What a lidar shows, when it sees that cells are free as `is_free` says.
+    fn by_lidar(self, is_free: lidar::IsFree<'_>) -> Percept {
+        match self {
+            Self::LidarRanges => lidar::ranges(is_free),
+            Self::LidarBeams => lidar::beams(is_free),
+            _ => lidar::around(is_free),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a condition demands of a percept, in words.
 
-use super::{Sensor, neighbours, position};
+use super::{Sensor, lidar, neighbours, position};
 use crate::world::{Direction, Maze};
 use xcs::Action;
 
@@ -41,6 +41,9 @@ impl Sensor {
                 words.extend(place(maze, &behind_ring));
                 words
             }
+            Self::Lidar => seen(names, alleles),
+            Self::LidarRanges => ranges(names, alleles),
+            Self::LidarBeams => beams(names, alleles),
         };
         match words.is_empty() {
             true => "anything".to_owned(),
@@ -71,6 +74,55 @@ fn around(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
         Some(format!("{name} {state}"))
     };
     names.into_iter().enumerate().filter_map(word).collect()
+}
+
+/// Two alleles for each cell, of which only the second one can differ.
+fn seen(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
+    let word = |(at, name): (usize, &str)| {
+        let state = match alleles(2 * at + 1)? {
+            true => "wall",
+            false => "free",
+        };
+        Some(format!("{name} {state}"))
+    };
+    names.into_iter().enumerate().filter_map(word).collect()
+}
+
+/// How far the main directions are free, and the diagonals.
+fn ranges(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
+    let of_quarter = |quarter: usize| {
+        let (main, diagonal) = (names[2 * quarter], names[2 * quarter + 1]);
+        let first = quarter * (lidar::FARTHEST + 1);
+        let far = (1..=lidar::FARTHEST).filter_map(move |far| {
+            let at_least = alleles(first + far - 1)?;
+            Some(match (at_least, far) {
+                (true, 1) => format!("{main} free"),
+                (true, _) => format!("{main} {far} cells free"),
+                (false, 1) => format!("{main} wall"),
+                (false, _) => format!("{main} wall within {far} cells"),
+            })
+        });
+        let beside = alleles(first + lidar::FARTHEST)
+            .map(|free| format!("{diagonal} {}", if free { "free" } else { "wall" }));
+        far.chain(beside)
+    };
+    (0..4).flat_map(of_quarter).collect()
+}
+
+/// The bits of the beams.
+fn beams(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
+    let word = |beam: usize| {
+        let first = beam * lidar::BEAM_BITS;
+        let letter = |at| alleles(at).map_or('#', |bit| if bit { '1' } else { '0' });
+        let bits: String = (first..first + lidar::BEAM_BITS).map(letter).collect();
+        let (name, next) = (names[beam / 2], names[(beam / 2 + 1) % 8]);
+        let demands = bits.contains(['0', '1']);
+        demands.then(|| match beam.is_multiple_of(2) {
+            true => format!("{name} range {bits}"),
+            false => format!("{name} to {next} range {bits}"),
+        })
+    };
+    (0..16).filter_map(word).collect()
 }
 
 /// The bits of column and row.
@@ -129,6 +181,22 @@ mod tests {
         for sensor in Sensor::ALL {
             assert_eq!(sensor.words(&maze(), &alleles), "anything");
         }
+    }
+
+    #[test]
+    fn a_lidar_sees_walls_and_how_far_it_is_free() {
+        let alleles = allele("01#0############");
+        let words = Sensor::Lidar.words(&maze(), &alleles);
+        assert_eq!(words, "north wall, north-east free");
+        let alleles = allele("#1##0###0#0####1");
+        let words = Sensor::LidarRanges.words(&maze(), &alleles);
+        assert_eq!(
+            words,
+            "north 2 cells free, east wall, south wall, south wall within 3 cells, north-west free"
+        );
+        let alleles = |at| (at == 0 || at == 5).then_some(true);
+        let words = Sensor::LidarBeams.words(&maze(), &alleles);
+        assert_eq!(words, "north range 1##, north to north-east range ##1");
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub struct Condensed {
 impl Condensed {
     /// Condenses what was learned; `None` for a table, which has no rules, and in worlds with more
     /// than [`MOST_PERCEPTS`] different percepts.
-    pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze) -> Option<Self> {
+    pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze, paths: &Paths) -> Option<Self> {
         let actions = maze.action_count();
         let percepts = sensor.percepts(maze);
         if percepts.len() > MOST_PERCEPTS {
@@ -43,7 +43,7 @@ impl Condensed {
             chosen.greatest().is_some() && chosen.best_actions().all(is_wanted)
         };
         let frozen = Frozen::new(condensed.clone(), actions, 1);
-        let fault = episode::first_fault(&frozen, sensor, maze, &Paths::new(maze), None);
+        let fault = episode::first_fault(&frozen, sensor, maze, paths, None);
         Some(Self {
             percepts: known.clone().count(),
             agreeing: known.filter(|percept| agrees(percept)).count(),

@@ -31,7 +31,8 @@ pub struct Evaluation {
     pub optimal: u32,
     /// Mean steps of an episode.
     pub mean_steps: f64,
-    /// Mean length of the shortest paths from where the episodes started.
+    /// Mean steps of an optimal policy from where the episodes started: without slip the length
+    /// of the shortest paths.
     pub mean_optimal_steps: f64,
     /// Collisions in all episodes.
     pub collisions: u64,
@@ -49,7 +50,7 @@ impl Evaluation {
         plan.check()?;
         let Plan { maze, config } = plan;
         knowledge.check(config.sensor.width(maze), maze.action_count())?;
-        let paths = Paths::new(maze);
+        let paths = Paths::with_slip(maze, config.settings.arena.slip);
         let mut arena = config.build_arena(maze)?;
         let limit = config.settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
@@ -72,6 +73,7 @@ impl Evaluation {
                 &mut (),
             );
             sums.add(&episode, paths.distance(maze, start).unwrap_or(0));
+            sums.expected += paths.expected_steps(maze, start).unwrap_or(0.0);
         }
         let mean = |sum: u64| sum as f64 / f64::from(episodes.max(1));
         Ok(Self {
@@ -83,7 +85,7 @@ impl Evaluation {
             successes: sums.successes,
             optimal: sums.optimal,
             mean_steps: mean(sums.steps),
-            mean_optimal_steps: mean(sums.shortest),
+            mean_optimal_steps: sums.expected / f64::from(episodes.max(1)),
             collisions: sums.collisions,
             mean_seconds: mean(arena.view().now().time_ns) / SECOND_NS,
         })
@@ -101,7 +103,8 @@ struct Sums {
     successes: u32,
     optimal: u32,
     steps: u64,
-    shortest: u64,
+    /// Steps that an optimal policy takes on average.
+    expected: f64,
     collisions: u64,
 }
 
@@ -111,7 +114,6 @@ impl Sums {
         self.successes += u32::from(success);
         self.optimal += u32::from(success && episode.steps == shortest);
         self.steps += u64::from(episode.steps);
-        self.shortest += u64::from(shortest);
         self.collisions += u64::from(episode.collisions);
     }
 }

@@ -151,7 +151,7 @@ impl Trial {
         let Plan { maze, config } = &plan;
         let exploration = Stream::new(config.seed, StreamName::Exploration);
         Ok(Self {
-            paths: Paths::new(maze),
+            paths: Paths::with_slip(maze, config.settings.arena.slip),
             arena: config.build_arena(maze)?,
             method: agent,
             explorer: Explorer::new(config.settings.episode.explore, exploration),

@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use super::settings::Settings;
 use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
-use crate::arena::{Arena, ArenaKind, GridArena, PhysicsArena, PhysicsError};
+use crate::arena::{
+    Arena, ArenaKind, GridArena, Localisation, PhysicsArena, PhysicsError, SlippingArena,
+};
 use crate::sensor::Sensor;
-use crate::streams::StreamName;
 use crate::world::Maze;
 use xcs::bounds::{OutOfRange, within};
-use xcs::random::Stream;
 
 /// Everything that can be chosen about a trial, but the world. Stored with every run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,13 +39,20 @@ impl Config {
     /// # Errors
     /// When the world makes no sense in physics.
     pub fn build_arena(&self, maze: &Maze) -> Result<Box<dyn Arena>, PhysicsError> {
-        Ok(match self.arena {
+        let arena: Box<dyn Arena> = match self.arena {
             ArenaKind::Grid => Box::new(GridArena::new(maze.clone())),
             ArenaKind::Physics => {
-                let noise = Stream::new(self.seed, StreamName::Physics);
-                let params = self.settings.physics.clone();
-                Box::new(PhysicsArena::new(maze.clone(), params, noise)?)
+                let mut params = self.settings.physics.clone();
+                if self.sensor.is_sensed() {
+                    params.localisation = Localisation::Estimated;
+                }
+                Box::new(PhysicsArena::new(maze.clone(), params, self.seed)?)
             }
+        };
+        let slip = self.settings.arena.slip;
+        Ok(match slip > 0.0 {
+            true => Box::new(SlippingArena::new(arena, slip, self.seed)),
+            false => arena,
         })
     }
 

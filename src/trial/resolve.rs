@@ -218,21 +218,13 @@ pub fn similar<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> Option<St
 fn checked(values: &BTreeMap<String, (Value, Origin)>) -> Result<Settings, SettingsError> {
     let mut all = Table::new();
     for (key, (value, origin)) in values {
-        let (section, name) = key
-            .split_once('.')
-            .expect("every setting lies in a section");
-        let alone = Table::from_iter([(name.to_owned(), value.clone())]);
         // Read on its own first, so that the message can name the setting.
-        Table::from_iter([(section.to_owned(), Value::Table(alone.clone()))])
+        let mut alone = Table::new();
+        put(&mut alone, key, value.clone());
+        alone
             .try_into::<Settings>()
             .map_err(|fault| unreadable(key, value, origin, fault.message()))?;
-        let section = all
-            .entry(section)
-            .or_insert_with(|| Value::Table(Table::new()));
-        section
-            .as_table_mut()
-            .expect("sections are tables")
-            .extend(alone);
+        put(&mut all, key, value.clone());
     }
     let settings: Settings = all.try_into().expect("each value was read on its own");
     settings
@@ -244,6 +236,22 @@ fn checked(values: &BTreeMap<String, (Value, Origin)>) -> Result<Settings, Setti
                 .map_or(Origin::Default, |(_, origin)| origin.clone());
             SettingsError::Range { origin, fault }
         })
+}
+
+/// Puts a value under its full name into tables within tables.
+fn put(table: &mut Table, key: &str, value: Value) {
+    match key.split_once('.') {
+        None => {
+            table.insert(key.to_owned(), value);
+        }
+        Some((section, name)) => {
+            let inner = table
+                .entry(section)
+                .or_insert_with(|| Value::Table(Table::new()));
+            let inner = inner.as_table_mut();
+            put(inner.expect("no setting is a section"), name, value);
+        }
+    }
 }
 
 /// Why a value of the right type cannot be read: a whole number out of its range, or a name that

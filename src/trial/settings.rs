@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent;
-use crate::arena::PhysicsParams;
+use crate::arena::{ArenaParams, PhysicsParams};
 use crate::episode;
 use xcs::bounds::OutOfRange;
 
@@ -21,6 +21,8 @@ pub struct Settings {
     pub tabular: agent::TabularParams,
     /// Exploration.
     pub episode: episode::Params,
+    /// What holds in every arena.
+    pub arena: ArenaParams,
     /// The robot and its noise.
     pub physics: PhysicsParams,
 }
@@ -33,6 +35,7 @@ impl Settings {
         self.plus.check()?;
         self.tabular.check()?;
         self.episode.check()?;
+        self.arena.check()?;
         self.physics.check()
     }
 }

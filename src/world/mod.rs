@@ -13,6 +13,7 @@ mod maze;
 mod name;
 mod paths;
 mod rows;
+mod slip;
 mod source;
 
 pub use direction::{Direction, Moves};

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::maze::{Cell, Maze};
+use super::slip::Expected;
 use xcs::Action;
 
 /// In place of a distance: the cell is free, but no way leads from it to a goal.
@@ -11,11 +12,14 @@ const CUT_OFF: u32 = u32::MAX;
 /// counts in mazes larger than the cache.
 const WALL: u32 = u32::MAX - 1;
 
-/// The length of the shortest path from each cell to the nearest goal.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// The length of the shortest path from each cell to the nearest goal; and what is optimal when
+/// actions slip, for which a shortest path is the wrong yardstick.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Paths {
     /// By cell index; or [`CUT_OFF`] or [`WALL`].
     distance: Vec<u32>,
+    /// `None` when actions do not slip.
+    expected: Option<Expected>,
 }
 
 impl Paths {
@@ -40,7 +44,36 @@ impl Paths {
                 }
             }
         }
-        Self { distance }
+        Self {
+            distance,
+            expected: None,
+        }
+    }
+
+    /// The same for actions that slip with the probability `slip`: an action is then a best one
+    /// when value iteration says so.
+    pub fn with_slip(maze: &Maze, slip: f64) -> Self {
+        let mut paths = Self::new(maze);
+        if slip > 0.0 {
+            let mut cells: Vec<Cell> = maze.cells().collect();
+            cells.retain(|&cell| paths.distance(maze, cell).is_some());
+            cells.sort_by_key(|&cell| paths.distance(maze, cell));
+            paths.expected = Some(Expected::new(maze, &cells, slip));
+        }
+        paths
+    }
+
+    /// Can another action be carried out than the one that was chosen?
+    pub fn slips(&self) -> bool {
+        self.expected.is_some()
+    }
+
+    /// The number of steps to a goal that an optimal policy takes on average; `None` for walls and
+    /// cells that reach no goal.
+    pub fn expected_steps(&self, maze: &Maze, cell: Cell) -> Option<f64> {
+        let distance = self.distance(maze, cell)?;
+        let expected = self.expected.as_ref();
+        Some(expected.map_or(f64::from(distance), |expected| expected.from(maze, cell)))
     }
 
     /// Steps from a cell to the nearest goal; `None` for walls and cells that reach no goal.
@@ -51,8 +84,15 @@ impl Paths {
         Some(self.distance[maze.index(cell)]).filter(|&steps| steps < WALL)
     }
 
-    /// The cell that an action leads to, if that is a step along a shortest path.
+    /// The cell that an action leads to, if that is a step along a shortest path; with slip, if it
+    /// is a best action.
     pub fn successor(&self, maze: &Maze, cell: Cell, action: Action) -> Option<Cell> {
+        if let Some(expected) = &self.expected {
+            self.distance(maze, cell)?;
+            let along = maze.direction(action)?;
+            let next = maze.step(cell, along).unwrap_or(cell);
+            return expected.is_best(maze, cell, along).then_some(next);
+        }
         let next = maze.step(cell, maze.direction(action)?)?;
         let nearer = self.distance(maze, next)? + 1 == self.distance(maze, cell)?;
         nearer.then_some(next)
@@ -93,5 +133,92 @@ impl Paths {
             same
         });
         onward
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    const ROWS: [&str; 6] = [
+        "########", "#S.#...#", "#..#.#.#", "#.##.#.#", "#....#G#", "########",
+    ];
+
+    fn maze() -> Maze {
+        Maze::from_json(format!(r#"{{ "rows": {ROWS:?} }}"#).as_bytes(), "m").unwrap()
+    }
+
+    /// Independent of value iteration: the steps that a policy takes solve a linear system.
+    fn steps_of(maze: &Maze, cells: &[Cell], slip: f64, policy: &[Action]) -> DVector<f64> {
+        let mut matrix = DMatrix::identity(cells.len(), cells.len());
+        let others = maze.action_count() as f64 - 1.0;
+        for (row, &cell) in cells.iter().enumerate() {
+            for action in Action::all(maze.action_count()) {
+                let along = maze.direction(action).unwrap();
+                let next = maze.step(cell, along).unwrap_or(cell);
+                let chance = if action == policy[row] {
+                    1.0 - slip
+                } else {
+                    slip / others
+                };
+                if let Some(column) = cells.iter().position(|&c| c == next) {
+                    matrix[(row, column)] -= chance;
+                }
+            }
+        }
+        matrix
+            .lu()
+            .solve(&DVector::repeat(cells.len(), 1.0))
+            .unwrap()
+    }
+
+    #[test]
+    fn value_iteration_gives_the_steps_that_linear_equations_give() {
+        let maze = maze();
+        let cells: Vec<Cell> = maze.free_cells().filter(|&c| !maze.is_goal(c)).collect();
+        for slip in [0.05, 0.1, 0.25, 0.5] {
+            let paths = Paths::with_slip(&maze, slip);
+            let best = |&cell: &Cell| {
+                let mut actions = Action::all(maze.action_count());
+                actions
+                    .find(|&a| paths.successor(&maze, cell, a).is_some())
+                    .unwrap()
+            };
+            let policy: Vec<Action> = cells.iter().map(best).collect();
+            let solved = steps_of(&maze, &cells, slip, &policy);
+            for (row, &cell) in cells.iter().enumerate() {
+                let iterated = paths.expected_steps(&maze, cell).unwrap();
+                let apart = (iterated - solved[row]).abs() / solved[row];
+                assert!(
+                    apart < 1e-8,
+                    "slip {slip}, {cell:?}: {iterated} {}",
+                    solved[row]
+                );
+            }
+            // No other action in one cell makes the policy better.
+            for row in 0..cells.len() {
+                for action in Action::all(maze.action_count()) {
+                    let mut other = policy.clone();
+                    other[row] = action;
+                    let changed = steps_of(&maze, &cells, slip, &other)[row];
+                    assert!(
+                        changed > solved[row] * (1.0 - 1e-8),
+                        "slip {slip}, {:?}",
+                        cells[row]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn without_slip_a_best_action_goes_along_a_shortest_path() {
+        let (maze, paths) = (maze(), Paths::new(&maze()));
+        assert_eq!(Paths::with_slip(&maze, 0.0), paths);
+        let start = maze.start_cells()[0];
+        assert_eq!(paths.expected_steps(&maze, start), Some(13.0));
+        let slippery = Paths::with_slip(&maze, 0.1);
+        assert!(slippery.slips() && slippery.expected_steps(&maze, start).unwrap() > 14.0);
     }
 }

@@ -69,8 +69,7 @@ impl Trial {
             "grid" => Box::new(GridArena::new(self.maze())),
             _ => {
                 let params = PhysicsParams::default();
-                let stream = Stream::new(self.seed, StreamName::Physics);
-                Box::new(PhysicsArena::new(self.maze(), params, stream).unwrap())
+                Box::new(PhysicsArena::new(self.maze(), params, self.seed).unwrap())
             }
         };
         let exploration = Stream::new(self.seed, StreamName::Exploration);

@@ -3,19 +3,28 @@
 //! An action is one bounded manoeuvre (`controller`): the robot turns, then drives one cell; when
 //! it hits a wall, it backs off to where it came from. The wheels push with what the floor's
 //! friction allows (`robot`), the engine rapier2d does the rest (`simulation`), 20 steps per
-//! second. What the robot sees of itself is noisy (`noise`), and becomes a cell in
-//! `discretiser`. While no wall is near, steps are integrated in closed form (`shortcut`).
+//! second. While no wall is near, steps are integrated in closed form (`shortcut`).
+//!
+//! How the robot knows where it is, is one of two ways ([`Localisation`]). *Estimated*: it has
+//! only what its `sensors` tell; `onboard` are its estimator, its controller and what it makes
+//! out around itself, and that folder can name neither the maze nor the true pose (`sensing`
+//! brings both together). *Told*: for percepts that are looked up in the maze, it is told its true
+//! pose with some noise (`noise`), and `discretiser` looks up the cell.
 //!
 //! Inside of this folder the unit of length is the cell, so that a maze in another scale has the
 //! same course of events to the bit. Metres begin at the trait [`Arena`].
 
 mod contact;
-mod controller;
 mod discretiser;
 mod error;
+mod motion;
 mod noise;
+mod onboard;
 mod params;
+mod readings;
 mod robot;
+mod sensing;
+mod sensors;
 mod shortcut;
 mod simulation;
 mod snapshot;
@@ -26,17 +35,23 @@ mod walls;
 use nalgebra::{Point2, Vector2};
 
 pub use error::PhysicsError;
-pub use params::PhysicsParams;
+pub use onboard::EstimatorParams;
+pub use params::{Localisation, PhysicsParams};
+pub use sensors::{BumperParams, EncoderParams, GyroParams, LidarParams};
 pub use snapshot::Snapshot;
 
 use self::contact::{Hits, is_frontal};
-use self::controller::Maneuver;
 use self::discretiser::cell_from_position;
+use self::motion::{Command, Motion};
 use self::noise::Noise;
-use self::robot::{Command, Motion, Wheels};
+use self::onboard::Maneuver;
+use self::robot::{Wheels, true_motion};
+use self::sensing::Sensing;
+pub use self::sensing::SensingMemory;
 use self::simulation::{Simulation, State, eastward};
 use self::walls::Block;
 use super::{Arena, Contact, Lasting, Outcome, Sample, View};
+use crate::streams::StreamName;
 use crate::world::{Cell, Direction, Maze, Moves};
 use xcs::Action;
 use xcs::random::Stream;
@@ -64,15 +79,17 @@ pub struct PhysicsArena {
     cell: Cell,
     trace: Vec<Sample>,
     hits: Hits,
+    /// `None` for a robot that is told where it is.
+    sensing: Option<Box<Sensing>>,
 }
 
 impl PhysicsArena {
-    /// An arena with the robot in the first start cell. All noise is drawn from `noise`.
+    /// An arena with the robot in the first start cell. All noise follows from `seed`.
     ///
     /// # Errors
     /// When a setting is out of range, or the world makes no sense in physics: joined edges,
     /// eight moves, or too many walls.
-    pub fn new(maze: Maze, params: PhysicsParams, noise: Stream) -> Result<Self, PhysicsError> {
+    pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
         params.check()?;
         let blocks = blocks(&maze)?;
         let start = maze.start_cells().first().copied();
@@ -81,7 +98,8 @@ impl PhysicsArena {
         let simulation = Simulation::new(&blocks, maze.height(), pose, &params);
         let mut arena = Self {
             pristine: simulation.state(),
-            noise: Noise::new(&params, noise),
+            noise: Noise::new(&params, Stream::new(seed, StreamName::Physics)),
+            sensing: Sensing::new(&params, seed),
             wheels: Wheels::default(),
             steps: 0,
             cell,
@@ -103,7 +121,7 @@ impl PhysicsArena {
     /// Drives until the manoeuvre ends. True when it did within the time.
     fn perform(&mut self, maneuver: &mut Maneuver) -> bool {
         let bias = self.noise.wheel_bias();
-        for _ in 0..(self.params.time_out_s / STEP_S).round() as u64 {
+        for _ in 0..self.most_steps() {
             let motion = self.motion();
             let seen = self.measure(motion);
             let Some(command) = maneuver.command(&seen, &self.params) else {
@@ -118,6 +136,11 @@ impl PhysicsArena {
         let seen = self.measure(self.motion());
         self.believe(&seen);
         false
+    }
+
+    /// Physics steps after which an action is given up.
+    fn most_steps(&self) -> u64 {
+        (self.params.time_out_s / STEP_S).round() as u64
     }
 
     /// Brings a command to the wheels, and their force to the floor.
@@ -136,7 +159,7 @@ impl PhysicsArena {
         let size_m = self.maze.cell_size_m();
         let mut frontal = false;
         let (pushes, body) = self.simulation.advance(&self.maze);
-        let centre = Motion::of(body).pose.translation.vector;
+        let centre = true_motion(body).pose.translation.vector;
         for push in pushes {
             frontal |= is_frontal(push.normal, along);
             let touched = centre + push.normal * self.params.radius_m;
@@ -171,7 +194,7 @@ impl PhysicsArena {
     }
 
     fn motion(&self) -> Motion {
-        Motion::of(self.simulation.body())
+        true_motion(self.simulation.body())
     }
 
     /// The motion as the robot sees it: speeds from its odometry, the pose with noise.
@@ -218,6 +241,10 @@ impl Arena for PhysicsArena {
         self.wheels = Wheels::default();
         self.cell = start;
         self.begin_trace();
+        if let Some(mut sensing) = self.sensing.take() {
+            self.look_round(&mut sensing);
+            self.sensing = Some(sensing);
+        }
     }
 
     fn act(&mut self, action: Action) -> Outcome {
@@ -227,6 +254,11 @@ impl Arena for PhysicsArena {
         };
         let home = self.cell;
         let wanted = self.maze.neighbour(home, direction).unwrap_or(home);
+        if let Some(mut sensing) = self.sensing.take() {
+            let outcome = self.act_by_senses(&mut sensing, direction);
+            self.sensing = Some(sensing);
+            return outcome;
+        }
         let seen = self.measure(self.motion());
         let mut maneuver = Maneuver::new(centre(&self.maze, home), vector(direction), &seen);
         let arrived = self.perform(&mut maneuver);
@@ -239,6 +271,8 @@ impl Arena for PhysicsArena {
             cell: self.cell,
             trace: &self.trace,
             contacts: self.hits.contacts(),
+            sensed: self.sensed(),
+            executed: None,
         }
     }
 
@@ -246,6 +280,8 @@ impl Arena for PhysicsArena {
         Lasting {
             time_ns: self.time_ns(),
             noise: Some(self.noise.stream.clone()),
+            sensing: self.sensing.as_ref().map(|sensing| sensing.memory()),
+            slip: None,
         }
     }
 
@@ -253,6 +289,9 @@ impl Arena for PhysicsArena {
         self.steps = lasting.time_ns / STEP_NS;
         if let Some(stream) = &lasting.noise {
             self.noise.stream = stream.clone();
+        }
+        if let Some((sensing, memory)) = self.sensing.as_mut().zip(lasting.sensing.as_ref()) {
+            sensing.recall(memory);
         }
         self.begin_trace();
     }

@@ -2,7 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use super::onboard::EstimatorParams;
+use super::sensors::{BumperParams, EncoderParams, GyroParams, LidarParams};
 use xcs::bounds::{OutOfRange, within};
+
+/// How the robot knows where it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Localisation {
+    /// It is told its true pose with some noise: privileged, as no robot is. For percepts that
+    /// are looked up in the maze, and the figures that were made with them.
+    #[default]
+    Told,
+    /// It estimates its pose from its wheels, its gyro and its lidar. Percepts that are sensed
+    /// always need that.
+    Estimated,
+}
 
 /// The robot, its controller and its noise.
 ///
@@ -14,7 +29,8 @@ use xcs::bounds::{OutOfRange, within};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PhysicsParams {
-    /// Noise level, 0 to 5: multiplies the four deviations below; 0 switches noise off.
+    /// Noise level, 0 to 5: multiplies the four deviations below, and all deviations and rates of
+    /// the sensors; 0 switches noise off.
     pub noise: f64,
     /// Integrate in closed form while no wall is near? Faster, with the same bits.
     pub shortcut: bool,
@@ -63,6 +79,18 @@ pub struct PhysicsParams {
     pub position_noise_m: f64,
     /// Deviation of a measured heading in rad, 0 to 0.1.
     pub heading_noise_rad: f64,
+    /// How the robot knows where it is: `told` (its true pose with the noise above) or `estimated`.
+    pub localisation: Localisation,
+    /// The lidar.
+    pub lidar: LidarParams,
+    /// The encoders of the wheels.
+    pub encoders: EncoderParams,
+    /// The gyro.
+    pub gyro: GyroParams,
+    /// The bumpers.
+    pub bumper: BumperParams,
+    /// The filter that estimates the pose.
+    pub estimator: EstimatorParams,
 }
 
 impl Default for PhysicsParams {
@@ -92,6 +120,12 @@ impl Default for PhysicsParams {
             wheel_noise: 0.05,
             position_noise_m: 0.01,
             heading_noise_rad: 0.02,
+            localisation: Localisation::Told,
+            lidar: LidarParams::default(),
+            encoders: EncoderParams::default(),
+            gyro: GyroParams::default(),
+            bumper: BumperParams::default(),
+            estimator: EstimatorParams::default(),
         }
     }
 }
@@ -112,7 +146,12 @@ impl PhysicsParams {
         within("physics.wheel_noise", self.wheel_noise, 0.0..=0.1)?;
         let (position, heading) = (self.position_noise_m, self.heading_noise_rad);
         within("physics.position_noise_m", position, 0.0..=0.03)?;
-        within("physics.heading_noise_rad", heading, 0.0..=0.1)
+        within("physics.heading_noise_rad", heading, 0.0..=0.1)?;
+        self.lidar.check()?;
+        self.encoders.check()?;
+        self.gyro.check()?;
+        self.bumper.check()?;
+        self.estimator.check()
     }
 
     fn check_robot(&self) -> Result<(), OutOfRange> {
@@ -173,19 +212,39 @@ mod tests {
         assert_eq!(PhysicsParams::default().check(), Ok(()));
     }
 
+    /// Where the numbers of a value stand, as JSON pointers.
+    fn numbers(path: &str, value: &serde_json::Value) -> Vec<String> {
+        match value.as_object() {
+            Some(object) => object
+                .iter()
+                .flat_map(|(key, inner)| numbers(&format!("{path}/{key}"), inner))
+                .collect(),
+            None => value
+                .is_number()
+                .then(|| path.to_owned())
+                .into_iter()
+                .collect(),
+        }
+    }
+
     #[test]
     fn every_number_has_a_range_and_a_key_of_its_own() {
         let defaults = serde_json::to_value(PhysicsParams::default()).unwrap();
-        for (field, value) in defaults.as_object().unwrap() {
-            if !value.is_number() {
-                continue;
-            }
+        let mut checked = 0;
+        for path in numbers("", &defaults) {
             let mut broken = defaults.clone();
-            broken[field] = (-1.0).into();
+            *broken.pointer_mut(&path).unwrap() = 1e6.into();
+            // Whole numbers do not take fractions.
+            if defaults.pointer(&path).unwrap().is_u64() {
+                *broken.pointer_mut(&path).unwrap() = 1_000_000.into();
+            }
             let params: PhysicsParams = serde_json::from_value(broken).unwrap();
             let key = params.check().map_err(|error| error.key);
-            assert_eq!(key, Err(format!("physics.{field}").as_str()));
+            let wanted = format!("physics{}", path.replace('/', "."));
+            assert_eq!(key, Err(wanted.as_str()));
+            checked += 1;
         }
+        assert!(checked > 35, "{checked}");
     }
 
     #[test]

@@ -5,46 +5,23 @@ use rapier2d::prelude::{RigidBody, Vector};
 use serde::{Deserialize, Serialize};
 
 use super::STEP_S;
+use super::motion::{Command, Motion};
 use super::params::PhysicsParams;
 
-/// Where the robot is and how it moves; lengths in cells.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Motion {
-    /// The pose in the world frame.
-    pub pose: Isometry2<f64>,
-    /// Speed along its heading per second; negative when it drives backward.
-    pub forward: f64,
-    /// Speed to its left per second.
-    pub sideways: f64,
-    /// Turn rate in rad/s, counter-clockwise.
-    pub turn_radps: f64,
-}
-
-impl Motion {
-    /// The motion of a body of the engine.
-    pub(super) fn of(body: &RigidBody) -> Self {
-        let (at, rotation, velocity) = (body.translation(), body.rotation(), body.linvel());
-        let heading = Complex::new(f64::from(rotation.re), f64::from(rotation.im));
-        let (x, y) = (f64::from(velocity.x), f64::from(velocity.y));
-        Self {
-            pose: Isometry2::from_parts(
-                Translation2::new(f64::from(at.x), f64::from(at.y)),
-                UnitComplex::new_unchecked(heading),
-            ),
-            forward: x * heading.re + y * heading.im,
-            sideways: y * heading.re - x * heading.im,
-            turn_radps: f64::from(body.angvel()),
-        }
+/// The true motion of the robot's body in the engine.
+pub(super) fn true_motion(body: &RigidBody) -> Motion {
+    let (at, rotation, velocity) = (body.translation(), body.rotation(), body.linvel());
+    let heading = Complex::new(f64::from(rotation.re), f64::from(rotation.im));
+    let (x, y) = (f64::from(velocity.x), f64::from(velocity.y));
+    Motion {
+        pose: Isometry2::from_parts(
+            Translation2::new(f64::from(at.x), f64::from(at.y)),
+            UnitComplex::new_unchecked(heading),
+        ),
+        forward: x * heading.re + y * heading.im,
+        sideways: y * heading.re - x * heading.im,
+        turn_radps: f64::from(body.angvel()),
     }
-}
-
-/// What the controller wants.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Command {
-    /// Speed along the heading, cells per second.
-    pub forward: f64,
-    /// Turn rate in rad/s, counter-clockwise.
-    pub turn_radps: f64,
 }
 
 /// The left and the right wheel.

@@ -99,6 +99,11 @@ impl Simulation {
         (self.listener.pushes(), &self.world.bodies[self.robot])
     }
 
+    /// The pushes of walls during the last step.
+    pub(super) fn pushes(&mut self) -> &[Push] {
+        self.listener.pushes()
+    }
+
     /// Lets the engine compute a step.
     fn step(&mut self) {
         self.world.step_with_events(&(), &self.listener);

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::PhysicsArena;
 use super::robot::Wheels;
+use super::sensing::SensingState;
 use super::simulation::State;
 use crate::world::Cell;
 use xcs::random::Stream;
@@ -19,6 +20,8 @@ pub struct Snapshot {
     noise: Stream,
     steps: u64,
     cell: Cell,
+    /// `None` for a robot that is told where it is.
+    sensing: Option<SensingState>,
 }
 
 impl PhysicsArena {
@@ -30,6 +33,7 @@ impl PhysicsArena {
             noise: self.noise.stream.clone(),
             steps: self.steps,
             cell: self.cell,
+            sensing: self.sensing.as_ref().map(|sensing| sensing.state()),
         }
     }
 
@@ -41,6 +45,9 @@ impl PhysicsArena {
         self.noise.stream = snapshot.noise.clone();
         self.steps = snapshot.steps;
         self.cell = snapshot.cell;
+        if let Some((sensing, state)) = self.sensing.as_mut().zip(snapshot.sensing.as_ref()) {
+            sensing.set_state(state);
+        }
         self.begin_trace();
     }
 }

@@ -11,8 +11,7 @@ fn maze(settings: &str) -> Maze {
 }
 
 fn arena(settings: &str, params: &PhysicsParams, seed: u64) -> Result<PhysicsArena, PhysicsError> {
-    let noise = Stream::new(seed, StreamName::Physics);
-    PhysicsArena::new(maze(settings), params.clone(), noise)
+    PhysicsArena::new(maze(settings), params.clone(), seed)
 }
 
 /// Noise and haste bring the robot into corners, where the order of contacts counts.

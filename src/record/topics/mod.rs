@@ -6,6 +6,7 @@
 pub(super) mod contact;
 pub(super) mod curve;
 pub(super) mod episode;
+pub(super) mod estimate;
 pub(super) mod log;
 pub(super) mod maze;
 pub(super) mod policy;
@@ -45,11 +46,15 @@ pub enum Topic {
     Curve,
     /// `/log`: what happened, in words.
     Log,
+    /// `/estimate`: where a robot that only senses believes to be, and how much it is mistaken.
+    Estimate,
+    /// `/scene/estimate`: the same as a picture.
+    Ghost,
 }
 
 impl Topic {
     /// Every topic, in the order of their declaration.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Transforms,
         Self::Maze,
         Self::Robot,
@@ -61,7 +66,11 @@ impl Topic {
         Self::Episode,
         Self::Curve,
         Self::Log,
+        Self::Estimate,
+        Self::Ghost,
     ];
+    /// How many topics, the first ones, an episode has of a robot that is told where it is.
+    const TOLD: usize = 11;
     /// The topics of `run.mcap`: what happens once per step or more rarely.
     pub const OF_RUN: [Self; 7] = [
         Self::Maze,
@@ -72,6 +81,14 @@ impl Topic {
         Self::Episode,
         Self::Log,
     ];
+
+    /// The topics of an episode's file; more when the robot senses where it is.
+    pub fn of_episode(senses: bool) -> &'static [Self] {
+        match senses {
+            true => &Self::ALL,
+            false => &Self::ALL[..Self::TOLD],
+        }
+    }
 
     /// The topic's name in the file.
     pub fn name(self) -> &'static str {
@@ -87,6 +104,8 @@ impl Topic {
             Self::Episode => "/episode",
             Self::Curve => "/curve",
             Self::Log => "/log",
+            Self::Estimate => "/estimate",
+            Self::Ghost => "/scene/estimate",
         }
     }
 
@@ -99,13 +118,16 @@ impl Topic {
     pub(super) fn schema(self) -> Schema {
         let well_known = match self {
             Self::Transforms => FrameTransforms::get_schema(),
-            Self::Maze | Self::Robot | Self::Policy | Self::Trail => SceneUpdate::get_schema(),
+            Self::Maze | Self::Robot | Self::Policy | Self::Trail | Self::Ghost => {
+                SceneUpdate::get_schema()
+            }
             Self::Worth => Grid::get_schema(),
             Self::Log => Log::get_schema(),
             Self::Contact => return contact::schema(),
             Self::Step => return step::schema(),
             Self::Episode => return episode::schema(),
             Self::Curve => return curve::schema(),
+            Self::Estimate => return estimate::schema(),
         };
         well_known.expect("well-known messages have a schema")
     }
@@ -113,7 +135,7 @@ impl Topic {
     /// How the topic's messages are encoded: `json` or `protobuf`.
     pub(super) fn message_encoding(self) -> &'static str {
         match self {
-            Self::Contact | Self::Step | Self::Episode | Self::Curve => "json",
+            Self::Contact | Self::Step | Self::Episode | Self::Curve | Self::Estimate => "json",
             _ => "protobuf",
         }
     }

@@ -12,6 +12,8 @@ use super::rounded;
 pub(super) const WORLD: &str = "world";
 /// The robot's frame: origin on the floor below its middle, x ahead, y to the left.
 pub(super) const ROBOT: &str = "robot";
+/// The same frame where the robot believes it to be.
+pub(super) const ESTIMATE: &str = "estimate";
 
 /// A time of the simulation clock.
 pub(super) fn timestamp(time_ns: u64) -> Timestamp {

@@ -18,6 +18,8 @@ pub(in crate::record) struct StepRecord<'a> {
     row: u16,
     percept: Percept,
     action: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    executed: Option<&'static str>,
     explored: bool,
     outcome: &'static str,
     reward: f64,
@@ -38,6 +40,10 @@ impl<'a> StepRecord<'a> {
             row: step.cell.row,
             percept: step.percept,
             action: direction.map_or("unknown", |d| d.name()),
+            executed: step.view.executed.map(|action| {
+                let direction = step.view.maze.direction(action);
+                direction.map_or("unknown", |d| d.name())
+            }),
             explored: step.explored,
             outcome: outcome_name(step.outcome),
             reward: decimal(step.credit.short_term_reward),
@@ -71,6 +77,11 @@ pub(super) fn schema() -> Schema {
         ("row", Kind::Count, "cell before the step, from the north"),
         ("percept", Kind::Text, "bits perceived there"),
         ("action", Kind::Text, "direction chosen"),
+        (
+            "executed",
+            Kind::Text,
+            "direction carried out, where actions slip",
+        ),
         ("explored", Kind::Bool, "chosen by chance?"),
         (
             "outcome",

@@ -153,7 +153,7 @@ impl Recorder {
             mode,
             world: maze.name().to_owned(),
             layout: layout::of_episode(maze),
-            scribe: Scribe::new(maze, info.robot),
+            scribe: Scribe::new(maze, info.robot, info.slip()),
             info,
             outbox: Outbox::default(),
             kept: Vec::new(),
@@ -258,7 +258,12 @@ impl Recorder {
         self.clock_ns = view.now().time_ns;
         if self.mode.wants(episode) {
             let file = OpenFile::create(&self.folder, &episode_file(episode))?;
-            let file = self.introduce(file, Some(episode), &self.layout, &Topic::ALL)?;
+            let file = self.introduce(
+                file,
+                Some(episode),
+                &self.layout,
+                Topic::of_episode(view.sensed.is_some()),
+            )?;
             self.outbox.episode = Some(file);
         }
         self.scribe.began(&mut self.outbox, episode, view)

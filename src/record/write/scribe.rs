@@ -8,6 +8,7 @@ use crate::record::info::RobotShape;
 use crate::record::topics::contact::ContactRecord;
 use crate::record::topics::curve::Curve;
 use crate::record::topics::episode::{EpisodeRecord, Outlook};
+use crate::record::topics::estimate::{self, EstimateRecord};
 use crate::record::topics::step::StepRecord;
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
@@ -38,13 +39,13 @@ pub(super) struct Scribe {
 }
 
 impl Scribe {
-    pub fn new(maze: &Maze, robot: RobotShape) -> Self {
+    pub fn new(maze: &Maze, robot: RobotShape, slip: f64) -> Self {
         Self {
             robot,
             transforms: Transforms::default(),
             trail: Trail::new(maze),
             curve: Curve::default(),
-            paths: Paths::new(maze),
+            paths: Paths::with_slip(maze, slip),
             start: None,
             policy: None,
             was_optimal: false,
@@ -81,7 +82,8 @@ impl Scribe {
         self.trail.restart(view);
         self.way.clear();
         self.way.push(now);
-        self.show_way(out, 0)?;
+        self.show_way(out, 0, view)?;
+        self.show_estimate(out, episode, 0, view)?;
         let maze = maze::scene(view.maze, time_ns);
         let shown = std::mem::replace(&mut self.maze_shown, true);
         let to = if shown { For::Episode } else { For::Both };
@@ -107,6 +109,7 @@ impl Scribe {
         let record = StepRecord::new(step);
         out.send_json(For::Both, Topic::Step, self.decided_ns, &record)?;
         self.moved(out, step)?;
+        self.show_estimate(out, step.episode, step.step, &step.view)?;
         if step.view.contacts.is_empty() {
             self.warn(out, step, end_ns)?;
         } else {
@@ -130,7 +133,7 @@ impl Scribe {
             while let Some((number, hit)) = hits.next_if(|(_, hit)| hit.time_ns < now_ns) {
                 self.hit(out, step, number, hit)?;
             }
-            self.show_way(out, from)?;
+            self.show_way(out, from, &step.view)?;
         }
         hits.try_for_each(|(number, hit)| self.hit(out, step, number, hit))
     }
@@ -213,15 +216,39 @@ impl Scribe {
     }
 
     /// Where the robot is at pose `from` of its way, and what comes next.
-    fn show_way(&mut self, out: &mut Outbox, from: usize) -> Result<(), RecordError> {
+    fn show_way(
+        &mut self,
+        out: &mut Outbox,
+        from: usize,
+        view: &View<'_>,
+    ) -> Result<(), RecordError> {
         let end = self.way.len().min(from + POSES_AHEAD + 1);
-        let frames = self.transforms.along(&self.way[from..end]);
-        out.send(
-            For::Episode,
-            Topic::Transforms,
-            self.way[from].time_ns,
-            frames,
-        )
+        let time_ns = self.way[from].time_ns;
+        let belief = view.sensed.and_then(|sensed| {
+            let at = view.trace.iter().position(|s| s.time_ns == time_ns)?;
+            sensed.estimates.get(at)
+        });
+        let frames = self.transforms.along(&self.way[from..end], belief);
+        out.send(For::Episode, Topic::Transforms, time_ns, frames)
+    }
+
+    /// What a robot that senses believes at the end of an action.
+    fn show_estimate(
+        &self,
+        out: &mut Outbox,
+        episode: u32,
+        step: u32,
+        view: &View<'_>,
+    ) -> Result<(), RecordError> {
+        let (now, sensed) = (view.now(), view.sensed.as_ref());
+        let Some(sensed) = sensed else {
+            return Ok(());
+        };
+        if let Some(record) = EstimateRecord::new(episode, step, sensed, &now) {
+            out.send_json(For::Episode, Topic::Estimate, now.time_ns, &record)?;
+        }
+        let scene = estimate::scene(sensed, self.robot.radius_m, now.time_ns);
+        out.send(For::Episode, Topic::Ghost, now.time_ns, &scene)
     }
 
     fn show_trail(&self, out: &mut Outbox, to: For, time_ns: u64) -> Result<(), RecordError> {

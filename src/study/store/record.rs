@@ -93,7 +93,12 @@ fn figures(mut plan: Plan, earlier: Option<Plan>) -> Result<Figures, String> {
     }
     let trial = finished(plan)?;
     let Plan { maze, config } = trial.plan();
-    let condensed = Condensed::new(&trial.method().knowledge(), config.sensor, maze);
+    let condensed = Condensed::new(
+        &trial.method().knowledge(),
+        config.sensor,
+        maze,
+        trial.paths(),
+    );
     Ok(Figures {
         progress: trial.progress().clone(),
         rules: trial.method().rule_count(),

@@ -1,0 +1,105 @@
+//! From beams to the cells around the robot.
+//!
+//! A beam ends where it enters a wall, and it can enter one only where it crosses a line of the
+//! grid: the crossing nearest to the measured range tells which cell is a wall. All cells that it
+//! went through before are free.
+
+use nalgebra::Vector2;
+
+use super::estimator::Ray;
+use crate::arena::Surroundings;
+
+/// Evidence of one beam for a free cell or a wall ...
+const HIT: i32 = 20;
+/// ... and for free cells when nothing came back: it may have got lost.
+const LOST: i32 = 7;
+/// A beam that is in a cell for less than this (in cells) says nothing about it: the pose that the
+/// robot believes in may be off by as much ...
+const GRAZE: f64 = 0.15;
+/// ... and this share of its range.
+const GRAZE_SHARE: f64 = 0.02;
+/// A beam that ends farther from every crossing is an outlier.
+const STRAY: f64 = 0.2;
+/// Beams that get lost are followed so far.
+const LOST_RANGE: f64 = 3.0;
+
+/// Adds what a beam tells.
+pub(super) fn mark(map: &mut Surroundings, ray: &Ray) {
+    let (weight, range) = match ray.range {
+        Some(range) => (HIT, range),
+        None => (LOST, LOST_RANGE),
+    };
+    // The farther away, the less is known about where it was.
+    let graze = GRAZE + GRAZE_SHARE * range;
+    let mut x = Axis::new(ray.origin.x, ray.direction.x);
+    let mut y = Axis::new(ray.origin.y, ray.direction.y);
+    let mut entered = 0.0;
+    loop {
+        let cell = [x.cell, y.cell];
+        let left = x.next.min(y.next);
+        if left.is_nan() || left > range + STRAY {
+            return;
+        }
+        if x.next < y.next {
+            x.cross()
+        } else {
+            y.cross()
+        };
+        let following = x.next.min(y.next);
+        let ends = ray.range.is_some() && range < (left + following) / 2.0;
+        if ends && (left - range).abs() > STRAY {
+            return;
+        }
+        let stay = left - entered;
+        if stay > graze {
+            map.add(cell, weight);
+        }
+        if ends {
+            // Near a corner it may have ended one cell before or behind.
+            if following - left > graze && (entered == 0.0 || stay > graze) {
+                map.add([x.cell, y.cell], -HIT);
+            }
+            return;
+        }
+        entered = left;
+    }
+}
+
+/// A ray along one axis.
+struct Axis {
+    cell: i32,
+    step: i32,
+    /// How far along the ray the next cell begins.
+    next: f64,
+    every: f64,
+}
+
+impl Axis {
+    fn new(origin: f64, direction: f64) -> Self {
+        let cell = origin.floor();
+        let every = 1.0 / direction.abs();
+        let (step, next) = if direction > 0.0 {
+            (1, (cell + 1.0 - origin) * every)
+        } else if direction < 0.0 {
+            (-1, (origin - cell) * every)
+        } else {
+            (0, f64::INFINITY)
+        };
+        Self {
+            cell: cell as i32,
+            step,
+            next,
+            every,
+        }
+    }
+
+    fn cross(&mut self) {
+        self.cell += self.step;
+        self.next += self.every;
+    }
+}
+
+/// The cell of the robot's frame that holds a point (east, north).
+pub(super) fn cell_of(point: Vector2<f64>) -> [i32; 2] {
+    [point.x.floor() as i32, point.y.floor() as i32]
+}

@@ -1,0 +1,206 @@
+use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
+
+use super::estimator::Estimator;
+use super::mapper;
+use super::*;
+use crate::arena::physics::readings::Return;
+
+/// Readings of one step without a bump or a marker.
+fn readings(rolled: [f64; 2], turned_rad: f64, beams: &[Return]) -> Readings<'_> {
+    Readings {
+        rolled,
+        turned_rad: Some(turned_rad),
+        bumped: [false; 2],
+        over_marker: false,
+        beams,
+    }
+}
+
+fn at(x: f64, y: f64) -> Isometry2<f64> {
+    Isometry2::from_parts(Translation2::new(x, y), UnitComplex::identity())
+}
+
+fn estimator(x: f64, y: f64) -> Estimator {
+    let mut estimator = Estimator::new(&PhysicsParams::default());
+    estimator.put_down(at(x, y));
+    estimator
+}
+
+/// A beam at the end of a step, in the direction of the unit vector (x, y).
+fn beam(x: f64, y: f64, range: f64) -> Return {
+    Return {
+        moment: 1.0,
+        bearing: UnitComplex::new_unchecked(Complex::new(x, y)),
+        range: Some(range),
+    }
+}
+
+#[test]
+fn a_straight_drive_adds_up_and_makes_the_robot_less_sure_along_its_way() {
+    let mut estimator = estimator(0.5, 0.5);
+    for _ in 0..10 {
+        estimator.step(&readings([0.05, 0.05], 0.0, &[]));
+    }
+    let pose = estimator.pose();
+    assert!((pose.translation.vector - Vector2::new(1.0, 0.5)).norm() < 1e-12);
+    assert!(
+        (estimator.speeds().0 - 1.0).abs() < 1e-12,
+        "cells per second"
+    );
+    // The wheels' scale of 3 % alone makes 1.5 cm of half a metre; the start has 1 cm.
+    let covariance = estimator.covariance();
+    assert!(
+        covariance[(0, 0)] > 0.015_f64.powi(2) + 1e-4,
+        "{covariance}"
+    );
+    // Across, a heading that is off by 0.01 makes 5 mm.
+    let across = 1e-4 + 0.005_f64.powi(2);
+    assert!(
+        (covariance[(1, 1)] / across - 1.0).abs() < 0.15,
+        "{covariance}"
+    );
+}
+
+#[test]
+fn a_quarter_turn_by_the_gyro_ends_in_the_north() {
+    let mut estimator = estimator(0.5, 0.5);
+    let step_rad = std::f64::consts::FRAC_PI_2 / 5.0;
+    for _ in 0..5 {
+        let half_base = 0.2 * step_rad;
+        estimator.step(&readings([-half_base, half_base], step_rad, &[]));
+    }
+    let pose = estimator.pose();
+    assert!((pose.rotation.im - 1.0).abs() < 1e-12 && pose.rotation.re.abs() < 1e-12);
+    assert!((pose.translation.vector - Vector2::new(0.5, 0.5)).norm() < 1e-12);
+}
+
+#[test]
+fn without_a_gyro_the_wheels_tell_the_turn() {
+    let mut estimator = estimator(0.5, 0.5);
+    let told = Readings {
+        turned_rad: None,
+        ..readings([-0.02, 0.02], 0.0, &[])
+    };
+    estimator.step(&told);
+    let turned = estimator.pose().rotation.im;
+    assert!(
+        (turned - libm::sin(0.1)).abs() < 1e-12,
+        "0.04 over a base of 0.4: {turned}"
+    );
+}
+
+#[test]
+fn a_bump_counts_half_of_the_way_and_makes_the_robot_unsure() {
+    let mut estimator = estimator(0.5, 0.5);
+    let bump = Readings {
+        bumped: [true, false],
+        ..readings([0.06, 0.06], 0.0, &[])
+    };
+    estimator.step(&bump);
+    assert!((estimator.pose().translation.x - 0.53).abs() < 1e-12);
+    let variance = estimator.covariance()[(0, 0)];
+    assert!(
+        variance > 1e-4 + 0.03_f64.powi(2) + 0.02_f64.powi(2),
+        "{variance}"
+    );
+    let mut free = self::estimator(0.5, 0.5);
+    free.step(&readings([0.06, 0.06], 0.0, &[]));
+    assert!(
+        free.covariance()[(0, 0)] < 1.3e-4,
+        "control: without a bump"
+    );
+}
+
+/// The robot believes in x = 0.5, and a beam to the east comes back after 1.47: the wall is on a
+/// line, so it must be at 2, and the robot at about 0.53.
+#[test]
+fn a_beam_moves_the_robot_by_the_gain_that_one_works_out_by_hand() {
+    let mut estimator = estimator(0.5, 0.5);
+    estimator.step(&readings([0.0; 2], 0.0, &[beam(1.0, 0.0, 1.47)]));
+    // At caution 1.5: 1.5 cm and 1.5 % of the range, and a scale of ranges of 1.5 %. The step
+    // itself adds 1e-8 twice.
+    let prior = 1e-4 + 2e-8;
+    let measured = (0.015_f64 + 0.015 * 1.47).powi(2) + (0.015_f64 * 1.47).powi(2);
+    let gain = prior / (prior + measured);
+    let pose = estimator.pose();
+    assert!(
+        (pose.translation.x - (0.5 + gain * 0.03)).abs() < 1e-9,
+        "{pose}, gain {gain}"
+    );
+    assert!(
+        (pose.translation.y - 0.5).abs() < 1e-12,
+        "nothing is said about y"
+    );
+    let posterior = estimator.covariance()[(0, 0)];
+    assert!((posterior - (1.0 - gain) * prior).abs() < 1e-12);
+}
+
+#[test]
+fn a_beam_into_a_corner_or_beside_every_line_is_not_believed() {
+    for (x, y, range) in [(0.6, 0.8, 2.5), (1.0, 0.0, 1.1)] {
+        let mut estimator = estimator(0.5, 0.0);
+        estimator.step(&readings([0.0; 2], 0.0, &[beam(x, y, range)]));
+        let pose = estimator.pose();
+        assert_eq!(
+            [pose.translation.x, pose.translation.y],
+            [0.5, 0.0],
+            "{x} {y} {range}"
+        );
+    }
+}
+
+#[test]
+fn when_most_beams_disagree_the_robot_doubts_its_pose() {
+    let variance = |batch_check| {
+        let mut params = PhysicsParams::default();
+        params.estimator.batch_check = batch_check;
+        let mut estimator = Estimator::new(&params);
+        estimator.put_down(at(0.5, 0.5));
+        let beams = [beam(1.0, 0.0, 1.3), beam(-1.0, 0.0, 1.7)];
+        estimator.step(&readings([0.0; 2], 0.0, &beams));
+        (
+            estimator.covariance()[(1, 1)],
+            estimator.pose().translation.x,
+        )
+    };
+    let (unsure, moved) = variance(true);
+    assert!(unsure > 0.08_f64.powi(2), "{unsure}");
+    assert!(moved > 0.65, "both say that it stands at 0.7: {moved}");
+    let (sure, stayed) = variance(false);
+    assert!(sure < 2e-4 && stayed == 0.5, "control: {sure} {stayed}");
+}
+
+#[test]
+fn a_beam_marks_free_cells_and_the_wall_that_it_ends_in() {
+    let mut map = Surroundings::unknown([0, 0]);
+    let estimator = estimator(0.5, 0.5);
+    for _ in 0..3 {
+        mapper::mark(&mut map, &estimator.ray(&beam(1.0, 0.0, 2.52)));
+        mapper::mark(&mut map, &estimator.ray(&beam(0.0, 1.0, 0.49)));
+    }
+    assert!(map.is_free(1, 0) && map.is_free(2, 0) && !map.is_free(3, 0));
+    assert!(!map.is_free(0, 1));
+    assert!(!map.is_free(-1, 0), "nothing was seen there");
+    map.stand_in([2, 0]);
+    assert!(
+        map.is_free(-1, 0) && !map.is_free(1, 0),
+        "as seen from there"
+    );
+}
+
+#[test]
+fn a_beam_that_ends_between_lines_says_nothing_and_a_lost_one_says_little() {
+    let mut map = Surroundings::unknown([0, 0]);
+    let estimator = estimator(0.5, 0.5);
+    let lost = Return {
+        range: None,
+        ..beam(0.0, 1.0, 0.0)
+    };
+    for _ in 0..3 {
+        mapper::mark(&mut map, &estimator.ray(&beam(1.0, 0.0, 1.0)));
+        mapper::mark(&mut map, &estimator.ray(&lost));
+    }
+    assert!(!map.is_free(1, 0) && !map.is_free(0, 1));
+    (0..2).for_each(|_| mapper::mark(&mut map, &estimator.ray(&lost)));
+    assert!(map.is_free(0, 1), "five are as good as two that came back");
+}

@@ -1,0 +1,29 @@
+//! What sensors tell: the only thing that the robot's own computer knows of the world.
+
+use nalgebra::UnitComplex;
+
+/// What came back of one beam of the lidar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Return {
+    /// When during the step, 0 to 1.
+    pub moment: f64,
+    /// The beam's nominal direction, counted from the robot's heading.
+    pub bearing: UnitComplex<f64>,
+    /// The measured range in cells; `None` when nothing came back.
+    pub range: Option<f64>,
+}
+
+/// What the sensors tell about one step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Readings<'a> {
+    /// How far the left and the right wheel rolled, in cells.
+    pub rolled: [f64; 2],
+    /// How far the gyro turned, in radians, counter-clockwise; `None` without a gyro.
+    pub turned_rad: Option<f64>,
+    /// Were the front and the rear bumper hit?
+    pub bumped: [bool; 2],
+    /// Does the robot stand over the marker of a goal?
+    pub over_marker: bool,
+    /// The beams of the step in the order of time.
+    pub beams: &'a [Return],
+}

@@ -1,0 +1,212 @@
+//! A robot that knows only what it senses: sensors and on-board computer brought together.
+//!
+//! This is the one place that sees both sides. What is true goes into the sensors, what the
+//! sensors tell goes to the computer on board, and its command goes to the wheels.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use super::discretiser::cell_from_position;
+use super::onboard::{Belief, Maneuver, Onboard};
+use super::params::{Localisation, PhysicsParams};
+use super::readings::Return;
+use super::sensors::{Moment, SensorState, Sensors};
+use super::{PhysicsArena, STEP_NS, vector};
+use crate::arena::{Beam, Estimate, Outcome, Sensed, Surroundings};
+use crate::world::{Cell, Direction};
+
+/// Sensors, the computer on board, and what an observer is shown of them.
+pub(super) struct Sensing {
+    sensors: Sensors,
+    onboard: Onboard,
+    steps_per_turn: u64,
+    /// The beams of one step.
+    returns: Vec<Return>,
+    estimates: Vec<Estimate>,
+    beams: Vec<Beam>,
+}
+
+/// What sensors and estimator keep from episode to episode.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SensingMemory {
+    sensors: SensorState,
+    belief: Belief,
+}
+
+/// What sensors and estimator keep from action to action.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct SensingState {
+    memory: SensingMemory,
+    surroundings: Surroundings,
+}
+
+impl Sensing {
+    /// The senses of the robot that belongs to `seed`; `None` when it is told where it is.
+    pub(super) fn new(params: &PhysicsParams, seed: u64) -> Option<Box<Self>> {
+        let senses = || Self {
+            sensors: Sensors::new(params, seed),
+            onboard: Onboard::new(params),
+            steps_per_turn: params.lidar.steps_per_turn(),
+            returns: Vec::new(),
+            estimates: Vec::new(),
+            beams: Vec::new(),
+        };
+        (params.localisation == Localisation::Estimated).then(|| Box::new(senses()))
+    }
+
+    /// What a checkpoint between two episodes needs.
+    pub(super) fn memory(&self) -> SensingMemory {
+        SensingMemory {
+            sensors: self.sensors.state(),
+            belief: self.onboard.belief().clone(),
+        }
+    }
+
+    /// Goes on from a checkpoint.
+    pub(super) fn recall(&mut self, memory: &SensingMemory) {
+        self.sensors.set_state(&memory.sensors);
+        let surroundings = self.onboard.surroundings().clone();
+        self.onboard.restore(memory.belief.clone(), surroundings);
+    }
+
+    /// What a snapshot between two actions needs.
+    pub(super) fn state(&self) -> SensingState {
+        SensingState {
+            memory: self.memory(),
+            surroundings: self.onboard.surroundings().clone(),
+        }
+    }
+
+    /// Goes back to a snapshot.
+    pub(super) fn set_state(&mut self, state: &SensingState) {
+        self.sensors.set_state(&state.memory.sensors);
+        let belief = state.memory.belief.clone();
+        self.onboard.restore(belief, state.surroundings.clone());
+    }
+
+    /// Forgets what an observer was shown of the last action.
+    fn begin_notes(&mut self, size_m: f64) {
+        self.estimates.clear();
+        self.beams.clear();
+        self.note_estimate(size_m);
+    }
+
+    /// Writes down what the robot believes now, with lengths in metres.
+    fn note_estimate(&mut self, size_m: f64) {
+        let (mut robot_in_world, mut covariance) = self.onboard.estimate();
+        robot_in_world.translation.vector *= size_m;
+        for (at, size) in [size_m, size_m, 1.0].into_iter().enumerate() {
+            covariance.row_mut(at).scale_mut(size);
+            covariance.column_mut(at).scale_mut(size);
+        }
+        self.estimates.push(Estimate {
+            robot_in_world,
+            covariance,
+        });
+    }
+
+    /// Writes down the beams of the step that began at `start_ns`.
+    fn note_beams(&mut self, start_ns: u64, size_m: f64) {
+        let beams = self.returns.iter().map(|beam| Beam {
+            time_ns: start_ns + (beam.moment * STEP_NS as f64) as u64,
+            bearing: beam.bearing,
+            range_m: beam.range.map(|range| range * size_m),
+        });
+        self.beams.extend(beams);
+    }
+}
+
+impl PhysicsArena {
+    /// The robot was put down: its lidar turns round once before it decides anything.
+    pub(super) fn look_round(&mut self, sensing: &mut Sensing) {
+        sensing.sensors.reset();
+        sensing.onboard.put_down(self.motion().pose);
+        sensing.begin_notes(self.maze.cell_size_m());
+        for _ in 0..sensing.steps_per_turn {
+            self.sense_step(sensing, Vector2::x());
+        }
+    }
+
+    /// One action of a robot that knows only what it senses.
+    pub(super) fn act_by_senses(&mut self, sensing: &mut Sensing, direction: Direction) -> Outcome {
+        sensing.onboard.begin_action();
+        sensing.begin_notes(self.maze.cell_size_m());
+        let home = sensing.onboard.cell();
+        let (east, south) = direction.offset();
+        let wanted = [home[0] + east, home[1] - south];
+        let (middle, seen) = (sensing.onboard.middle(), sensing.onboard.motion());
+        let mut maneuver = Maneuver::new(middle, vector(direction), &seen);
+        let arrived = self.perform_by_senses(sensing, &mut maneuver);
+        self.cell = self.believed_cell(&sensing.onboard);
+        if arrived && maneuver.backs_off() && sensing.onboard.cell() == home {
+            let impulse_ns = Some(self.hits.frontal_impulse_ns(-maneuver.along()));
+            return Outcome::Collided { impulse_ns };
+        }
+        if sensing.onboard.over_marker() {
+            return Outcome::ReachedGoal;
+        }
+        if arrived && sensing.onboard.cell() == wanted {
+            Outcome::Moved
+        } else {
+            Outcome::Stalled
+        }
+    }
+
+    /// Drives until the manoeuvre ends. True when it did within the time.
+    fn perform_by_senses(&mut self, sensing: &mut Sensing, maneuver: &mut Maneuver) -> bool {
+        let bias = self.noise.wheel_bias();
+        for _ in 0..self.most_steps() {
+            let seen = sensing.onboard.motion();
+            let Some(command) = maneuver.command(&seen, &self.params) else {
+                return true;
+            };
+            let motion = self.motion();
+            self.drive(command, &motion, bias);
+            self.sense_step(sensing, maneuver.along());
+            if sensing.onboard.is_bumped(maneuver) && maneuver.is_stopped_by_walls(&seen) {
+                maneuver.back_off();
+            }
+        }
+        false
+    }
+
+    /// Lets one step pass, and tells the computer on board what the sensors make of it.
+    fn sense_step(&mut self, sensing: &mut Sensing, along: Vector2<f64>) {
+        let (start_ns, size_m) = (self.time_ns(), self.maze.cell_size_m());
+        let (step, before) = (self.steps, self.motion().pose);
+        self.step(along);
+        let after = self.motion().pose;
+        let moment = Moment {
+            step,
+            before,
+            after,
+            travel: self.wheels.travel,
+            pushes: self.simulation.pushes(),
+        };
+        let readings = sensing
+            .sensors
+            .read(&self.maze, &moment, &mut sensing.returns);
+        sensing.onboard.step(&readings);
+        sensing.note_beams(start_ns, size_m);
+        sensing.note_estimate(size_m);
+    }
+
+    /// The cell of the maze that the robot believes to stand in, for observers. A belief that no
+    /// cell of the maze fits leaves the last one.
+    fn believed_cell(&self, onboard: &Onboard) -> Cell {
+        let position_m = onboard.motion().pose.translation.vector * self.maze.cell_size_m();
+        cell_from_position(&self.maze, position_m.into(), self.cell)
+    }
+
+    /// What observers and percepts are shown of the senses.
+    pub(super) fn sensed(&self) -> Option<Sensed<'_>> {
+        let sensing = self.sensing.as_ref()?;
+        let at_m = self.motion().pose.translation.vector * self.maze.cell_size_m();
+        Some(Sensed {
+            surroundings: sensing.onboard.surroundings(),
+            estimates: &sensing.estimates,
+            beams: &sensing.beams,
+            lost: self.maze.cell_at(at_m.into()) != Some(self.believed_cell(&sensing.onboard)),
+        })
+    }
+}

@@ -1,0 +1,48 @@
+//! The bumper: two sectors that close a switch.
+
+use nalgebra::UnitComplex;
+
+use super::ahead;
+use crate::arena::physics::contact::Push;
+
+/// The cosine of half a sector: 45 degrees to each side.
+const SECTOR: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Is the front and is the rear sector pushed by more than `threshold`, of a robot that heads as
+/// `rotation` says?
+pub(super) fn read(rotation: UnitComplex<f64>, pushes: &[Push], threshold: f64) -> [bool; 2] {
+    let front = ahead(rotation);
+    let hit = |way: f64| {
+        let in_sector = |push: &&Push| way * push.normal.dot(&front) >= SECTOR;
+        let impulse: f64 = pushes.iter().filter(in_sector).map(|p| p.impulse).sum();
+        impulse > threshold
+    };
+    [hit(1.0), hit(-1.0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Complex, Vector2};
+
+    fn push(x: f64, y: f64, impulse: f64) -> Push {
+        let normal = Vector2::new(x, y);
+        Push { normal, impulse }
+    }
+
+    #[test]
+    fn each_sector_feels_what_lies_within_45_degrees() {
+        let north = UnitComplex::new_unchecked(Complex::new(0.0, 1.0));
+        assert_eq!(read(north, &[push(0.6, 0.8, 1.0)], 0.3), [true, false]);
+        assert_eq!(read(north, &[push(0.6, -0.8, 1.0)], 0.3), [false, true]);
+        assert_eq!(read(north, &[push(0.8, 0.6, 1.0)], 0.3), [false, false]);
+    }
+
+    #[test]
+    fn a_touch_below_the_threshold_closes_no_switch() {
+        let east = UnitComplex::identity();
+        assert_eq!(read(east, &[push(1.0, 0.0, 0.3)], 0.3), [false, false]);
+        let pushes = [push(1.0, 0.0, 0.2), push(0.8, 0.6, 0.2)];
+        assert_eq!(read(east, &pushes, 0.3), [true, false], "two add up");
+    }
+}

@@ -1,0 +1,155 @@
+//! Rays through the grid, cell by cell (Amanatides and Woo 1987).
+
+use nalgebra::Vector2;
+
+use crate::world::{Cell, Maze};
+
+/// How far it is from `origin` along the unit vector `direction` to the first wall, in cells;
+/// `None` when that is more than `limit`.
+pub(super) fn cast(
+    maze: &Maze,
+    origin: Vector2<f64>,
+    direction: Vector2<f64>,
+    limit: f64,
+) -> Option<f64> {
+    let (mut x, step_x, mut next_x, every_x) = axis(origin.x, direction.x);
+    let (mut y, step_y, mut next_y, every_y) = axis(origin.y, direction.y);
+    let north = i32::from(maze.height()) - 1;
+    loop {
+        let range;
+        if next_x < next_y {
+            (range, x, next_x) = (next_x, x + step_x, next_x + every_x);
+        } else {
+            (range, y, next_y) = (next_y, y + step_y, next_y + every_y);
+        }
+        if range.is_nan() || range > limit {
+            return None;
+        }
+        // Beyond the border is a wall: negative numbers become large ones.
+        let (col, row) = (x as u16, (north - y) as u16);
+        if maze.is_wall(Cell { col, row }) {
+            return Some(range);
+        }
+    }
+}
+
+/// Along one axis: the first cell, the step to the next one, how far along the ray that begins,
+/// and how far it is from one to the next.
+fn axis(origin: f64, direction: f64) -> (i32, i32, f64, f64) {
+    let cell = origin.floor();
+    let every = 1.0 / direction.abs();
+    if direction > 0.0 {
+        (cell as i32, 1, (cell + 1.0 - origin) * every, every)
+    } else if direction < 0.0 {
+        (cell as i32, -1, (origin - cell) * every, every)
+    } else {
+        (cell as i32, 0, f64::INFINITY, f64::INFINITY)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arena::physics::walls;
+    use crate::streams::StreamName;
+    use parry2d::math::{Pose, Vector};
+    use parry2d::query::{Ray, RayCast};
+    use parry2d::shape::{Compound, SharedShape};
+    use xcs::random::Stream;
+
+    const ROWS: [&str; 7] = [
+        "#########",
+        "#S..#...#",
+        "#.#...#.#",
+        "#...#.#.#",
+        "#.#..#..#",
+        "#..#...G#",
+        "#########",
+    ];
+
+    fn maze() -> Maze {
+        Maze::from_json(format!(r#"{{ "rows": {ROWS:?} }}"#).as_bytes(), "m").unwrap()
+    }
+
+    /// The same walls as shapes of parry2d, in single precision.
+    fn oracle(maze: &Maze) -> Compound {
+        let is_wall = |col: usize, row: usize| {
+            let (col, row) = (col as u16, row as u16);
+            maze.is_wall(Cell { col, row })
+        };
+        let blocks = walls::merge(maze.width().into(), maze.height().into(), is_wall);
+        let shape = |block: &walls::Block| {
+            let half = Vector::new(block.width as f32, block.height as f32) / 2.0;
+            let north = f32::from(maze.height()) - block.row as f32;
+            let centre = Vector::new(block.col as f32 + half.x, north - half.y);
+            (
+                Pose::from_translation(centre),
+                SharedShape::cuboid(half.x, half.y),
+            )
+        };
+        Compound::new(blocks.iter().map(shape).collect())
+    }
+
+    #[test]
+    fn rays_are_as_long_as_those_of_parry() {
+        let (maze, mut random) = (maze(), Stream::new(1, StreamName::Start));
+        let oracle = oracle(&maze);
+        let free: Vec<Cell> = maze.free_cells().collect();
+        let (mut worst, mut hits) = (0.0_f64, 0);
+        for number in 0..20_000 {
+            let cell = free[random.below(free.len())];
+            // Numbers that single precision holds exactly, so that both cast the same ray.
+            let offset =
+                |random: &mut Stream| 0.1 + random.below(1 << 12) as f64 / f64::from(1 << 12) * 0.8;
+            let (east, north) = (offset(&mut random), offset(&mut random));
+            let origin = Vector2::new(
+                f64::from(cell.col) + east,
+                f64::from(maze.height() - cell.row) - north,
+            );
+            let angle = random.unit() * std::f64::consts::TAU;
+            let direction = Vector2::new(libm::cos(angle), libm::sin(angle));
+            let ray = Ray::new(
+                Vector::new(origin.x as f32, origin.y as f32),
+                Vector::new(direction.x as f32, direction.y as f32),
+            );
+            let theirs = oracle.cast_local_ray(&ray, 20.0, true).map(f64::from);
+            let ours = cast(&maze, origin, direction, 20.0);
+            let (Some(theirs), Some(ours)) = (theirs, ours) else {
+                panic!(
+                    "ray {number} from {origin:?} along {direction:?}: {ours:?}, parry {theirs:?}"
+                );
+            };
+            hits += 1;
+            let difference = (ours - theirs).abs();
+            // At a corner single precision may see the one wall or the other.
+            assert!(
+                difference < 1e-4 || is_near_corner(origin + ours.min(theirs) * direction),
+                "ray {number} from {origin:?} along {direction:?}: {ours}, parry {theirs}"
+            );
+            worst = worst.max(if difference < 1e-4 { difference } else { 0.0 });
+        }
+        assert!(hits == 20_000 && worst < 2e-5, "{hits} hits, worst {worst}");
+    }
+
+    fn is_near_corner(point: Vector2<f64>) -> bool {
+        let off = |x: f64| (x - x.round()).abs() < 1e-4;
+        off(point.x) && off(point.y)
+    }
+
+    #[test]
+    fn worked_rays() {
+        let (maze, middle) = (maze(), Vector2::new(1.5, 5.5));
+        let diagonal = Vector2::new(0.6, -0.8);
+        assert_eq!(cast(&maze, middle, Vector2::x(), 8.0), Some(2.5));
+        assert_eq!(cast(&maze, middle, -Vector2::y(), 8.0), Some(4.5));
+        // Leaves the start cell through its south side at (1.875, 5), and meets the wall at x = 2.
+        assert!((cast(&maze, middle, diagonal, 8.0).unwrap() - 0.5 / 0.6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_wall_beyond_the_limit_is_not_seen() {
+        let (maze, middle) = (maze(), Vector2::new(1.5, 5.5));
+        assert_eq!(cast(&maze, middle, Vector2::x(), 2.4), None);
+        assert_eq!(cast(&maze, middle, Vector2::new(f64::NAN, 0.0), 2.4), None);
+    }
+}

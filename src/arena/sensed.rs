@@ -1,0 +1,129 @@
+//! What a robot that knows only what it senses tells about itself.
+
+use nalgebra::{Isometry2, Matrix3, UnitComplex};
+use serde::{Deserialize, Serialize};
+
+/// Cells in each direction about which the robot can know something.
+const REACH: i32 = 9;
+/// Cells along each side of the map.
+const SIDE: usize = 2 * REACH as usize + 1;
+/// More evidence than this for a free cell than against it makes it free. One or two beams that
+/// got lost are less.
+const FREE_ABOVE: i32 = 30;
+
+/// The cells around the robot, as the beams of the last action showed them.
+///
+/// Each beam adds evidence for or against a cell being free. A cell about which nothing is known
+/// counts as a wall: it is hidden.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Surroundings {
+    /// The cell of the robot's frame in the middle of the map; column to the east, row to the north.
+    middle: [i32; 2],
+    /// Where the robot believes to stand.
+    here: [i32; 2],
+    /// Row by row from the south.
+    evidence: Vec<i32>,
+}
+
+impl Surroundings {
+    /// Nothing is known around the cell `middle` (east, north).
+    pub(super) fn unknown(middle: [i32; 2]) -> Self {
+        Self {
+            middle,
+            here: middle,
+            evidence: vec![0; SIDE * SIDE],
+        }
+    }
+
+    /// Forgets everything; the robot stands in the cell `middle`.
+    pub(super) fn forget(&mut self, middle: [i32; 2]) {
+        self.middle = middle;
+        self.here = middle;
+        self.evidence.fill(0);
+    }
+
+    /// Adds evidence that a cell is free, or is a wall where it is negative.
+    pub(super) fn add(&mut self, cell: [i32; 2], evidence: i32) {
+        if let Some(known) = self.entry(cell).and_then(|at| self.evidence.get_mut(at)) {
+            *known += evidence;
+        }
+    }
+
+    /// The robot believes to stand in a cell now.
+    pub(super) fn stand_in(&mut self, here: [i32; 2]) {
+        self.here = here;
+    }
+
+    /// Was the cell so many cells to the east and to the north of the robot seen to be free?
+    /// Walls are not, and neither are cells that were hidden.
+    pub fn is_free(&self, east: i32, north: i32) -> bool {
+        let cell = [self.here[0] + east, self.here[1] + north];
+        let known = self.entry(cell).and_then(|at| self.evidence.get(at));
+        known.is_some_and(|&evidence| evidence > FREE_ABOVE)
+    }
+
+    fn entry(&self, cell: [i32; 2]) -> Option<usize> {
+        let [x, y] = [0, 1].map(|axis| cell[axis] - self.middle[axis] + REACH);
+        let inside = |at: i32| (0..SIDE as i32).contains(&at);
+        (inside(x) && inside(y)).then_some(y as usize * SIDE + x as usize)
+    }
+}
+
+/// Where the robot believes to be, and how sure it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The pose in the world frame; metres, heading counted from east.
+    pub robot_in_world: Isometry2<f64>,
+    /// Covariance of x, y (metres) and heading (radians).
+    pub covariance: Matrix3<f64>,
+}
+
+impl Estimate {
+    /// By how much this estimate misses the true pose: the distance in metres, and the absolute
+    /// difference of the headings in radians.
+    pub fn error(&self, truth: &Isometry2<f64>) -> (f64, f64) {
+        let [x, y, turn] = self.difference(truth);
+        ((x * x + y * y).sqrt(), turn.abs())
+    }
+
+    /// The normalised estimation error squared: about 3 on average for a robot that is as sure as
+    /// it may be, more for one that is too sure (Bar-Shalom, Li and Kirubarajan 2001, 5.4).
+    /// `None` when the covariance cannot be inverted.
+    pub fn nees(&self, truth: &Isometry2<f64>) -> Option<f64> {
+        let difference = nalgebra::Vector3::from(self.difference(truth));
+        let inverse = self.covariance.try_inverse()?;
+        Some((difference.transpose() * inverse * difference)[0])
+    }
+
+    fn difference(&self, truth: &Isometry2<f64>) -> [f64; 3] {
+        let believed = &self.robot_in_world;
+        let missing = truth.translation.vector - believed.translation.vector;
+        let turn = (believed.rotation.inverse() * truth.rotation).into_inner();
+        [missing.x, missing.y, libm::atan2(turn.im, turn.re)]
+    }
+}
+
+/// One beam of the lidar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beam {
+    /// Simulation time since the trial began, in nanoseconds.
+    pub time_ns: u64,
+    /// Its direction, counted from the robot's heading.
+    pub bearing: UnitComplex<f64>,
+    /// What was measured, in metres; `None` when nothing came back.
+    pub range_m: Option<f64>,
+}
+
+/// What the robot sensed and believed during the last reset or action.
+#[derive(Debug, Clone, Copy)]
+pub struct Sensed<'a> {
+    /// The cells around it, as it made them out.
+    pub surroundings: &'a Surroundings,
+    /// Where it believed to be: one for each moment of the path.
+    pub estimates: &'a [Estimate],
+    /// The beams of its lidar, oldest first.
+    pub beams: &'a [Beam],
+    /// Is it lost: does it believe to stand in another cell than the one it stands in? Only an
+    /// observer can know.
+    pub lost: bool,
+}

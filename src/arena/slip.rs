@@ -1,0 +1,153 @@
+//! Actions that slip: now and then another one is carried out than the one that was chosen.
+
+use crate::streams::StreamName;
+use serde::{Deserialize, Serialize};
+use xcs::Action;
+use xcs::bounds::{OutOfRange, within};
+use xcs::random::Stream;
+
+use super::{Arena, Lasting, Outcome, View};
+use crate::world::Cell;
+
+/// Settings that hold in every arena.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ArenaParams {
+    /// The probability that another action is carried out than the one that was chosen, each of
+    /// the others with the same chance; 0 to 0.75, where with four actions chance decides alone.
+    pub slip: f64,
+}
+
+impl ArenaParams {
+    /// Accepts the settings when each lies in its range.
+    ///
+    /// # Errors
+    /// Names the first one that does not, and its range.
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        within("arena.slip", self.slip, 0.0..=0.75)
+    }
+}
+
+/// Any arena, with actions that slip. What slips is drawn before the action begins, from a stream
+/// of its own: with the same actions the same ones slip in every arena.
+pub struct SlippingArena {
+    arena: Box<dyn Arena>,
+    slip: f64,
+    stream: Stream,
+    executed: Option<Action>,
+}
+
+impl SlippingArena {
+    /// Lets actions of `arena` slip with the probability `slip`; what slips follows from `seed`.
+    pub fn new(arena: Box<dyn Arena>, slip: f64, seed: u64) -> Self {
+        Self {
+            arena,
+            slip,
+            stream: Stream::new(seed, StreamName::Slip),
+            executed: None,
+        }
+    }
+
+    /// The action that is carried out instead of `chosen`. Draws the same count of numbers in
+    /// either case.
+    fn slipped(&mut self, chosen: Action) -> Action {
+        let actions = self.arena.view().maze.action_count();
+        let slips = self.stream.chance(self.slip);
+        let other = self.stream.below(actions.saturating_sub(1).max(1));
+        let other = other + usize::from(other >= chosen.index());
+        match Action::new(other) {
+            Some(other) if slips && chosen.index() < actions => other,
+            _ => chosen,
+        }
+    }
+}
+
+impl Arena for SlippingArena {
+    fn reset(&mut self, start: Cell) {
+        self.executed = None;
+        self.arena.reset(start);
+    }
+
+    fn act(&mut self, action: Action) -> Outcome {
+        let executed = self.slipped(action);
+        self.executed = Some(executed);
+        self.arena.act(executed)
+    }
+
+    fn view(&self) -> View<'_> {
+        View {
+            executed: self.executed,
+            ..self.arena.view()
+        }
+    }
+
+    fn lasting(&self) -> Lasting {
+        Lasting {
+            slip: Some(self.stream.clone()),
+            ..self.arena.lasting()
+        }
+    }
+
+    fn continue_from(&mut self, lasting: &Lasting) {
+        self.executed = None;
+        if let Some(stream) = &lasting.slip {
+            self.stream = stream.clone();
+        }
+        self.arena.continue_from(lasting);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arena::{GridArena, PhysicsArena, PhysicsParams};
+    use crate::world::Maze;
+
+    const ROWS: [&str; 5] = ["#####", "#...#", "#.S.#", "#..G#", "#####"];
+
+    fn maze() -> Maze {
+        Maze::from_json(format!(r#"{{ "rows": {ROWS:?} }}"#).as_bytes(), "m").unwrap()
+    }
+
+    /// What is carried out when the robot always chooses to go north.
+    fn executed(arena: Box<dyn Arena>, slip: f64, count: usize) -> Vec<usize> {
+        let mut arena = SlippingArena::new(arena, slip, 1);
+        let (start, north) = (arena.view().cell, Action::new(0).unwrap());
+        let carried_out = |_| {
+            arena.reset(start);
+            arena.act(north);
+            arena.view().executed.unwrap().index()
+        };
+        (0..count).map(carried_out).collect()
+    }
+
+    fn grid() -> Box<dyn Arena> {
+        Box::new(GridArena::new(maze()))
+    }
+
+    #[test]
+    fn the_others_are_carried_out_as_often_as_was_asked_for() {
+        let executed = executed(grid(), 0.3, 10_000);
+        let counts = [0, 1, 2, 3].map(|action| executed.iter().filter(|&&e| e == action).count());
+        // Deviations: 46 of the first, 30 of each other.
+        assert!(counts[0].abs_diff(7_000) < 200, "{counts:?}");
+        assert!(
+            counts[1..].iter().all(|c| c.abs_diff(1_000) < 130),
+            "{counts:?}"
+        );
+    }
+
+    #[test]
+    fn without_slip_what_was_chosen_is_carried_out() {
+        assert_eq!(executed(grid(), 0.0, 200), [0; 200]);
+    }
+
+    #[test]
+    fn the_same_actions_slip_in_both_arenas() {
+        let physics = PhysicsArena::new(maze(), PhysicsParams::default(), 1).unwrap();
+        assert_eq!(
+            executed(Box::new(physics), 0.5, 40),
+            executed(grid(), 0.5, 40)
+        );
+    }
+}

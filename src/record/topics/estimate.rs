@@ -1,0 +1,205 @@
+//! `/estimate` and `/scene/estimate`: where the robot believes to be, how sure it is, and how much
+//! it is mistaken.
+
+use foxglove::Schema;
+use foxglove::messages::{CylinderPrimitive, Pose, SceneUpdate};
+use nalgebra::{Complex, Matrix3, UnitComplex};
+use serde::Serialize;
+
+use super::scene::{ESTIMATE, WORLD, color, entity, heading, place, update, vector};
+use super::schema::{Kind, object};
+use super::{decimal, rounded};
+use crate::arena::{Sample, Sensed};
+
+const GHOST: u32 = 0x2f9ce0;
+/// The ellipse holds the true position in 99 of 100 moments, if the robot is as sure as it may be.
+const DEVIATIONS: f64 = 3.03;
+const FLAT_M: f64 = 0.01;
+
+/// What the robot believes at the end of a reset or an action.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(in crate::record) struct EstimateRecord {
+    episode: u32,
+    step: u32,
+    x_m: f64,
+    y_m: f64,
+    heading_cos: f64,
+    heading_sin: f64,
+    sd_x_m: f64,
+    sd_y_m: f64,
+    sd_heading_deg: f64,
+    error_m: f64,
+    heading_error_deg: f64,
+    nees: Option<f64>,
+    lost: bool,
+}
+
+impl EstimateRecord {
+    /// Compares what the robot believes last with what is true; `None` when it is told its pose.
+    pub fn new(episode: u32, step: u32, sensed: &Sensed<'_>, truth: &Sample) -> Option<Self> {
+        let estimate = sensed.estimates.last()?;
+        let (error_m, error_rad) = estimate.error(&truth.robot_in_world);
+        let nees = estimate.nees(&truth.robot_in_world);
+        let deviation = |at: usize| estimate.covariance[(at, at)].max(0.0).sqrt();
+        let pose = estimate.robot_in_world;
+        Some(Self {
+            episode,
+            step,
+            x_m: decimal(pose.translation.x),
+            y_m: decimal(pose.translation.y),
+            heading_cos: decimal(pose.rotation.re),
+            heading_sin: decimal(pose.rotation.im),
+            sd_x_m: decimal(deviation(0)),
+            sd_y_m: decimal(deviation(1)),
+            sd_heading_deg: decimal(deviation(2).to_degrees()),
+            error_m: decimal(error_m),
+            heading_error_deg: decimal(error_rad.to_degrees()),
+            nees: nees.map(decimal),
+            lost: sensed.lost,
+        })
+    }
+}
+
+pub(super) fn schema() -> Schema {
+    let fields = [
+        ("episode", Kind::Count, "from 1"),
+        ("step", Kind::Count, "from 1; 0 before the first"),
+        (
+            "x_m",
+            Kind::Number,
+            "believed position, metres, world frame",
+        ),
+        (
+            "y_m",
+            Kind::Number,
+            "believed position, metres, world frame",
+        ),
+        ("heading_cos", Kind::Number, "believed heading, its cosine"),
+        ("heading_sin", Kind::Number, "believed heading, its sine"),
+        (
+            "sd_x_m",
+            Kind::Number,
+            "deviation that it believes in, metres",
+        ),
+        (
+            "sd_y_m",
+            Kind::Number,
+            "deviation that it believes in, metres",
+        ),
+        (
+            "sd_heading_deg",
+            Kind::Number,
+            "the same of the heading, degrees",
+        ),
+        (
+            "error_m",
+            Kind::Number,
+            "distance from the true position, metres",
+        ),
+        (
+            "heading_error_deg",
+            Kind::Number,
+            "difference from the true heading, degrees",
+        ),
+        (
+            "nees",
+            Kind::Number,
+            "normalised estimation error squared; 3 is what 3 degrees of freedom give",
+        ),
+        (
+            "lost",
+            Kind::Bool,
+            "does it believe to be in another cell than it is in?",
+        ),
+    ];
+    object("xcscr.Estimate", &fields)
+}
+
+/// An ellipse around the believed position, and a ghost of the robot where it believes to be.
+pub(in crate::record) fn scene(sensed: &Sensed<'_>, radius_m: f64, time_ns: u64) -> SceneUpdate {
+    let mut ellipse = entity("ellipse", WORLD, time_ns);
+    ellipse.cylinders = sensed
+        .estimates
+        .last()
+        .map(|estimate| {
+            let at = estimate.robot_in_world.translation;
+            let (long, short, direction) = axes(&estimate.covariance);
+            CylinderPrimitive {
+                pose: Some(Pose {
+                    position: Some(vector(at.x, at.y, 2.0 * FLAT_M)),
+                    orientation: Some(heading(direction)),
+                }),
+                size: Some(vector(
+                    2.0 * DEVIATIONS * long,
+                    2.0 * DEVIATIONS * short,
+                    FLAT_M,
+                )),
+                bottom_scale: 1.0,
+                top_scale: 1.0,
+                color: color(GHOST, 0.9),
+            }
+        })
+        .into_iter()
+        .collect();
+    let mut ghost = entity("ghost", ESTIMATE, time_ns);
+    ghost.cylinders = vec![CylinderPrimitive {
+        pose: place(0.0, 0.0, FLAT_M),
+        size: Some(vector(2.0 * radius_m, 2.0 * radius_m, FLAT_M)),
+        bottom_scale: 1.0,
+        top_scale: rounded(1.0),
+        color: color(GHOST, 0.35),
+    }];
+    update(vec![ellipse, ghost])
+}
+
+/// The deviations along the long and the short axis of the position's ellipse, and the direction
+/// of the long one: the eigenvalues of a matrix of two rows, without trigonometry.
+fn axes(covariance: &Matrix3<f64>) -> (f64, f64, UnitComplex<f64>) {
+    let (xx, yy, xy) = (covariance[(0, 0)], covariance[(1, 1)], covariance[(0, 1)]);
+    let (middle, half) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
+    let apart = (half * half + xy * xy).sqrt();
+    // Of the two forms of the eigenvector, the one that does not cancel.
+    let long = match half >= 0.0 {
+        true => Complex::new(half + apart, xy),
+        false => Complex::new(xy, apart - half),
+    };
+    let direction = match apart > 0.0 {
+        true => UnitComplex::new_normalize(long),
+        false => UnitComplex::identity(),
+    };
+    let deviation = |variance: f64| variance.max(0.0).sqrt();
+    (
+        deviation(middle + apart),
+        deviation(middle - apart),
+        direction,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_axes_of_an_ellipse_are_those_that_made_it() {
+        for (degrees, long, short) in [
+            (0.0_f64, 0.3, 0.1),
+            (30.0, 0.2, 0.05),
+            (90.0, 0.3, 0.1),
+            (150.0, 0.4, 0.2),
+        ] {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let turn = Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
+            let variances = Matrix3::from_diagonal(&[long * long, short * short, 1.0].into());
+            let (found_long, found_short, direction) = axes(&(turn * variances * turn.transpose()));
+            assert!((found_long - long).abs() < 1e-9 && (found_short - short).abs() < 1e-9);
+            let across = direction.im * cosine - direction.re * sine;
+            assert!(across.abs() < 1e-9, "{degrees}: {direction}");
+        }
+    }
+
+    #[test]
+    fn a_circle_has_axes_too() {
+        let (long, short, _) = axes(&(0.04 * Matrix3::identity()));
+        assert_eq!((long, short), (0.2, 0.2));
+    }
+}

@@ -1,0 +1,186 @@
+//! What a lidar shows: the same bits from what the robot sensed, or as a perfect one would show.
+//!
+//! All is said about whole cells around the robot, by a function that tells of a cell so many
+//! cells to the east and to the north whether it is free. A lidar sees neither goals nor what is
+//! hidden: of a diagonal neighbour between two walls nothing can be seen, so it counts as a wall.
+
+use crate::world::{Cell, Direction, Maze};
+use xcs::Percept;
+
+/// Two bits for each of eight cells, as looked-up neighbours have them.
+pub const AROUND: usize = 16;
+/// For each main direction how many cells are free ...
+pub const FARTHEST: usize = 3;
+/// ... one bit for each, and one for the diagonal to the right of it.
+pub const RANGES: usize = 4 * (FARTHEST + 1);
+/// Sixteen beams of three bits.
+pub const BEAMS: usize = 16 * BEAM_BITS;
+/// Bits of a beam.
+pub const BEAM_BITS: usize = 3;
+
+/// Is the cell so many to the east and to the north free?
+pub type IsFree<'a> = &'a dyn Fn(i32, i32) -> bool;
+
+/// How a perfect lidar sees a maze from the middle of a cell.
+pub fn perfect(maze: &Maze, cell: Cell) -> impl Fn(i32, i32) -> bool + '_ {
+    move |east, north| {
+        let along = |from: u16, step: i32, size: u16| {
+            let to = i32::from(from) + step;
+            let size = i32::from(size);
+            u16::try_from(if maze.wraps() {
+                to.rem_euclid(size)
+            } else {
+                to
+            })
+            .ok()
+        };
+        let col = along(cell.col, east, maze.width());
+        let row = along(cell.row, -north, maze.height());
+        let cell = col.zip(row).map(|(col, row)| Cell { col, row });
+        cell.is_some_and(|cell| !maze.is_wall(cell))
+    }
+}
+
+/// The eight cells around, clockwise from north: free `00`, wall or hidden `01`.
+pub fn around(is_free: IsFree<'_>) -> Percept {
+    let bits = Direction::CLOCKWISE.iter().flat_map(|direction| {
+        let (east, south) = direction.offset();
+        [false, !is_seen(is_free, [0, 0], [east, -south])]
+    });
+    Percept::from_bits(bits).expect("sixteen bits fit")
+}
+
+/// For each main direction clockwise from north: is it free for one cell, for two, for three, and
+/// is the diagonal cell free that follows clockwise?
+pub fn ranges(is_free: IsFree<'_>) -> Percept {
+    let bits = (0..4).flat_map(|quarter| {
+        let (east, south) = Direction::CLOCKWISE[2 * quarter].offset();
+        let free = free_cells(is_free, &[[east, -south]], FARTHEST);
+        let (beside, below) = Direction::CLOCKWISE[2 * quarter + 1].offset();
+        let diagonal = is_seen(is_free, [0, 0], [beside, -below]);
+        (1..=FARTHEST).map(move |far| far <= free).chain([diagonal])
+    });
+    Percept::from_bits(bits).expect("sixteen bits fit")
+}
+
+/// Sixteen beams clockwise from north: the number of free cells that each goes through, at most
+/// seven, highest bit first. The beams between the eight main ones go two cells along and one
+/// across.
+pub fn beams(is_free: IsFree<'_>) -> Percept {
+    let most = (1 << BEAM_BITS) - 1;
+    let bits = (0..16).flat_map(|beam| {
+        let free = free_cells(is_free, &strides(beam), most);
+        (0..BEAM_BITS).rev().map(move |bit| free >> bit & 1 == 1)
+    });
+    Percept::from_bits(bits).expect("48 bits fit")
+}
+
+/// The steps from cell to cell that a beam takes again and again.
+fn strides(beam: usize) -> Vec<[i32; 2]> {
+    let step = |eighth: usize| {
+        let (east, south) = Direction::CLOCKWISE[eighth % 8].offset();
+        [east, -south]
+    };
+    let (before, after) = (step(beam / 2), step(beam / 2 + 1));
+    if beam.is_multiple_of(2) {
+        return vec![before];
+    }
+    // One of the two is diagonal: across is what it adds to the other.
+    let is_main = |step: [i32; 2]| step.contains(&0);
+    let (along, diagonal) = if is_main(before) {
+        (before, after)
+    } else {
+        (after, before)
+    };
+    let across = [diagonal[0] - along[0], diagonal[1] - along[1]];
+    // Through the side of the first cell, then of the one across, and straight on.
+    vec![along, across, along]
+}
+
+/// How many cells a beam goes through, with these steps in turn, until it meets a wall.
+fn free_cells(is_free: IsFree<'_>, strides: &[[i32; 2]], most: usize) -> usize {
+    let mut at = [0, 0];
+    let passes = |stride: &&[i32; 2]| {
+        let free = is_seen(is_free, at, **stride);
+        at = [at[0] + stride[0], at[1] + stride[1]];
+        free
+    };
+    strides.iter().cycle().take(most).take_while(passes).count()
+}
+
+/// Is the next cell free, and not hidden behind the corner of two walls?
+fn is_seen(is_free: IsFree<'_>, [east, north]: [i32; 2], [x, y]: [i32; 2]) -> bool {
+    let hidden = x != 0 && y != 0 && !is_free(east + x, north) && !is_free(east, north + y);
+    !hidden && is_free(east + x, north + y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROWS: [&str; 6] = [
+        "#######", "#S....#", "###.#.#", "#...#.#", "#.#..G#", "#######",
+    ];
+
+    fn maze() -> Maze {
+        Maze::from_json(format!(r#"{{ "rows": {ROWS:?} }}"#).as_bytes(), "m").unwrap()
+    }
+
+    fn shown(percept: Percept, width: usize) -> Vec<String> {
+        let text = percept.to_string();
+        let letters: Vec<char> = text.chars().collect();
+        letters
+            .chunks(width)
+            .map(|part| part.iter().collect())
+            .collect()
+    }
+
+    #[test]
+    fn the_neighbours_are_those_that_are_looked_up_but_for_goals_and_hidden_cells() {
+        let maze = maze();
+        let cell = Cell { col: 3, row: 2 };
+        let percept = around(&perfect(&maze, cell));
+        assert_eq!(shown(percept, 2).join(" "), "00 00 01 01 00 00 01 00");
+        // South-east of (4, 4) lies the border, north-east of it a free cell.
+        let below = around(&perfect(&maze, Cell { col: 4, row: 4 }));
+        assert_eq!(shown(below, 2).join(" "), "01 00 00 01 01 01 00 00");
+    }
+
+    #[test]
+    fn a_diagonal_cell_between_two_walls_is_hidden() {
+        let north_east = |free: &[[i32; 2]]| !around(&|x, y| free.contains(&[x, y])).bit(3);
+        assert!(!north_east(&[[1, 1]]), "free, but between two walls");
+        assert!(north_east(&[[1, 1], [1, 0]]));
+        assert!(north_east(&[[1, 1], [0, 1]]));
+        assert!(!north_east(&[[0, 1], [1, 0]]), "a wall");
+    }
+
+    #[test]
+    fn ranges_count_free_cells_up_to_three() {
+        let maze = maze();
+        let percept = ranges(&perfect(&maze, Cell { col: 1, row: 1 }));
+        assert_eq!(shown(percept, 4).join(" "), "0000 1110 0000 0000");
+        let percept = ranges(&perfect(&maze, Cell { col: 5, row: 3 }));
+        assert_eq!(shown(percept, 4).join(" "), "1100 0000 1001 0000");
+    }
+
+    #[test]
+    fn beams_count_the_cells_that_they_go_through() {
+        let maze = maze();
+        let percept = beams(&perfect(&maze, Cell { col: 5, row: 1 }));
+        let numbers: Vec<_> = shown(percept, 3)
+            .iter()
+            .map(|bits| usize::from_str_radix(bits, 2).unwrap())
+            .collect();
+        // Three cells to the south, four to the west; the beams beside them end in the second cell.
+        assert_eq!(numbers, [0, 0, 0, 0, 0, 0, 0, 1, 3, 1, 0, 1, 4, 1, 0, 0]);
+    }
+
+    #[test]
+    fn a_beam_between_two_main_ones_takes_two_steps_along_and_one_across() {
+        assert_eq!(strides(0), [[0, 1]]);
+        assert_eq!(strides(1), [[0, 1], [1, 0], [0, 1]]);
+        assert_eq!(strides(3), [[1, 0], [0, 1], [1, 0]]);
+        assert_eq!(strides(15), [[0, 1], [-1, 0], [0, 1]]);
+    }
+}

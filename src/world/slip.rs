@@ -1,0 +1,73 @@
+//! What is optimal when actions slip: value iteration on the true maze.
+
+use super::direction::Direction;
+use super::maze::{Cell, Maze};
+
+/// Two expected numbers of steps that differ by less than this share are the same.
+const SAME: f64 = 1e-9;
+/// Sweeps after which the values are taken as they are. With little slip it takes as many as the
+/// longest shortest path.
+const MOST_SWEEPS: usize = 100_000;
+
+/// The expected number of steps to a goal from each cell, for who acts optimally.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Expected {
+    slip: f64,
+    /// By cell index; infinite for walls and for cells that reach no goal.
+    steps: Vec<f64>,
+}
+
+impl Expected {
+    /// Value iteration (Bellman 1957), in place and in order of distance from the goals: `cells`
+    /// are those that reach a goal, nearest first.
+    pub fn new(maze: &Maze, cells: &[Cell], slip: f64) -> Self {
+        let mut steps = vec![f64::INFINITY; usize::from(maze.width()) * usize::from(maze.height())];
+        cells.iter().for_each(|&cell| steps[maze.index(cell)] = 0.0);
+        let mut expected = Self { slip, steps };
+        for _ in 0..MOST_SWEEPS {
+            let mut change = 0.0_f64;
+            for &cell in cells.iter().filter(|&&cell| !maze.is_goal(cell)) {
+                let best = directions(maze).map(|along| expected.of(maze, cell, along));
+                let best = best.fold(f64::INFINITY, f64::min);
+                let known = &mut expected.steps[maze.index(cell)];
+                change = change.max((best - *known).abs() / best);
+                *known = best;
+            }
+            if change < SAME / 1_000.0 {
+                break;
+            }
+        }
+        expected
+    }
+
+    /// Expected steps from a cell.
+    pub fn from(&self, maze: &Maze, cell: Cell) -> f64 {
+        self.steps[maze.index(cell)]
+    }
+
+    /// Is it optimal to choose the way `along`? Several may be.
+    pub fn is_best(&self, maze: &Maze, cell: Cell, along: Direction) -> bool {
+        self.of(maze, cell, along) <= self.from(maze, cell) * (1.0 + SAME)
+    }
+
+    /// Expected steps when one chooses the way `along` first: with the probability of a slip each
+    /// of the other ways is as likely.
+    fn of(&self, maze: &Maze, cell: Cell, along: Direction) -> f64 {
+        let others = maze.action_count().saturating_sub(1).max(1) as f64;
+        let after = |way: Direction| {
+            let next = maze.step(cell, way).unwrap_or(cell);
+            self.steps[maze.index(next)]
+        };
+        let chance = |way: Direction| match way == along {
+            true => 1.0 - self.slip,
+            false => self.slip / others,
+        };
+        1.0 + directions(maze)
+            .map(|way| chance(way) * after(way))
+            .sum::<f64>()
+    }
+}
+
+fn directions(maze: &Maze) -> impl Iterator<Item = Direction> + '_ {
+    maze.moves().directions().iter().copied()
+}
