@@ -65,7 +65,7 @@ impl Surroundings {
     fn entry(&self, cell: [i32; 2]) -> Option<usize> {
         let [x, y] = [0, 1].map(|axis| cell[axis] - self.middle[axis] + REACH);
         let inside = |at: i32| (0..SIDE as i32).contains(&at);
-        (inside(x) && inside(y)).then_some(y as usize * SIDE + x as usize)
+        (inside(x) && inside(y)).then(|| y as usize * SIDE + x as usize)
     }
 }
 
@@ -126,4 +126,20 @@ pub struct Sensed<'a> {
     /// Is it lost: does it believe to stand in another cell than the one it stands in? Only an
     /// observer can know.
     pub lost: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_beyond_the_map_are_unknown_in_every_direction() {
+        let mut map = Surroundings::unknown([5, 5]);
+        for far in [[5, -20], [5, 30], [-20, 5], [30, 5], [-20, -20]] {
+            map.add(far, 1_000);
+            assert!(!map.is_free(far[0] - 5, far[1] - 5), "{far:?}");
+        }
+        map.add([5 + REACH, 5 - REACH], FREE_ABOVE + 1);
+        assert!(map.is_free(REACH, -REACH), "control: the corner of the map");
+    }
 }
