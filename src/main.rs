@@ -12,15 +12,16 @@ use clap::Parser;
 
 use cli::Cli;
 use commands::failure::Failure;
-use commands::interrupt::ignore_file_size_signal;
+use commands::interrupt::limits_are_errors;
+use commands::terminal::Escaping;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    if let Err(error) = ignore_file_size_signal() {
+    if let Err(error) = limits_are_errors() {
         return Failure::from(error).report();
     }
-    let outcome = catch_unwind(|| commands::run(cli, &mut std::io::stdout().lock()))
-        .unwrap_or_else(|_| Err(Failure::internal()));
+    let cli = Cli::parse();
+    let run = || commands::run(cli, &mut Escaping::new(std::io::stdout().lock()));
+    let outcome = catch_unwind(run).unwrap_or_else(|_| Err(Failure::internal()));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),

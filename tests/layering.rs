@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const ALLOWED: [(&str, &[&str]); 12] = [
     ("streams", &[]),
     ("disk", &[]),
-    ("world", &["streams"]),
+    ("world", &["streams", "disk"]),
     ("arena", &["streams", "world"]),
     ("sensor", &["world", "arena"]),
     ("agent", &["streams", "arena"]),

@@ -166,7 +166,9 @@ fn links_in_a_study_folder_lead_nobody_out_of_it() {
         let _ = fs::remove_file(desk.path("a").join(name));
         std::os::unix::fs::symlink(desk.path("precious"), desk.path("a").join(name)).unwrap();
     }
-    desk.done("run small.toml --trials 1 --out a");
+    let message = desk.refused("run small.toml --trials 1 --out a", 73);
+    assert!(message.contains("trials.csv exists"), "{message}");
+    desk.done("run small.toml --trials 1 --out a --force");
     assert_eq!(fs::read(desk.path("precious")).unwrap(), b"precious");
     fs::remove_file(desk.path("a").join("journal")).unwrap();
     fs::write(desk.path("precious"), "").unwrap();

@@ -9,6 +9,11 @@ use xcscr::run::{RunError, RunFolderError};
 use xcscr::trial::{PlanError, SettingsError};
 use xcscr::world::WorldError;
 
+use super::terminal::escaped;
+
+/// How a message begins where there are colours.
+const RED_ERROR: &str = "\x1b[1;91merror\x1b[0m";
+
 /// The exit codes of unsuccessful ends; `--help` explains them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
@@ -40,6 +45,8 @@ pub struct Failure {
     /// The exit code.
     pub exit: Exit,
     message: String,
+    /// The message with colours, if it has any.
+    styled: Option<String>,
 }
 
 impl Failure {
@@ -48,6 +55,7 @@ impl Failure {
         Self {
             exit,
             message: message.into(),
+            styled: None,
         }
     }
 
@@ -59,12 +67,14 @@ impl Failure {
 
     /// Prints the message to stderr. A closed stderr is no reason to fail again.
     pub fn print(&self) {
-        let word = match colours() {
-            true => "\x1b[1;91merror\x1b[0m",
-            false => "error",
+        let plain = escaped(&self.message);
+        let message = match &self.styled {
+            Some(styled) if colours() => format!("{RED_ERROR}: {styled}"),
+            None if colours() => format!("{RED_ERROR}: {plain}"),
+            _ => format!("error: {plain}"),
         };
         if self.exit != Exit::Closed {
-            let _ = writeln!(io::stderr(), "{word}: {}", self.message);
+            let _ = writeln!(io::stderr(), "{message}");
         }
     }
 
@@ -100,10 +110,10 @@ impl From<WorldError> for Failure {
     fn from(error: WorldError) -> Self {
         match &error {
             WorldError::Missing { .. } => Self::new(Exit::Missing, error.to_string()),
-            WorldError::Invalid(fault) if colours() => {
-                Self::new(Exit::BadData, fault.styled().to_string())
-            }
-            WorldError::Invalid(_) => Self::new(Exit::BadData, error.to_string()),
+            WorldError::Invalid(fault) => Self {
+                styled: Some(fault.styled().to_string()),
+                ..Self::new(Exit::BadData, error.to_string())
+            },
             _ => Self::new(Exit::Io, error.to_string()),
         }
     }
@@ -158,7 +168,12 @@ impl From<RecordError> for Failure {
     fn from(error: RecordError) -> Self {
         let exit = match error {
             RecordError::Create { .. } => Exit::CannotCreate,
-            RecordError::Unfinished { .. } | RecordError::Damaged { .. } => Exit::BadData,
+            RecordError::Unfinished { .. }
+            | RecordError::Foreign { .. }
+            | RecordError::Damaged { .. } => Exit::BadData,
+            RecordError::Read { ref cause, .. } if cause.kind() == io::ErrorKind::FileTooLarge => {
+                Exit::BadData
+            }
             RecordError::Read { ref cause, .. } if cause.kind() == io::ErrorKind::NotFound => {
                 Exit::Missing
             }

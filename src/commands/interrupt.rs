@@ -1,6 +1,6 @@
 //! Signals: the first asks for an orderly end, the second for an immediate one.
 
-use std::io::{self, Write};
+use std::io;
 use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,6 +10,7 @@ use std::time::Duration;
 use signal_hook::{consts, flag};
 
 use super::failure::Exit;
+use super::terminal::say;
 
 /// The signals that end a run.
 #[cfg(unix)]
@@ -43,9 +44,9 @@ impl Interrupt {
     }
 
     /// The same, and watches. When what is under way takes too long after a signal, such as an
-    /// episode in a winding maze, the process ends with `farewell`: like a process that is
+    /// episode in a winding maze, the process ends with what `farewell` says: like a process that is
     /// killed, it leaves its last checkpoint or journal whole.
-    pub fn watch(farewell: String) -> io::Result<Self> {
+    pub fn watch(farewell: impl Fn() -> String + Send + 'static) -> io::Result<Self> {
         let this = Self::notice()?;
         let watch = this.clone();
         Builder::new().spawn(move || watch.end_in_time(&farewell))?;
@@ -57,20 +58,24 @@ impl Interrupt {
         self.came.load(Ordering::Relaxed)
     }
 
-    fn end_in_time(&self, farewell: &str) {
+    fn end_in_time(&self, farewell: &impl Fn() -> String) {
         while !self.came() {
             sleep(GLANCE);
         }
         sleep(PATIENCE);
-        // A closed stderr is no reason to stay.
-        let _ = writeln!(io::stderr(), "\nerror: {farewell}");
+        say(&format!("\nerror: {}", farewell()));
         process::exit(Exit::Interrupted as i32);
     }
 }
 
-/// Lets writing beyond a file-size limit fail with an error, where otherwise a signal kills.
-pub fn ignore_file_size_signal() -> io::Result<()> {
+/// Lets what goes beyond a limit of the system end in code 74, where otherwise a signal kills:
+/// writing beyond a file-size limit fails with an error, and memory that cannot be had, which the
+/// standard library names on stderr before it aborts, ends the process as a kill would, so that
+/// the last checkpoint or journal is whole.
+pub fn limits_are_errors() -> io::Result<()> {
     #[cfg(unix)]
     flag::register(consts::SIGXFSZ, Arc::default())?;
+    let always = Arc::new(AtomicBool::new(true));
+    flag::register_conditional_shutdown(consts::SIGABRT, Exit::Io as i32, always)?;
     Ok(())
 }

@@ -29,7 +29,8 @@ pub struct LearnedArgs {
 impl LearnedArgs {
     /// The plan of the run, and what was learned.
     pub fn load(&self) -> Result<(Plan, Knowledge), Failure> {
-        let (mut plan, knowledge) = if self.run.is_file() {
+        let is_file = self.run.exists() && !self.run.is_dir();
+        let (mut plan, knowledge) = if is_file {
             (
                 self.plan_of_rules(&self.run)?,
                 choices::read_rules(&self.run)?,

@@ -1,6 +1,5 @@
 //! `--live`: streaming to a viewer.
 
-use std::io::{self, Write};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -10,6 +9,7 @@ use xcscr::record::{Tap, Topic};
 
 use super::failure::{Exit, Failure};
 use super::interrupt::Interrupt;
+use super::terminal::say;
 
 /// Where viewers look first.
 pub const LIVE_PORT: u16 = 8765;
@@ -51,11 +51,9 @@ impl LiveArgs {
             interrupt: Interrupt::notice()?,
         };
         let url = broadcast.stream.url();
-        // A closed stderr is no reason to fail.
-        let _ = writeln!(
-            io::stderr(),
+        say(&format!(
             "Live on {url}: choose \"Open connection\" in Foxglove or Lichtblick; Ctrl-C ends it."
-        );
+        ));
         Ok(Some(broadcast))
     }
 }

@@ -1,6 +1,6 @@
 //! `xcscr map`: the policy over the maze as a picture, still or moving.
 
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use xcscr::disk;
@@ -24,6 +24,9 @@ pub struct MapArgs {
     /// The policy as it forms over the episodes.
     #[arg(long)]
     animate: bool,
+    /// Replace the picture if it exists.
+    #[arg(long)]
+    force: bool,
 }
 
 /// The kinds of pictures.
@@ -36,6 +39,7 @@ enum Kind {
 /// Runs the trial again and draws.
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let kind = Kind::of(&args.output)?;
+    disk::require_free(&args.output, args.force).map_err(|cause| unwritten(args, &cause))?;
     let (plan, shown) = plan(args)?;
     let scenes = match args.episode.or(shown) {
         _ if args.animate => Scenes::Forming,
@@ -47,16 +51,23 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         Kind::Svg => film.svg().into_bytes(),
         Kind::Png => film.png()?,
     };
-    disk::replace_among_others(&args.output, &picture).map_err(|cause| {
-        let name = args.output.display();
-        let message =
-            format!("cannot write {name}: {cause}; free some space, or choose another place");
-        let exit = match cause.kind() {
-            ErrorKind::StorageFull | ErrorKind::FileTooLarge => Exit::Io,
-            _ => Exit::CannotCreate,
-        };
-        Failure::new(exit, message)
-    })
+    write(args, &picture).map_err(|cause| unwritten(args, &cause))
+}
+
+/// Writes the picture aside, and gives it its name when it is whole.
+fn write(args: &MapArgs, picture: &[u8]) -> io::Result<()> {
+    let mut aside = disk::aside(&args.output)?;
+    aside.write_all(picture)?;
+    disk::persist(aside, &args.output, args.force)
+}
+
+fn unwritten(args: &MapArgs, cause: &io::Error) -> Failure {
+    let exit = match cause.kind() {
+        ErrorKind::StorageFull | ErrorKind::FileTooLarge => Exit::Io,
+        _ => Exit::CannotCreate,
+    };
+    let (name, way_out) = (args.output.display(), disk::way_out(cause));
+    Failure::new(exit, format!("cannot write {name}: {cause}{way_out}"))
 }
 
 impl Kind {
@@ -78,7 +89,7 @@ impl Kind {
 
 /// The plan of a run, and the episode that a recording shows.
 fn plan(args: &MapArgs) -> Result<(Plan, Option<u32>), Failure> {
-    if args.run.is_file() {
+    if args.run.exists() && !args.run.is_dir() {
         let source = Source::of(&args.run)?;
         return Ok((source.plan, source.episode));
     }

@@ -15,6 +15,7 @@ pub mod replay;
 pub mod rules;
 mod source;
 pub mod study;
+pub mod terminal;
 pub mod train;
 mod train_report;
 pub mod world;

@@ -1,11 +1,11 @@
 //! `xcscr recover`: a whole recording of what can be read of a broken one.
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 
 use xcscr::record::{self, Recovery};
 
 use super::failure::{Exit, Failure};
+use super::terminal::say;
 
 /// Arguments of `recover`.
 #[derive(Debug, clap::Args)]
@@ -34,8 +34,7 @@ pub fn run(args: &RecoverArgs) -> Result<(), Failure> {
     );
     match fault {
         None => {
-            // A closed stderr is no reason to fail.
-            let _ = writeln!(io::stderr(), "{saved}; nothing was lost");
+            say(&format!("{saved}; nothing was lost"));
             Ok(())
         }
         Some(fault) => {

@@ -44,11 +44,17 @@ pub enum StudyCommand {
         /// The folder of the whole study.
         #[arg(short, long, value_name = "DIR")]
         out: PathBuf,
+        /// Replace another study in this folder, and what was changed by hand.
+        #[arg(long)]
+        force: bool,
     },
     /// Print the result of a study, and write report.md and the figures into its folder.
     Report {
         /// The folder of a study.
         folder: PathBuf,
+        /// Replace a report and figures that hold something else, such as changes by hand.
+        #[arg(long)]
+        force: bool,
         /// Print one JSON document instead of the report.
         #[arg(long)]
         json: bool,
@@ -85,6 +91,9 @@ pub struct RunArgs {
     /// Trials at a time; 0 for as many as there are cores.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     jobs: u16,
+    /// Replace another study in this folder, and what was changed by hand.
+    #[arg(long)]
+    force: bool,
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
@@ -106,12 +115,23 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
             let status = Status::new(&folder, shards.map(|shards| shards as usize));
             status.print(*json, out)
         }
-        StudyCommand::Merge { folders, out: path } => {
-            let folder = merge_studies(folders, path)?;
+        StudyCommand::Merge {
+            folders,
+            out: path,
+            force,
+        } => {
+            if *force {
+                StudyFolder::replace_other(path, StudyFolder::join(folders)?.protocol())?;
+            }
+            let folder = merge_studies(folders, path)?.replacing(*force);
             finish(&folder, false, out)
         }
-        StudyCommand::Report { folder, json } => {
-            let folder = StudyFolder::read_locked(folder)?;
+        StudyCommand::Report {
+            folder,
+            force,
+            json,
+        } => {
+            let folder = StudyFolder::read_locked(folder)?.replacing(*force);
             folder.require_complete()?;
             finish(&folder, *json, out)
         }
@@ -127,8 +147,11 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         sets: args.set.clone(),
     };
     let protocol = Protocol::new(&StudyFile::load(&args.study)?, &overrides)?;
+    if args.force {
+        StudyFolder::replace_other(&args.out, &protocol)?;
+    }
     let farewell = "interrupted in a trial; run the same command again to resume it";
-    let interrupt = Interrupt::watch(farewell.to_owned())?;
+    let interrupt = Interrupt::watch(move || farewell.to_owned())?;
     let mut progress = Progress::new(args.quiet, interrupt.clone());
     let folder = run_study(
         &protocol,
@@ -136,7 +159,8 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         args.shard,
         args.jobs.into(),
         &mut progress,
-    )?;
+    )?
+    .replacing(args.force);
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {
@@ -329,10 +353,12 @@ impl From<StudyError> for Failure {
             StudyError::Incomplete { .. } => Exit::Refuted,
             StudyError::Missing(_) | StudyError::NoStudy(_) => Exit::Missing,
             StudyError::OtherStudy { .. }
+            | StudyError::Foreign(_)
+            | StudyError::Exists(_)
             | StudyError::Locked { .. }
             | StudyError::Create { .. } => Exit::CannotCreate,
-            StudyError::Io { .. } => Exit::Io,
-            StudyError::Figure { .. } | StudyError::Jobs { .. } => Exit::Internal,
+            StudyError::Io { .. } | StudyError::Jobs { .. } => Exit::Io,
+            StudyError::Figure { .. } => Exit::Internal,
             _ => Exit::BadData,
         };
         Self::new(exit, error.to_string())

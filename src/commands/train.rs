@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
+use xcscr::disk;
 use xcscr::record::RecordMode;
 use xcscr::run::{Finished, Resumed, RunFolder, Session};
 use xcscr::sensor::Sensor;
@@ -145,14 +146,15 @@ fn resume<'a>(folder: impl Iterator<Item = &'a PathBuf>) -> Result<(Resumed, Int
 
 /// Watches for signals from the moment on at which the folder is this process's own.
 fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
-    let farewell = format!("interrupted in an episode; {}", folder.way_on());
+    let folder = RunFolder::open(folder.path());
+    let farewell = move || format!("interrupted in an episode{}", folder.way_on());
     Ok(Interrupt::watch(farewell)?)
 }
 
 /// There is nothing left to do, which is a success.
 fn say_finished(folder: &RunFolder, json: bool, out: &mut impl Write) -> Result<(), Failure> {
     let episodes = folder.plan()?.config.episodes;
-    let run_dir = folder.path().display().to_string();
+    let run_dir = disk::named(folder.path());
     if json {
         let said =
             serde_json::json!({ "run_dir": run_dir, "finished": true, "episodes": episodes });

@@ -1,7 +1,7 @@
 //! What `train` says at its end.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use xcscr::disk;
@@ -39,6 +39,8 @@ pub struct TrainReport {
     /// How many are left of them when they are condensed; `null` for a table.
     condensed_rules: Option<usize>,
     run_dir: String,
+    #[serde(skip)]
+    folder: PathBuf,
 }
 
 impl TrainReport {
@@ -72,7 +74,8 @@ impl TrainReport {
             collisions: progress.collisions,
             rules: trial.method().rule_count(),
             condensed_rules: condensed.map(|condensed| condensed.rules.len()),
-            run_dir: folder.display().to_string(),
+            run_dir: disk::named(folder),
+            folder: folder.to_owned(),
         }
     }
 
@@ -149,14 +152,13 @@ impl TrainReport {
             )?);
         }
         let megabytes = recording.bytes as f64 / 1e6;
-        let dir = &self.run_dir;
+        let (dir, typed) = (&self.run_dir, disk::typed(&self.folder));
         writeln!(out, "Recorded {files} files, {megabytes:.1} MB, in {dir}.")?;
         writeln!(
             out,
-            "Watch it: `xcscr replay {} --serve` prints links that open it in Foxglove or\n\
+            "Watch it: `xcscr replay {typed} --serve` prints links that open it in Foxglove or\n\
              Lichtblick; or open its files there and import {dir}/foxglove-layout.json\n\
-             (for run.mcap: foxglove-layout-run.json).",
-            disk::typed(Path::new(dir))
+             (for run.mcap: foxglove-layout-run.json)."
         )?;
         Ok(())
     }

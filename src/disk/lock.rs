@@ -8,6 +8,8 @@ use std::time::Duration;
 
 /// The file that is locked; it holds the number of the process.
 pub const LOCK: &str = "run.lock";
+/// Room for the number of a process.
+const MOST_BYTES: u64 = 64;
 /// How often a lock is tried whose holder is just coming or going ...
 const TRIES: usize = 50;
 /// ... and the pause between two tries.
@@ -49,7 +51,7 @@ impl FolderLock {
                     }
                 }
                 Err(TryLockError::WouldBlock) => {
-                    holder = pid_in(&path);
+                    holder = pid_in(&path).ok().flatten();
                     if holder.is_some() {
                         break;
                     }
@@ -68,7 +70,7 @@ impl FolderLock {
         self.file.set_len(0)?;
         self.file.rewind()?;
         writeln!(self.file, "{pid}")?;
-        Ok(pid_in(&self.path) == Some(pid))
+        Ok(pid_in(&self.path)? == Some(pid))
     }
 }
 
@@ -87,6 +89,26 @@ fn open(path: &Path) -> io::Result<File> {
     options.write(true).create(true).truncate(false).open(path)
 }
 
-fn pid_in(path: &Path) -> Option<u32> {
-    fs::read_to_string(path).ok()?.trim().parse().ok()
+/// Is there a file of this name that no process left which worked in the folder? Those hold the
+/// number of their process, or nothing yet.
+pub fn is_foreign_lock(path: &Path) -> bool {
+    match super::read_text(path, MOST_BYTES) {
+        Ok(text) => !text
+            .bytes()
+            .all(|byte| byte.is_ascii_digit() || byte == b'\n'),
+        Err(cause) => cause.kind() != io::ErrorKind::NotFound,
+    }
+}
+
+/// The process that a lock names; `None` when it names none, or is gone.
+fn pid_in(path: &Path) -> io::Result<Option<u32>> {
+    match super::read_text(path, MOST_BYTES) {
+        Ok(text) => Ok(text.trim().parse().ok()),
+        Err(cause) => match cause.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::InvalidData | io::ErrorKind::FileTooLarge => {
+                Ok(None)
+            }
+            _ => Err(cause),
+        },
+    }
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-pub use lock::{FolderLock, LOCK, LockError};
+pub use lock::{FolderLock, LOCK, LockError, is_foreign_lock};
 
 /// The name under which a file is written until it is whole.
 pub fn part(path: &Path) -> PathBuf {
@@ -33,18 +33,41 @@ pub fn open(path: &Path) -> io::Result<File> {
     }
 }
 
-/// Reads a file of at most so many bytes: an endless one, such as a device, fills no memory.
+/// The most bytes that are read of any input: more than this program writes into one file that it
+/// reads whole, and little enough for any machine.
+pub const MOST_BYTES: u64 = 1 << 30;
+
+/// How much memory an input of so many bytes may take: ten times its size, and 64 MiB.
+pub fn room_for(bytes: u64) -> u64 {
+    bytes.saturating_mul(10).saturating_add(64 << 20)
+}
+
+/// Reads a file of at most so many bytes. A larger one is refused before any of it is read.
 ///
 /// # Errors
-/// Those of the file system, and [`io::ErrorKind::FileTooLarge`].
+/// Those of the file system and of [`open`], and [`io::ErrorKind::FileTooLarge`].
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let file = open(path)?;
     let mut bytes = Vec::new();
-    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most {
-        let message = format!("it is larger than {} MiB", most >> 20);
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+    let size = file.metadata()?.len();
+    if size <= most {
+        // It may grow while it is read, and some files of the system do not know their size.
+        file.take(most + 1).read_to_end(&mut bytes)?;
     }
-    Ok(bytes)
+    match size.max(bytes.len() as u64) > most {
+        false => Ok(bytes),
+        true => {
+            let message = format!("it is larger than {}", amount(most));
+            Err(io::Error::new(io::ErrorKind::FileTooLarge, message))
+        }
+    }
+}
+
+fn amount(bytes: u64) -> String {
+    match bytes >> 20 {
+        0 => format!("{bytes} bytes"),
+        mib => format!("{mib} MiB"),
+    }
 }
 
 /// The same for a file of text.
@@ -54,17 +77,6 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let text = String::from_utf8(read(path, most)?);
     text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not UTF-8 text"))
-}
-
-/// Reads a file of any size, but no device and no pipe: those may have no end.
-///
-/// # Errors
-/// Those of the file system.
-pub fn read_plain(path: &Path) -> io::Result<Vec<u8>> {
-    match fs::metadata(path)?.is_file() {
-        true => fs::read(path),
-        false => Err(io::Error::other("it is not a regular file")),
-    }
 }
 
 /// Refuses a name that leads elsewhere, before it is written to: a link, or a device.
@@ -120,15 +132,52 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     rename(&part, path)
 }
 
-/// The same among files of somebody else: the file that lies aside has a name of its own, so that
-/// none of them is overwritten.
+/// Is there something of this name that is anything else than a file of these bytes? Such a file
+/// was not written by who is about to write these bytes.
 ///
 /// # Errors
-/// Those of the file system; then the old file is untouched.
-pub fn replace_among_others(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut aside = aside(path)?;
-    aside.write_all(bytes)?;
-    persist(aside, path)
+/// Those of the file system; that there is no such file is none.
+pub fn differs(path: &Path, bytes: &[u8]) -> io::Result<bool> {
+    match fs::symlink_metadata(path) {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(cause) => Err(cause),
+        Ok(found) if found.is_file() && found.len() == bytes.len() as u64 => {
+            Ok(fs::read(path)? != bytes)
+        }
+        Ok(_) => Ok(true),
+    }
+}
+
+/// Refuses to write a file whose name is taken, unless it may take the place of a plain file.
+///
+/// # Errors
+/// [`io::ErrorKind::AlreadyExists`], with the flag that would do it.
+pub fn require_free(path: &Path, force: bool) -> io::Result<()> {
+    let exists = |what| Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
+    match fs::symlink_metadata(path) {
+        Ok(_) if path.exists() && !path.is_file() => exists("it is not a regular file"),
+        Ok(_) if !force => exists("it exists (replace it with `--force`)"),
+        _ => Ok(()),
+    }
+}
+
+/// What helps against an error of the file system, as the end of a message; empty when nothing is
+/// known to.
+pub fn way_out(cause: &io::Error) -> &'static str {
+    use io::ErrorKind::{FileTooLarge, NotFound, QuotaExceeded, StorageFull};
+    /// Of this process, and of the whole system.
+    #[cfg(unix)]
+    const TOO_MANY_OPEN_FILES: [i32; 2] = [24, 23];
+    #[cfg(not(unix))]
+    const TOO_MANY_OPEN_FILES: [i32; 1] = [4];
+    match (cause.kind(), cause.raw_os_error()) {
+        (StorageFull | QuotaExceeded | FileTooLarge, _) => "; free some space",
+        (NotFound, _) => "; its folder is gone",
+        (_, Some(code)) if TOO_MANY_OPEN_FILES.contains(&code) => {
+            "; allow more open files (`ulimit -n`), or close some"
+        }
+        _ => "",
+    }
 }
 
 /// A file beside `path` with a name that nothing has; it vanishes unless it is
@@ -145,13 +194,18 @@ pub fn aside(path: &Path) -> io::Result<NamedTempFile> {
     builder.tempfile_in(folder_of(path))
 }
 
-/// Brings a file that lies aside to the disk, and gives it its name.
+/// Brings a file that lies aside to the disk, and gives it its name; `force` lets it take the place
+/// of an older file.
 ///
 /// # Errors
 /// Those of the file system; then the old file is untouched.
-pub fn persist(aside: NamedTempFile, path: &Path) -> io::Result<()> {
+pub fn persist(aside: NamedTempFile, path: &Path, force: bool) -> io::Result<()> {
     aside.as_file().sync_all()?;
-    aside.persist(path).map_err(|fault| fault.error)?;
+    let named = match force {
+        true => aside.persist(path),
+        false => aside.persist_noclobber(path),
+    };
+    named.map_err(|fault| fault.error)?;
     sync_folder(folder_of(path))
 }
 
@@ -180,18 +234,35 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// A path as it can be typed in a shell: in quotes where it needs them, and never an option.
+/// A path as it can be typed in a shell: in quotes where it needs them, and never an option. What
+/// is no text, or commands a terminal, is written as bash, ksh and zsh read it.
 pub fn typed(path: &Path) -> String {
-    let text = path.display().to_string();
-    let text = match text.starts_with('-') {
-        true => format!("./{text}"),
-        false => text,
+    let path = match path.as_os_str().as_encoded_bytes().starts_with(b"-") {
+        true => &Path::new(".").join(path),
+        false => path,
     };
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./+:,@%=".contains(c);
-    match !text.is_empty() && text.chars().all(is_plain) {
-        true => text,
-        false => format!("'{}'", text.replace('\'', r"'\''")),
+    match path
+        .to_str()
+        .filter(|text| !text.contains(char::is_control))
+    {
+        Some(text) if !text.is_empty() && text.chars().all(is_plain) => text.to_owned(),
+        Some(text) => format!("'{}'", text.replace('\'', r"'\''")),
+        None => {
+            let bytes = path.as_os_str().as_encoded_bytes().iter();
+            let shown = bytes.map(|&byte| match byte {
+                b'\'' | b'\\' => format!("\\{}", char::from(byte)),
+                b' '..=b'~' => char::from(byte).to_string(),
+                _ => format!("\\x{byte:02x}"),
+            });
+            format!("$'{}'", shown.collect::<String>())
+        }
     }
+}
+
+/// A path in a document: as it is, or as it can be typed where it is no text.
+pub fn named(path: &Path) -> String {
+    path.to_str().map_or_else(|| typed(path), str::to_owned)
 }
 
 #[cfg(test)]
@@ -206,8 +277,48 @@ mod tests {
             ("-x", "./-x"),
             ("it's", r"'it'\''s'"),
             ("$HOME", "'$HOME'"),
+            ("a\u{1b}[2J'\\", r"$'a\x1b[2J\'\\'"),
         ] {
             assert_eq!(typed(Path::new(path)), shown);
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_path_that_is_no_text_is_shown_as_a_shell_reads_it() {
+        use std::ffi::OsStr;
+        use std::os::unix::ffi::OsStrExt;
+        use std::process::Command;
+        let path = Path::new(OsStr::from_bytes(b"run \xff\xc3'1"));
+        assert_eq!(named(path), r"$'run \xff\xc3\'1'");
+        let script = format!("printf %s {}", typed(path));
+        let bash = Command::new("bash").args(["-c", &script]).output();
+        // Not every system has this shell.
+        if let Ok(read) = bash {
+            assert_eq!(read.stdout, path.as_os_str().as_bytes());
+        }
+    }
+
+    #[test]
+    fn a_file_beyond_its_limit_is_refused_before_it_is_read() {
+        let file = NamedTempFile::new().unwrap();
+        file.as_file().set_len(1 << 40).unwrap();
+        let fault = read(file.path(), MOST_BYTES).unwrap_err();
+        assert_eq!(fault.kind(), io::ErrorKind::FileTooLarge);
+        assert_eq!(fault.to_string(), "it is larger than 1024 MiB");
+        file.as_file().set_len(1000).unwrap();
+        assert_eq!(read(file.path(), 1000).unwrap().len(), 1000);
+        assert!(read(file.path(), 999).is_err());
+    }
+
+    #[test]
+    fn only_another_content_differs() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        assert!(!differs(&path, b"ours").unwrap(), "nothing is there");
+        fs::write(&path, "ours").unwrap();
+        assert!(!differs(&path, b"ours").unwrap());
+        assert!(differs(&path, b"hers").unwrap() && differs(&path, b"our").unwrap());
+        assert!(differs(folder.path(), b"").unwrap(), "a folder");
     }
 }

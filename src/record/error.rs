@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use crate::disk;
+
 /// A recording that could not be written or read.
 ///
 /// Every message names the file and the way out.
@@ -10,7 +12,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum RecordError {
     /// The file could not be made at all.
-    #[error("cannot create the recording: {cause}; choose another folder, or free this one: {}", path.display())]
+    #[error("cannot create the recording: {cause}{}: {}", or_else(disk::way_out(.cause), "; choose another folder, or free this one"), path.display())]
     Create {
         /// The file.
         path: PathBuf,
@@ -18,7 +20,7 @@ pub enum RecordError {
         cause: io::Error,
     },
     /// Writing stopped half-way, as on a full disk. What was written so far is kept.
-    #[error("cannot write the recording: {cause}; free some space, or record less (`--record last`). What was written is kept: {}", path.display())]
+    #[error("cannot write the recording: {cause}: {}", path.display())]
     Write {
         /// The file, still with `.part` at the end of its name.
         path: PathBuf,
@@ -27,7 +29,7 @@ pub enum RecordError {
     },
     /// A recovered recording could not be written. Nothing of it is left, and the file that was to
     /// be recovered is as it was.
-    #[error("cannot write the recovered recording: {cause}; free some space, or choose another place: {}", path.display())]
+    #[error("cannot write the recovered recording: {cause}: {}", path.display())]
     Recover {
         /// The file that was to be.
         path: PathBuf,
@@ -48,6 +50,12 @@ pub enum RecordError {
         /// The file.
         path: PathBuf,
     },
+    /// The file is no MCAP file at all.
+    #[error("this is no recording: it does not begin as an MCAP file does: {}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file is no sound MCAP file.
     #[error("this is no sound recording: {cause}; `xcscr check` says more, `xcscr recover` saves what can be read: {}", path.display())]
     Damaged {
@@ -56,4 +64,11 @@ pub enum RecordError {
         /// What was found, and where.
         cause: String,
     },
+}
+
+fn or_else(first: &'static str, second: &'static str) -> &'static str {
+    match first.is_empty() {
+        true => second,
+        false => first,
+    }
 }

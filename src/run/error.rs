@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::folder::has_checkpoint;
 use crate::disk;
 use crate::record::RecordError;
 use crate::trial::{CheckpointError, PlanError};
@@ -60,6 +61,8 @@ impl RunError {
     pub(super) fn resumable_in(self, folder: &Path) -> Self {
         match self {
             Self::Interrupted { .. } => self,
+            // Where the folder is gone, there is nothing to resume.
+            cause if !has_checkpoint(folder) => cause,
             cause => Self::Resumable {
                 folder: folder.to_owned(),
                 cause: Box::new(cause),
@@ -85,7 +88,9 @@ pub enum RunFolderError {
     )]
     Exists(PathBuf),
     /// There is something that is no run.
-    #[error("{0} holds files, but no run: choose another folder with `--out`")]
+    #[error(
+        "{0} holds files that no run wrote, and is left as it is, with `--force` too: choose another folder with `--out`"
+    )]
     Foreign(PathBuf),
     /// There is a run that did not end.
     #[error("{0} holds an interrupted run: resume it with `xcscr train --resume {path}`, or replace it with `--force`", path = disk::typed(.0))]
@@ -124,7 +129,7 @@ pub enum RunFolderError {
     #[error(transparent)]
     World(#[from] WorldError),
     /// A file or folder cannot be made.
-    #[error("cannot create {path}: {cause}; free this folder, or choose another one with `--out`")]
+    #[error("cannot create {path}: {cause}{}", place_or(.cause, "; free this folder, or choose another one with `--out`"))]
     Create {
         /// The file or folder.
         path: PathBuf,
@@ -140,13 +145,21 @@ pub enum RunFolderError {
         cause: io::Error,
     },
     /// A file cannot be written, as on a full disk. Earlier files are whole.
-    #[error("cannot write {path}: {cause}; free some space; everything before is kept")]
+    #[error("cannot write {path}: {cause}{}", disk::way_out(.cause))]
     Write {
         /// The file.
         path: PathBuf,
         /// Why.
         cause: io::Error,
     },
+}
+
+/// What helps against the cause, or else another place.
+fn place_or(cause: &io::Error, place: &'static str) -> &'static str {
+    match disk::way_out(cause) {
+        "" => place,
+        way => way,
+    }
 }
 
 fn holder(pid: &Option<u32>) -> String {

@@ -1,17 +1,18 @@
 //! The folder that a run leaves behind.
 
+use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
+use serde::{Deserialize, Serialize};
 
 use super::error::{RunFolderError, way_on};
-
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK, LockError};
-use crate::trial::{CheckpointError, Config, Plan, seal, unseal};
+use crate::trial::{CheckpointError, Config, Plan, is_sealed, seal, unseal};
 use crate::world::Maze;
 
 /// The world, as the run used it.
@@ -60,7 +61,9 @@ impl RunFolder {
     pub fn create(path: &Path, force: bool) -> Result<Self, RunFolderError> {
         // Without a lock yet, so that nothing is left in a folder that is none of ours. Another
         // process may be about to begin there: then it has the lock.
-        if holds(path) == Holds::Foreign && !path.join(LOCK).exists() {
+        let lock = path.join(LOCK);
+        let is_free = !lock.exists() || disk::is_foreign_lock(&lock);
+        if is_free && Self::holds_ours(path)? == Holds::Foreign {
             return Err(RunFolderError::Foreign(path.to_owned()));
         }
         fs::create_dir_all(path).map_err(|cause| RunFolderError::Create {
@@ -68,7 +71,7 @@ impl RunFolder {
             cause,
         })?;
         let folder = Self::locked(path)?;
-        match holds(path) {
+        match Self::holds_ours(path)? {
             Holds::Foreign => Err(RunFolderError::Foreign(path.to_owned())),
             Holds::Interrupted if !force => Err(RunFolderError::Interrupted(path.to_owned())),
             Holds::Run if !force => Err(RunFolderError::Exists(path.to_owned())),
@@ -82,10 +85,26 @@ impl RunFolder {
     /// # Errors
     /// When there is no run, or another process works on it.
     pub fn resume(path: &Path) -> Result<Self, RunFolderError> {
-        match holds(path) {
+        let found = holds(path).map_err(|cause| RunFolderError::Io {
+            path: path.to_owned(),
+            cause,
+        })?;
+        match found {
             Holds::Interrupted | Holds::Run => Self::locked(path),
             _ => Err(RunFolderError::NothingToResume(path.to_owned())),
         }
+    }
+
+    /// What is in a folder; what has the names of a run, but was not written by one, is foreign.
+    fn holds_ours(path: &Path) -> Result<Holds, RunFolderError> {
+        let ours = holds(path).and_then(|found| match found {
+            Holds::Run | Holds::Interrupted if !was_written_by_a_run(path)? => Ok(Holds::Foreign),
+            found => Ok(found),
+        });
+        ours.map_err(|cause| RunFolderError::Create {
+            path: path.to_owned(),
+            cause,
+        })
     }
 
     fn locked(path: &Path) -> Result<Self, RunFolderError> {
@@ -129,9 +148,12 @@ impl RunFolder {
         }
     }
 
-    /// How to resume the run, for a message.
+    /// How to resume the run, for the end of a message; empty where its folder is gone.
     pub fn way_on(&self) -> String {
-        way_on(&self.path)
+        match has_checkpoint(&self.path) {
+            true => format!("; {}", way_on(&self.path)),
+            false => String::new(),
+        }
     }
 
     /// Where it is.
@@ -186,7 +208,7 @@ impl RunFolder {
 
     /// Does the run lack its end?
     pub fn is_interrupted(&self) -> bool {
-        holds(&self.path) == Holds::Interrupted
+        matches!(holds(&self.path), Ok(Holds::Interrupted))
     }
 
     /// Where the run was; `None` when it is finished.
@@ -198,7 +220,7 @@ impl RunFolder {
         if !path.is_file() && self.path.join(RULES).is_file() {
             return Ok(None);
         }
-        let bytes = disk::read_plain(&path).map_err(|cause| match cause.kind() {
+        let bytes = disk::read(&path, disk::MOST_BYTES).map_err(|cause| match cause.kind() {
             io::ErrorKind::NotFound => RunFolderError::NothingToResume(self.path.clone()),
             _ => RunFolderError::Io {
                 path: path.clone(),
@@ -225,16 +247,19 @@ impl RunFolder {
 
     fn existing(&self, name: &str) -> Result<PathBuf, RunFolderError> {
         let path = self.path.join(name);
-        if path.is_file() {
-            Ok(path)
-        } else {
-            Err(RunFolderError::Missing(path))
+        match path.exists() {
+            true => Ok(path),
+            false => Err(RunFolderError::Missing(path)),
         }
     }
 
     fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunFolderError> {
         let path = self.existing(name)?;
-        let text = fs::read(&path).map_err(|cause| RunFolderError::Io { path, cause })?;
+        let text = disk::read(&path, disk::MOST_BYTES);
+        let text = text.map_err(|cause| match cause.kind() {
+            io::ErrorKind::FileTooLarge => self.damaged(name, &cause),
+            _ => RunFolderError::Io { path, cause },
+        })?;
         serde_json::from_slice(&text).map_err(|fault| self.damaged(name, &fault))
     }
 
@@ -252,23 +277,64 @@ impl RunFolder {
 }
 
 /// What is in a folder, which need not exist.
-fn holds(path: &Path) -> Holds {
-    let entries = path.read_dir().into_iter().flatten().flatten();
-    let mut names: Vec<_> = entries.map(|entry| entry.file_name()).collect();
+fn holds(path: &Path) -> io::Result<Holds> {
+    let names = path.read_dir().and_then(|entries| {
+        let names = entries.map(|entry| Ok(entry?.file_name()));
+        names.collect::<io::Result<Vec<_>>>()
+    });
+    let mut names = match names {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(Holds::Nothing),
+        names => names?,
+    };
     let has = |name: &str| names.iter().any(|one| one == name);
     if has(CHECKPOINT) {
-        return Holds::Interrupted;
+        return Ok(Holds::Interrupted);
     }
     if has(CONFIG) {
-        return Holds::Run;
+        return Ok(Holds::Run);
     }
     // What is there before the first checkpoint.
     let part = disk::part(Path::new(CHECKPOINT));
-    names.retain(|name| name != LOCK && name != part.as_os_str());
-    match names.is_empty() {
+    let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));
+    names.retain(|name| !is_lock(name) && name != part.as_os_str());
+    Ok(match names.is_empty() {
         true => Holds::Nothing,
         false => Holds::Foreign,
-    }
+    })
+}
+
+/// Is there a checkpoint from which to resume?
+pub(super) fn has_checkpoint(folder: &Path) -> bool {
+    folder.join(CHECKPOINT).is_file()
+}
+
+/// What every version of this program writes into the `config.json` of a run.
+#[derive(Deserialize)]
+struct Signature {
+    #[serde(rename = "version")]
+    _version: String,
+    #[serde(rename = "method")]
+    _method: String,
+    #[serde(rename = "arena")]
+    _arena: String,
+    #[serde(rename = "episodes")]
+    _episodes: u32,
+    #[serde(rename = "settings")]
+    _settings: BTreeMap<String, IgnoredAny>,
+}
+
+/// Was what has the names of a run written by one? Others call their files `config.json`, too.
+fn was_written_by_a_run(path: &Path) -> io::Result<bool> {
+    let read = |name: &str, most| match disk::read(&path.join(name), most) {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+        // It is none of ours.
+        Err(cause) if cause.kind() == io::ErrorKind::FileTooLarge => Ok(Vec::new()),
+        Err(cause) if cause.kind() == io::ErrorKind::InvalidInput => Ok(Vec::new()),
+        bytes => bytes,
+    };
+    let config = read(CONFIG, disk::MOST_BYTES)?;
+    Ok(serde_json::from_slice::<Signature>(&config).is_ok()
+        || is_sealed(&read(CHECKPOINT, disk::MOST_BYTES)?))
 }
 
 /// Is this one of the names that runs give to files?

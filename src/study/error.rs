@@ -4,6 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::protocol::study_names;
+use crate::disk;
 use crate::trial::{PlanError, SettingsError};
 use crate::world::WorldError;
 
@@ -34,9 +35,15 @@ pub enum StudyError {
     /// A number of the study is no good.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// The folder holds something that is no study.
+    #[error("{} holds files that no study wrote, and is left as it is, with `--force` too: choose another folder with `--out`", .0.display())]
+    Foreign(PathBuf),
+    /// A file is there already, and holds something else than would be written.
+    #[error("{} exists and holds something else than this study wrote: replace it with `--force`; the trials are kept", .0.display())]
+    Exists(PathBuf),
     /// The folder holds another study.
     #[error(
-        "{} holds another study (plan {found}, this one is {wanted}): choose another folder with `--out`",
+        "{} holds another study (plan {found}, this one is {wanted}): choose another folder with `--out`, or replace the study in it with `--force`",
         .folder.display()
     )]
     OtherStudy {
@@ -85,7 +92,7 @@ pub enum StudyError {
         fault: String,
     },
     /// A folder or file cannot be made.
-    #[error("cannot create {}: {cause}; choose another folder with `--out`, or free this one", .path.display())]
+    #[error("cannot create {}: {cause}{}", .path.display(), way_out_of_place(.cause))]
     Create {
         /// The folder or file.
         path: PathBuf,
@@ -109,7 +116,9 @@ pub enum StudyError {
         fault: String,
     },
     /// The threads cannot be started.
-    #[error("cannot start {jobs} jobs: {fault}")]
+    #[error(
+        "cannot start {jobs} jobs: {fault}; allow more memory and processes, or fewer `--jobs`"
+    )]
     Jobs {
         /// How many.
         jobs: usize,
@@ -119,13 +128,20 @@ pub enum StudyError {
 }
 
 /// What helps when a file cannot be written.
-fn way_out(cause: &io::Error) -> &'static str {
-    use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
-    match cause.kind() {
-        StorageFull | QuotaExceeded | FileTooLarge => {
-            "; free some space, and give the same command again: finished trials are kept"
+fn way_out(cause: &io::Error) -> String {
+    match disk::way_out(cause) {
+        way if way.contains("free some space") => {
+            format!("{way}, and give the same command again: finished trials are kept")
         }
-        _ => "",
+        way => way.to_owned(),
+    }
+}
+
+/// What helps when a file cannot be made.
+fn way_out_of_place(cause: &io::Error) -> &'static str {
+    match disk::way_out(cause) {
+        "" => "; choose another folder with `--out`, or free this one",
+        way => way,
     }
 }
 

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
+use std::thread;
 
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -78,21 +79,26 @@ fn run_trials(
 ) -> Result<(), StudyError> {
     let stop = AtomicBool::new(false);
     let (sender, receiver) = channel();
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            pool.install(|| {
-                // One at a time: trials take long, and the last ones should not wait in line.
-                trials
-                    .par_iter()
-                    .with_max_len(1)
-                    .for_each_with(sender, |sender, &trial| {
-                        if !stop.load(Ordering::Relaxed) {
-                            // Nobody listens any more only after an error, which stops us too.
-                            let _ = sender.send(TrialRecord::of(protocol, trial));
-                        }
-                    });
-            });
+    let run = || {
+        pool.install(|| {
+            // One at a time: trials take long, and the last ones should not wait in line.
+            trials
+                .par_iter()
+                .with_max_len(1)
+                .for_each_with(sender, |sender, &trial| {
+                    if !stop.load(Ordering::Relaxed) {
+                        // Nobody listens any more only after an error, which stops us too.
+                        let _ = sender.send(TrialRecord::of(protocol, trial));
+                    }
+                });
         });
+    };
+    thread::scope(|scope| {
+        let spawned = thread::Builder::new().spawn_scoped(scope, run);
+        spawned.map_err(|fault| StudyError::Jobs {
+            jobs: pool.current_num_threads(),
+            fault: fault.to_string(),
+        })?;
         let kept = keep(&receiver, open, watcher, &stop);
         stop.store(true, Ordering::Relaxed);
         kept

@@ -98,6 +98,11 @@ pub enum CheckpointError {
     Memory(#[from] MemoryError),
 }
 
+/// Do these bytes begin as a checkpoint does?
+pub fn is_sealed(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
+}
+
 /// Wraps a value for the disk: magic, format, length, version and value, checksum.
 pub fn seal(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = [MAGIC, &FORMAT.to_le_bytes()[..], &[0; 8]].concat();

@@ -12,7 +12,7 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use serde::{Deserialize, Serialize};
 
-pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
+pub use checkpoint::{Checkpoint, CheckpointError, is_sealed, seal, unseal};
 pub use condensed::{Condensed, MOST_PERCEPTS};
 pub use evaluation::Evaluation;
 pub use plan::{Config, Plan, PlanError};

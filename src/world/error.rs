@@ -15,10 +15,12 @@ use super::source::Place;
 #[non_exhaustive]
 pub enum WorldError {
     /// There is no such file.
-    #[error("there is no world file `{}`", .path.display())]
+    #[error("there is no world file `{}`{}", .path.display(), did_you_mean(.near))]
     Missing {
         /// The file asked for.
         path: PathBuf,
+        /// Files that may have been meant.
+        near: Vec<PathBuf>,
     },
     /// The file exists, but cannot be read.
     #[error("cannot read the world file `{}`: {source}", .path.display())]
@@ -31,6 +33,14 @@ pub enum WorldError {
     /// The file was read, but describes no world.
     #[error(transparent)]
     Invalid(Box<Diagnostic>),
+}
+
+fn did_you_mean(near: &[PathBuf]) -> String {
+    let names: Vec<String> = near.iter().map(|path| path.display().to_string()).collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => format!("; did you mean {}?", names.join(" or ")),
+    }
 }
 
 /// What is wrong in a text, where, and how to put it right.

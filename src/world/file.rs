@@ -1,7 +1,6 @@
 //! World files: reading, checking and writing.
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
 
 use super::checks::{check_border, check_reachable, check_start_and_goal};
@@ -11,11 +10,13 @@ use super::error::WorldError;
 use super::json::{kind, missing_key, wrong_type};
 use super::maze::{Cell, Maze};
 use super::name;
+use super::near;
 use super::rows::Rows;
 use super::source::{Source, quoted};
+use crate::disk;
 
 /// The largest world file, in bytes.
-const MAX_BYTES: usize = 64 << 20;
+const MAX_BYTES: u64 = 64 << 20;
 /// The smallest and the largest edge of a cell, in metres.
 const CELL_SIZE_M: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
@@ -26,8 +27,12 @@ impl Maze {
     /// [`WorldError::Missing`], [`WorldError::Unreadable`], or [`WorldError::Invalid`] as
     /// [`Maze::from_json`] has it.
     pub fn load(path: &Path) -> Result<Self, WorldError> {
-        let text = read(path).map_err(|source| match source.kind() {
-            io::ErrorKind::NotFound => WorldError::Missing { path: path.into() },
+        let text = disk::read(path, MAX_BYTES).map_err(|source| match source.kind() {
+            io::ErrorKind::NotFound => WorldError::Missing {
+                path: path.into(),
+                near: near::worlds(path),
+            },
+            io::ErrorKind::FileTooLarge => too_large(&path.to_string_lossy()),
             _ => WorldError::Unreadable {
                 path: path.into(),
                 source,
@@ -56,10 +61,8 @@ impl Maze {
     /// # Ok::<(), xcscr::world::WorldError>(())
     /// ```
     pub fn from_json(text: &[u8], origin: &str) -> Result<Self, WorldError> {
-        if text.len() > MAX_BYTES {
-            let source = Source { origin, text: "" };
-            let help = "a world file has at most 64 MiB; split the world or make it smaller";
-            return Err(source.fault_at(vec![], "the world file is larger than 64 MiB", help));
+        if text.len() as u64 > MAX_BYTES {
+            return Err(too_large(origin));
         }
         let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
         let source = Source {
@@ -97,13 +100,10 @@ impl Maze {
     }
 }
 
-/// The content of a file, or one byte more than allowed.
-fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let mut text = Vec::new();
-    File::open(path)?
-        .take(MAX_BYTES as u64 + 1)
-        .read_to_end(&mut text)?;
-    Ok(text)
+fn too_large(origin: &str) -> WorldError {
+    let source = Source { origin, text: "" };
+    let help = "a world file has at most 64 MiB; split the world or make it smaller";
+    source.fault_at(vec![], "the world file is larger than 64 MiB", help)
 }
 
 fn decode<'a>(text: &'a [u8], origin: &str) -> Result<&'a str, WorldError> {

@@ -11,6 +11,7 @@ mod generate;
 mod json;
 mod maze;
 mod name;
+mod near;
 mod paths;
 mod rows;
 mod slip;

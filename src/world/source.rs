@@ -31,6 +31,23 @@ pub struct Place {
 }
 
 impl Place {
+    /// The same without anything that commands a terminal: with colours, a message is printed as
+    /// it is.
+    fn shown(self) -> Self {
+        let (before, rest) = self.excerpt.split_at(self.span.start);
+        let (within, after) = rest.split_at(self.span.len());
+        // Those of ASCII are shown by who draws excerpts.
+        let is_upper = |letter: char| letter.is_control() && !letter.is_ascii();
+        let show = |text: &str| escaped(text, is_upper);
+        let [before, within, after] = [before, within, after].map(show);
+        Self {
+            span: before.len()..before.len() + within.len(),
+            excerpt: before + &within + &after,
+            label: shown(&self.label),
+            ..self
+        }
+    }
+
     /// Can one excerpt show both places?
     pub fn shares_line_with(&self, other: &Self) -> bool {
         self.line == other.line && self.excerpt == other.excerpt
@@ -83,10 +100,10 @@ impl Source<'_> {
         help: impl Into<String>,
     ) -> WorldError {
         WorldError::Invalid(Box::new(Diagnostic {
-            origin: self.origin.to_owned(),
-            title: title.into(),
-            places,
-            help: help.into(),
+            origin: shown(self.origin),
+            title: shown(&title.into()),
+            places: places.into_iter().map(Place::shown).collect(),
+            help: shown(&help.into()),
         }))
     }
 }
@@ -110,6 +127,22 @@ pub fn quoted(text: &str) -> String {
         ""
     };
     format!("`{shown}{dots}`")
+}
+
+/// A text with its control characters, but for ends of lines and tabulators, as Rust spells them.
+fn shown(text: &str) -> String {
+    escaped(text, |letter| {
+        letter.is_control() && letter != '\n' && letter != '\t'
+    })
+}
+
+/// A text in which some letters are spelt as Rust does.
+fn escaped(text: &str, which: impl Fn(char) -> bool) -> String {
+    let show = |letter: char| match which(letter) {
+        true => letter.escape_default().to_string(),
+        false => letter.to_string(),
+    };
+    text.chars().map(show).collect()
 }
 
 fn printable(letter: char) -> String {

@@ -64,6 +64,11 @@ pub fn check(path: &Path) -> Result<Vec<Finding>, RecordError> {
     match Recording::open(path) {
         Ok(recording) => Ok(check_recording(&recording)),
         Err(error @ RecordError::Read { .. }) => Err(error),
+        // This is the command that says more.
+        Err(RecordError::Damaged { cause, .. }) => Ok(vec![finding(
+            FindingKind::Unreadable,
+            format!("this is no sound recording: {cause}"),
+        )]),
         Err(error) => Ok(vec![finding(FindingKind::Unreadable, error.to_string())]),
     }
 }
@@ -179,10 +184,9 @@ fn longest_gap_ns(recording: &Recording) -> u64 {
 
 /// The index must count the messages that there are.
 fn check_index(recording: &Recording, counts: &BTreeMap<String, u64>, findings: &mut Vec<Finding>) {
-    for topic in recording.topics() {
-        let found = counts.get(&topic.name).copied().unwrap_or(0);
-        if found != topic.messages {
-            let (name, claimed) = (topic.name, topic.messages);
+    for (name, claimed) in recording.claimed() {
+        let found = counts.get(&name).copied().unwrap_or(0);
+        if found != claimed {
             let what = format!("{name} has {found} messages, the index says {claimed}");
             findings.push(finding(FindingKind::Index, what));
         }

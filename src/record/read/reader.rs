@@ -4,14 +4,17 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mcap::records::Record;
+use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{McapError, McapResult, MessageStream, Summary};
+use mcap::{MAGIC, McapError, McapResult, MessageStream, Summary};
 use serde::Serialize;
 
 use super::parse::parse_record;
 use crate::disk;
 use crate::record::error::RecordError;
+
+/// The opcode and the length before each record.
+pub(in crate::record) const HEAD_BYTES: usize = 9;
 
 /// A recording in memory, whose checksums are right.
 #[derive(Debug, Clone)]
@@ -21,6 +24,8 @@ pub struct Recording {
     summary: Summary,
     attachments: Vec<Attachment>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
+    /// Messages by their channel, as they were read.
+    counts: BTreeMap<u16, u64>,
 }
 
 /// A topic and what is said on it.
@@ -83,7 +88,7 @@ impl Recording {
     /// # Errors
     /// [`RecordError::Read`] when there is no such file; otherwise as [`Self::from_bytes`].
     pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let bytes = disk::read_plain(path).map_err(|cause| RecordError::Read {
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(|cause| RecordError::Read {
             path: path.to_owned(),
             cause,
         })?;
@@ -104,6 +109,12 @@ impl Recording {
                 path: path.to_owned(),
             });
         }
+        if !bytes.starts_with(MAGIC) {
+            return Err(RecordError::Foreign {
+                path: path.to_owned(),
+            });
+        }
+        check_unpacked(path, &bytes)?;
         let damaged = |cause: McapError| RecordError::Damaged {
             path: path.to_owned(),
             cause: cause.to_string(),
@@ -113,6 +124,7 @@ impl Recording {
             summary: Summary::default(),
             attachments: Vec::new(),
             metadata: BTreeMap::new(),
+            counts: BTreeMap::new(),
             bytes: Vec::new(),
         };
         recording.scan(&bytes).map_err(damaged)?;
@@ -158,6 +170,9 @@ impl Recording {
             Record::Metadata(record) => {
                 self.metadata.insert(record.name, record.metadata);
             }
+            Record::Message { header, .. } => {
+                *self.counts.entry(header.channel_id).or_default() += 1;
+            }
             _ => {}
         }
     }
@@ -174,11 +189,6 @@ impl Recording {
 
     /// The topics, in the order of their names.
     pub fn topics(&self) -> Vec<TopicInfo> {
-        let counts = self
-            .summary
-            .stats
-            .as_ref()
-            .map(|s| &s.channel_message_counts);
         let mut topics: Vec<TopicInfo> = Vec::new();
         let channels: BTreeMap<_, _> = self.summary.channels.iter().collect();
         for (id, channel) in channels {
@@ -188,7 +198,7 @@ impl Recording {
                 schema: schema.map_or_else(String::new, |s| s.name.clone()),
                 schema_data: schema.map_or_else(Vec::new, |s| s.data.to_vec()),
                 encoding: channel.message_encoding.clone(),
-                messages: counts.and_then(|c| c.get(id)).copied().unwrap_or(0),
+                messages: self.counts.get(id).copied().unwrap_or(0),
             });
         }
         topics.sort_by(|a, b| a.name.cmp(&b.name));
@@ -232,6 +242,19 @@ impl Recording {
         self.metadata.get(name)
     }
 
+    /// How many messages the file's own index claims, by topic.
+    pub(super) fn claimed(&self) -> BTreeMap<String, u64> {
+        let stats = self.summary.stats.as_ref();
+        let channels: BTreeMap<_, _> = self.summary.channels.iter().collect();
+        let mut claimed = BTreeMap::new();
+        for (id, channel) in channels {
+            let own = stats.and_then(|stats| stats.channel_message_counts.get(id));
+            let sum: &mut u64 = claimed.entry(channel.topic.clone()).or_default();
+            *sum = sum.saturating_add(own.copied().unwrap_or(0));
+        }
+        claimed
+    }
+
     /// The file's own index.
     pub(crate) fn summary(&self) -> &Summary {
         &self.summary
@@ -240,7 +263,70 @@ impl Recording {
 
 /// The longest record that is believed in a file of this many bytes: damaged lengths must not
 /// make a small file fill the memory.
-pub(crate) fn longest_record(bytes: u64) -> usize {
-    let most = bytes.saturating_mul(10).saturating_add(64 << 20);
-    usize::try_from(most).unwrap_or(usize::MAX)
+pub(in crate::record) fn longest_record(bytes: u64) -> usize {
+    usize::try_from(disk::room_for(bytes)).unwrap_or(usize::MAX)
+}
+
+/// How much all chunks of a file of so many bytes may unpack to: far more than any of ours, and
+/// little enough that a small file is read in a moment.
+pub(in crate::record) fn most_unpacked(bytes: u64) -> u64 {
+    bytes.saturating_mul(100).saturating_add(16 << 20)
+}
+
+/// Refuses a file that unpacks to much more than it holds, before any of it is unpacked.
+fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
+    let most = most_unpacked(bytes.len() as u64);
+    let sizes = Records::of(bytes).filter_map(|(_, opcode, body)| unpacked_size(opcode, body));
+    let unpacked = sizes.fold(0, u64::saturating_add);
+    match unpacked <= most {
+        true => Ok(()),
+        false => Err(RecordError::Damaged {
+            path: path.to_owned(),
+            cause: format!(
+                "its chunks unpack to {unpacked} bytes, but at most {most} are believed"
+            ),
+        }),
+    }
+}
+
+/// What a chunk says that it unpacks to; `None` for other records. No more is ever unpacked.
+pub(in crate::record) fn unpacked_size(opcode: u8, body: &[u8]) -> Option<u64> {
+    // It stands behind the times of the first and the last message.
+    let size = body.get(16..24).filter(|_| opcode == op::CHUNK)?;
+    Some(u64::from_le_bytes(size.try_into().ok()?))
+}
+
+/// The whole records of a file, as they follow each other: place, opcode and body.
+pub(in crate::record) struct Records<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Records<'a> {
+    /// Those of a file that begins with the magic.
+    pub fn of(bytes: &'a [u8]) -> Self {
+        let at = MAGIC.len();
+        Self { bytes, at }
+    }
+
+    /// Where the next record begins.
+    pub fn at(&self) -> usize {
+        self.at
+    }
+}
+
+impl<'a> Iterator for Records<'a> {
+    type Item = (usize, u8, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let at = self.at;
+        let head = self.bytes.get(at..at + HEAD_BYTES)?;
+        let (opcode, length) = head.split_first()?;
+        let length = u64::from_le_bytes(length.try_into().ok()?);
+        let start = at + HEAD_BYTES;
+        let end = start.checked_add(usize::try_from(length).ok()?)?;
+        let body = self.bytes.get(start..end)?;
+        self.at = end;
+        Some((at, *opcode, body))
+    }
 }

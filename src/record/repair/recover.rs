@@ -18,7 +18,7 @@ use crate::record::read::reader::Recording;
 /// [`RecordError::Read`], [`RecordError::Damaged`] when `input` is no MCAP file at all,
 /// [`RecordError::Create`] and [`RecordError::Recover`] for `output`.
 pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, RecordError> {
-    let bytes = disk::read_plain(input).map_err(|cause| RecordError::Read {
+    let bytes = disk::read(input, disk::MOST_BYTES).map_err(|cause| RecordError::Read {
         path: input.to_owned(),
         cause,
     })?;
@@ -27,9 +27,8 @@ pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, Rec
         cause,
     })?;
     if !bytes.starts_with(MAGIC) {
-        return Err(RecordError::Damaged {
+        return Err(RecordError::Foreign {
             path: input.to_owned(),
-            cause: "it does not begin like an MCAP file, so that nothing can be saved".to_owned(),
         });
     }
     let aside = disk::aside(output).map_err(|cause| RecordError::Create {
@@ -38,7 +37,7 @@ pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, Rec
     })?;
     let recovery = write(&bytes, aside.as_file()).map_err(|cause| write_error(output, &cause))?;
     verify(aside.path(), &recovery)?;
-    disk::persist(aside, output).map_err(|cause| write_error(output, &cause.into()))?;
+    disk::persist(aside, output, force).map_err(|cause| write_error(output, &cause.into()))?;
     Ok(recovery)
 }
 
@@ -46,12 +45,12 @@ pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, Rec
 fn refuse(input: &Path, output: &Path, force: bool) -> io::Result<()> {
     let same =
         fs::canonicalize(output).is_ok_and(|o| fs::canonicalize(input).is_ok_and(|i| i == o));
-    let exists = |what| Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
-    match output.exists() {
-        true if same => exists("it is the file to recover"),
-        true if !output.is_file() => exists("it is not a regular file"),
-        true if !force => exists("it exists (replace it with `--force`)"),
-        _ => Ok(()),
+    match same {
+        true => Err(io::Error::new(
+            io::ErrorKind::AlreadyExists,
+            "it is the file to recover",
+        )),
+        false => disk::require_free(output, force),
     }
 }
 
@@ -65,7 +64,7 @@ fn write_error(path: &Path, cause: &McapError) -> RecordError {
     RecordError::Recover {
         path: path.to_owned(),
         cause: match cause {
-            McapError::Io(cause) => cause.to_string(),
+            McapError::Io(cause) => format!("{cause}{}", disk::way_out(cause)),
             other => other.to_string(),
         },
     }

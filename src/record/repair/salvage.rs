@@ -9,11 +9,10 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use mcap::{MAGIC, McapResult, Summary};
 
 use crate::record::read::parse::parse_record;
-use crate::record::read::reader::longest_record;
+use crate::record::read::reader::{
+    HEAD_BYTES, Records, longest_record, most_unpacked, unpacked_size,
+};
 use crate::record::write::log_file::{Sink, writer};
-
-/// The opcode and the length before each record.
-const HEAD_BYTES: usize = 9;
 
 /// What was saved, and what was not.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -55,14 +54,19 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
         salvor.learn(&summary)?;
     }
     let mut has_end = false;
-    let mut at = MAGIC.len();
-    while at < bytes.len() {
-        let Some((opcode, body)) = record_at(bytes, at) else {
-            let what = "the file ends within a record";
-            salvor.recovery.lose(bytes.len() - at, at, &what);
-            break;
-        };
+    // What is saved is packed anew, perhaps tighter, and must be believed when it is read back.
+    let mut room = most_unpacked(bytes.len() as u64) / 2;
+    let mut records = Records::of(bytes);
+    for (at, opcode, body) in records.by_ref() {
         let size = HEAD_BYTES + body.len();
+        if let Some(unpacked) = unpacked_size(opcode, body) {
+            if unpacked > room {
+                let what = format!("a chunk unpacks to {unpacked} bytes, more than is believed");
+                salvor.recovery.lose(size, at, &what);
+                continue;
+            }
+            room -= unpacked;
+        }
         match parse_record(opcode, body) {
             // What follows is only the index.
             Ok(Record::DataEnd(end)) => {
@@ -74,7 +78,11 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
             Ok(record) => salvor.take(record, at)?,
             Err(fault) => salvor.recovery.lose(size, at, &fault),
         }
-        at += size;
+    }
+    let at = records.at();
+    if !has_end && at < bytes.len() {
+        let what = "the file ends within a record";
+        salvor.recovery.lose(bytes.len() - at, at, &what);
     }
     if !has_end {
         let what = "the file has no end, so that what came after is missing";
@@ -94,42 +102,6 @@ fn sound_summary(bytes: &[u8]) -> Option<Summary> {
     is_sound
         .then(|| Summary::read(bytes).ok().flatten())
         .flatten()
-}
-
-/// The opcode and the body of the record at a place; `None` when it is not whole.
-fn record_at(bytes: &[u8], at: usize) -> Option<(u8, &[u8])> {
-    let head = bytes.get(at..at + HEAD_BYTES)?;
-    let (opcode, length) = head.split_first()?;
-    let length = u64::from_le_bytes(length.try_into().ok()?);
-    let start = at + HEAD_BYTES;
-    let end = start.checked_add(usize::try_from(length).ok()?)?;
-    Some((*opcode, bytes.get(start..end)?))
-}
-
-/// The records of a chunk, whose checksum is right.
-fn records_of(chunk: &[u8]) -> McapResult<Vec<Record<'static>>> {
-    let options = LinearReaderOptions::default()
-        .with_skip_start_magic(true)
-        .with_skip_end_magic(true)
-        .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(longest_record(chunk.len() as u64));
-    let mut reader = LinearReader::new_with_options(options);
-    let mut rest = chunk;
-    let mut records = Vec::new();
-    while let Some(event) = reader.next_event() {
-        match event? {
-            LinearReadEvent::ReadRequest(wanted) => {
-                let (now, later) = rest.split_at(wanted.min(rest.len()));
-                reader.insert(now.len()).copy_from_slice(now);
-                reader.notify_read(now.len());
-                rest = later;
-            }
-            LinearReadEvent::Record { opcode, data } => {
-                records.push(parse_record(opcode, data)?.into_owned());
-            }
-        }
-    }
-    Ok(records)
 }
 
 /// What a channel's record says of it.
@@ -214,15 +186,33 @@ impl<W: Write> Salvor<W> {
 
     /// Saves what a chunk holds; nothing of it if its checksum is wrong.
     fn take_chunk(&mut self, chunk: &[u8], at: usize) -> McapResult<()> {
-        match records_of(chunk) {
-            Ok(records) => records
-                .into_iter()
-                .try_for_each(|record| self.take(record, at)),
-            Err(fault) => {
-                self.recovery.lose(chunk.len(), at, &fault);
-                Ok(())
+        let options = LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(longest_record(chunk.len() as u64));
+        let mut reader = LinearReader::new_with_options(options);
+        let mut rest = chunk;
+        while let Some(event) = reader.next_event() {
+            let parsed = event.and_then(|event| match event {
+                LinearReadEvent::ReadRequest(wanted) => Ok(Err(wanted)),
+                LinearReadEvent::Record { opcode, data } => parse_record(opcode, data).map(Ok),
+            });
+            match parsed {
+                Ok(Ok(record)) => self.take(record, at)?,
+                Ok(Err(wanted)) => {
+                    let (now, later) = rest.split_at(wanted.min(rest.len()));
+                    reader.insert(now.len()).copy_from_slice(now);
+                    reader.notify_read(now.len());
+                    rest = later;
+                }
+                Err(fault) => {
+                    self.recovery.lose(chunk.len(), at, &fault);
+                    break;
+                }
             }
         }
+        Ok(())
     }
 
     fn take_message(&mut self, header: MessageHeader, data: &[u8], at: usize) -> McapResult<()> {

@@ -217,13 +217,12 @@ impl OpenFile {
 
 /// The library's own error says only that there was one; the system's, below it, says which.
 fn write_error(part: &Path, error: &McapError) -> RecordError {
-    let cause = match error {
-        McapError::Io(cause) => cause.to_string(),
-        other => other.to_string(),
-    };
     RecordError::Write {
         path: part.to_owned(),
-        cause,
+        cause: match error {
+            McapError::Io(cause) => format!("{cause}{}", disk::way_out(cause)),
+            other => other.to_string(),
+        },
     }
 }
 

@@ -1,7 +1,6 @@
 //! An unfinished `run.mcap` written again, so that it can go on with the same bytes.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -10,9 +9,10 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use mcap::{McapError, McapResult};
 
 use super::log_file::OpenFile;
+use crate::disk;
 use crate::record::error::RecordError;
 use crate::record::read::parse::parse_record;
-use crate::record::read::reader::longest_record;
+use crate::record::read::reader::{longest_record, most_unpacked};
 use crate::record::topics::Topic;
 
 /// Sends the first `messages` messages of `source` to `file` and closes chunks where the source
@@ -26,8 +26,8 @@ pub fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<(), Rec
         path: source.to_owned(),
         cause: cause.to_string(),
     };
-    let mut disk = File::open(source).map_err(unreadable)?;
-    let bytes = disk.metadata().map_err(unreadable)?.len();
+    let mut input = disk::open(source).map_err(unreadable)?;
+    let bytes = input.metadata().map_err(unreadable)?.len();
     let options = LinearReaderOptions::default()
         .with_prevalidate_chunk_crcs(true)
         .with_record_length_limit(longest_record(bytes));
@@ -37,13 +37,18 @@ pub fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<(), Rec
         topics: BTreeMap::new(),
         left: messages,
     };
+    let (mut unpacked, most) = (0, most_unpacked(bytes));
     while copy.left > 0 {
         match reader.next_event().transpose().map_err(damaged)? {
             Some(LinearReadEvent::ReadRequest(wanted)) => {
-                let read = disk.read(reader.insert(wanted)).map_err(unreadable)?;
+                let read = input.read(reader.insert(wanted)).map_err(unreadable)?;
                 reader.notify_read(read);
             }
             Some(LinearReadEvent::Record { opcode, data }) => {
+                unpacked += data.len() as u64;
+                if unpacked > most {
+                    return Err(damaged(McapError::ChunkTooLarge(unpacked)));
+                }
                 copy.take(parse_record(opcode, data).map_err(damaged)?)?;
             }
             None => return Err(damaged(McapError::UnexpectedEof)),

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::summary::ArmSummary;
 use crate::study::error::StudyError;
 use crate::study::protocol::Protocol;
-use crate::study::store::folder::{StudyFolder, write_whole};
+use crate::study::store::folder::StudyFolder;
 use crate::study::store::{Figures, TrialRecord};
 
 /// A row of `trials.csv`; fields without a value are empty.
@@ -99,10 +99,7 @@ impl StudyFolder {
         let bytes = table
             .into_inner()
             .map_err(|fault| StudyError::io(&path, fault.into_error()))?;
-        write_whole(&path, &bytes)?;
-        write_whole(
-            &self.path().join("summary.json"),
-            self.summary_json().as_bytes(),
-        )
+        self.write("trials.csv", &bytes)?;
+        self.write("summary.json", self.summary_json().as_bytes())
     }
 }

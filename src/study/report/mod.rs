@@ -21,7 +21,7 @@ use super::analysis::summary::{ArmRecords, ArmSummary};
 use super::error::StudyError;
 use super::protocol::Protocol;
 use super::report::figures::{Picture, draw_figures};
-use super::store::folder::{StudyFolder, write_whole};
+use super::store::folder::StudyFolder;
 
 /// The report of a study.
 #[derive(Debug, Clone, Serialize)]
@@ -96,7 +96,7 @@ impl Report {
             self.study,
             document::markdown(&self.blocks())
         );
-        write_whole(&folder.path().join("report.md"), text.as_bytes())
+        folder.write("report.md", text.as_bytes())
     }
 
     /// The report for a terminal.

@@ -201,9 +201,9 @@ pub fn verdict(rows: &[AgainstPaper]) -> String {
     let differ = match names.len() {
         0 => "none of them differs from the paper by more than chance explains (Fisher, 5 %)"
             .to_owned(),
-        _ => format!(
-            "{} differ by more than chance explains (Fisher, 5 %): {}",
-            names.len(),
+        count => format!(
+            "{count} {} by more than chance explains (Fisher, 5 %): {}",
+            if count == 1 { "differs" } else { "differ" },
             names.join(", ")
         ),
     };

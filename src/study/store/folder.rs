@@ -1,6 +1,7 @@
 //! The folder of a study.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use serde_json::value::RawValue;
 use super::journal::{self, Contents, Journal};
 use super::record::TrialRecord;
 use crate::disk;
-use crate::disk::{FolderLock, LockError};
+use crate::disk::{FolderLock, LOCK, LockError};
 use crate::study::error::StudyError;
 use crate::study::protocol::{Protocol, id_of};
 
@@ -19,8 +20,20 @@ use crate::study::protocol::{Protocol, id_of};
 const PLAN: &str = "plan.json";
 /// Finished trials.
 const JOURNAL: &str = "journal";
-/// Room for the largest sensible study, worlds and all.
-const MOST_PLAN_BYTES: u64 = 1 << 30;
+/// What is made of finished trials.
+const OUTPUTS: [&str; 11] = [
+    "trials.csv",
+    "summary.json",
+    "report.md",
+    "first-optimal.svg",
+    "first-optimal.png",
+    "curves.svg",
+    "curves.png",
+    "steps.svg",
+    "steps.png",
+    "ablation.svg",
+    "ablation.png",
+];
 
 /// A folder with a frozen study and its finished trials.
 #[derive(Debug)]
@@ -30,6 +43,8 @@ pub struct StudyFolder {
     /// The protocol's id, as it was when it was frozen: a newer program may know more settings.
     plan: String,
     records: BTreeMap<usize, TrialRecord>,
+    /// May files be replaced that hold something else than the study wrote?
+    force: bool,
     /// Held by who writes in the folder.
     _lock: Option<FolderLock>,
 }
@@ -48,8 +63,45 @@ impl StudyFolder {
             protocol,
             plan,
             records,
+            force: false,
             _lock: None,
         })
+    }
+
+    /// The same folder, in which files are replaced though they hold something else than the
+    /// study wrote.
+    pub fn replacing(self, force: bool) -> Self {
+        Self { force, ..self }
+    }
+
+    /// Puts this study in the place of another one in a folder: removes its trials and what was made
+    /// of them, and nothing else. A folder with no study, or with this one, is left as it is.
+    ///
+    /// # Errors
+    /// [`StudyError::Locked`], or an error of the file system.
+    pub fn replace_other(path: &Path, protocol: &Protocol) -> Result<(), StudyError> {
+        let is_other = read_plan(path)?.is_some_and(|(_, found)| found != protocol.id());
+        if !is_other {
+            return Ok(());
+        }
+        let _lock = lock(path)?;
+        for name in OUTPUTS.into_iter().chain([JOURNAL]) {
+            let file = path.join(name);
+            disk::remove(&file).map_err(|cause| StudyError::io(&file, cause))?;
+        }
+        // By its plan the folder is known as that of a study, at any moment.
+        write_plan(path, protocol)
+    }
+
+    /// Writes something that is made of the trials. A file that holds something else is somebody
+    /// else's, or was changed by hand, and stays, unless it may be [replaced](Self::replacing).
+    pub(in crate::study) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
+        let path = self.path.join(name);
+        let differs = disk::differs(&path, bytes);
+        if !self.force && differs.map_err(|cause| StudyError::io(&path, cause))? {
+            return Err(StudyError::Exists(path));
+        }
+        write_whole(&path, bytes)
     }
 
     /// Reads the folder of a study in order to write in it.
@@ -57,7 +109,8 @@ impl StudyFolder {
     /// # Errors
     /// The same, or [`StudyError::Locked`].
     pub fn read_locked(path: &Path) -> Result<Self, StudyError> {
-        let lock = path.is_dir().then(|| lock(path)).transpose()?;
+        // Nothing is left in a folder that is none of ours.
+        let lock = path.join(PLAN).is_file().then(|| lock(path)).transpose()?;
         let folder = Self::read(path)?;
         Ok(Self {
             _lock: lock,
@@ -161,10 +214,18 @@ impl OpenFolder {
     /// # Errors
     /// [`StudyError::Locked`], [`StudyError::OtherStudy`], or an error of the file system.
     pub fn open(path: &Path, protocol: &Protocol) -> Result<Self, StudyError> {
+        // Without a lock yet, so that nothing is left in a folder that is none of ours. Another
+        // process may be about to begin there: then it has the lock.
+        let held = path.join(LOCK);
+        let is_free = !held.exists() || disk::is_foreign_lock(&held);
+        if is_free && is_foreign(path)? {
+            return Err(StudyError::Foreign(path.to_owned()));
+        }
         fs::create_dir_all(path).map_err(|cause| StudyError::create(path, cause))?;
         let lock = lock(path)?;
         let wanted = protocol.id();
         match read_plan(path)? {
+            None if is_foreign(path)? => return Err(StudyError::Foreign(path.to_owned())),
             None => write_plan(path, protocol)?,
             Some((_, found)) if found == wanted => (),
             Some((_, found)) => {
@@ -183,6 +244,7 @@ impl OpenFolder {
             protocol: protocol.clone(),
             plan: wanted,
             records,
+            force: false,
             _lock: Some(lock),
         };
         Ok(Self { folder, journal })
@@ -242,6 +304,23 @@ impl OpenFolder {
     }
 }
 
+/// Are there files, but no plan of a study?
+fn is_foreign(path: &Path) -> Result<bool, StudyError> {
+    let names = path.read_dir().and_then(|entries| {
+        let names = entries.map(|entry| Ok(entry?.file_name()));
+        names.collect::<io::Result<Vec<_>>>()
+    });
+    let names = match names {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(false),
+        names => names.map_err(|cause| StudyError::create(path, cause))?,
+    };
+    // What is there before the plan.
+    let part = disk::part(Path::new(PLAN));
+    let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));
+    let is_early = |name: &OsString| is_lock(name) || name == part.as_os_str();
+    Ok(!names.iter().any(|name| name == PLAN) && !names.iter().all(is_early))
+}
+
 fn lock(folder: &Path) -> Result<FolderLock, StudyError> {
     FolderLock::acquire(folder).map_err(|fault| match fault {
         LockError::Held(pid) => StudyError::Locked {
@@ -263,7 +342,7 @@ struct PlanFile {
 
 fn read_plan(folder: &Path) -> Result<Option<(Protocol, String)>, StudyError> {
     let path = folder.join(PLAN);
-    let text = match disk::read(&path, MOST_PLAN_BYTES) {
+    let text = match disk::read(&path, disk::MOST_BYTES) {
         Ok(text) => text,
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(cause) => return Err(StudyError::io(&path, cause)),
@@ -325,6 +404,6 @@ fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> {
 }
 
 /// Writes a file so that it is there either whole or not at all; see [`disk::replace`].
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
+fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
     disk::replace(path, bytes).map_err(|cause| StudyError::io(path, cause))
 }

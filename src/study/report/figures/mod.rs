@@ -17,7 +17,7 @@ use steps::Steps;
 
 use crate::study::analysis::summary::ArmRecords;
 use crate::study::error::StudyError;
-use crate::study::store::folder::{StudyFolder, write_whole};
+use crate::study::store::folder::StudyFolder;
 
 /// A figure that a study has.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +80,7 @@ fn draw(
         canvas::svg(drawing).map_err(fault)?,
         canvas::png(drawing).map_err(fault)?,
     );
-    write_whole(&folder.path().join(format!("{name}.svg")), svg.as_bytes())?;
-    write_whole(&folder.path().join(format!("{name}.png")), &png)?;
+    folder.write(&format!("{name}.svg"), svg.as_bytes())?;
+    folder.write(&format!("{name}.png"), &png)?;
     Ok(picture)
 }

@@ -1,0 +1,106 @@
+//! The way to the terminal: what files hold is printed, and never obeyed.
+
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+/// Tells the user something, on a line of stderr. A closed stderr is no reason to fail.
+pub fn say(line: &str) {
+    let _ = writeln!(io::stderr(), "{}", escaped(line));
+}
+
+/// Text on its way to the terminal, in which whatever commands a terminal is shown as `\u001b`.
+/// That is also how JSON spells it: a document means the same as before.
+pub struct Escaping<W: Write> {
+    inner: W,
+    /// The beginning of a letter whose other bytes are still to come.
+    pending: Vec<u8>,
+}
+
+impl<W: Write> Escaping<W> {
+    /// Text on its way to `inner`.
+    pub fn new(inner: W) -> Self {
+        let pending = Vec::new();
+        Self { inner, pending }
+    }
+}
+
+impl<W: Write> Write for Escaping<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.pending.extend_from_slice(bytes);
+        let whole = match std::str::from_utf8(&self.pending) {
+            Err(fault) if fault.error_len().is_none() => fault.valid_up_to(),
+            _ => self.pending.len(),
+        };
+        let whole: Vec<u8> = self.pending.drain(..whole).collect();
+        let text = String::from_utf8_lossy(&whole);
+        self.inner.write_all(escaped(&text).as_bytes())?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+/// The text with all that commands a terminal as it is spelt in JSON; the ends of lines and
+/// tabulators stay.
+pub fn escaped(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_command) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for letter in text.chars() {
+        match is_command(letter) {
+            true => write!(shown, "\\u{:04x}", u32::from(letter)).expect("a string has room"),
+            false => shown.push(letter),
+        }
+    }
+    Cow::Owned(shown)
+}
+
+/// Does a terminal do something else with it than show it? Control characters do, of which there
+/// are some above ASCII, and those that turn the direction of writing, so that one text looks like
+/// another.
+fn is_command(letter: char) -> bool {
+    let turns = matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || (letter.is_control() && letter != '\n' && letter != '\t')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every letter that could be written, byte by byte.
+    fn written(text: &str) -> String {
+        let mut out = Escaping::new(Vec::new());
+        for byte in text.bytes() {
+            out.write_all(&[byte]).unwrap();
+        }
+        String::from_utf8(out.inner).unwrap()
+    }
+
+    #[test]
+    fn no_character_of_unicode_commands_the_terminal_and_none_is_lost() {
+        for letter in '\0'..=char::MAX {
+            let (text, shown) = (letter.to_string(), written(&letter.to_string()));
+            let is_layout = letter == '\n' || letter == '\t';
+            assert!(is_layout || !shown.contains(char::is_control), "{letter:?}");
+            // In a JSON document it stands for the same.
+            if letter > '\u{1f}' && letter != '"' && letter != '\\' {
+                let read: String = serde_json::from_str(&format!("\"{shown}\"")).unwrap();
+                assert_eq!(read, text);
+            }
+        }
+    }
+
+    #[test]
+    fn letters_of_several_bytes_survive_any_cut() {
+        let text = "Übergröße → 迷路 🤖\n";
+        assert_eq!(written(text), text);
+        assert_eq!(
+            written("a\u{1b}[31mb\u{9b}2J\r"),
+            "a\\u001b[31mb\\u009b2J\\u000d"
+        );
+    }
+}

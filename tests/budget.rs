@@ -1,0 +1,179 @@
+//! No file is larger for this program than its bytes say: bombs, files with holes, and what has no
+//! end are refused, within ten times their size and 64 MiB.
+#![cfg(unix)]
+
+mod program;
+
+use std::fs::{self, File};
+use std::path::Path;
+use std::process::{Command, Output};
+
+use program::ended;
+use xcscr::record;
+
+/// Runs the program with so much address space, in KiB.
+fn within(kib: u64, args: &[&str]) -> Output {
+    let limits = format!("ulimit -v {kib}; exec \"$0\" \"$@\"");
+    let mut shell = Command::new("sh");
+    shell
+        .args(["-c", &limits])
+        .arg(assert_cmd::cargo::cargo_bin("xcscr"))
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(args);
+    shell.output().unwrap()
+}
+
+/// What the program itself needs, threads and all, in KiB.
+const ITSELF: u64 = 192 << 10;
+
+#[test]
+fn three_gigabytes_of_nothing_take_no_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let hole = folder.path().join("hole.mcap");
+    File::create(&hole).unwrap().set_len(3 << 30).unwrap();
+    let run = folder.path().join("run");
+    fs::create_dir(&run).unwrap();
+    fs::copy("worlds/maze4.json", run.join("world.json")).unwrap();
+    for name in ["config.json", "rules.json", "checkpoint", "plan.json"] {
+        fs::hard_link(&hole, run.join(name)).unwrap();
+    }
+    let (hole, run) = (hole.to_str().unwrap(), run.to_str().unwrap());
+    let (out, world) = (folder.path().join("out"), "worlds/maze4.json");
+    let out = out.to_str().unwrap();
+    for args in [
+        &["check", hole][..],
+        &["replay", hole],
+        &["recover", hole, "-o", out],
+        &["evaluate", hole, "--world", world],
+        &["evaluate", run],
+        &["train", hole],
+        &["train", world, "--config", hole, "--out", out],
+        &["train", world, "--init-rules", hole, "--out", out],
+        &["train", world, "--init-rules", run, "--out", out],
+        &["train", "--resume", run],
+        &["study", "status", run],
+        &["study", "run", hole, "--out", out],
+    ] {
+        let output = within(ITSELF + (64 << 10), args);
+        let code = output.status.code().unwrap_or(-1);
+        assert!([65, 74].contains(&code), "{args:?}: {output:?}");
+        let (_, stderr) = ended(&output, code, &format!("{args:?}"));
+        assert!(stderr.contains("larger than"), "{args:?}: {stderr}");
+    }
+}
+
+#[test]
+fn pipes_and_devices_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    let out = folder.path().join("out");
+    let (out, world) = (out.to_str().unwrap(), "worlds/maze4.json");
+    for input in [pipe.to_str().unwrap(), "/dev/zero"] {
+        for args in [
+            &["check", input][..],
+            &["replay", input],
+            &["recover", input, "-o", out],
+            &["map", input, "-o", "no/such.svg"],
+            &["evaluate", input, "--world", world],
+            &["world", "info", input],
+            &["train", input, "--out", out],
+            &["train", world, "--config", input, "--out", out],
+            &["train", world, "--init-rules", input, "--out", out],
+            &["study", "run", input, "--out", out],
+        ] {
+            // Nobody writes into the pipe: who opens it waits for ever.
+            let limited = [&["timeout", "20"][..], &[env!("CARGO_BIN_EXE_xcscr")], args].concat();
+            let mut command = Command::new(limited[0]);
+            command
+                .args(&limited[1..])
+                .current_dir(env!("CARGO_MANIFEST_DIR"));
+            let output = command.output().unwrap();
+            let (_, stderr) = ended(&output, 74, &format!("{args:?}"));
+            assert!(stderr.contains("not a regular file"), "{args:?}: {stderr}");
+        }
+    }
+}
+
+/// A small recording that unpacks to 60 MB in many chunks, of messages without content.
+fn bomb(path: &Path) -> u64 {
+    let options = mcap::WriteOptions::new()
+        .chunk_size(Some(1 << 20))
+        .emit_message_indexes(false);
+    let mut writer = options.create(File::create(path).unwrap()).unwrap();
+    let channel = writer.add_channel(0, "/x", "json", &Default::default());
+    let header = mcap::records::MessageHeader {
+        channel_id: channel.unwrap(),
+        sequence: 0,
+        log_time: 0,
+        publish_time: 0,
+    };
+    let messages = 2_000_000;
+    for _ in 0..messages {
+        writer.write_to_known_channel(&header, &[]).unwrap();
+    }
+    writer.finish().unwrap();
+    messages
+}
+
+#[test]
+fn many_chunks_that_unpack_to_much_are_not_unpacked() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, out) = (
+        folder.path().join("bomb.mcap"),
+        folder.path().join("out.mcap"),
+    );
+    let messages = bomb(&path);
+    let size = fs::metadata(&path).unwrap().len();
+    assert!(size < 100_000, "{size} bytes");
+    let findings = record::check(&path).unwrap();
+    assert!(
+        findings[0].what.contains("its chunks unpack to"),
+        "{findings:?}"
+    );
+    let recovery = record::recover(&path, &out, false).unwrap();
+    // What is saved is within the half of what is believed, and what is not is named.
+    let most = (100 * size + (16 << 20)) / 2 / 31;
+    assert!(
+        recovery.messages <= most && recovery.messages > 0,
+        "{recovery:?}"
+    );
+    assert!(recovery.messages < messages / 4, "{recovery:?}");
+    assert!(recovery.fault.unwrap().contains("unpacks to"));
+    assert!(record::check(&out).is_ok());
+    let args = [
+        "recover",
+        path.to_str().unwrap(),
+        "-o",
+        out.to_str().unwrap(),
+        "--force",
+    ];
+    ended(&within(ITSELF + (64 << 10), &args), 3, "recover");
+}
+
+#[test]
+fn memory_that_cannot_be_had_ends_in_code_74() {
+    let folder = tempfile::tempdir().unwrap();
+    let (study, out) = (folder.path().join("s.toml"), folder.path().join("out"));
+    let text = "name = \"s\"\nworlds = [\"rooms-200-1\"]\nmethods = [\"dyna-q\"]\n\
+                sensors = [\"position\"]\ntrials = 8\nepisodes = 20\n";
+    fs::write(&study, text).unwrap();
+    let (study, out) = (study.to_str().unwrap(), out.to_str().unwrap());
+    let mut refused = 0;
+    // With less, the program itself cannot be loaded, and the system ends it.
+    for mib in (32..160).step_by(8) {
+        let args = [
+            "study", "run", study, "--out", out, "--jobs", "4", "--quiet",
+        ];
+        let output = within(mib << 10, &args);
+        let (code, stderr) = (
+            output.status.code(),
+            String::from_utf8_lossy(&output.stderr),
+        );
+        assert!(matches!(code, Some(0 | 74)), "{mib} MiB: {code:?} {stderr}");
+        refused += usize::from(code == Some(74));
+        let _ = fs::remove_dir_all(out);
+    }
+    assert!(refused > 0, "no limit was too little");
+}
