@@ -11,7 +11,11 @@ use std::path::Path;
 
 use program::{dice, rounds};
 use serde_json::{Value, json};
+use xcscr::agent::{Knowledge, Method};
+use xcscr::arena::ArenaKind;
 use xcscr::study::{Overrides, Protocol, Report, Shard, StudyFile, StudyFolder, run_study};
+use xcscr::trial::{Config, Plan, Trial};
+use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
 
 /// What no field likes to be.
@@ -183,4 +187,91 @@ fn forged_plans() {
     }
     // Control: another seed, or another value of a setting, is a study, too.
     assert!(taken > 0, "every forged plan was refused");
+}
+
+/// What was learned in one episode, as little as it is, and what is foreseen.
+fn learned(method: Method) -> Value {
+    let maze = Maze::load(Path::new("worlds/maze4.json")).unwrap();
+    let plan = Plan::new(maze).method(method).arena(ArenaKind::Grid);
+    let trial = plan.episodes(1).run().unwrap();
+    let mut known = serde_json::to_value(trial.method().knowledge()).unwrap();
+    shorten(&mut known);
+    known
+}
+
+/// Leaves at most six of each list: mutants of a short document reach more of it.
+fn shorten(value: &mut Value) {
+    match value {
+        Value::Array(items) => {
+            items.truncate(6);
+            items.iter_mut().for_each(shorten);
+        }
+        Value::Object(fields) => fields.values_mut().for_each(shorten),
+        _ => {}
+    }
+}
+
+#[test]
+fn forged_rules() {
+    let methods = [Method::Xcscr, Method::XcscrPlus, Method::QLearning];
+    let sound = methods.map(learned);
+    let percept = "0110110101101101".parse().unwrap();
+    let mut dice = dice(14);
+    let mut taken = 0;
+    for number in 0..rounds(30_000, 300_000) {
+        let forged = forge(&sound[number % sound.len()], &mut dice);
+        let text = forged.to_string();
+        let Ok(known) = serde_json::from_str::<Knowledge>(&text) else {
+            continue;
+        };
+        taken += 1;
+        let _ = known.worth(&percept, 4).best_actions().count();
+        if known.check(16, 4).is_ok() && number % 20 == 0 {
+            // What is accepted can be begun with.
+            let maze = Maze::load(Path::new("worlds/maze4.json")).unwrap();
+            let mut plan = Plan::new(maze).arena(ArenaKind::Grid).episodes(1);
+            plan.config.initial = Some(known);
+            let _ = plan.run();
+        }
+    }
+    assert!(taken > 0, "every forged file of rules was refused");
+}
+
+#[test]
+fn forged_worlds() {
+    let read = |name: &str| {
+        let bytes = fs::read(format!("worlds/{name}.json")).unwrap();
+        serde_json::from_slice::<Value>(&bytes).unwrap()
+    };
+    let sound = ["maze4", "woods1", "maze6"].map(read);
+    let mut dice = dice(15);
+    let mut taken = 0;
+    for number in 0..rounds(10_000, 100_000) {
+        let forged = forge(&sound[number % sound.len()], &mut dice).to_string();
+        match Maze::from_json(forged.as_bytes(), "forged.json") {
+            Ok(maze) => taken += usize::from(maze.width() > 0),
+            Err(fault) => assert!(!fault.to_string().is_empty()),
+        }
+    }
+    assert!(taken > 0, "every forged world was refused");
+}
+
+#[test]
+fn forged_settings_of_a_run() {
+    let maze = Maze::load(Path::new("worlds/maze4.json")).unwrap();
+    let plan = Plan::new(maze).arena(ArenaKind::Grid);
+    let sound = serde_json::to_value(&plan.config).unwrap();
+    let mut dice = dice(16);
+    let mut taken = 0;
+    for _ in 0..rounds(10_000, 100_000) {
+        let forged = forge(&sound, &mut dice);
+        let Ok(config) = serde_json::from_value::<Config>(forged) else {
+            continue;
+        };
+        let maze = plan.maze.clone();
+        // What passes its check can be begun.
+        let plan = Plan { maze, config };
+        taken += usize::from(plan.check().is_ok() && Trial::new(plan).is_ok());
+    }
+    assert!(taken > 0, "all forged settings were refused");
 }
