@@ -98,6 +98,10 @@ fn info_tells_size_paths_and_cells_that_look_alike() {
     look alike  (neighbours) 5,2  4,5: no move is best in all
     look alike  (position) none
     look alike  (neighbours-position) none
+    look alike  (lidar) 5,2  4,5: no move is best in all
+    look alike  (lidar) 1,1  4,1: one move is best in all
+    look alike  (lidar-ranges) none
+    look alike  (lidar-beams) none
     ");
 }
 
