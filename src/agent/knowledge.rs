@@ -6,6 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::model::Foresight;
+use super::recall::{CONTEXT_BITS, Map, PERCEPT_BITS, Tracker};
 use super::{Agent, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::{Action, Percept};
@@ -26,6 +27,13 @@ pub enum Knowledge {
         /// What they do.
         foresight: Foresight,
     },
+    /// The rules of a learner with a memory, which look at a context, not at a percept.
+    Remembering {
+        /// What actions are worth in a context.
+        rules: Population,
+        /// The places that contexts speak of.
+        map: Map,
+    },
     /// The table of a tabular method: the worth of each action in each percept.
     Table(BTreeMap<Percept, Vec<Option<f64>>>),
 }
@@ -38,6 +46,9 @@ impl Knowledge {
                 rules.sums(percept).array(actions, false)
             }
             Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
+            Self::Remembering { rules, .. } => {
+                rules.sums(&self.looked_at(percept)).array(actions, false)
+            }
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);
@@ -49,12 +60,48 @@ impl Knowledge {
         }
     }
 
+    /// The worth of each action for one who remembers an episode; none without a memory.
+    fn remembered_worth(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
+        match self {
+            Self::Remembering { rules, map } => {
+                rules.sums(&tracker.context(map)).array(actions, false)
+            }
+            _ => PredictionArray::new(actions),
+        }
+    }
+
+    /// The width of what its rules look at, for percepts of `width` bits.
+    fn context_width(&self, width: usize) -> usize {
+        match self {
+            Self::Remembering { .. } => CONTEXT_BITS,
+            _ => width,
+        }
+    }
+
+    /// What its rules look at when an episode begins with a percept.
+    pub fn looked_at(&self, percept: &Percept) -> Percept {
+        match self {
+            Self::Remembering { map, .. } => {
+                let mut begun = Tracker::default();
+                begun.perceive(map, percept);
+                begun.context(map)
+            }
+            _ => *percept,
+        }
+    }
+
+    /// Do its rules look at more than the percept?
+    pub fn remembers(&self) -> bool {
+        matches!(self, Self::Remembering { .. })
+    }
+
     /// The rules that say what actions are worth; `None` for a table.
     pub fn rules(&self) -> Option<&Population> {
         match self {
             Self::Rules(rules)
             | Self::RulesOverMatchSet(rules)
-            | Self::Foresighted { rules, .. } => Some(rules),
+            | Self::Foresighted { rules, .. }
+            | Self::Remembering { rules, .. } => Some(rules),
             Self::Table(_) => None,
         }
     }
@@ -63,7 +110,7 @@ impl Knowledge {
     pub fn foresight(&self) -> Option<&Foresight> {
         match self {
             Self::Foresighted { foresight, .. } => Some(foresight),
-            Self::Rules(_) | Self::RulesOverMatchSet(_) | Self::Table(_) => None,
+            _ => None,
         }
     }
 
@@ -72,13 +119,19 @@ impl Knowledge {
     /// # Errors
     /// The first rule or row that is not.
     pub fn check(&self, width: usize, actions: usize) -> Result<(), Misfit> {
+        if let Self::Remembering { map, .. } = self
+            && !(map.is_sound(actions) && width >= PERCEPT_BITS)
+        {
+            return Err(Misfit::Map);
+        }
         let rules = self.rules().map_or(&[][..], Population::rules).iter();
         let own = rules.map(|rule| (rule.condition, Some(rule.action)));
         let foretelling = self.foresight().map_or(&[][..], |f| &f.collisions).iter();
         let foretelling = foretelling.map(|rule| (rule.condition, rule.action));
         for (condition, action) in own.chain(foretelling) {
             let action = action.map_or(0, Action::index);
-            Misfit::check(&condition, condition.width(), width, action, actions)?;
+            let wanted = self.context_width(width);
+            Misfit::check(&condition, condition.width(), wanted, action, actions)?;
         }
         if let Self::Table(table) = self {
             for (percept, row) in table {
@@ -130,6 +183,9 @@ pub enum Misfit {
         /// How many there are.
         actions: usize,
     },
+    /// What is remembered is no map for these moves and percepts.
+    #[error("the map that the rules go by is none for the moves and percepts of this world")]
+    Map,
     /// What is foreseen cannot be.
     #[error("{0}")]
     Foresight(String),
@@ -176,6 +232,8 @@ pub struct Frozen {
     knowledge: Knowledge,
     actions: usize,
     step_threshold: u32,
+    /// What it remembers of this episode.
+    tracker: Tracker,
 }
 
 impl Frozen {
@@ -185,20 +243,27 @@ impl Frozen {
             knowledge,
             actions,
             step_threshold,
+            tracker: Tracker::default(),
         }
     }
 }
 
 impl Agent for Frozen {
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
-        self.worth(percept)
+        let Knowledge::Remembering { map, .. } = &self.knowledge else {
+            return self.worth(percept);
+        };
+        self.tracker.perceive(map, percept);
+        self.knowledge.remembered_worth(&self.tracker, self.actions)
     }
 
-    fn credit(&mut self, _: Action, _: Outcome) -> StepCredit {
+    fn credit(&mut self, action: Action, _: Outcome) -> StepCredit {
+        self.tracker.act(action);
         StepCredit::default()
     }
 
     fn finish(&mut self, _: bool) -> EndCredit {
+        self.tracker = Tracker::default();
         EndCredit {
             long_term_reward: 0.0,
             learning_rate: 0.0,

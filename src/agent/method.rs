@@ -1,7 +1,8 @@
 //! The methods by their names.
 
 use super::{
-    Adapted, Agent, Combined, Params, Plus, PlusParams, Sharing, Standard, Tabular, TabularParams,
+    Adapted, Agent, Combined, Params, Plus, PlusParams, Recall, Sharing, Standard, Tabular,
+    TabularParams,
 };
 use crate::streams::StreamName;
 use xcs::Xcs;
@@ -23,6 +24,8 @@ pub enum Method {
     Xcscr,
     /// The same with each mechanism repaired.
     XcscrPlus,
+    /// Rules that remember where they are, and tell places apart that look alike.
+    XcscrMemory,
     /// Q-learning in a table.
     QLearning,
     /// Sarsa with eligibility traces in a table.
@@ -35,13 +38,14 @@ pub enum Method {
 
 impl Method {
     /// All methods, in the order in which they are reported.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Xcs,
         Self::Xcsam,
         Self::AdaptedEven,
         Self::AdaptedDiscounted,
         Self::Xcscr,
         Self::XcscrPlus,
+        Self::XcscrMemory,
         Self::QLearning,
         Self::SarsaLambda,
         Self::DynaQ,
@@ -57,6 +61,7 @@ impl Method {
             Self::AdaptedDiscounted => "adapted-discounted",
             Self::Xcscr => "xcscr",
             Self::XcscrPlus => "xcscr-plus",
+            Self::XcscrMemory => "xcscr-memory",
             Self::QLearning => "q-learning",
             Self::SarsaLambda => "sarsa-lambda",
             Self::DynaQ => "dyna-q",
@@ -70,6 +75,11 @@ impl Method {
             self,
             Self::QLearning | Self::SarsaLambda | Self::DynaQ | Self::RMax
         )
+    }
+
+    /// Does it need percepts that begin with the eight cells around the robot?
+    pub fn needs_surroundings(self) -> bool {
+        self == Self::XcscrMemory
     }
 
     /// A learner that knows nothing yet, for `actions` actions and percepts whose first `ring` bits
@@ -99,6 +109,7 @@ impl Method {
                 let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
                 Box::new(Plus::new(xcs, [actions, ring], reward, plus, streams))
             }
+            Self::XcscrMemory => Box::new(Recall::new(actions, reward, stream(StreamName::Replay))),
             Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
             Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
             Self::DynaQ => {

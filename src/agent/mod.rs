@@ -11,6 +11,7 @@ mod memory;
 mod method;
 mod model;
 mod plus;
+mod recall;
 mod tabular;
 
 pub use credit::{Adapted, Combined, Params, Sharing, Standard};
@@ -18,8 +19,9 @@ pub use explorer::Explorer;
 pub use knowledge::{Frozen, Knowledge, Misfit};
 pub use memory::MemoryError;
 pub use method::{Method, Setup};
-pub use model::{CollisionRule, Foresight, ReturnRule};
+pub use model::{CollisionRule, Foresight, ReturnRule, pomdp};
 pub use plus::{Plus, PlusParams};
+pub use recall::{PERCEPT_BITS, Recall, words as memory_words};
 pub use tabular::{Tabular, TabularParams};
 
 use crate::arena::Outcome;
@@ -90,6 +92,11 @@ pub trait Agent {
     /// method has no use for it.
     fn bring(&mut self, knowledge: &Knowledge) -> bool {
         let _ = knowledge;
+        false
+    }
+
+    /// Does what it does in a percept depend on what came before it in the episode?
+    fn remembers(&self) -> bool {
         false
     }
 

@@ -5,8 +5,8 @@ use std::io::Write;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use xcscr::agent::{CollisionRule, Foresight, Knowledge, ReturnRule};
-use xcscr::sensor::action_name;
+use xcscr::agent::{CollisionRule, Foresight, Knowledge, PERCEPT_BITS, ReturnRule, memory_words};
+use xcscr::sensor::{Sensor, action_name};
 use xcscr::study::Table;
 use xcscr::trial::{Condensed, MOST_PERCEPTS, Plan};
 use xcscr::world::{Cell, Paths};
@@ -74,7 +74,7 @@ pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
     let shown = condensed
         .as_ref()
         .map_or(all, |condensed| condensed.rules.rules());
-    let rows = rows(shown, &plan, here.as_ref(), args.sort);
+    let rows = rows(shown, (&plan, &knowledge), here.as_ref(), args.sort);
     if args.json {
         return print_json(&knowledge, condensed.is_some(), &rows, out);
     }
@@ -111,9 +111,12 @@ fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Condensed, Failure> {
     let paths = Paths::with_slip(maze, config.settings.arena.slip);
     Condensed::new(knowledge, config.sensor, maze, &paths).ok_or_else(|| {
         let name = maze.name();
-        let message = format!(
-            "{name} has more than {MOST_PERCEPTS} percepts: too many to condense rules for"
-        );
+        let message = match knowledge.remembers() {
+            true => "rules with a memory are condensed while they are learned".to_owned(),
+            false => format!(
+                "{name} has more than {MOST_PERCEPTS} percepts: too many to condense rules for"
+            ),
+        };
         Failure::new(Exit::BadData, message)
     })
 }
@@ -151,14 +154,23 @@ struct Row {
 }
 
 /// The rules that match a percept, or all, in the wanted order.
-fn rows(rules: &[Classifier], plan: &Plan, here: Option<&Percept>, by: Order) -> Vec<Row> {
+fn rows(
+    rules: &[Classifier],
+    (plan, knowledge): (&Plan, &Knowledge),
+    here: Option<&Percept>,
+    by: Order,
+) -> Vec<Row> {
     let Plan { maze, config } = plan;
-    let percepts = config.sensor.percepts(maze);
+    // What rules with a memory look at where an episode begins.
+    let percepts: Vec<Percept> = config.sensor.percepts(maze);
+    let percepts: Vec<Percept> = percepts.iter().map(|p| knowledge.looked_at(p)).collect();
+    let here = here.map(|percept| knowledge.looked_at(percept));
+    let here = here.as_ref();
     let matches = |rule: &&Classifier| here.is_none_or(|percept| rule.condition.matches(percept));
     let row = |rule: &Classifier| Row {
         condition: rule.condition,
         action: rule.action,
-        words: config.sensor.words(maze, &|at| rule.condition.allele(at)),
+        words: words(rule, plan, knowledge),
         go: action_name(maze, rule.action),
         covers: percepts
             .iter()
@@ -184,6 +196,23 @@ fn rows(rules: &[Classifier], plan: &Plan, here: Option<&Percept>, by: Order) ->
     rows
 }
 
+/// What a rule demands; of one with a memory also of the place and of the last steps.
+fn words(rule: &Classifier, plan: &Plan, knowledge: &Knowledge) -> String {
+    let Plan { maze, config } = plan;
+    let allele = |at| rule.condition.allele(at);
+    if !knowledge.remembers() {
+        return config.sensor.words(maze, &allele);
+    }
+    let percept = |at| allele(at).filter(|_| at < PERCEPT_BITS);
+    let mut words = vec![Sensor::Neighbours.words(maze, &percept)];
+    let remembered = memory_words(&allele);
+    if !remembered.is_empty() {
+        words.retain(|word| word != "anything");
+    }
+    words.extend(remembered);
+    words.join(", ")
+}
+
 fn print_json(
     knowledge: &Knowledge,
     condensed: bool,
@@ -196,6 +225,10 @@ fn print_json(
         .expect("some rules of a population form one");
     let shown = match knowledge {
         Knowledge::RulesOverMatchSet(_) if !condensed => Knowledge::RulesOverMatchSet(rules),
+        Knowledge::Remembering { map, .. } => Knowledge::Remembering {
+            rules,
+            map: map.clone(),
+        },
         _ => match knowledge.foresight().cloned() {
             Some(foresight) => Knowledge::Foresighted { rules, foresight },
             None => Knowledge::Rules(rules),

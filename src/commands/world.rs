@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde::Serialize;
 use xcscr::sensor::{Alike, Sensor, alike};
+use xcscr::trial::{Bounds, Estimate};
 use xcscr::world::{Cell, Facts, Maze, MazeKind, Recipe, draw};
 
 use super::choices;
@@ -35,6 +36,13 @@ pub enum WorldCommand {
         /// Print one JSON document.
         #[arg(long)]
         json: bool,
+        /// The fewest steps that are possible on average: for one who knows the cell, one who knows
+        /// the world but not the start, and one who knows only the present percept.
+        #[arg(long)]
+        bounds: bool,
+        /// With `--bounds`: the probability that another move is made than the chosen one.
+        #[arg(long, default_value_t = 0.0, requires = "bounds", value_name = "P", value_parser = share)]
+        slip: f64,
     },
     /// Generate a random maze and print it as a world file.
     Generate(GenerateArgs),
@@ -67,8 +75,17 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
             let maze = maze.map_err(|fault| Failure::new(Exit::Usage, fault.to_string()))?;
             Ok(write!(out, "{}", maze.to_json())?)
         }
-        WorldCommand::Info { file, json } => {
-            let description = Description::new(&Maze::load(&file)?);
+        WorldCommand::Info {
+            file,
+            json,
+            bounds,
+            slip,
+        } => {
+            let maze = Maze::load(&file)?;
+            let description = Description {
+                bounds: bounds.then(|| Bounds::new(&maze, Sensor::Neighbours, slip)),
+                ..Description::new(&maze)
+            };
             match json {
                 true => Ok(writeln!(
                     out,
@@ -141,6 +158,9 @@ struct Description {
     #[serde(flatten)]
     facts: Facts,
     look_alike: Vec<LookAlike>,
+    /// For a robot that perceives its neighbours.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bounds: Option<Bounds>,
 }
 
 /// The cells that one sensor cannot tell apart.
@@ -161,6 +181,7 @@ impl Description {
                     groups: alike(sensor, maze),
                 })
                 .collect(),
+            bounds: None,
         }
     }
 
@@ -179,8 +200,52 @@ impl Description {
         writeln!(out, "start       {start}")?;
         writeln!(out, "goals       {}", places(&facts.goals))?;
         writeln!(out, "shortest    {}", shortest(facts))?;
-        self.look_alike.iter().try_for_each(|one| one.print(out))
+        self.look_alike.iter().try_for_each(|one| one.print(out))?;
+        self.bounds
+            .iter()
+            .try_for_each(|bounds| print_bounds(bounds, out))
     }
+}
+
+/// The bounds, each with what it supposes.
+fn print_bounds(bounds: &Bounds, out: &mut impl Write) -> Result<(), Failure> {
+    let number = |bound: Option<Estimate>| match bound {
+        None => "unknown".to_owned(),
+        Some(Estimate { steps, error: 0.0 }) => format!("{steps:.3}"),
+        Some(Estimate { steps, error }) => format!("{steps:.3} +- {error:.3} (estimate)"),
+    };
+    let [full, belief, memoryless] = [
+        number(Some(Estimate {
+            steps: bounds.full,
+            error: 0.0,
+        })),
+        number(bounds.belief),
+        number(bounds.memoryless),
+    ];
+    writeln!(
+        out,
+        "bounds      mean steps at best from all starts, neighbours perceived, slip {}",
+        bounds.slip
+    )?;
+    writeln!(out, "  full        {full}: the cell is known")?;
+    writeln!(
+        out,
+        "  belief      {belief}: the world is known, the start is not"
+    )?;
+    writeln!(
+        out,
+        "  memoryless  {memoryless}: one action for each percept, at most 100 steps"
+    )?;
+    Ok(())
+}
+
+/// A probability.
+fn share(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse::<f64>()
+        .ok()
+        .filter(|number| (0.0..=1.0).contains(number));
+    number.ok_or_else(|| "expected a number from 0 to 1".to_owned())
 }
 
 impl LookAlike {

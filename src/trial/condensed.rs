@@ -24,12 +24,13 @@ pub struct Condensed {
 }
 
 impl Condensed {
-    /// Condenses what was learned; `None` for a table, which has no rules, and in worlds with more
+    /// Condenses what was learned; `None` for a table, which has no rules, for rules that
+    /// look at more than the percept, and in worlds with more
     /// than [`MOST_PERCEPTS`] different percepts.
     pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze, paths: &Paths) -> Option<Self> {
         let actions = maze.action_count();
         let percepts = sensor.percepts(maze);
-        if percepts.len() > MOST_PERCEPTS {
+        if percepts.len() > MOST_PERCEPTS || knowledge.remembers() {
             return None;
         }
         let worth = |percept: &_| knowledge.worth(percept, actions);

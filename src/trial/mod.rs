@@ -1,8 +1,10 @@
 //! One trial: a fresh learner, run for a number of episodes from one seed.
 
+mod bounds;
 mod checkpoint;
 mod condensed;
 mod evaluation;
+mod greedy;
 mod plan;
 mod resolve;
 mod settings;
@@ -12,9 +14,11 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use serde::{Deserialize, Serialize};
 
+pub use bounds::{Bounds, Estimate};
 pub use checkpoint::{Checkpoint, CheckpointError, is_sealed, seal, unseal};
 pub use condensed::{Condensed, MOST_PERCEPTS};
 pub use evaluation::Evaluation;
+pub use greedy::GreedySteps;
 pub use plan::{Config, Plan, PlanError};
 pub use resolve::{Origin, Resolved, SettingsError};
 pub(crate) use resolve::{flatten, similar};
@@ -127,6 +131,8 @@ pub struct Trial {
     starts: Stream,
     /// Where the greedy policy was not globally optimal after the last episode.
     fault: Option<Cell>,
+    /// For methods that remember: mean steps to the goal at best, if moves are exact.
+    belief_bound: Option<f64>,
     progress: Progress,
 }
 
@@ -150,9 +156,13 @@ impl Trial {
         plan.check()?;
         let Plan { maze, config } = &plan;
         let exploration = Stream::new(config.seed, StreamName::Exploration);
+        let bounded = agent.remembers() && config.settings.arena.slip == 0.0;
         Ok(Self {
             paths: Paths::with_slip(maze, config.settings.arena.slip),
             arena: config.build_arena(maze)?,
+            belief_bound: bounded
+                .then(|| Bounds::of_belief(maze, config.sensor))
+                .flatten(),
             method: agent,
             explorer: Explorer::new(config.settings.episode.explore, exploration),
             start_cells: maze.start_cells(),
@@ -260,8 +270,7 @@ impl Trial {
     }
 
     fn count(&mut self, episode: &Episode, start: Cell) {
-        self.fault = self.find_fault();
-        let optimal = self.fault.is_none();
+        let optimal = self.is_optimal();
         let shortest = self.paths.distance(&self.plan.maze, start);
         let progress = &mut self.progress;
         progress.episodes += 1;
@@ -285,10 +294,25 @@ impl Trial {
         }
     }
 
-    /// Where the greedy policy is not globally optimal now.
-    fn find_fault(&self) -> Option<Cell> {
+    /// Is the greedy policy globally optimal now? Of a method that remembers nothing, every best
+    /// action must follow a shortest path. A method that remembers must take no more steps from
+    /// all starts together than one who knows the world, but not where the episode began
+    /// ([`Bounds::belief`]); where moves slip, or that bound is unknown, it counts as not optimal.
+    fn is_optimal(&mut self) -> bool {
         let Plan { maze, config } = &self.plan;
-        episode::first_fault(&*self.method, config.sensor, maze, &self.paths, self.fault)
+        if !self.method.remembers() {
+            let method = &*self.method;
+            self.fault = episode::first_fault(method, config.sensor, maze, &self.paths, self.fault);
+            return self.fault.is_none();
+        }
+        let Some(bound) = self
+            .belief_bound
+            .filter(|_| config.settings.arena.slip == 0.0)
+        else {
+            return false;
+        };
+        let greedy = GreedySteps::of(&self.plan, &self.method.knowledge());
+        greedy.mean <= bound + 1e-9
     }
 
     /// The policy that the learner would follow now, without exploring.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::settings::Settings;
-use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
+use crate::agent::{Agent, Knowledge, Method, Misfit, PERCEPT_BITS, Setup};
 use crate::arena::{
     Arena, ArenaKind, GridArena, Localisation, PhysicsArena, PhysicsError, SlippingArena,
 };
@@ -174,8 +174,21 @@ impl Plan {
     /// # Errors
     /// The first setting that does not.
     pub fn check(&self) -> Result<(), PlanError> {
+        let Config {
+            method,
+            sensor,
+            settings,
+            ..
+        } = &self.config;
         within("episodes", self.config.episodes, 1..=1_000_000)?;
-        Ok(self.config.settings.check()?)
+        settings.check()?;
+        if method.needs_surroundings() && sensor.ring() < PERCEPT_BITS {
+            return Err(PlanError::NoSurroundings {
+                method: method.name(),
+                sensor: sensor.name(),
+            });
+        }
+        Ok(())
     }
 
     /// The name of the folder that a run of this plan makes.
@@ -200,6 +213,16 @@ pub enum PlanError {
     /// The knowledge is about another world.
     #[error(transparent)]
     Knowledge(#[from] Misfit),
+    /// The method needs another percept.
+    #[error(
+        "`{method}` needs a percept that begins with the eight cells around the robot, which `{sensor}` does not; choose `neighbours`"
+    )]
+    NoSurroundings {
+        /// The method.
+        method: &'static str,
+        /// The percept that was chosen.
+        sensor: &'static str,
+    },
     /// The physics arena refuses the world.
     #[error(transparent)]
     Physics(#[from] PhysicsError),

@@ -2,6 +2,7 @@
 
 mod foresight;
 pub(super) mod planner;
+pub mod pomdp;
 pub(super) mod transitions;
 
 pub use foresight::{CollisionRule, Foresight, ReturnRule};

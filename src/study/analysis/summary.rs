@@ -112,6 +112,17 @@ impl<'a> ArmRecords<'a> {
         counts.map(|count| count as f64).collect()
     }
 
+    fn greedy_steps(&self) -> impl Iterator<Item = f64> + '_ {
+        self.figures.iter().filter_map(|one| one.greedy_steps)
+    }
+
+    /// The rounded mean of a figure over the trials that have it; `None` if none has.
+    fn mean_of(&self, figure: impl Fn(&Figures) -> Option<f64>) -> Option<f64> {
+        let known: Vec<f64> = self.figures.iter().filter_map(|one| figure(one)).collect();
+        let sum: f64 = known.iter().sum();
+        (!known.is_empty()).then(|| rounded(sum / known.len() as f64))
+    }
+
     /// The rounded mean of a figure; `None` without trials.
     fn mean(&self, figure: impl Fn(&Figures) -> f64) -> Option<f64> {
         let sum: f64 = self.figures.iter().map(|one| figure(one)).sum();
@@ -168,6 +179,12 @@ pub struct ArmSummary {
     pub mean_collisions: Option<f64>,
     /// Mean number of rules at the end.
     pub mean_rules: Option<f64>,
+    /// Mean steps of the greedy policy over all starts at the end, over all trials.
+    pub mean_greedy_steps: Option<f64>,
+    /// The same of the trial where they are most.
+    pub most_greedy_steps: Option<f64>,
+    /// Mean of these steps as a multiple of what they are at best; `null` where that is not known.
+    pub mean_greedy_ratio: Option<f64>,
     /// The median number of rules that are left of those of the retained trials when they are
     /// condensed; `null` for tables.
     pub median_condensed_rules: Option<f64>,
@@ -215,6 +232,9 @@ impl ArmSummary {
             mean_steps: records.mean(|one| one.progress.steps as f64),
             mean_collisions: records.mean(|one| one.progress.collisions as f64),
             mean_rules: records.mean(|one| one.rules as f64),
+            mean_greedy_steps: records.mean_of(|one| one.greedy_steps),
+            most_greedy_steps: records.greedy_steps().reduce(f64::max).map(rounded),
+            mean_greedy_ratio: records.mean_of(|one| one.greedy_ratio),
             median_condensed_rules: quantile(&condensed, 0.5),
             most_condensed_rules: condensed
                 .iter()

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::summary::ArmSummary;
+use super::summary::{ArmSummary, rounded};
 use crate::study::error::StudyError;
 use crate::study::protocol::Protocol;
 use crate::study::store::folder::StudyFolder;
@@ -26,6 +26,8 @@ struct TrialRow<'a> {
     collisions: Option<u64>,
     rules: Option<usize>,
     condensed_rules: Option<usize>,
+    greedy_steps: Option<f64>,
+    greedy_ratio: Option<f64>,
     error: &'a str,
 }
 
@@ -51,6 +53,8 @@ impl<'a> TrialRow<'a> {
             collisions: progress.map(|one| one.collisions),
             rules: figures.map(|one| one.rules),
             condensed_rules: figures.and_then(|one| one.condensed_rules),
+            greedy_steps: figures.and_then(|one| one.greedy_steps).map(rounded),
+            greedy_ratio: figures.and_then(|one| one.greedy_ratio).map(rounded),
             error: record.result.as_ref().err().map_or("", String::as_str),
         }
     }

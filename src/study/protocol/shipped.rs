@@ -1,25 +1,61 @@
 //! Worlds and studies that come with the program.
 
+/// The text of a world of the folder of classic mazes, with its name.
+macro_rules! classic {
+    ($name:literal) => {
+        (
+            $name,
+            include_str!(concat!("../../../worlds/classic/", $name, ".json")),
+        )
+    };
+}
+
 /// The worlds, by name.
-const WORLDS: [(&str, &str); 5] = [
+const WORLDS: [(&str, &str); 33] = [
     ("maze4", include_str!("../../../worlds/maze4.json")),
     ("maze5", include_str!("../../../worlds/maze5.json")),
     ("maze6", include_str!("../../../worlds/maze6.json")),
-    (
-        "maze4-classic",
-        include_str!("../../../worlds/maze4-classic.json"),
-    ),
     ("woods1", include_str!("../../../worlds/woods1.json")),
+    classic!("cassandra4x4"),
+    classic!("lab1"),
+    classic!("littman57"),
+    classic!("littman89"),
+    classic!("maze10"),
+    classic!("maze4-classic"),
+    classic!("maze5-classic"),
+    classic!("maze7"),
+    classic!("mazea"),
+    classic!("mazeb"),
+    classic!("mazed"),
+    classic!("mazee1"),
+    classic!("mazee2"),
+    classic!("mazee3"),
+    classic!("mazef1"),
+    classic!("mazef2"),
+    classic!("mazef3"),
+    classic!("mazef4"),
+    classic!("mazef8"),
+    classic!("mazef9"),
+    classic!("miyazakia"),
+    classic!("miyazakib"),
+    classic!("sutton"),
+    classic!("woods1-walled"),
+    classic!("woods100"),
+    classic!("woods101"),
+    classic!("woods101demi"),
+    classic!("woods102"),
+    classic!("woods14"),
 ];
 
 /// The studies, by name.
-const STUDIES: [(&str, &str); 6] = [
+const STUDIES: [(&str, &str); 7] = [
     ("paper", include_str!("presets/paper.toml")),
     ("ablation", include_str!("presets/ablation.toml")),
     ("plus", include_str!("presets/plus.toml")),
     ("repairs", include_str!("presets/repairs.toml")),
     ("transfer", include_str!("presets/transfer.toml")),
     ("starts", include_str!("presets/starts.toml")),
+    ("aliased", include_str!("presets/aliased.toml")),
 ];
 
 /// The text of a world file that comes with the program.

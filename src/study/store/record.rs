@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::{Deserialize, Serialize};
 
 use crate::study::protocol::Protocol;
-use crate::trial::{Condensed, Config, Plan, Progress, Trial};
+use crate::trial::{Condensed, Config, GreedySteps, Plan, Progress, Trial};
 use crate::world::Maze;
 use xcs::bounds::{OutOfRange, within};
 
@@ -19,6 +19,12 @@ pub struct Figures {
     pub rules: usize,
     /// How many are left of them when they are condensed; `None` for a table.
     pub condensed_rules: Option<usize>,
+    /// Mean steps of the greedy policy over all starts, at the end.
+    #[serde(default)]
+    pub greedy_steps: Option<f64>,
+    /// These steps as a multiple of what they are at best.
+    #[serde(default)]
+    pub greedy_ratio: Option<f64>,
 }
 
 impl Figures {
@@ -35,6 +41,17 @@ impl Figures {
         let most =
             (cells * maze.action_count()).max(2 * config.settings.xcs.population_size as usize);
         within("rules", self.rules, 0..=most)?;
+        let limit = f64::from(config.settings.reward.step_threshold);
+        within(
+            "greedy_steps",
+            self.greedy_steps.unwrap_or(1.0),
+            0.0..=limit,
+        )?;
+        within(
+            "greedy_ratio",
+            self.greedy_ratio.unwrap_or(1.0),
+            0.0..=limit,
+        )?;
         within(
             "condensed_rules",
             self.condensed_rules.unwrap_or(0),
@@ -93,16 +110,15 @@ fn figures(mut plan: Plan, earlier: Option<Plan>) -> Result<Figures, String> {
     }
     let trial = finished(plan)?;
     let Plan { maze, config } = trial.plan();
-    let condensed = Condensed::new(
-        &trial.method().knowledge(),
-        config.sensor,
-        maze,
-        trial.paths(),
-    );
+    let knowledge = trial.method().knowledge();
+    let condensed = Condensed::new(&knowledge, config.sensor, maze, trial.paths());
+    let greedy = GreedySteps::of(trial.plan(), &knowledge);
     Ok(Figures {
         progress: trial.progress().clone(),
         rules: trial.method().rule_count(),
         condensed_rules: condensed.map(|condensed| condensed.rules.len()),
+        greedy_steps: Some(greedy.mean),
+        greedy_ratio: greedy.ratio(trial.plan()),
     })
 }
 

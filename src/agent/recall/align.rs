@@ -1,0 +1,329 @@
+//! Where an episode that ended at the goal must have led: forward and backward over its steps
+//! (Baum and Welch), from the goal of a chart outward.
+
+use super::chart::{Chart, FURTHEST};
+use super::place::{AROUND, Around, Letter, Place, heading};
+use xcs::Action;
+
+/// Likelihoods below this share of the greatest are dropped.
+const NEGLIGIBLE: f64 = 1e-6;
+/// A place in which the robot was at least so likely is where it was.
+const CERTAIN: f64 = 0.6;
+/// Cells on each side of a square that holds all places of a chart.
+const SIDE: usize = 2 * FURTHEST as usize + 1;
+
+/// A step: what was perceived, and what was chosen.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Seen {
+    /// The cells around the robot.
+    pub around: Around,
+    /// The action that it chose.
+    pub action: Action,
+}
+
+/// What is believed of the moves and of the percepts.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Habits {
+    /// The number of actions.
+    pub actions: usize,
+    /// The probability that a random action is executed in place of the chosen one.
+    pub slip: f64,
+    /// The probability that a cell is misread.
+    pub misread: f64,
+}
+
+impl Habits {
+    /// How likely each displacement is: the eight around, and none.
+    fn displacements(&self, step: &Seen) -> [f64; 9] {
+        let mut likely = [0.0; 9];
+        for action in Action::all(self.actions) {
+            let at = heading(action, self.actions);
+            let to = if step.around[at] == Letter::Wall {
+                8
+            } else {
+                at
+            };
+            let chosen = if action == step.action {
+                1.0 - self.slip
+            } else {
+                0.0
+            };
+            likely[to] += chosen + self.slip / self.actions as f64;
+        }
+        likely
+    }
+
+    /// How likely a step was a slip, when it displaced the robot so.
+    fn slipped(&self, step: &Seen, displacement: usize) -> f64 {
+        let all = self.displacements(step)[displacement];
+        let at = heading(step.action, self.actions);
+        let to = if step.around[at] == Letter::Wall {
+            8
+        } else {
+            at
+        };
+        let chosen = if to == displacement {
+            1.0 - self.slip
+        } else {
+            0.0
+        };
+        if all > 0.0 { 1.0 - chosen / all } else { 0.0 }
+    }
+}
+
+/// An offset of [`AROUND`], or none.
+fn offset(displacement: usize) -> Place {
+    AROUND.get(displacement).copied().unwrap_or(Place::ORIGIN)
+}
+
+/// How likely two percepts follow each other over a displacement: what both show must agree.
+fn overlap(before: &Around, after: &Around, displacement: usize, misread: f64) -> f64 {
+    let by = offset(displacement);
+    let agree = |at: usize| {
+        let there = AROUND[at].minus(by);
+        match there == Place::ORIGIN {
+            true => before[at] == Letter::Free,
+            false => AROUND
+                .iter()
+                .position(|place| *place == there)
+                .is_none_or(|other| before[at] == after[other]),
+        }
+    };
+    (0..AROUND.len()).fold(1.0, |product, at| {
+        if agree(at) {
+            product
+        } else {
+            product * misread
+        }
+    })
+}
+
+/// Likelihoods of places, densely, with a list of those that are not zero.
+struct Layer {
+    places: Vec<(Place, f64)>,
+}
+
+/// Adds likelihoods by place.
+struct Adder {
+    sums: Vec<f64>,
+    touched: Vec<Place>,
+}
+
+impl Adder {
+    fn new() -> Self {
+        Self {
+            sums: vec![0.0; SIDE * SIDE],
+            touched: Vec::new(),
+        }
+    }
+
+    fn at(place: Place) -> usize {
+        let along = |cells: i16| (cells + FURTHEST as i16) as usize;
+        along(place.north) * SIDE + along(place.east)
+    }
+
+    fn add(&mut self, place: Place, weight: f64) {
+        if weight <= 0.0 || place.reach() > FURTHEST {
+            return;
+        }
+        let sum = &mut self.sums[Self::at(place)];
+        if *sum == 0.0 {
+            self.touched.push(place);
+        }
+        *sum += weight;
+    }
+
+    /// The sums, the greatest of them made 1, and what it was.
+    fn layer(&mut self) -> (Layer, f64) {
+        let mut touched = std::mem::take(&mut self.touched);
+        touched.sort_unstable();
+        let sum = |sums: &[f64], place: &Place| sums[Self::at(*place)];
+        let greatest = touched
+            .iter()
+            .map(|place| sum(&self.sums, place))
+            .fold(0.0, f64::max);
+        let mut places = Vec::with_capacity(touched.len());
+        for place in touched {
+            let weight = std::mem::take(&mut self.sums[Self::at(place)]);
+            if weight > NEGLIGIBLE * greatest {
+                places.push((place, weight / greatest));
+            }
+        }
+        (Layer { places }, greatest)
+    }
+}
+
+/// How an episode lies on a chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Alignment {
+    /// How likely the episode is on the chart: mantissa and power of two.
+    pub likelihood: Likelihood,
+    /// For each step, where the robot was, if that is certain.
+    pub places: Vec<Option<Place>>,
+    /// How many steps slipped, as far as can be told.
+    pub slips: f64,
+}
+
+/// A product of many small numbers: `mantissa * 2^exponent`, the mantissa between 0.5 and 1.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Likelihood {
+    exponent: i64,
+    mantissa: f64,
+}
+
+impl Likelihood {
+    /// A certainty.
+    pub const ONE: Self = Self {
+        exponent: 1,
+        mantissa: 0.5,
+    };
+
+    /// Times a number that is not negative.
+    pub fn times(self, factor: f64) -> Self {
+        let mut mantissa = self.mantissa * factor;
+        let mut exponent = self.exponent;
+        if mantissa <= 0.0 {
+            return Self {
+                exponent: i64::MIN,
+                mantissa: 0.0,
+            };
+        }
+        while mantissa < 0.5 {
+            mantissa *= 2.0;
+            exponent -= 1;
+        }
+        while mantissa >= 1.0 {
+            mantissa /= 2.0;
+            exponent += 1;
+        }
+        Self { exponent, mantissa }
+    }
+
+    /// Times another.
+    pub fn and(self, other: Self) -> Self {
+        if self.mantissa == 0.0 || other.mantissa == 0.0 {
+            return self.times(0.0);
+        }
+        let product = self.times(other.mantissa);
+        Self {
+            exponent: product.exponent + other.exponent,
+            ..product
+        }
+    }
+}
+
+/// Lays an episode, which ended at the goal, on a chart.
+pub fn align(steps: &[Seen], chart: &Chart, habits: &Habits) -> Alignment {
+    let mut adder = Adder::new();
+    let (layers, likelihood) = backward(steps, chart, habits, &mut adder);
+    let (places, slips) = forward(steps, &layers, habits, &mut adder);
+    Alignment {
+        likelihood,
+        places,
+        slips,
+    }
+}
+
+/// For each step the likelihood of what follows, by place.
+fn backward(
+    steps: &[Seen],
+    chart: &Chart,
+    habits: &Habits,
+    adder: &mut Adder,
+) -> (Vec<Layer>, Likelihood) {
+    let mut later = Layer {
+        places: vec![(Place::ORIGIN, 1.0)],
+    };
+    let mut likelihood = Likelihood::ONE;
+    let mut layers = Vec::with_capacity(steps.len());
+    for (at, step) in steps.iter().enumerate().rev() {
+        let moves = likely_moves(step, steps.get(at + 1).map(|next| &next.around), habits);
+        for &(place, weight) in &later.places {
+            for &(displacement, likely) in &moves {
+                adder.add(place.minus(offset(displacement)), weight * likely);
+            }
+        }
+        for place in std::mem::take(&mut adder.touched) {
+            let sum = &mut adder.sums[Adder::at(place)];
+            *sum *= chart.likelihood(place, &step.around, habits.misread);
+            adder.touched.push(place);
+        }
+        let (layer, greatest) = adder.layer();
+        likelihood = likelihood.times(greatest);
+        layers.push(std::mem::replace(&mut later, layer));
+    }
+    layers.push(later);
+    layers.reverse();
+    (layers, likelihood)
+}
+
+/// The displacements that a step may have had, given what was seen after it (nothing at the goal).
+fn likely_moves(step: &Seen, next: Option<&Around>, habits: &Habits) -> Vec<(usize, f64)> {
+    let likely = habits.displacements(step).into_iter().enumerate();
+    let fit = |displacement: usize| {
+        let into_goal = step.around.get(displacement) == Some(&Letter::Goal);
+        match next {
+            None if into_goal => 1.0,
+            Some(next) if !into_goal => overlap(&step.around, next, displacement, habits.misread),
+            _ => habits.misread,
+        }
+    };
+    let fitting = likely.map(|(displacement, likely)| (displacement, likely * fit(displacement)));
+    fitting.filter(|(_, likely)| *likely > 0.0).collect()
+}
+
+/// Where the robot was at each step, where that is certain, and how often it slipped.
+fn forward(
+    steps: &[Seen],
+    layers: &[Layer],
+    habits: &Habits,
+    adder: &mut Adder,
+) -> (Vec<Option<Place>>, f64) {
+    let mut now = shares(&layers[0].places);
+    let (mut places, mut slips) = (Vec::with_capacity(steps.len()), 0.0);
+    for (at, step) in steps.iter().enumerate() {
+        places.push(certain(&now));
+        let moves = likely_moves(step, steps.get(at + 1).map(|next| &next.around), habits);
+        let later = &layers[at + 1].places;
+        for &(place, weight) in &now {
+            let ways: Vec<(usize, Place, f64)> = moves
+                .iter()
+                .filter_map(|&(displacement, likely)| {
+                    let to = place.plus(offset(displacement));
+                    let found = later.binary_search_by_key(&to, |one| one.0).ok()?;
+                    Some((displacement, to, likely * later[found].1))
+                })
+                .collect();
+            let all: f64 = ways.iter().map(|way| way.2).sum();
+            for (displacement, to, likely) in ways {
+                let share = weight * likely / all;
+                slips += share * habits.slipped(step, displacement);
+                adder.add(to, share);
+            }
+        }
+        now = shares(&adder.layer().0.places);
+    }
+    (places, slips)
+}
+
+/// Weights that add up to 1.
+fn shares(places: &[(Place, f64)]) -> Vec<(Place, f64)> {
+    let sum: f64 = places.iter().map(|one| one.1).sum();
+    places
+        .iter()
+        .map(|&(place, weight)| (place, weight / sum))
+        .collect()
+}
+
+fn certain(places: &[(Place, f64)]) -> Option<Place> {
+    let likely = places.iter().find(|one| one.1 >= CERTAIN);
+    likely.map(|one| one.0)
+}
+
+/// The displacement that a step most likely had, given what was seen after it.
+pub fn likeliest_move(step: &Seen, next: &Around, habits: &Habits) -> Place {
+    let moves = likely_moves(step, Some(next), habits);
+    let better = |best: (usize, f64), one: (usize, f64)| if one.1 > best.1 { one } else { best };
+    let likeliest = moves.into_iter().reduce(better);
+    likeliest.map_or(Place::ORIGIN, |(displacement, _)| offset(displacement))
+}

@@ -1,0 +1,301 @@
+//! All charts, drawn from the episodes that reached a goal.
+
+use std::collections::{BTreeSet, VecDeque};
+
+use serde::{Deserialize, Serialize};
+
+use super::align::{Alignment, Habits, Likelihood, Seen, align};
+use super::chart::{Chart, FURTHEST};
+use super::place::{AROUND, Letter, Place, heading, percept_of};
+use crate::agent::model::pomdp::{GOAL, Pomdp};
+use xcs::MAX_ACTIONS;
+
+/// The most charts: goals that can be told apart.
+pub const MOST_CHARTS: usize = 6;
+/// Episodes that are kept to draw the charts anew.
+const KEPT_EPISODES: usize = 100;
+/// The last steps of an episode that are kept.
+pub const KEPT_STEPS: usize = 200;
+/// After so many successes the charts are drawn anew, if moves slip.
+const REDRAWN_AFTER: [u32; 17] = [
+    5, 10, 15, 20, 30, 40, 50, 65, 80, 100, 130, 160, 200, 300, 400, 600, 800,
+];
+/// Moves that slip less than this are taken for exact.
+const EXACT: f64 = 0.008;
+/// What is believed of slips and misread cells at first.
+const FIRST_SLIP: f64 = 0.05;
+const LEAST_MISREAD: f64 = 0.0005;
+/// How many times likelier an episode must be on a blank chart, to open one for it.
+const BLANK_ADVANTAGE: f64 = 7.4;
+/// A chart that fewer episodes than this share belong to is not planned on.
+const LEAST_SHARE: f64 = 0.05;
+
+/// A chart, and how many episodes belong to it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+struct Sheet {
+    chart: Chart,
+    episodes: f64,
+}
+
+/// The charts, what is believed of moves and percepts, and the episodes that say so.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Atlas {
+    sheets: Vec<Sheet>,
+    habits: Habits,
+    /// Expected slips, and the steps among which they were counted.
+    slips: [f64; 2],
+    episodes: VecDeque<Vec<Seen>>,
+    successes: u32,
+}
+
+/// Places on charts as states to plan on.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Map {
+    /// What moves do, and what is perceived.
+    pub pomdp: Pomdp,
+    /// By state: the number of the chart, and the place on it.
+    pub places: Vec<(u8, Place)>,
+}
+
+impl Map {
+    /// Is it a map for so many actions, of places on charts?
+    pub fn is_sound(&self, actions: usize) -> bool {
+        let charted = |&(chart, place): &(u8, Place)| {
+            usize::from(chart) < MOST_CHARTS && place.reach() <= FURTHEST
+        };
+        let blank = self.places.is_empty() && self.pomdp == Pomdp::default();
+        blank
+            || self.pomdp.actions() == actions
+                && self.pomdp.is_sound()
+                && self.pomdp.states() == self.places.len()
+                && self.places.iter().all(charted)
+    }
+}
+
+impl Atlas {
+    /// An atlas without a chart, for a robot with so many actions.
+    pub fn new(actions: usize) -> Self {
+        let habits = Habits {
+            actions,
+            slip: FIRST_SLIP,
+            misread: LEAST_MISREAD,
+        };
+        Self {
+            sheets: Vec::new(),
+            habits,
+            slips: [0.0; 2],
+            episodes: VecDeque::new(),
+            successes: 0,
+        }
+    }
+
+    /// What is believed of moves and percepts.
+    pub fn habits(&self) -> &Habits {
+        &self.habits
+    }
+
+    /// Learns from an episode whose last step led to a goal.
+    pub fn learn(&mut self, mut steps: Vec<Seen>) {
+        steps.drain(..steps.len().saturating_sub(KEPT_STEPS));
+        self.successes += 1;
+        self.draw(&steps);
+        self.episodes.push_back(steps);
+        if self.episodes.len() > KEPT_EPISODES {
+            self.episodes.pop_front();
+        }
+        self.settle_habits();
+        if REDRAWN_AFTER.contains(&self.successes) && self.habits.slip >= EXACT {
+            self.redraw();
+        }
+    }
+
+    /// Takes an episode down on the chart that it fits best.
+    fn draw(&mut self, steps: &[Seen]) {
+        let (at, alignment) = self.lay(steps);
+        if at == self.sheets.len() {
+            self.sheets.push(Sheet::default());
+        }
+        let sheet = &mut self.sheets[at];
+        sheet.episodes += 1.0;
+        for (step, place) in steps.iter().zip(&alignment.places) {
+            place
+                .iter()
+                .for_each(|&place| sheet.chart.take_down(place, &step.around));
+        }
+        sheet.chart.sight(Place::ORIGIN, Letter::Goal);
+        let fading = 0.99;
+        self.slips[0] = self.slips[0] * fading + alignment.slips;
+        self.slips[1] = self.slips[1] * fading + steps.len() as f64;
+    }
+
+    /// The chart that an episode fits best, or the number of a new one, and how it lies there.
+    fn lay(&self, steps: &[Seen]) -> (usize, Alignment) {
+        let charts = self.sheets.iter().map(|sheet| &sheet.chart).enumerate();
+        let laid = charts.map(|(at, chart)| (at, align(steps, chart, &self.habits)));
+        let best = laid.reduce(|best, one| match one.1.likelihood > best.1.likelihood {
+            true => one,
+            false => best,
+        });
+        let blank = || {
+            (
+                self.sheets.len(),
+                align(steps, &Chart::default(), &self.habits),
+            )
+        };
+        let Some(best) = best else {
+            return blank();
+        };
+        let exact = self.habits.slip < EXACT;
+        let enough = if exact { 1 } else { 2 };
+        if self.sheets.len() >= MOST_CHARTS || self.contradictions(steps, &best) < enough {
+            return best;
+        }
+        let blank = blank();
+        let likelier = blank.1.likelihood > best.1.likelihood.times(BLANK_ADVANTAGE);
+        if exact || likelier { blank } else { best }
+    }
+
+    /// In how many cells an episode contradicts the chart on which it lies.
+    fn contradictions(&self, steps: &[Seen], (at, alignment): &(usize, Alignment)) -> usize {
+        let chart = &self.sheets[*at].chart;
+        let placed = steps.iter().zip(&alignment.places);
+        let placed = placed.filter_map(|(step, place)| Some((step, (*place)?)));
+        let cells: BTreeSet<Place> = placed
+            .flat_map(|(step, place)| chart.contradictions(place, &step.around))
+            .collect();
+        cells.len()
+    }
+
+    /// How often moves slip, as far as the last episodes tell.
+    fn settle_habits(&mut self) {
+        let [slips, steps] = self.slips;
+        self.habits.slip = ((slips + FIRST_SLIP) / (steps + 1.0)).clamp(1e-4, 0.9);
+    }
+
+    /// Draws all charts anew from the kept episodes, the shortest first, and once more from how they
+    /// lie there; keeps what is likelier.
+    fn redraw(&mut self) {
+        let mut order: Vec<&Vec<Seen>> = self.episodes.iter().collect();
+        order.sort_by_key(|steps| steps.len());
+        let order: Vec<Vec<Seen>> = order.into_iter().cloned().collect();
+        let mut fresh = Self {
+            habits: self.habits,
+            successes: self.successes,
+            ..Self::new(self.habits.actions)
+        };
+        order.iter().for_each(|steps| fresh.draw(steps));
+        fresh.settle_habits();
+        let fresh = fresh.drawn_again(&order);
+        if fresh.likelihood(&order) > self.likelihood(&order) || order.len() < 25 {
+            self.sheets = fresh.sheets;
+            self.habits = fresh.habits;
+            self.slips = fresh.slips;
+        }
+    }
+
+    /// Charts drawn from how episodes lie on these ones.
+    fn drawn_again(&self, episodes: &[Vec<Seen>]) -> Self {
+        let mut again = Self {
+            sheets: vec![Sheet::default(); self.sheets.len()],
+            habits: self.habits,
+            successes: self.successes,
+            ..Self::new(self.habits.actions)
+        };
+        for steps in episodes {
+            let charts = self.sheets.iter().map(|sheet| &sheet.chart).enumerate();
+            let laid = charts.map(|(at, chart)| (at, align(steps, chart, &self.habits)));
+            let best = laid.reduce(|best, one| match one.1.likelihood > best.1.likelihood {
+                true => one,
+                false => best,
+            });
+            let Some((at, alignment)) = best else {
+                continue;
+            };
+            let sheet = &mut again.sheets[at];
+            sheet.episodes += 1.0;
+            sheet.chart.sight(Place::ORIGIN, Letter::Goal);
+            for (step, place) in steps.iter().zip(&alignment.places) {
+                place
+                    .iter()
+                    .for_each(|&place| sheet.chart.take_down(place, &step.around));
+            }
+            again.slips[0] += alignment.slips;
+            again.slips[1] += steps.len() as f64;
+        }
+        again.sheets.retain(|sheet| sheet.episodes > 0.0);
+        again.settle_habits();
+        again
+    }
+
+    fn likelihood(&self, episodes: &[Vec<Seen>]) -> Likelihood {
+        let best = |steps: &Vec<Seen>| self.lay(steps).1.likelihood;
+        episodes
+            .iter()
+            .map(best)
+            .fold(Likelihood::ONE, Likelihood::and)
+    }
+
+    /// The charted places as states to plan on: all that can be perceived wholly.
+    pub fn map(&self) -> Map {
+        if self.sheets.is_empty() {
+            return Map::default();
+        }
+        let all: f64 = self.sheets.iter().map(|sheet| sheet.episodes).sum();
+        let used = self
+            .sheets
+            .iter()
+            .filter(|sheet| sheet.episodes >= LEAST_SHARE * all);
+        let charts: Vec<&Chart> = used.map(|sheet| &sheet.chart).collect();
+        let mut places = Vec::new();
+        for (number, chart) in charts.iter().enumerate() {
+            let stands = |place: &Place| {
+                chart.letter(*place) == Some(Letter::Free) && chart.around(*place).is_some()
+            };
+            places.extend(
+                chart
+                    .places()
+                    .filter(stands)
+                    .map(|place| (number as u8, place)),
+            );
+        }
+        places.sort_unstable();
+        let seen: Vec<_> = places
+            .iter()
+            .map(|&(number, place)| charts[usize::from(number)].around(place))
+            .map(|around| percept_of(&around.expect("only places that are charted all around")))
+            .collect();
+        let slip = if self.habits.slip < EXACT {
+            0.0
+        } else {
+            (self.habits.slip * 50.0).round() / 50.0
+        };
+        let actions = self.habits.actions;
+        let next = |state: usize, action| {
+            let (number, place) = places[state];
+            let to = place.plus(AROUND[heading(action, actions)]);
+            match charts[usize::from(number)].letter(to) {
+                Some(Letter::Goal) => GOAL,
+                Some(Letter::Free) => {
+                    let known = places.binary_search(&(number, to));
+                    known.unwrap_or(state) as u32
+                }
+                _ => state as u32,
+            }
+        };
+        let pomdp = Pomdp::new(actions, slip, &seen, next);
+        Map { pomdp, places }
+    }
+
+    /// Can an atlas of a robot with so many actions look like this?
+    pub fn is_sound(&self, actions: usize) -> bool {
+        let steps = self.episodes.iter().flatten();
+        self.habits.actions == actions
+            && actions <= MAX_ACTIONS
+            && self.sheets.len() <= MOST_CHARTS
+            && self.sheets.iter().all(|sheet| sheet.chart.is_sound())
+            && self.episodes.iter().all(|steps| steps.len() <= KEPT_STEPS)
+            && steps.clone().all(|step| step.action.index() < actions)
+            && (0.0..=1.0).contains(&self.habits.slip)
+            && (0.0..=1.0).contains(&self.habits.misread)
+    }
+}

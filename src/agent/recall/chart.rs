@@ -1,0 +1,164 @@
+//! A chart: what was seen around one goal, cell by cell.
+
+use serde::{Deserialize, Serialize};
+
+use super::place::{AROUND, Around, Letter, Place};
+
+/// Sightings of a cell that count; from here on the older ones fade.
+const MOST_SIGHTINGS: u8 = 20;
+/// Cells further from the goal than this, in moves, are not charted.
+pub const FURTHEST: u16 = 48;
+/// The likelihood of whatever is seen in a cell that nobody has seen before.
+const UNKNOWN: f64 = 0.9;
+/// The sightings that every letter is granted in advance.
+const PRIOR: f64 = 0.003;
+
+/// Sightings of each letter, for the cells of a rectangle that grows.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Chart {
+    /// The most western and southern cell.
+    corner: Place,
+    width: u16,
+    height: u16,
+    sightings: Vec<[u8; 3]>,
+}
+
+impl Chart {
+    /// The sightings of a cell: free, wall, goal.
+    fn sightings(&self, place: Place) -> [u8; 3] {
+        self.index(place).map_or([0; 3], |at| self.sightings[at])
+    }
+
+    fn index(&self, place: Place) -> Option<usize> {
+        let Place { east, north } = place.minus(self.corner);
+        let (col, row) = (u16::try_from(east).ok()?, u16::try_from(north).ok()?);
+        let inside = col < self.width && row < self.height;
+        inside.then_some(usize::from(row) * usize::from(self.width) + usize::from(col))
+    }
+
+    /// What was seen most often in a cell; `None` if nothing was.
+    pub fn letter(&self, place: Place) -> Option<Letter> {
+        let [free, wall, goal] = self.sightings(place);
+        match free.max(wall).max(goal) {
+            0 => None,
+            most if most == free => Some(Letter::Free),
+            most if most == wall => Some(Letter::Wall),
+            _ => Some(Letter::Goal),
+        }
+    }
+
+    /// What would be perceived in a place; `None` if some of it is not charted.
+    pub fn around(&self, place: Place) -> Option<Around> {
+        let mut around = [Letter::Free; 8];
+        for (letter, by) in around.iter_mut().zip(AROUND) {
+            *letter = self.letter(place.plus(by))?;
+        }
+        Some(around)
+    }
+
+    /// How likely it is to perceive this in a place, when a letter is misread with probability
+    /// `misread`.
+    pub fn likelihood(&self, place: Place, seen: &Around, misread: f64) -> f64 {
+        let here = self.letter_likelihood(place, Letter::Free, misread);
+        let cells = AROUND.iter().zip(seen);
+        cells.fold(here, |product, (&by, &letter)| {
+            product * self.letter_likelihood(place.plus(by), letter, misread)
+        })
+    }
+
+    fn letter_likelihood(&self, place: Place, letter: Letter, misread: f64) -> f64 {
+        let sightings = self.sightings(place);
+        let all: f64 = sightings.iter().copied().map(f64::from).sum();
+        if all == 0.0 {
+            return UNKNOWN;
+        }
+        let share = (f64::from(sightings[letter as usize]) + PRIOR) / (all + 3.0 * PRIOR);
+        (1.0 - misread) * share + misread / 3.0
+    }
+
+    /// The cells around a place that were charted otherwise than they are seen.
+    pub fn contradictions(&self, place: Place, seen: &Around) -> impl Iterator<Item = Place> {
+        let cells = AROUND.into_iter().zip(*seen);
+        let cells = cells.map(move |(by, letter)| (place.plus(by), letter));
+        cells
+            .filter(|&(cell, letter)| self.letter(cell).is_some_and(|charted| charted != letter))
+            .map(|(cell, _)| cell)
+    }
+
+    /// Takes down what is seen in a place, which is free.
+    pub fn take_down(&mut self, place: Place, seen: &Around) {
+        if place.reach() >= FURTHEST {
+            return;
+        }
+        self.sight(place, Letter::Free);
+        for (&by, &letter) in AROUND.iter().zip(seen) {
+            self.sight(place.plus(by), letter);
+        }
+    }
+
+    /// Takes down what a cell is.
+    pub fn sight(&mut self, place: Place, letter: Letter) {
+        self.grow_to(place);
+        let at = self.index(place).expect("the chart has grown");
+        let sightings = &mut self.sightings[at];
+        if sightings.iter().sum::<u8>() >= MOST_SIGHTINGS {
+            sightings.iter_mut().for_each(|count| *count /= 2);
+        }
+        sightings[letter as usize] += 1;
+    }
+
+    fn grow_to(&mut self, place: Place) {
+        if self.index(place).is_some() {
+            return;
+        }
+        let old = std::mem::take(self);
+        let size = |low: i16, high: i16| (high - low + 1) as u16;
+        let (west, south, east, north) = match old.sightings.is_empty() {
+            true => (place.east, place.north, place.east, place.north),
+            false => {
+                let far = old
+                    .corner
+                    .plus(Place::new(old.width as i16 - 1, old.height as i16 - 1));
+                (
+                    old.corner.east.min(place.east),
+                    old.corner.north.min(place.north),
+                    far.east.max(place.east),
+                    far.north.max(place.north),
+                )
+            }
+        };
+        let (width, height) = (size(west, east), size(south, north));
+        *self = Self {
+            corner: Place::new(west, south),
+            width,
+            height,
+            sightings: vec![[0; 3]; usize::from(width) * usize::from(height)],
+        };
+        for (place, sightings) in old.places().zip(&old.sightings) {
+            let at = self.index(place).expect("the new chart holds the old one");
+            self.sightings[at] = *sightings;
+        }
+    }
+
+    /// All cells of the rectangle.
+    pub fn places(&self) -> impl Iterator<Item = Place> + use<> {
+        let (corner, width, height) = (self.corner, self.width as i16, self.height as i16);
+        (0..height)
+            .flat_map(move |row| (0..width).map(move |col| corner.plus(Place::new(col, row))))
+    }
+
+    /// Can a chart look like this?
+    pub fn is_sound(&self) -> bool {
+        let most = 2 * FURTHEST + 1;
+        let inside = |place: Place| place.reach() <= FURTHEST;
+        let far = (self.width.saturating_sub(1), self.height.saturating_sub(1));
+        self.width <= most
+            && self.height <= most
+            && self.sightings.len() == usize::from(self.width) * usize::from(self.height)
+            && inside(self.corner)
+            && inside(self.corner.plus(Place::new(far.0 as i16, far.1 as i16)))
+            && self.sightings.iter().all(|cell| {
+                cell.iter().copied().map(u32::from).sum::<u32>() <= MOST_SIGHTINGS.into()
+            })
+    }
+}

@@ -1,0 +1,160 @@
+//! What a rule looks at: the percept, the likeliest place on the map, and the last two steps.
+
+use serde::Serialize;
+
+use super::atlas::Map;
+use super::chart::FURTHEST;
+use super::place::{AROUND, Place, around};
+use crate::agent::model::pomdp::Belief;
+use xcs::{Action, Percept};
+
+/// The bits of the percept that come first.
+pub const PERCEPT_BITS: usize = 16;
+/// The bits of a coordinate: bit k says that it is greater than `k - FURTHEST`.
+pub const COORDINATE_BITS: usize = 2 * FURTHEST as usize;
+/// The bits of a chart's number.
+pub const CHART_BITS: usize = 3;
+/// The bits of a step of the window: was there one, its action, its percept.
+const STEP_BITS: usize = 1 + 3 + PERCEPT_BITS;
+/// The steps of the window.
+const WINDOW: usize = 2;
+/// All bits of a context.
+pub const CONTEXT_BITS: usize =
+    PERCEPT_BITS + 2 * COORDINATE_BITS + CHART_BITS + WINDOW * STEP_BITS;
+
+/// What was perceived and done so far in an episode, as far as it matters.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Tracker {
+    belief: Belief,
+    /// What is perceived now.
+    now: Option<Percept>,
+    /// What was perceived and done, the latest last.
+    window: [Option<(Percept, Action)>; WINDOW],
+    acted: Option<Action>,
+}
+
+impl Tracker {
+    /// What is believed.
+    pub fn belief(&self) -> &Belief {
+        &self.belief
+    }
+
+    /// Perceives; the percept's first sixteen bits count.
+    pub fn perceive(&mut self, map: &Map, percept: &Percept) {
+        let percept = Percept::from_word(percept.words()[0], PERCEPT_BITS);
+        let after = match self.acted.take() {
+            Some(action) if !self.belief.is_empty() => {
+                self.belief.after(&map.pomdp, action, &percept)
+            }
+            _ => Belief::default(),
+        };
+        self.belief = match after.is_empty() {
+            true => lost(map, &percept),
+            false => after,
+        };
+        self.now = Some(percept);
+    }
+
+    /// Acts on what was perceived.
+    pub fn act(&mut self, action: Action) {
+        if let Some(percept) = self.now {
+            self.window.rotate_left(1);
+            self.window[WINDOW - 1] = Some((percept, action));
+        }
+        self.acted = Some(action);
+    }
+
+    /// All that rules look at, as bits.
+    pub fn context(&self, map: &Map) -> Percept {
+        let percept = self.now.unwrap_or(Percept::from_word(0, PERCEPT_BITS));
+        let place = self
+            .belief
+            .likeliest()
+            .map(|(state, _)| map.places[state as usize]);
+        let (chart, place) = place.unwrap_or((0, Place::ORIGIN));
+        let above = |coordinate: i16| {
+            (0..COORDINATE_BITS as i16).map(move |bit| coordinate > bit - FURTHEST as i16)
+        };
+        let bits = bits_of(percept, PERCEPT_BITS)
+            .chain(above(place.east))
+            .chain(above(place.north))
+            .chain((0..CHART_BITS).map(|bit| chart >> bit & 1 == 1))
+            .chain(self.window.iter().rev().flat_map(|step| step_bits(*step)));
+        Percept::from_bits(bits).expect("a context is no wider than percepts may be")
+    }
+}
+
+fn bits_of(percept: Percept, bits: usize) -> impl Iterator<Item = bool> {
+    (0..bits).map(move |bit| percept.bit(bit))
+}
+
+fn step_bits(step: Option<(Percept, Action)>) -> impl Iterator<Item = bool> {
+    let (percept, action) = step.map_or((Percept::from_word(0, PERCEPT_BITS), 0), |step| {
+        (step.0, step.1.index())
+    });
+    std::iter::once(step.is_some())
+        .chain((0..3).map(move |bit| action >> bit & 1 == 1))
+        .chain(bits_of(percept, PERCEPT_BITS))
+}
+
+/// Everywhere where it looks like this, or else as much like this as anywhere.
+fn lost(map: &Map, percept: &Percept) -> Belief {
+    let pomdp = &map.pomdp;
+    if let Some(look) = pomdp.look_of(percept) {
+        return Belief::even(pomdp.alike(look));
+    }
+    let seen = around(percept);
+    let strange = |state: u32| {
+        let there = around(pomdp.percept(state));
+        (0..AROUND.len())
+            .filter(|&at| there[at] != seen[at])
+            .count()
+    };
+    let states = 0..pomdp.states() as u32;
+    let least = states.clone().map(strange).min();
+    match least {
+        Some(least) => Belief::even(states.filter(|&state| strange(state) == least)),
+        None => Belief::default(),
+    }
+}
+
+/// What a condition on a context demands beside the percept, such as `east of the goal at least 2`.
+pub fn words(alleles: &dyn Fn(usize) -> Option<bool>) -> Vec<String> {
+    let east = PERCEPT_BITS;
+    let north = east + COORDINATE_BITS;
+    let chart = north + COORDINATE_BITS;
+    let window = chart + CHART_BITS;
+    let mut words = coordinate_words("x", east, alleles);
+    words.extend(coordinate_words("y", north, alleles));
+    let part = |name: &str, range: std::ops::Range<usize>| {
+        let letter = |at| alleles(at).map_or('#', |bit| if bit { '1' } else { '0' });
+        let bits: String = range.map(letter).collect();
+        bits.contains(['0', '1']).then(|| format!("{name} {bits}"))
+    };
+    words.extend(part("chart", chart..window));
+    for (step, ago) in ["last step", "step before"].into_iter().enumerate() {
+        let from = window + step * STEP_BITS;
+        words.extend(part(&format!("{ago} taken"), from..from + 1));
+        words.extend(part(&format!("{ago} action"), from + 1..from + 4));
+        words.extend(part(&format!("{ago} percept"), from + 4..from + STEP_BITS));
+    }
+    words
+}
+
+/// The limits of a coordinate, counted from the goal: bit k demands more than `k - FURTHEST`, or not.
+fn coordinate_words(
+    name: &str,
+    from: usize,
+    alleles: &dyn Fn(usize) -> Option<bool>,
+) -> Vec<String> {
+    let limit = |bit: usize| bit as i16 - FURTHEST as i16;
+    let demands =
+        |value| (0..COORDINATE_BITS).filter(move |&bit| alleles(from + bit) == Some(value));
+    let least = demands(true)
+        .max()
+        .map(|bit| format!("{name} > {}", limit(bit)));
+    let most = demands(false)
+        .min()
+        .map(|bit| format!("{name} <= {}", limit(bit)));
+    least.into_iter().chain(most).collect()
+}

@@ -1,0 +1,72 @@
+//! What rules are to be learned from: imagined episodes on the map.
+
+use std::collections::BTreeMap;
+
+use super::atlas::Map;
+use super::context::Tracker;
+use crate::agent::model::pomdp::{BeliefPlanner, GOAL, moved};
+use xcs::random::Stream;
+use xcs::{Action, MAX_ACTIONS, Percept};
+
+/// The most steps of an imagined episode.
+const MOST_STEPS: u32 = 100;
+
+/// What is known of a context: how often it came, and what each action cost there, added up.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Lesson {
+    /// How often it came.
+    pub weight: f64,
+    costs: [f64; MAX_ACTIONS],
+}
+
+impl Lesson {
+    /// The mean cost of the best action.
+    pub fn least(&self, actions: usize) -> f64 {
+        let costs = self.costs[..actions].iter();
+        costs.copied().fold(f64::INFINITY, f64::min) / self.weight
+    }
+
+    /// How much more an action costs than the best.
+    pub fn regret(&self, action: Action, actions: usize) -> f64 {
+        self.costs[action.index()] / self.weight - self.least(actions)
+    }
+}
+
+/// Lessons by context, in order.
+pub type Lessons = BTreeMap<Percept, Lesson>;
+
+/// Imagines episodes from the given states, acting as `choose` says in a context (or as planned,
+/// where that says nothing), and adds what it met to the lessons. Returns the steps taken.
+pub fn imagine(
+    map: &Map,
+    planner: &BeliefPlanner,
+    starts: impl Iterator<Item = u32>,
+    choose: impl Fn(&Percept) -> Option<Action>,
+    stream: &mut Stream,
+    lessons: &mut Lessons,
+) -> u64 {
+    let mut known = BTreeMap::new();
+    let mut steps = 0;
+    for start in starts {
+        let (mut state, mut tracker) = (start, Tracker::default());
+        for _ in 0..MOST_STEPS {
+            tracker.perceive(map, map.pomdp.percept(state));
+            let context = tracker.context(map);
+            let costs = *known
+                .entry(tracker.belief().key())
+                .or_insert_with(|| planner.costs(&map.pomdp, tracker.belief()));
+            let lesson = lessons.entry(context).or_default();
+            lesson.weight += 1.0;
+            let sums = lesson.costs.iter_mut().zip(costs.as_slice());
+            sums.for_each(|(sum, cost)| *sum += cost);
+            let action = choose(&context).unwrap_or_else(|| costs.best());
+            tracker.act(action);
+            steps += 1;
+            state = moved(&map.pomdp, state, action, stream);
+            if state == GOAL {
+                break;
+            }
+        }
+    }
+    steps
+}

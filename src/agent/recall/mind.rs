@@ -1,0 +1,265 @@
+//! The learner itself: charts, belief and rules, without the rewards.
+
+use serde::{Deserialize, Serialize};
+
+use super::align::Seen;
+use super::atlas::{Atlas, Map};
+use super::context::{CONTEXT_BITS, Tracker};
+use super::induction::induce;
+use super::lessons::{Lessons, imagine};
+use super::place::around;
+use super::wander::Sketch;
+use crate::agent::model::pomdp::{BeliefPlanner, Effort};
+use xcs::random::Stream;
+use xcs::{Action, Percept};
+use xcs::{Classifier, Population, PredictionArray};
+
+/// Imagined episodes after each real one, at most, and the states that may be weighed in them.
+const IMAGINED: usize = 32;
+const WEIGHED: [usize; 2] = [1600, 500];
+/// Episodes up to which the greater of these holds.
+const EARLY: u32 = 100;
+/// Imagined episodes from every state after each real one, at most, if moves are exact.
+const SWEEPS: usize = 8;
+/// If moves slip, plans never settle; rules are induced anew after so many episodes.
+const REVISED_AFTER: [u32; 14] = [
+    25, 50, 75, 100, 150, 200, 250, 300, 400, 500, 600, 700, 800, 900,
+];
+/// How often rules are put to the test on the map, and learn from what they met.
+const LESSONS: usize = 6;
+/// Imagined episodes of a test, if moves slip.
+const TESTS: usize = 300;
+
+/// Charts, what was planned on them, and the rules that were induced.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Mind {
+    actions: usize,
+    atlas: Atlas,
+    /// Follows from the atlas.
+    #[serde(skip)]
+    map: Map,
+    planner: BeliefPlanner,
+    rules: Population,
+    stream: Stream,
+    /// Finished episodes.
+    episodes: u32,
+    /// Has the plan changed since the rules were induced?
+    stale: bool,
+    #[serde(skip)]
+    tracker: Tracker,
+    #[serde(skip)]
+    sketch: Sketch,
+    /// The steps of this episode.
+    #[serde(skip)]
+    steps: Vec<Seen>,
+}
+
+impl Mind {
+    /// A mind that knows nothing, for so many actions.
+    pub fn new(actions: usize, stream: Stream) -> Self {
+        Self {
+            actions,
+            atlas: Atlas::new(actions),
+            map: Map::default(),
+            planner: BeliefPlanner::default(),
+            rules: Population::default(),
+            stream,
+            episodes: 0,
+            stale: false,
+            tracker: Tracker::default(),
+            sketch: Sketch::default(),
+            steps: Vec::new(),
+        }
+    }
+
+    /// Can this mind, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let fits = |rule: &Classifier| {
+            rule.condition.width() == CONTEXT_BITS && rule.action.index() < fresh.actions
+        };
+        self.actions == fresh.actions
+            && self.atlas.is_sound(fresh.actions)
+            && self.rules.rules().iter().all(fits)
+    }
+
+    /// Completes a mind that was read from a file; `false` if its plan is not one for its charts.
+    pub fn restore(&mut self) -> bool {
+        self.map = self.atlas.map();
+        self.planner.belongs_to(&self.map.pomdp)
+    }
+
+    /// The charted places.
+    pub fn map(&self) -> &Map {
+        &self.map
+    }
+
+    /// The rules that act.
+    pub fn rules(&self) -> &Population {
+        &self.rules
+    }
+
+    /// Perceives, and tells what the rules make of it.
+    pub fn perceive(&mut self, percept: &Percept) -> PredictionArray {
+        self.tracker.perceive(&self.map, percept);
+        let around = around(percept);
+        self.sketch
+            .perceive(self.steps.last(), &around, self.atlas.habits());
+        let context = self.tracker.context(&self.map);
+        self.rules.sums(&context).array(self.actions, false)
+    }
+
+    /// What the rules make of a percept when an episode begins with it.
+    pub fn worth_at_first(&self, percept: &Percept) -> PredictionArray {
+        let mut begun = Tracker::default();
+        begun.perceive(&self.map, percept);
+        self.rules
+            .sums(&begun.context(&self.map))
+            .array(self.actions, false)
+    }
+
+    /// How many rules match, and how many of them advocate an action.
+    pub fn matching(&self, action: Action) -> [u32; 2] {
+        let mut found = [0; 2];
+        let context = self.tracker.context(&self.map);
+        self.rules.for_each_match(&context, |_, rule| {
+            found[0] += rule.numerosity;
+            found[1] += if rule.action == action {
+                rule.numerosity
+            } else {
+                0
+            };
+        });
+        found
+    }
+
+    /// Is this an episode in which to look for what is not yet known?
+    pub fn explores(&self) -> bool {
+        let number = self.episodes;
+        self.rules.is_empty() || number < 5 || (number < 200 && number % 2 == 1) || number % 10 == 9
+    }
+
+    /// The action that leads to what is not yet known in this episode.
+    pub fn explore(&mut self) -> Action {
+        self.sketch.explore(self.actions, &mut self.stream)
+    }
+
+    /// Acts on what was perceived.
+    pub fn act(&mut self, percept: &Percept, action: Action) {
+        self.tracker.act(action);
+        let around = around(percept);
+        self.steps.push(Seen { around, action });
+    }
+
+    /// Ends the episode: learns charts, plan and rules.
+    pub fn finish(&mut self, reached_goal: bool) {
+        self.episodes += 1;
+        let steps = std::mem::take(&mut self.steps);
+        self.tracker = Tracker::default();
+        self.sketch = Sketch::default();
+        if reached_goal && !steps.is_empty() {
+            self.atlas.learn(steps);
+            let map = self.atlas.map();
+            if map != self.map {
+                self.planner = BeliefPlanner::new(&map.pomdp);
+                self.map = map;
+                self.stale = true;
+            }
+        }
+        if self.map.places.is_empty() {
+            return;
+        }
+        self.stale |= self.plan();
+        if std::mem::take(&mut self.stale) {
+            self.induce();
+        }
+    }
+
+    /// Imagines episodes to plan; true if that changed the plan.
+    fn plan(&mut self) -> bool {
+        match self.map.pomdp.slip() > 0.0 {
+            true => self.plan_by_chance(),
+            false => self.plan_from_everywhere(),
+        }
+    }
+
+    /// From every state, until nothing changes any more.
+    fn plan_from_everywhere(&mut self) -> bool {
+        let mut changed = false;
+        for _ in 0..SWEEPS {
+            let mut change = 0.0_f64;
+            for start in 0..self.map.pomdp.states() as u32 {
+                let effort = self.imagine(start);
+                change = change.max(effort.change);
+            }
+            if change < 1e-9 {
+                break;
+            }
+            changed = true;
+        }
+        changed
+    }
+
+    /// From states drawn by chance.
+    fn plan_by_chance(&mut self) -> bool {
+        let states = self.map.pomdp.states();
+        let budget = WEIGHED[usize::from(self.episodes > EARLY)];
+        let mut weighed = 0;
+        for _ in 0..IMAGINED {
+            let start = self.stream.below(states) as u32;
+            weighed += self.imagine(start).weighed;
+            if weighed > budget {
+                break;
+            }
+        }
+        REVISED_AFTER.contains(&self.episodes)
+    }
+
+    fn imagine(&mut self, start: u32) -> Effort {
+        let pomdp = &self.map.pomdp;
+        let belief = pomdp.first_belief(pomdp.look(start));
+        self.planner.imagine(pomdp, start, belief, &mut self.stream)
+    }
+
+    /// Induces rules from imagined episodes, puts them to the test, and learns from what they met.
+    fn induce(&mut self) {
+        let (map, planner) = (&self.map, &self.planner);
+        let states = map.pomdp.states() as u32;
+        let slips = map.pomdp.slip() > 0.0;
+        let rounds = if slips {
+            (TESTS as u32).div_ceil(states)
+        } else {
+            1
+        };
+        let starts = || (0..rounds).flat_map(|_| 0..states);
+        let (tolerance, least) = if slips { (0.05, 1.5) } else { (1e-6, 0.0) };
+        let mut lessons = Lessons::new();
+        imagine(
+            map,
+            planner,
+            starts(),
+            |_| None,
+            &mut self.stream,
+            &mut lessons,
+        );
+        for _ in 0..LESSONS {
+            let rules = induce(&lessons, self.actions, tolerance, least);
+            self.rules = rules.try_into().expect("induced rules are sound");
+            let before = lessons.len();
+            let chosen = |context: &Percept| {
+                let worth = self.rules.sums(context).array(self.actions, false);
+                worth.best_actions().next()
+            };
+            imagine(
+                map,
+                planner,
+                starts(),
+                chosen,
+                &mut self.stream,
+                &mut lessons,
+            );
+            if lessons.len() == before {
+                break;
+            }
+        }
+    }
+}

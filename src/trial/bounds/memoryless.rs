@@ -1,0 +1,145 @@
+//! The best policy that has one action for each percept: branch and bound.
+
+use std::collections::VecDeque;
+
+use super::{Estimate, MOST_STEPS};
+use crate::agent::pomdp::{GOAL, Pomdp};
+use xcs::Action;
+
+/// Partial policies that are looked at, at most.
+const MOST_POLICIES: usize = 100_000;
+
+/// Mean steps of the best policy over the starts, without slips. When there are too many policies
+/// to rule all others out, `error` says how much better than the best one found they may be.
+pub fn steps(pomdp: &Pomdp, starts: &[u32]) -> Estimate {
+    let mut search = Search {
+        pomdp,
+        starts,
+        before: before(pomdp),
+        least: f64::from(MOST_STEPS),
+        left: MOST_POLICIES,
+        skipped: f64::from(MOST_STEPS),
+    };
+    search.branch(&mut vec![None; pomdp.states()]);
+    Estimate {
+        steps: search.least,
+        error: (search.least - search.skipped).max(0.0),
+    }
+}
+
+/// By state: the states and actions that lead there; the goal comes last.
+fn before(pomdp: &Pomdp) -> Vec<Vec<(u32, Action)>> {
+    let mut before = vec![Vec::new(); pomdp.states() + 1];
+    for state in 0..pomdp.states() as u32 {
+        for action in Action::all(pomdp.actions()) {
+            let next = pomdp.next(state, action);
+            let at = if next == GOAL {
+                pomdp.states()
+            } else {
+                next as usize
+            };
+            before[at].push((state, action));
+        }
+    }
+    before
+}
+
+struct Search<'a> {
+    pomdp: &'a Pomdp,
+    starts: &'a [u32],
+    before: Vec<Vec<(u32, Action)>>,
+    /// The mean steps of the best policy so far.
+    least: f64,
+    /// How many more partial policies may be looked at.
+    left: usize,
+    /// No policy that was never looked at takes less than this.
+    skipped: f64,
+}
+
+/// By percept: the action of a policy, if that is decided.
+type Policy = Vec<Option<Action>>;
+
+impl Search<'_> {
+    /// Tries all policies that decide what is still open, unless none can be the best.
+    fn branch(&mut self, policy: &mut Policy) {
+        let distances = self.distances(policy);
+        let bound = self.mean(&distances);
+        if bound >= self.least - 1e-9 {
+            return;
+        }
+        if self.left == 0 {
+            self.skipped = self.skipped.min(bound);
+            return;
+        }
+        self.left -= 1;
+        let Some(look) = self.conflict(policy, &distances) else {
+            self.least = bound;
+            return;
+        };
+        let mut ranked: Vec<(f64, Action)> = Action::all(self.pomdp.actions())
+            .map(|action| {
+                policy[look] = Some(action);
+                (self.mean(&self.distances(policy)), action)
+            })
+            .collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, action) in ranked {
+            policy[look] = Some(action);
+            self.branch(policy);
+        }
+        policy[look] = None;
+    }
+
+    /// Steps to the goal from each state if what is open may be decided state by state;
+    /// [`MOST_STEPS`] where no way leads there.
+    fn distances(&self, policy: &Policy) -> Vec<u32> {
+        let mut distances = vec![MOST_STEPS; self.pomdp.states()];
+        let mut queue = VecDeque::from([(self.pomdp.states(), 0)]);
+        while let Some((to, steps)) = queue.pop_front() {
+            for &(state, action) in &self.before[to] {
+                let decided = policy[self.pomdp.look(state) as usize];
+                let allowed = decided.is_none_or(|decided| decided == action);
+                let distance = &mut distances[state as usize];
+                if allowed && *distance == MOST_STEPS && steps + 1 < MOST_STEPS {
+                    *distance = steps + 1;
+                    queue.push_back((state as usize, steps + 1));
+                }
+            }
+        }
+        distances
+    }
+
+    fn mean(&self, distances: &[u32]) -> f64 {
+        let steps = self
+            .starts
+            .iter()
+            .map(|&start| f64::from(distances[start as usize]));
+        steps.sum::<f64>() / self.starts.len() as f64
+    }
+
+    /// The open percept with the most states among those for which no action is best in all states.
+    fn conflict(&self, policy: &Policy, distances: &[u32]) -> Option<usize> {
+        let states = 0..self.pomdp.states() as u32;
+        let alike = |look: usize| {
+            let states = states.clone();
+            states.filter(move |&state| self.pomdp.look(state) as usize == look)
+        };
+        let best = |state: u32, action: Action| {
+            let here = distances[state as usize];
+            let next = self.pomdp.next(state, action);
+            let after = if next == GOAL {
+                0
+            } else {
+                distances[next as usize]
+            };
+            here == MOST_STEPS || after + 1 == here
+        };
+        let agree = |look: usize| {
+            let mut actions = Action::all(self.pomdp.actions());
+            actions.any(|action| alike(look).all(|state| best(state, action)))
+        };
+        let looks = (0..policy.len()).filter(|&look| policy[look].is_none());
+        let open = looks.filter(|&look| alike(look).nth(1).is_some() && !agree(look));
+        open.max_by_key(|&look| alike(look).count())
+    }
+}

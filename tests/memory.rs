@@ -1,0 +1,92 @@
+//! A learner with a memory where places look alike, and one without.
+
+use std::path::Path;
+
+use xcscr::agent::{Knowledge, Method};
+use xcscr::arena::ArenaKind;
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Bounds, Config, GreedySteps, Plan, Settings, Trial};
+use xcscr::world::Maze;
+
+fn finished(world: &str, method: Method, episodes: u32, slip: f64) -> Trial {
+    let file = format!("worlds/classic/{world}.json");
+    let maze = Maze::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
+    let mut settings = Settings::default();
+    settings.reward.step_threshold = 100;
+    settings.arena.slip = slip;
+    let config = Config {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        method,
+        arena: ArenaKind::Grid,
+        sensor: Sensor::Neighbours,
+        episodes,
+        seed: 5,
+        settings,
+        initial: None,
+    };
+    let mut trial = Trial::new(Plan { maze, config }).unwrap();
+    let _ = trial.run(&mut ());
+    trial
+}
+
+fn greedy(trial: &Trial) -> f64 {
+    GreedySteps::of(trial.plan(), &trial.method().knowledge()).mean
+}
+
+#[test]
+fn rules_with_a_memory_reach_the_belief_bound_and_those_without_stay_far_from_it() {
+    for world in [
+        "woods101", "woods102", "maze10", "mazef4", "mazef8", "maze7",
+    ] {
+        let trial = finished(world, Method::XcscrMemory, 100, 0.0);
+        let maze = &trial.plan().maze;
+        let bound = Bounds::of_belief(maze, Sensor::Neighbours).unwrap();
+        let (steps, rules) = (greedy(&trial), trial.method().rule_count());
+        assert!(
+            steps <= 1.02 * bound,
+            "{world}: {steps} steps, bound {bound}"
+        );
+        assert!(rules <= 25, "{world}: {rules} rules");
+        let without = greedy(&finished(world, Method::QLearning, 100, 0.0));
+        assert!(
+            without > 2.0 * bound,
+            "{world}: {without} steps without a memory"
+        );
+    }
+}
+
+#[test]
+fn a_trial_with_a_memory_counts_as_optimal_when_it_reaches_the_belief_bound() {
+    let trial = finished("maze7", Method::XcscrMemory, 60, 0.0);
+    let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
+    assert_eq!(greedy.ratio(trial.plan()), Some(1.0));
+    assert!(trial.progress().optimal, "{:?}", trial.progress());
+    assert!(trial.progress().first_optimal_episode.unwrap() <= 50);
+}
+
+#[test]
+fn where_moves_slip_the_charts_are_drawn_all_the_same() {
+    let trial = finished("woods101", Method::XcscrMemory, 60, 0.21875);
+    let steps = greedy(&trial);
+    // The estimate of the belief bound is 4.06, the mean of 500 episodes good to some 0.25 steps.
+    assert!(steps < 4.8, "{steps} steps");
+    assert_eq!(trial.progress().first_optimal_episode, None);
+}
+
+#[test]
+fn the_rules_are_the_cause_of_what_is_done() {
+    let trial = finished("mazef4", Method::XcscrMemory, 60, 0.0);
+    let before = greedy(&trial);
+    let Knowledge::Remembering { rules, map } = trial.method().knowledge() else {
+        panic!("the method remembers");
+    };
+    // The same rules, each with the action opposite to its own.
+    let mut turned = rules.rules().to_vec();
+    for rule in &mut turned {
+        let opposite = (rule.action.index() + 4) % 8;
+        rule.action = xcscr::xcs::Action::new(opposite).unwrap();
+    }
+    let rules = turned.try_into().unwrap();
+    let after = GreedySteps::of(trial.plan(), &Knowledge::Remembering { rules, map }).mean;
+    assert!(before < 5.0 && after > 20.0, "{before} and {after} steps");
+}
