@@ -84,6 +84,13 @@ impl Tracker {
     }
 }
 
+/// A context of which the last two steps are forgotten.
+pub fn without_window(context: &Percept) -> Percept {
+    let window = CONTEXT_BITS - WINDOW * STEP_BITS;
+    let bits = (0..CONTEXT_BITS).map(|bit| bit < window && context.bit(bit));
+    Percept::from_bits(bits).expect("as many bits as before")
+}
+
 fn bits_of(percept: Percept, bits: usize) -> impl Iterator<Item = bool> {
     (0..bits).map(move |bit| percept.bit(bit))
 }

@@ -36,12 +36,14 @@ impl Lesson {
 pub type Lessons = BTreeMap<Percept, Lesson>;
 
 /// Imagines episodes from the given states, acting as `choose` says in a context (or as planned,
-/// where that says nothing), and adds what it met to the lessons. Returns the steps taken.
+/// where that says nothing), and adds what it met to the lessons, as far as
+/// `look` lets it see of a context. Returns the steps taken.
 pub fn imagine(
     map: &Map,
     planner: &BeliefPlanner,
     starts: impl Iterator<Item = u32>,
     choose: impl Fn(&Percept) -> Option<Action>,
+    look: impl Fn(Percept) -> Percept,
     stream: &mut Stream,
     lessons: &mut Lessons,
 ) -> u64 {
@@ -51,7 +53,7 @@ pub fn imagine(
         let (mut state, mut tracker) = (start, Tracker::default());
         for _ in 0..MOST_STEPS {
             tracker.perceive(map, map.pomdp.percept(state));
-            let context = tracker.context(map);
+            let context = look(tracker.context(map));
             let costs = *known
                 .entry(tracker.belief().key())
                 .or_insert_with(|| planner.costs(&map.pomdp, tracker.belief()));

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::align::Seen;
 use super::atlas::{Atlas, Map};
-use super::context::{CONTEXT_BITS, Tracker};
+use super::context::{CONTEXT_BITS, Tracker, without_window};
 use super::induction::induce;
 use super::lessons::{Lessons, imagine};
 use super::place::around;
@@ -27,6 +27,12 @@ const REVISED_AFTER: [u32; 14] = [
 ];
 /// How often rules are put to the test on the map, and learn from what they met.
 const LESSONS: usize = 6;
+/// Where moves slip, an action is good if it costs at most so many steps more than the best, and a
+/// context counts if it came so often.
+const TOLERANCE: f64 = 0.1;
+const LEAST_OFTEN: f64 = 4.5;
+/// The last two steps are needed if without them it takes this much more.
+const NEEDED: f64 = 0.03;
 /// Imagined episodes of a test, if moves slip.
 const TESTS: usize = 300;
 
@@ -220,9 +226,23 @@ impl Mind {
         self.planner.imagine(pomdp, start, belief, &mut self.stream)
     }
 
-    /// Induces rules from imagined episodes, puts them to the test, and learns from what they met.
+    /// Induces rules anew. Where moves slip, rules that look at the last two steps are many; they
+    /// are taken only if those that do not need more steps.
     fn induce(&mut self) {
-        let (map, planner) = (&self.map, &self.planner);
+        let (rules, steps) = self.induced(true);
+        self.rules = rules;
+        if self.map.pomdp.slip() > 0.0 {
+            let (fewer, others) = self.induced(false);
+            if others as f64 <= (1.0 + NEEDED) * steps as f64 {
+                self.rules = fewer;
+            }
+        }
+    }
+
+    /// Rules induced from imagined episodes, put to the test, and improved by what they met; and the
+    /// steps of the last test.
+    fn induced(&mut self, windowed: bool) -> (Population, u64) {
+        let (map, planner, stream) = (&self.map, &self.planner, &mut self.stream);
         let states = map.pomdp.states() as u32;
         let slips = map.pomdp.slip() > 0.0;
         let rounds = if slips {
@@ -231,35 +251,34 @@ impl Mind {
             1
         };
         let starts = || (0..rounds).flat_map(|_| 0..states);
-        let (tolerance, least) = if slips { (0.05, 1.5) } else { (1e-6, 0.0) };
+        let (tolerance, least) = if slips {
+            (TOLERANCE, LEAST_OFTEN)
+        } else {
+            (1e-6, 0.0)
+        };
+        let look = |context: Percept| {
+            if windowed {
+                context
+            } else {
+                without_window(&context)
+            }
+        };
         let mut lessons = Lessons::new();
-        imagine(
-            map,
-            planner,
-            starts(),
-            |_| None,
-            &mut self.stream,
-            &mut lessons,
-        );
+        imagine(map, planner, starts(), |_| None, look, stream, &mut lessons);
+        let (mut rules, mut steps) = (Population::default(), 0);
         for _ in 0..LESSONS {
-            let rules = induce(&lessons, self.actions, tolerance, least);
-            self.rules = rules.try_into().expect("induced rules are sound");
+            let induced = induce(&lessons, self.actions, tolerance, least);
+            rules = induced.try_into().expect("induced rules are sound");
             let before = lessons.len();
             let chosen = |context: &Percept| {
-                let worth = self.rules.sums(context).array(self.actions, false);
+                let worth = Population::sums(&rules, context).array(self.actions, false);
                 worth.best_actions().next()
             };
-            imagine(
-                map,
-                planner,
-                starts(),
-                chosen,
-                &mut self.stream,
-                &mut lessons,
-            );
+            steps = imagine(map, planner, starts(), chosen, look, stream, &mut lessons);
             if lessons.len() == before {
                 break;
             }
         }
+        (rules, steps)
     }
 }
