@@ -267,8 +267,8 @@ mod tests {
 
     #[test]
     fn a_world_that_is_not_shipped_needs_a_path() {
-        let text = SMALL.replace("maze4", "maze7");
-        assert!(message(&text).contains("there is no world `maze7`"));
+        let text = SMALL.replace("maze4", "maze99");
+        assert!(message(&text).contains("there is no world `maze99`"));
     }
 
     #[test]
