@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 use crate::commands::check::CheckArgs;
 use crate::commands::config::ConfigCommand;
 use crate::commands::evaluate::EvaluateArgs;
+use crate::commands::manual::ManArgs;
 use crate::commands::map::MapArgs;
 use crate::commands::recover::RecoverArgs;
 use crate::commands::replay::ReplayArgs;
@@ -70,4 +71,6 @@ pub enum Command {
         /// The shell.
         shell: clap_complete::Shell,
     },
+    /// Write the manual pages into a folder.
+    Man(ManArgs),
 }

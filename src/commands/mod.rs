@@ -8,6 +8,7 @@ pub mod failure;
 pub mod interrupt;
 mod learned;
 mod live;
+pub mod manual;
 pub mod map;
 mod progress;
 pub mod recover;
@@ -33,6 +34,7 @@ pub fn run(cli: Cli, out: &mut impl Write) -> Result<(), Failure> {
     match cli.command {
         Command::Config(command) => config::run(&command, out)?,
         Command::Completions { shell } => complete(shell, out)?,
+        Command::Man(args) => manual::run(&args)?,
         Command::Train(args) => train::run(&args, out)?,
         Command::Evaluate(args) => evaluate::run(&args, out)?,
         Command::Rules(args) => rules::run(&args, out)?,

@@ -1,0 +1,183 @@
+//! Every command that the pages show does what it says: those in blocks marked `sh` are run, page by
+//! page, in an empty folder with the worlds beside it; those in blocks marked `sh,parsed`, which
+//! would take too long or serve for ever, must be valid arguments.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A command, and whether it is run.
+#[derive(Debug, PartialEq)]
+struct Shown {
+    command: String,
+    run: bool,
+}
+
+/// The commands of the program in the blocks of a page; `cargo run ... -- X` is `xcscr X`.
+fn shown(page: &str) -> Vec<Shown> {
+    let mut found = Vec::new();
+    let mut block: Option<&str> = None;
+    for line in page.lines() {
+        if let Some(kind) = line.strip_prefix("```") {
+            block = block.is_none().then_some(kind);
+            continue;
+        }
+        let run = match block {
+            Some("sh") => true,
+            Some("sh,parsed") => false,
+            _ => continue,
+        };
+        if let Some(command) = of_the_program(line) {
+            found.push(Shown { command, run });
+        }
+    }
+    found
+}
+
+/// A line of a block as a command of the program, if it is one.
+fn of_the_program(line: &str) -> Option<String> {
+    if line.starts_with("xcscr ") {
+        return Some(line.to_owned());
+    }
+    let (options, rest) = line.strip_prefix("cargo run ")?.split_once("-- ")?;
+    let built = !options.contains("--features live") || cfg!(feature = "live");
+    (built && !options.contains("--example")).then(|| format!("xcscr {rest}"))
+}
+
+/// A folder with the worlds and the sample recording.
+fn folder() -> TempDir {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = tempfile::tempdir().unwrap();
+    for (from, ending) in [("worlds", "json"), ("recordings", "mcap")] {
+        fs::create_dir(folder.path().join(from)).unwrap();
+        for file in fs::read_dir(root.join(from)).unwrap() {
+            let path = file.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            let wanted = from == "worlds" || name.starts_with("sample");
+            if wanted && path.extension().is_some_and(|e| e == ending) {
+                fs::copy(&path, folder.path().join(from).join(name)).unwrap();
+            }
+        }
+    }
+    folder
+}
+
+/// Runs a line in the shell, where `xcscr` is the program that was built.
+fn shell(line: &str, folder: &Path) -> Output {
+    let program = assert_cmd::cargo::cargo_bin("xcscr");
+    let beside = program.parent().unwrap().display();
+    let path = std::env::var("PATH").unwrap_or_default();
+    let mut command = Command::new("sh");
+    command.args(["-euc", line]).current_dir(folder);
+    command.env("PATH", format!("{beside}:{path}"));
+    command.output().unwrap()
+}
+
+/// Writes the study file that the page shows to where its commands look for it.
+fn write_shown_study(page: &str, folder: &Path) {
+    if let Some((_, rest)) = page.split_once("```toml\n")
+        && let Some((study, _)) = rest.split_once("```")
+    {
+        fs::write(folder.join("small.toml"), study).unwrap();
+    }
+}
+
+/// Runs or parses every command of a page; gives how many.
+#[track_caller]
+fn follow(file: &str) -> usize {
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
+    let folder = folder();
+    write_shown_study(&page, folder.path());
+    let commands = shown(&page);
+    for Shown { command, run } in &commands {
+        // Arguments are parsed from left to right, and `--help` ends it before anything is done.
+        let without_comment = command.split(" #").next().unwrap();
+        let line = match run {
+            true => command.clone(),
+            false => format!("{without_comment} --help"),
+        };
+        let Output {
+            status,
+            stdout,
+            stderr,
+        } = shell(&line, folder.path());
+        let [stdout, stderr] =
+            [stdout, stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+        assert!(
+            status.success(),
+            "{file}: {line}: {status}\n{stdout}\n{stderr}"
+        );
+    }
+    commands.len()
+}
+
+#[test]
+fn the_page_about_the_learner_can_be_followed() {
+    assert!(follow("docs/src/learner.md") > 8);
+}
+
+#[test]
+fn the_page_about_the_robot_can_be_followed() {
+    assert!(follow("docs/src/robot.md") > 6);
+}
+
+#[test]
+fn the_page_about_recordings_can_be_followed() {
+    assert!(follow("docs/src/recordings.md") > 6);
+}
+
+#[test]
+fn the_page_about_studies_can_be_followed() {
+    assert!(follow("docs/src/studies.md") > 8);
+}
+
+#[test]
+fn the_page_about_formats_can_be_followed() {
+    assert!(follow("docs/src/formats.md") > 7);
+}
+
+#[test]
+fn the_readme_can_be_followed() {
+    assert!(follow("README.md") > 12);
+}
+
+#[test]
+fn every_page_is_in_the_summary() {
+    let pages = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src");
+    let summary = fs::read_to_string(pages.join("SUMMARY.md")).unwrap();
+    for file in fs::read_dir(&pages).unwrap() {
+        let name = file.unwrap().file_name().to_string_lossy().into_owned();
+        let listed = summary.contains(&format!("({name})"));
+        assert!(
+            listed || name == "SUMMARY.md",
+            "{name} is not in SUMMARY.md"
+        );
+    }
+}
+
+#[test]
+fn control_blocks_and_commands_are_told_apart() {
+    let page = "```sh\nxcscr a # b\ncargo run --release -- c\ncargo test\n```\nxcscr d\n\
+                ```sh,parsed\nxcscr e\n```\n```text\nxcscr f\n```\n";
+    let expected = [("xcscr a # b", true), ("xcscr c", true), ("xcscr e", false)];
+    let expected = expected.map(|(command, run)| Shown {
+        command: command.to_owned(),
+        run,
+    });
+    assert_eq!(shown(page), expected);
+}
+
+#[test]
+fn control_a_command_with_unknown_arguments_fails_even_when_only_parsed() {
+    let folder = folder();
+    let status = |line: &str| shell(line, folder.path()).status.code();
+    assert_eq!(status("xcscr study run paper --help"), Some(0));
+    assert_eq!(
+        status("xcscr study run paper --such-as-this --help"),
+        Some(2)
+    );
+    assert_eq!(status("xcscr study run paper --trials few --help"), Some(2));
+    assert_eq!(status("xcscr no-such-command"), Some(2));
+}
