@@ -2,13 +2,13 @@
 //! end are refused, within ten times their size and 64 MiB.
 #![cfg(unix)]
 
-mod program;
+mod common;
 
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Output};
 
-use program::ended;
+use common::program::ended;
 use xcscr::record;
 
 /// Runs the program with so much address space, in KiB.

@@ -1,11 +1,11 @@
 //! What files hold is printed, and never obeyed: one file of each kind, full of escape sequences.
 
-mod program;
+mod common;
 
 use std::fs;
 use std::path::Path;
 
-use program::{expect, xcscr};
+use common::program::{expect, xcscr};
 
 /// Red, a new title, a cleared screen by one character above ASCII, backspaces, and a text that runs
 /// from right to left.

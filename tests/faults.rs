@@ -3,7 +3,7 @@
 //!
 //! `XCSCR_LONG=1 cargo test --test faults` tears ten times as many checkpoints.
 
-mod program;
+mod common;
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,9 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use program::{contents, dice, ended, expect, rounds, signal, spawn, xcscr};
+use common::chance::{dice, rounds};
+use common::folder::{assert_same, contents};
+use common::program::{ended, expect, signal, spawn, xcscr};
 use xcscr::disk;
 use xcscr::record;
 use xcscr::trial::{seal, unseal};
@@ -300,7 +302,7 @@ fn a_file_size_limit_ends_in_code_74_and_the_run_goes_on_when_it_is_lifted() {
         0,
         &args(&wanted).iter().map(String::as_str).collect::<Vec<_>>(),
     );
-    program::assert_same(&out, &wanted, "after the limit was lifted");
+    assert_same(&out, &wanted, "after the limit was lifted");
 }
 
 /// A file system of its own with a few megabytes, while this lives.
@@ -370,7 +372,7 @@ fn a_full_disk_ends_in_code_74_and_the_run_goes_on_when_there_is_room() {
     expect(0, &["train", "--resume", dir]);
     let wanted = disk.0.path().join("wanted");
     expect(0, &["train", WORLD, "--out", wanted.to_str().unwrap()]);
-    program::assert_same(&out, &wanted, "after the disk was full");
+    assert_same(&out, &wanted, "after the disk was full");
 }
 
 #[test]
@@ -567,7 +569,7 @@ fn a_forced_run_removes_the_files_of_the_run_before_it_and_nothing_else() {
     fs::remove_file(out.join("notes.txt")).unwrap();
     fs::remove_dir_all(out.join("figures")).unwrap();
     expect(0, &[&anew[..], &[fresh_dir]].concat());
-    program::assert_same(&out, &fresh, "something of the run before was left");
+    assert_same(&out, &fresh, "something of the run before was left");
 }
 
 #[cfg(unix)]

@@ -4,12 +4,12 @@
 //! Each kind of file is mutated at least 10,000 times; `XCSCR_LONG=1 cargo test --test forged`
 //! does so ten times as often.
 
-mod program;
+mod common;
 
 use std::fs;
 use std::path::Path;
 
-use program::{dice, rounds};
+use common::chance::{dice, rounds};
 use serde_json::{Value, json};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;

@@ -3,13 +3,13 @@
 //!
 //! `XCSCR_LONG=1 cargo test --test forged_recordings` forges ten times as many.
 
-mod program;
+mod common;
 
 use std::fs;
 use std::path::Path;
 
+use common::chance::{dice, rounds};
 use mcap::records::{MessageHeader, Metadata};
-use program::{dice, rounds};
 use xcscr::record::reader::Recording;
 use xcscr::record::{check, check_recording, recover};
 use xcscr::xcs::random::Stream;

@@ -4,13 +4,14 @@
 //! Each kind of input is mutated at least 100,000 times; `XCSCR_LONG=1 cargo test --test hostile`
 //! does so ten times as often.
 
-mod program;
+mod common;
 
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use program::{dice, ended, expect, rounds, xcscr};
+use common::chance::{dice, rounds};
+use common::program::{ended, expect, xcscr};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::Observer;

@@ -3,7 +3,7 @@
 #![cfg(feature = "live")]
 #![allow(clippy::unwrap_used, reason = "a test ends there")]
 
-mod program;
+mod common;
 
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -12,7 +12,8 @@ use std::path::Path;
 use std::process::Child;
 use std::time::{Duration, Instant};
 
-use program::{assert_same, expect, signal, spawn};
+use common::folder::assert_same;
+use common::program::{expect, signal, spawn};
 use serde_json::{Value, json};
 use xcscr::record::reader::Recording;
 

@@ -1,12 +1,13 @@
 //! Nothing is overwritten that somebody else wrote: every command that writes, against files and
 //! folders that it finds.
 
-mod program;
+mod common;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use program::{contents, ended, expect, xcscr};
+use common::folder::contents;
+use common::program::{ended, expect, spawn, xcscr};
 
 const WORLD: &str = "worlds/maze4.json";
 
@@ -241,7 +242,7 @@ fn a_folder_that_vanishes_during_a_run_gets_no_advice_that_cannot_work() {
         "--out",
         &out,
     ];
-    let child = program::spawn(&args);
+    let child = spawn(&args);
     while !desk.path("run").join("ep-0003.mcap").exists() {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }

@@ -1,8 +1,10 @@
 //! What the simulated robot does: it drives where it is told to, knows when it hits a wall, and
 //! does the same again, to the bit.
 
+use std::hash::Hasher;
 use std::path::Path;
 
+use fnv::FnvHasher;
 use nalgebra::{Point2, Vector2};
 use xcscr::arena::{Arena, Outcome, PhysicsArena, PhysicsParams, Snapshot};
 use xcscr::streams::StreamName;
@@ -62,13 +64,9 @@ fn restart_in_goal(arena: &mut PhysicsArena) {
     }
 }
 
-/// All bits that can be seen of the last action, mixed into one word (FNV-1a).
-fn digest(arena: &PhysicsArena, mut hash: u64) -> u64 {
-    let mut mix = |bits: u64| {
-        for byte in bits.to_le_bytes() {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    };
+/// All bits that can be seen of the last action, added to a digest (FNV-1a).
+fn add_to_digest(arena: &PhysicsArena, hash: &mut FnvHasher) {
+    let mut mix = |bits: u64| hash.write(&bits.to_le_bytes());
     let view = arena.view();
     for sample in view.trace {
         let (at, turn) = (
@@ -88,18 +86,23 @@ fn digest(arena: &PhysicsArena, mut hash: u64) -> u64 {
             .into_iter()
             .for_each(|x| mix(x.to_bits()));
     }
-    hash
+}
+
+fn digest(arena: &PhysicsArena) -> u64 {
+    let mut hash = FnvHasher::default();
+    add_to_digest(arena, &mut hash);
+    hash.finish()
 }
 
 /// The digest of a whole script of actions.
 fn digest_of(mut arena: PhysicsArena, actions: impl Iterator<Item = Action>) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325;
+    let mut hash = FnvHasher::default();
     for action in actions {
         arena.act(action);
-        hash = digest(&arena, hash);
+        add_to_digest(&arena, &mut hash);
         restart_in_goal(&mut arena);
     }
-    hash
+    hash.finish()
 }
 
 /// How often the robot did something else than what it was told, and how far off it ended.
@@ -276,7 +279,7 @@ fn a_restored_snapshot_goes_on_with_the_same_bits() {
         for action in script(point + 1_000, 10) {
             robot.act(action);
             other.act(action);
-            assert_eq!(digest(&robot, 0), digest(&other, 0), "point {point}");
+            assert_eq!(digest(&robot), digest(&other), "point {point}");
         }
         robot.restore(&snapshot);
     }

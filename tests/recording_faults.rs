@@ -8,8 +8,9 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use common::folder::names;
 use common::scripted::Scripted;
-use common::trial::{Trial, names};
+use common::trial::Trial;
 use xcscr::arena::View;
 use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::record::check;

@@ -3,14 +3,14 @@
 #![allow(clippy::unwrap_used, reason = "a test ends there")]
 
 mod common;
-mod program;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use common::trial::{Trial, names};
-use program::outcome;
+use common::folder::names;
+use common::program::outcome;
+use common::trial::Trial;
 use xcscr::record::RecordError;
 use xcscr::record::reader::Recording;
 use xcscr::record::recover;

@@ -2,14 +2,16 @@
 //!
 //! `XCSCR_LONG=1 cargo test --test resume` stops ten times as often, and kills 200 times.
 
-mod program;
+mod common;
 
 use std::fs;
 use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 
-use program::{assert_same, contents, dice, ended, expect, rounds, signal, spawn};
+use common::chance::{dice, rounds};
+use common::folder::{assert_same, contents};
+use common::program::{ended, expect, signal, spawn};
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::record::{self, RecordMode, Recorder, RecorderMemory, RobotShape, RunInfo};

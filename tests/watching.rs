@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test ends there")]
 
-mod program;
+mod common;
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -10,7 +10,7 @@ use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use program::outcome;
+use common::program::outcome;
 use xcscr::record::reader::Recording;
 
 /// A run of so many episodes.

@@ -1,26 +1,6 @@
-//! Runs the program as a user would. Each test file uses a part of this.
-#![allow(dead_code)]
+//! Runs the program as a user would.
 
-use std::fs;
-use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
-
-use xcscr::streams::StreamName;
-use xcscr::xcs::random::Stream;
-
-/// How often a random experiment is repeated: `commit` times, or `long` times when the
-/// environment variable `XCSCR_LONG` is set.
-pub fn rounds(commit: usize, long: usize) -> usize {
-    match std::env::var_os("XCSCR_LONG") {
-        Some(_) => long,
-        None => commit,
-    }
-}
-
-/// Random numbers for tests: the same in every run.
-pub fn dice(seed: u64) -> Stream {
-    Stream::new(seed, StreamName::World)
-}
 
 /// The program with these arguments, in the folder of the project.
 pub fn xcscr(args: &[&str]) -> Command {
@@ -70,30 +50,4 @@ pub fn signal(child: &Child, name: &str) {
     let pid = child.id().to_string();
     // The program may have ended by itself, which is no fault of this.
     let _ = Command::new("kill").args(["-s", name, &pid]).output();
-}
-
-/// Every file of a folder with its bytes, in order.
-pub fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
-    let mut files: Vec<_> = entries
-        .map(|entry| {
-            let name = entry.file_name().into_string().unwrap();
-            (name, fs::read(entry.path()).unwrap())
-        })
-        .collect();
-    files.sort();
-    files
-}
-
-/// Two folders hold the same files with the same bytes.
-#[track_caller]
-pub fn assert_same(found: &Path, wanted: &Path, what: &str) {
-    let (found, wanted) = (contents(found), contents(wanted));
-    let names = |files: &[(String, Vec<u8>)]| -> Vec<String> {
-        files.iter().map(|(name, _)| name.clone()).collect()
-    };
-    assert_eq!(names(&found), names(&wanted), "{what}");
-    for ((name, a), (_, b)) in found.iter().zip(&wanted) {
-        assert!(a == b, "{what}: {name} differs");
-    }
 }
