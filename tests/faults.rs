@@ -169,7 +169,7 @@ fn a_study_leaves_a_trial_without_end_after_a_signal_and_ends_at_once_after_a_se
     signal(&child, "USR1");
     let (time, _, stderr) = end_of(child, 75, "one signal");
     assert!(time < Duration::from_secs(5), "{time:?}");
-    assert!(stderr.contains("the same command goes on"), "{stderr}");
+    assert!(stderr.contains("run the same command again"), "{stderr}");
     let child = spawn(&endless);
     sleep(Duration::from_millis(300));
     signal(&child, "TERM");

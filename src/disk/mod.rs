@@ -93,6 +93,15 @@ pub fn require_plain(path: &Path) -> io::Result<()> {
     }
 }
 
+/// What helps when a file cannot be made: something against the cause, or else another place.
+pub fn way_out_or(cause: &io::Error, place: &'static str) -> &'static str {
+    match way_out(cause) {
+        "" => place,
+        _ if cause.kind() == io::ErrorKind::NotFound => place,
+        way => way,
+    }
+}
+
 /// Makes a new file in place of an older one. A link of this name is replaced, never followed.
 ///
 /// # Errors

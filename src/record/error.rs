@@ -12,7 +12,7 @@ use crate::disk;
 #[non_exhaustive]
 pub enum RecordError {
     /// The file could not be made at all.
-    #[error("cannot create the recording: {cause}{}: {}", or_else(disk::way_out(.cause), "; choose another folder, or free this one"), path.display())]
+    #[error("cannot create the recording: {cause}{}: {}", disk::way_out_or(.cause, "; choose another folder, or free this one"), path.display())]
     Create {
         /// The file.
         path: PathBuf,
@@ -64,11 +64,4 @@ pub enum RecordError {
         /// What was found, and where.
         cause: String,
     },
-}
-
-fn or_else(first: &'static str, second: &'static str) -> &'static str {
-    match first.is_empty() {
-        true => second,
-        false => first,
-    }
 }

@@ -129,7 +129,7 @@ pub enum RunFolderError {
     #[error(transparent)]
     World(#[from] WorldError),
     /// A file or folder cannot be made.
-    #[error("cannot create {path}: {cause}{}", place_or(.cause, "; free this folder, or choose another one with `--out`"))]
+    #[error("cannot create {path}: {cause}{}", disk::way_out_or(.cause, "; free this folder, or choose another one with `--out`"))]
     Create {
         /// The file or folder.
         path: PathBuf,
@@ -152,14 +152,6 @@ pub enum RunFolderError {
         /// Why.
         cause: io::Error,
     },
-}
-
-/// What helps against the cause, or else another place.
-fn place_or(cause: &io::Error, place: &'static str) -> &'static str {
-    match disk::way_out(cause) {
-        "" => place,
-        way => way,
-    }
 }
 
 fn holder(pid: &Option<u32>) -> String {

@@ -92,7 +92,7 @@ pub enum StudyError {
         fault: String,
     },
     /// A folder or file cannot be made.
-    #[error("cannot create {}: {cause}{}", .path.display(), way_out_of_place(.cause))]
+    #[error("cannot create {}: {cause}{}", .path.display(), disk::way_out_or(.cause, "; choose another folder with `--out`, or free this one"))]
     Create {
         /// The folder or file.
         path: PathBuf,
@@ -134,14 +134,6 @@ fn way_out(cause: &io::Error) -> String {
             format!("{way}, and give the same command again: finished trials are kept")
         }
         way => way.to_owned(),
-    }
-}
-
-/// What helps when a file cannot be made.
-fn way_out_of_place(cause: &io::Error) -> &'static str {
-    match disk::way_out(cause) {
-        "" => "; choose another folder with `--out`, or free this one",
-        way => way,
     }
 }
 
