@@ -64,25 +64,31 @@ struct Viewer {
 impl Viewer {
     /// Connects and listens to one topic, or to all.
     fn new(live: &Live, topic: Option<&str>) -> Self {
-        let mut stream = TcpStream::connect(("127.0.0.1", live.port)).unwrap();
-        stream.set_read_timeout(Some(LONG)).unwrap();
-        let head = "GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
-                    Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\
-                    Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n";
-        stream.write_all(head.as_bytes()).unwrap();
-        let mut viewer = Self {
-            stream: BufReader::new(stream),
-            topics: HashMap::new(),
-        };
-        let mut line = String::new();
-        viewer.stream.read_line(&mut line).unwrap();
+        let host = format!("Host: localhost:{}", live.port);
+        let (line, mut viewer) = Self::knock(live, &host);
         assert!(line.starts_with("HTTP/1.1 101"), "{line}");
-        while line.trim_end() != "" {
-            line.clear();
-            viewer.stream.read_line(&mut line).unwrap();
-        }
         viewer.subscribe(topic);
         viewer
+    }
+
+    /// Asks to be let in, with these headers; gives the first line of the answer.
+    fn knock(live: &Live, headers: &str) -> (String, Self) {
+        let mut stream = TcpStream::connect(("127.0.0.1", live.port)).unwrap();
+        stream.set_read_timeout(Some(LONG)).unwrap();
+        let upgrade = "Upgrade: websocket\r\nConnection: Upgrade\r\n\
+                       Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\
+                       Sec-WebSocket-Version: 13\r\n\
+                       Sec-WebSocket-Protocol: foxglove.sdk.v1";
+        let head = format!("GET / HTTP/1.1\r\n{headers}\r\n{upgrade}\r\n\r\n");
+        stream.write_all(head.as_bytes()).unwrap();
+        let mut stream = BufReader::new(stream);
+        let (mut first, mut line) = (String::new(), String::new());
+        stream.read_line(&mut first).unwrap();
+        while stream.read_line(&mut line).unwrap() > 2 {
+            line.clear();
+        }
+        let topics = HashMap::new();
+        (first, Self { stream, topics })
     }
 
     fn subscribe(&mut self, topic: Option<&str>) {
@@ -256,4 +262,56 @@ fn a_port_that_is_taken_is_an_error_with_the_way_out() {
     let port = live.port.to_string();
     let (_, stderr) = expect(74, &["replay", SAMPLE, "--live", "--port", &port]);
     assert!(stderr.contains("choose another `--port`"), "{stderr}");
+}
+
+#[test]
+fn only_viewers_that_are_allowed_are_let_in() {
+    let args = ["replay", SAMPLE, "--allow-origin", "https://viewer.example"];
+    let live = Live::new(&args);
+    let port = live.port;
+    let status = |headers: &str| {
+        let (line, _) = Viewer::knock(&live, headers);
+        line.split(' ').nth(1).unwrap_or_default().to_owned()
+    };
+    let own = format!("Host: 127.0.0.1:{port}");
+    assert_eq!(status(&own), "101");
+    for good in [
+        "https://app.foxglove.dev",
+        "https://lichtblick-suite.github.io",
+        "https://viewer.example",
+        "file://",
+    ] {
+        assert_eq!(status(&format!("{own}\r\nOrigin: {good}")), "101", "{good}");
+    }
+    for bad in ["https://evil.example", "null", "http://localhost:8080"] {
+        assert_eq!(status(&format!("{own}\r\nOrigin: {bad}")), "403", "{bad}");
+    }
+    let rebound = format!("Host: evil.example:{port}");
+    assert_eq!(status(&rebound), "421");
+    assert_eq!(status("X-None: 1"), "400");
+}
+
+#[test]
+fn silent_connections_keep_no_viewer_out() {
+    let live = Live::new(&["replay", SAMPLE]);
+    let connect = || TcpStream::connect(("127.0.0.1", live.port)).unwrap();
+    let _silent: Vec<TcpStream> = (0..100).map(|_| connect()).collect();
+    let host = format!("Host: 127.0.0.1:{}", live.port);
+    let begun = Instant::now();
+    while !Viewer::knock(&live, &host).0.starts_with("HTTP/1.1 101") {
+        assert!(begun.elapsed() < LONG);
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// Training sends some hundred times what the buffers between the two hold.
+#[test]
+fn a_viewer_that_reads_nothing_slows_no_training_down() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let train = ["train", "worlds/maze4.json", "--quiet", "--record", "none"];
+    let out = ["--out", run.to_str().unwrap(), "--speed", "10000"];
+    let mut live = Live::new(&[&train[..], &out].concat());
+    let _deaf = Viewer::new(&live, None);
+    assert_eq!(live.code(), Some(0));
 }

@@ -3,6 +3,7 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
+use xcscr::record::gate::Origin;
 #[cfg(feature = "live")]
 use xcscr::record::live::Stream;
 use xcscr::record::{Tap, Topic};
@@ -29,6 +30,10 @@ pub struct LiveArgs {
     /// How many times as fast as real time the stream runs [default: 1 to replay, 10 to train].
     #[arg(long, value_name = "X", requires = "live", value_parser = speed)]
     speed: Option<f64>,
+    /// Let pages of this origin read what is served or streamed, too, such as
+    /// https://viewer.example; those of the viewers that are linked may anyway.
+    #[arg(long, value_name = "ORIGIN")]
+    pub allow_origin: Vec<Origin>,
 }
 
 fn speed(text: &str) -> Result<f64, String> {
@@ -45,7 +50,7 @@ impl LiveArgs {
             return Ok(None);
         }
         let broadcast = Broadcast {
-            stream: open(port)?,
+            stream: open(port, &self.allow_origin)?,
             speed: self.speed.unwrap_or(usual_speed),
             since: None,
             interrupt: Interrupt::notice()?,
@@ -122,8 +127,8 @@ impl Broadcast {
 }
 
 #[cfg(feature = "live")]
-fn open(port: u16) -> Result<Stream, Failure> {
-    Stream::open(port).map_err(|fault| {
+fn open(port: u16, origins: &[Origin]) -> Result<Stream, Failure> {
+    Stream::open(port, origins).map_err(|fault| {
         let message = format!("cannot stream on port {port}: {fault}; choose another `--port`");
         Failure::new(Exit::Io, message)
     })
@@ -153,7 +158,7 @@ impl Stream {
 }
 
 #[cfg(not(feature = "live"))]
-fn open(_: u16) -> Result<Stream, Failure> {
+fn open(_: u16, _: &[Origin]) -> Result<Stream, Failure> {
     let message = "this program was built without `--live`: build it with \
                    `cargo build --features live`";
     Err(Failure::new(Exit::Usage, message))

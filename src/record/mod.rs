@@ -18,7 +18,7 @@ pub use read::{Difference, Finding, FindingKind, check, check_recording, compare
 pub use repair::{Recovery, recover};
 #[cfg(feature = "live")]
 pub use serve::live;
-pub use serve::server;
+pub use serve::{gate, server};
 pub use topics::Topic;
 pub use write::{
     RecordMode, RecordModeError, RecordSummary, Recorder, RecorderMemory, Tap, layout,

@@ -1,4 +1,4 @@
-//! The kit of the tests: the program, folders, chance, and small trials. Not every test uses all
+//! The kit of the tests: the program, its server, folders, chance, and small trials. Not every test uses all
 //! of it.
 #![allow(dead_code, reason = "each test file uses a part")]
 #![allow(clippy::unwrap_used, reason = "a test ends there")]
@@ -7,4 +7,5 @@ pub mod chance;
 pub mod folder;
 pub mod program;
 pub mod scripted;
+pub mod served;
 pub mod trial;

@@ -49,7 +49,7 @@ pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     } else if args.verify {
         verify::run(&files, args.json, out)
     } else if args.serve {
-        serve::run(&files, args.port.unwrap_or(0), out)
+        serve::run(&files, args.port.unwrap_or(0), &args.live.allow_origin, out)
     } else {
         show(&files, args.json, out)
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
+use xcscr::record::gate::Origin;
 use xcscr::record::layout;
 use xcscr::record::server::{Content, Server, foxglove_link, lichtblick_link};
 use xcscr::run::Source;
@@ -17,12 +18,18 @@ use crate::commands::failure::{Exit, Failure};
 const MOST_LINKED: usize = 10;
 
 /// Serves until Ctrl-C.
-pub fn run(files: &[PathBuf], port: u16, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(
+    files: &[PathBuf],
+    port: u16,
+    origins: &[Origin],
+    out: &mut impl Write,
+) -> Result<(), Failure> {
     let groups = sorted(files)?;
     let mut server = Server::bind(port).map_err(|cause| {
         let message = format!("cannot listen on port {port}: {cause}; choose another `--port`");
         Failure::new(Exit::Io, message)
     })?;
+    origins.iter().for_each(|origin| server.allow(origin));
     let stopped = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&stopped))?;

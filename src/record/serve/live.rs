@@ -1,5 +1,7 @@
 //! The same messages as in a recording, streamed to a viewer on this machine.
 
+use std::io::Write;
+use std::net::{SocketAddr, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -11,6 +13,7 @@ use foxglove::{
     WebSocketServerHandle,
 };
 
+use super::gate::{Gate, Opened, Origin, hidden_host};
 use crate::record::topics::Topic;
 
 /// Messages that may wait for a slow viewer; the oldest are dropped, so that nobody waits for it.
@@ -22,10 +25,14 @@ const FAREWELL: Duration = Duration::from_millis(300);
 
 /// A stream that viewers can join at any time.
 ///
+/// The server of the foxglove crate lets in every page and any number of connections, so it listens
+/// where no page can find it, and viewers come to it through a [`Gate`].
+///
 /// Every message is complete in itself, so whoever comes late is given the last one of each topic
 /// and sees the whole picture.
 pub struct Stream {
     server: WebSocketServerHandle,
+    gate: Opened,
     /// Server and channels only borrow it: without it nobody hears of the channels.
     _context: Arc<Context>,
     memory: Arc<Memory>,
@@ -33,23 +40,35 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Listens on a port of 127.0.0.1; 0 takes any that is free.
+    /// Listens on a port of 127.0.0.1; 0 takes any that is free. Pages of the viewers are let in,
+    /// and those of `origins`.
     ///
     /// # Errors
     /// When the port is taken or forbidden.
-    pub fn open(port: u16) -> Result<Self, FoxgloveError> {
+    pub fn open(port: u16, origins: &[Origin]) -> Result<Self, FoxgloveError> {
+        // First, because a port that is taken is the likeliest fault.
+        let mut gate = Gate::bind(port)?;
+        origins.iter().for_each(|origin| gate.allow(origin));
+        let host = hidden_host()?;
         let context = Context::new();
         let memory = Arc::new(Memory::new(&context)?);
         let server = WebSocketServer::new()
             .name("xcscr")
-            .bind("127.0.0.1", port)
+            .bind(host.to_string(), 0)
             .capabilities([Capability::Time])
             .message_backlog_size(BACKLOG)
             .listener(Arc::clone(&memory) as Arc<dyn ServerListener>)
             .context(&context)
             .start_blocking()?;
+        let inner = SocketAddr::from((host, server.port()));
+        let gate = gate.open(move |head, guest| {
+            let mut stream = TcpStream::connect(inner)?;
+            stream.write_all(&head.received)?;
+            guest.connect(&stream)
+        })?;
         Ok(Self {
             server,
+            gate,
             _context: context,
             memory,
             told_time: None,
@@ -58,7 +77,7 @@ impl Stream {
 
     /// Where viewers find it, such as `ws://127.0.0.1:8765`.
     pub fn url(&self) -> String {
-        format!("ws://127.0.0.1:{}", self.server.port())
+        format!("ws://127.0.0.1:{}", self.gate.port())
     }
 
     /// Did anyone connect who has not gone?

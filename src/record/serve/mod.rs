@@ -1,6 +1,7 @@
 //! Handing recordings to viewers: finished files over HTTP, and a run that is under way.
 
 mod byte_range;
+pub mod gate;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod server;

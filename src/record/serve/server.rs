@@ -1,34 +1,33 @@
 //! Serving recordings to a viewer in the browser, on this machine only.
 
-use std::error::Error;
+use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
-use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-use tiny_http::{Header, Method, Request, Response, StatusCode};
-
 use super::byte_range::Wanted;
+use super::gate::{Gate, Guest, Head, Origin, status_line};
 
 /// How often the server looks whether it shall stop.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// What every answer says: who may read it (every page, or no viewer could), and that nobody
-/// shall keep it, because the next run has the same names.
-const HEADERS: [(&str, &str); 8] = [
-    ("Accept-Ranges", "bytes"),
-    ("Access-Control-Allow-Origin", "*"),
-    ("Access-Control-Allow-Methods", "GET, HEAD, OPTIONS"),
-    ("Access-Control-Allow-Headers", "*"),
-    ("Access-Control-Allow-Private-Network", "true"),
-    (
-        "Access-Control-Expose-Headers",
-        "Accept-Ranges, Content-Length, Content-Range",
-    ),
-    ("Cache-Control", "no-store"),
-    ("X-Content-Type-Options", "nosniff"),
-];
+/// Bytes that are sent at once.
+const PIECE: usize = 64 * 1024;
+/// What every answer says: that nobody shall keep it, because the next run has the same names,
+/// and that pages get it only by asking as themselves, never as a picture or a script.
+const HEADERS: &str = "Accept-Ranges: bytes\r\n\
+    Cache-Control: no-store\r\n\
+    Connection: close\r\n\
+    Cross-Origin-Resource-Policy: same-origin\r\n\
+    Vary: Origin\r\n\
+    X-Content-Type-Options: nosniff\r\n";
+/// What a page that is allowed is told besides.
+const TO_PAGES: &str = "Access-Control-Allow-Methods: GET, HEAD, OPTIONS\r\n\
+    Access-Control-Allow-Headers: *\r\n\
+    Access-Control-Allow-Private-Network: true\r\n\
+    Access-Control-Expose-Headers: Accept-Ranges, Content-Length, Content-Range\r\n";
 
 /// What lies behind an address.
 #[derive(Debug, Clone)]
@@ -39,7 +38,9 @@ pub enum Content {
     Text(String),
 }
 
-/// An HTTP server on the loopback interface that gives out what it was told to, and nothing else.
+/// An HTTP server on the loopback interface that gives out what it was told to, and nothing else,
+/// to whoever knows the address: each begins with a word that nobody can guess. Pages in a browser
+/// are given it only if they are those of the viewers, or of origins that were allowed.
 ///
 /// ```no_run
 /// use xcscr::record::server::{Content, Server, foxglove_link};
@@ -51,68 +52,56 @@ pub enum Content {
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub struct Server {
-    http: tiny_http::Server,
-    address: SocketAddr,
-    /// Paths with what lies behind them.
-    contents: Vec<(String, Content)>,
+    gate: Gate,
+    /// The word that nobody can guess.
+    secret: String,
+    contents: Contents,
 }
 
 impl Server {
     /// Listens on a port of 127.0.0.1; 0 takes any that is free.
     ///
     /// # Errors
-    /// When the port is taken or forbidden.
+    /// When the port is taken or forbidden, or the system has no random numbers.
     pub fn bind(port: u16) -> io::Result<Self> {
-        let wanted = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
-        let http = tiny_http::Server::http(wanted).map_err(plain)?;
-        let address = http.server_addr().to_ip().unwrap_or(wanted);
         Ok(Self {
-            http,
-            address,
-            contents: Vec::new(),
+            gate: Gate::bind(port)?,
+            secret: format!("{:016x}{:016x}", getrandom::u64()?, getrandom::u64()?),
+            contents: Contents::default(),
         })
     }
 
     /// Where it listens, such as `http://127.0.0.1:8080`.
     pub fn origin(&self) -> String {
-        format!("http://{}", self.address)
+        format!("http://127.0.0.1:{}", self.gate.port())
+    }
+
+    /// Allows the pages of one more origin to read what is given out.
+    pub fn allow(&mut self, origin: &Origin) {
+        self.gate.allow(origin);
     }
 
     /// Gives something out from now on; returns its address, which ends in `name`.
     pub fn add(&mut self, name: &str, content: Content) -> String {
-        let path = format!("/{}/{}", self.contents.len(), escaped(name));
-        let url = format!("{}{path}", self.origin());
-        self.contents.push((path, content));
-        url
+        let contents = &mut self.contents.0;
+        let path = format!("/{}/{}/{}", self.secret, contents.len(), escaped(name));
+        contents.push((path.clone(), content));
+        format!("{}{path}", self.origin())
     }
 
     /// Answers requests until `stopped` says so.
     ///
     /// # Errors
-    /// When nothing can be received any more.
-    pub fn run(&self, stopped: impl Fn() -> bool) -> io::Result<()> {
+    /// When there is no thread to answer them.
+    pub fn run(self, stopped: impl Fn() -> bool) -> io::Result<()> {
+        let contents = Arc::new(self.contents);
+        let _open = self
+            .gate
+            .open(move |head, guest| contents.answer(head, guest))?;
         while !stopped() {
-            if let Some(request) = self.http.recv_timeout(PATIENCE)? {
-                let content = self.content(request.url()).cloned();
-                // A client that reads slowly must keep nobody waiting.
-                thread::Builder::new().spawn(move || answer(request, content))?;
-            }
+            thread::sleep(PATIENCE);
         }
         Ok(())
-    }
-
-    fn content(&self, url: &str) -> Option<&Content> {
-        let path = url.split(['?', '#']).next()?;
-        let found = self.contents.iter().find(|(known, _)| known == path);
-        found.map(|(_, content)| content)
-    }
-}
-
-/// The library boxes its errors.
-fn plain(error: Box<dyn Error + Send + Sync>) -> io::Error {
-    match error.downcast::<io::Error>() {
-        Ok(error) => *error,
-        Err(other) => io::Error::other(other),
     }
 }
 
@@ -143,55 +132,91 @@ fn escaped(text: &str) -> String {
     text.bytes().map(letter).collect()
 }
 
-/// Answers a request. A client that went away is nobody's fault.
-fn answer(request: Request, content: Option<Content>) {
-    let response = match (request.method(), content) {
-        (Method::Options, _) => Ok(empty(204)),
-        (Method::Get | Method::Head, Some(content)) => {
-            let range = request
-                .headers()
-                .iter()
-                .find(|one| one.field.equiv("Range"));
-            part(&content, range.map(|header| header.value.as_str()))
-        }
-        (Method::Get | Method::Head, None) => Ok(empty(404)),
-        _ => Ok(empty(405)),
-    };
-    // The file may have gone since the server was started.
-    let response = response.unwrap_or_else(|_| empty(404));
-    let _ = request.respond(response);
+/// Paths with what lies behind them.
+#[derive(Debug, Default)]
+struct Contents(Vec<(String, Content)>);
+
+impl Contents {
+    fn at(&self, target: &str) -> Option<&Content> {
+        let path = target.split(['?', '#']).next()?;
+        let found = self.0.iter().find(|(known, _)| known == path);
+        found.map(|(_, content)| content)
+    }
+
+    fn answer(&self, head: &Head, guest: &mut Guest) -> io::Result<()> {
+        let answer = match (head.method.as_str(), self.at(&head.target)) {
+            ("OPTIONS", _) => Answer::empty(204),
+            // The file may have gone since the server was started.
+            ("GET" | "HEAD", Some(content)) => {
+                Answer::part(content, head.range.as_deref()).unwrap_or(Answer::empty(404))
+            }
+            ("GET" | "HEAD", None) => Answer::empty(404),
+            _ => Answer::empty(405),
+        };
+        answer.send(head, guest)
+    }
 }
 
-type Answer = Response<Box<dyn Read + Send>>;
-
-fn empty(status: u16) -> Answer {
-    with_headers(status, Vec::new(), Box::new(io::empty()), 0)
+/// An answer: its status, its own headers, and its body.
+struct Answer {
+    status: u16,
+    headers: String,
+    body: io::Take<Box<dyn ReadSeek>>,
 }
 
-/// The wanted bytes of some content.
-fn part(content: &Content, range: Option<&str>) -> io::Result<Answer> {
-    let (mut reader, size, kind) = open(content)?;
-    let mut headers = vec![("Content-Type", kind.to_owned())];
-    let (status, bytes) = match Wanted::of(range, size) {
-        Wanted::All => (200, 0..size),
-        Wanted::Part(bytes) => {
-            let (first, last) = (bytes.start, bytes.end - 1);
-            headers.push(("Content-Range", format!("bytes {first}-{last}/{size}")));
-            (206, bytes)
+impl Answer {
+    fn empty(status: u16) -> Self {
+        let nothing: Box<dyn ReadSeek> = Box::new(io::empty());
+        Self {
+            status,
+            headers: String::new(),
+            body: nothing.take(0),
         }
-        Wanted::Nothing => {
-            headers.push(("Content-Range", format!("bytes */{size}")));
-            return Ok(with_headers(416, headers, Box::new(io::empty()), 0));
+    }
+
+    /// The wanted bytes of some content.
+    fn part(content: &Content, range: Option<&str>) -> io::Result<Self> {
+        let (mut reader, size, kind) = open(content)?;
+        let (status, range, bytes) = match Wanted::of(range, size) {
+            Wanted::All => (200, None, 0..size),
+            Wanted::Part(bytes) => {
+                let (first, last) = (bytes.start, bytes.end - 1);
+                (206, Some(format!("{first}-{last}")), bytes)
+            }
+            Wanted::Nothing => (416, Some("*".to_owned()), 0..0),
+        };
+        let mut headers = format!("Content-Type: {kind}\r\n");
+        if let Some(range) = range {
+            let _ = write!(headers, "Content-Range: bytes {range}/{size}\r\n");
         }
-    };
-    reader.seek(SeekFrom::Start(bytes.start))?;
-    let length = bytes.end - bytes.start;
-    Ok(with_headers(
-        status,
-        headers,
-        Box::new(reader.take(length)),
-        length,
-    ))
+        reader.seek(SeekFrom::Start(bytes.start))?;
+        Ok(Self {
+            status,
+            headers,
+            body: reader.take(bytes.end - bytes.start),
+        })
+    }
+
+    fn send(mut self, head: &Head, guest: &mut Guest) -> io::Result<()> {
+        let mut text = status_line(self.status) + HEADERS + &self.headers;
+        if let Some(origin) = &head.origin {
+            let _ = write!(text, "Access-Control-Allow-Origin: {origin}\r\n{TO_PAGES}");
+        }
+        if self.status != 204 {
+            let _ = write!(text, "Content-Length: {}\r\n", self.body.limit());
+        }
+        guest.say(format!("{text}\r\n").as_bytes())?;
+        if head.method == "HEAD" {
+            return Ok(());
+        }
+        let mut piece = vec![0; PIECE];
+        loop {
+            match self.body.read(&mut piece)? {
+                0 => return Ok(()),
+                bytes => guest.say(&piece[..bytes])?,
+            }
+        }
+    }
 }
 
 trait ReadSeek: Read + Seek + Send {}
@@ -215,22 +240,4 @@ fn open(content: &Content) -> io::Result<(Box<dyn ReadSeek>, u64, &'static str)>
             ))
         }
     }
-}
-
-fn with_headers(
-    status: u16,
-    own: Vec<(&str, String)>,
-    body: Box<dyn Read + Send>,
-    length: u64,
-) -> Answer {
-    let common = HEADERS
-        .into_iter()
-        .map(|(name, value)| (name, value.to_owned()));
-    let headers = common
-        .chain(own)
-        .filter_map(|(name, value)| Header::from_bytes(name.as_bytes(), value.as_bytes()).ok());
-    let length = usize::try_from(length).ok();
-    let response = Response::new(StatusCode(status), headers.collect(), body, length, None);
-    // Chunked transfer would leave out the length, by which viewers know the size.
-    response.with_chunked_threshold(usize::MAX)
 }
