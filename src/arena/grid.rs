@@ -21,11 +21,7 @@ pub struct GridArena {
 impl GridArena {
     /// A grid arena with the robot in the first start cell.
     pub fn new(maze: Maze) -> Self {
-        let cell = maze
-            .start_cells()
-            .first()
-            .copied()
-            .unwrap_or(maze.goals()[0]);
+        let cell = maze.starts().next().unwrap_or(maze.goals()[0]);
         let rest = Sample {
             time_ns: 0,
             robot_in_world: pose(&maze, cell, Direction::East),

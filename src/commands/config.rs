@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::path::PathBuf;
 
 use clap::Subcommand;
 use xcscr::trial::{Resolved, Settings};
+use xcscr::world::Maze;
 
 use super::choices::SettingsArgs;
 use super::failure::{Exit, Failure};
@@ -21,6 +23,9 @@ pub enum ConfigCommand {
 pub struct ShowArgs {
     #[command(flatten)]
     settings: SettingsArgs,
+    /// As they are in this world, which decides the step-threshold unless it is set.
+    #[arg(long, value_name = "FILE")]
+    world: Option<PathBuf>,
     /// Print each setting on a line of its own, with where it came from.
     #[arg(long)]
     resolved: bool,
@@ -40,6 +45,10 @@ struct Entry<'a> {
 pub fn run(command: &ConfigCommand, out: &mut impl Write) -> Result<(), Failure> {
     let ConfigCommand::Show(args) = command;
     let resolved = args.settings.resolve(&Settings::default())?;
+    let resolved = match &args.world {
+        Some(world) => resolved.in_maze(&Maze::load(world)?),
+        None => resolved,
+    };
     match (args.json, args.resolved) {
         (true, _) => print_json(&resolved, out),
         (_, true) => print_origins(&resolved, out),

@@ -1,5 +1,6 @@
 //! `xcscr study`: many trials, and what they say.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -147,6 +148,7 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         sets: args.set.clone(),
     };
     let protocol = Protocol::new(&StudyFile::load(&args.study)?, &overrides)?;
+    say_warnings(&protocol);
     if args.force {
         StudyFolder::replace_other(&args.out, &protocol)?;
     }
@@ -175,6 +177,19 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     Status::new(&folder, None).print(args.json, out)?;
     refuse_failed(&folder)
+}
+
+/// Says on stderr what speaks against arms of a study, once for all arms of which the same is true.
+fn say_warnings(protocol: &Protocol) {
+    let mut said = BTreeSet::new();
+    for plan in protocol.arm_plans() {
+        for warning in plan.warnings() {
+            let line = format!("{}: {warning}", plan.maze.name());
+            if said.insert(line.clone()) {
+                eprintln!("warning: {line}");
+            }
+        }
+    }
 }
 
 /// Writes the tables and the report of a complete study, and prints the result.

@@ -130,6 +130,7 @@ fn begin(args: &TrainArgs, world: &Path) -> Result<(Session, Interrupt), Failure
     let plan = args.plan(world)?;
     let default = || PathBuf::from("recordings").join(plan.folder_name());
     let path = args.out.clone().unwrap_or_else(default);
+    say_warnings(&plan);
     let trial = Trial::new(plan)?;
     let folder = RunFolder::create(&path, args.force)?;
     let interrupt = watch(&folder)?;
@@ -149,6 +150,13 @@ fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
     let folder = RunFolder::open(folder.path());
     let farewell = move || format!("interrupted in an episode{}", folder.way_on());
     Ok(Interrupt::watch(farewell)?)
+}
+
+/// Says on stderr what speaks against a plan.
+fn say_warnings(plan: &Plan) {
+    for warning in plan.warnings() {
+        eprintln!("warning: {warning}");
+    }
 }
 
 /// There is nothing left to do, which is a success.

@@ -93,7 +93,11 @@ impl TrainReport {
         let (steps, collisions) = (self.steps, self.collisions);
         writeln!(out, "  steps, collisions    {steps}, {collisions}")?;
         writeln!(out, "  rules                {}", self.rules())?;
-        writeln!(out, "\n{}", picture(&trial.plan().maze, &trial.policy()))?;
+        let maze = &trial.plan().maze;
+        match maze.is_vast() {
+            true => writeln!(out, "\nThe maze is too large to be drawn.")?,
+            false => writeln!(out, "\n{}", picture(maze, &trial.policy()))?,
+        }
         self.print_files(recording, out)
     }
 

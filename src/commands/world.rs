@@ -87,11 +87,10 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
                 ..Description::new(&maze)
             };
             match json {
-                true => Ok(writeln!(
-                    out,
-                    "{}",
-                    serde_json::to_string_pretty(&description)?
-                )?),
+                true => {
+                    serde_json::to_writer_pretty(&mut *out, &description)?;
+                    Ok(writeln!(out)?)
+                }
                 false => description.print(out),
             }
         }

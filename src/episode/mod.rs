@@ -7,5 +7,5 @@ mod run;
 
 pub use observer::{Ending, Episode, Learned, Observer, Step};
 pub use params::Params;
-pub use policy::{PolicyMap, first_fault};
+pub use policy::{FaultFinder, PolicyMap};
 pub use run::run;

@@ -1,11 +1,14 @@
 //! The greedy policy, and whether it is globally optimal.
 
+use std::collections::BTreeMap;
+
 use crate::agent::Agent;
 use crate::sensor::Sensor;
 use crate::world::{Cell, Maze, Paths};
 use xcs::PredictionArray;
 
-/// The worth of each action in each free cell of a maze, in reading order of the cells.
+/// The worth of each action in each free cell of a maze, in reading order of the cells; in a
+/// [vast](Maze::is_vast) maze only in those on the way that the policy takes from a fixed start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolicyMap {
     cells: Vec<(Cell, PredictionArray)>,
@@ -15,6 +18,9 @@ impl PolicyMap {
     /// Asks a learner what it would do in each free cell that is no goal. Changes nothing.
     pub fn of(method: &dyn Agent, sensor: Sensor, maze: &Maze) -> Self {
         let worth = |cell| (cell, method.worth(&sensor.perceive_at(maze, cell)));
+        if maze.is_vast() {
+            return Self::along_the_way(maze, worth);
+        }
         let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
         Self {
             cells: cells.map(worth).collect(),
@@ -34,11 +40,19 @@ impl PolicyMap {
         at.ok().map(|i| &self.cells[i].1)
     }
 
-    /// Is the greedy policy globally optimal? From every start cell, every action that attains
-    /// the greatest worth (all of them, on ties) must move along a shortest path to a goal.
-    pub fn is_optimal(&self, maze: &Maze, paths: &Paths) -> bool {
-        let worth = |cell| self.worth(cell).copied();
-        fault(maze, paths, maze.start_cells(), worth).is_none()
+    fn along_the_way(maze: &Maze, worth: impl Fn(Cell) -> (Cell, PredictionArray)) -> Self {
+        let mut cells = BTreeMap::new();
+        let mut at = maze.start();
+        while let Some(cell) = at.filter(|&cell| !maze.is_goal(cell)) {
+            let here = worth(cell);
+            at = ahead(maze, cell, &here.1);
+            if cells.insert((cell.row, cell.col), here).is_some() {
+                break;
+            }
+        }
+        Self {
+            cells: cells.into_values().collect(),
+        }
     }
 
     /// The steps that the greedy policy takes from `start` to a goal, the first of the best
@@ -56,11 +70,8 @@ impl PolicyMap {
         let mut path = vec![start];
         let mut cell = start;
         while path.len() <= self.cells.len() && !maze.is_goal(cell) {
-            let action = self
-                .worth(cell)
-                .and_then(|worth| worth.best_actions().next());
-            let ahead = action.and_then(|action| maze.direction(action));
-            let Some(next) = ahead.and_then(|ahead| maze.step(cell, ahead)) else {
+            let worth = self.worth(cell);
+            let Some(next) = worth.and_then(|worth| ahead(maze, cell, worth)) else {
                 break;
             };
             path.push(next);
@@ -70,50 +81,81 @@ impl PolicyMap {
     }
 }
 
-/// A cell in which the greedy policy of a learner is not globally optimal, in the sense of
-/// [`PolicyMap::is_optimal`]; `None` when it is. Asks the learner about no more cells than it takes
-/// to find the first fault, beginning with `suspect`, where a fault was before.
-pub fn first_fault(
-    method: &dyn Agent,
-    sensor: Sensor,
-    maze: &Maze,
-    paths: &Paths,
-    suspect: Option<Cell>,
-) -> Option<Cell> {
-    let mut starts = maze.start_cells();
-    // Of several start cells any may come first; a single one must.
-    starts.extend(suspect.filter(|_| maze.start().is_none()));
-    fault(maze, paths, starts, |cell| {
-        Some(method.worth(&sensor.perceive_at(maze, cell)))
-    })
+/// Where the first of the best actions leads.
+fn ahead(maze: &Maze, cell: Cell, worth: &PredictionArray) -> Option<Cell> {
+    let action = worth.best_actions().next()?;
+    maze.step(cell, maze.direction(action)?)
 }
 
-/// A cell that one gets to by the best actions (or by slipping), and in which one of these does not lead along a
-/// shortest path. Begins with the last of the cells in `open`.
-fn fault(
-    maze: &Maze,
-    paths: &Paths,
-    mut open: Vec<Cell>,
-    worth: impl Fn(Cell) -> Option<PredictionArray>,
-) -> Option<Cell> {
-    let mut seen = vec![false; usize::from(maze.width()) * usize::from(maze.height())];
-    while let Some(cell) = open.pop() {
-        if maze.is_goal(cell) || std::mem::replace(&mut seen[maze.index(cell)], true) {
-            continue;
+/// Looks, episode after episode, whether a greedy policy is globally optimal: from every start
+/// cell, every action that attains the greatest worth (all of them, on ties) must move along a
+/// shortest path to a goal. Its memory spares work in proportion to the maze.
+#[derive(Debug, Clone, Default)]
+pub struct FaultFinder {
+    /// By cell index: the last search that came there.
+    seen: Vec<u32>,
+    /// The number of this search.
+    search: u32,
+    /// Cells that one gets to, and that were not looked at yet.
+    open: Vec<Cell>,
+    /// Where a fault was before.
+    suspect: Option<Cell>,
+}
+
+impl FaultFinder {
+    /// A cell in which the policy is not globally optimal; `None` when it is. Asks the learner
+    /// about no more cells than it takes to find the first fault, beginning where one was before.
+    /// The maze must be the same each time.
+    pub fn find(
+        &mut self,
+        method: &dyn Agent,
+        sensor: Sensor,
+        maze: &Maze,
+        paths: &Paths,
+    ) -> Option<Cell> {
+        self.begin(maze);
+        // Of several start cells any may come first; a single one must.
+        let suspect = self.suspect.filter(|_| maze.start().is_none());
+        let mut starts = suspect.into_iter().chain(maze.starts().rev());
+        while let Some(cell) = self.open.pop().or_else(|| starts.next()) {
+            if maze.is_goal(cell) || self.was_seen(maze.index(cell)) {
+                continue;
+            }
+            let worth = method.worth(&sensor.perceive_at(maze, cell));
+            let nexts = worth
+                .best_actions()
+                .map(|action| paths.successor(maze, cell, action));
+            let before = self.open.len();
+            self.open.extend(nexts.clone().map_while(|next| next));
+            let is_sound = worth.greatest().is_some() && nexts.count() == self.open.len() - before;
+            if !is_sound {
+                self.suspect = Some(cell);
+                return self.suspect;
+            }
+            if paths.slips() {
+                let around = maze.moves().directions().iter();
+                let slipped = around.filter_map(|&along| maze.step(cell, along));
+                self.open.extend(slipped);
+            }
         }
-        let Some(worth) = worth(cell).filter(|worth| worth.greatest().is_some()) else {
-            return Some(cell);
-        };
-        for action in worth.best_actions() {
-            let Some(next) = paths.successor(maze, cell, action) else {
-                return Some(cell);
-            };
-            open.push(next);
-        }
-        if paths.slips() {
-            let around = maze.moves().directions().iter();
-            open.extend(around.filter_map(|&along| maze.step(cell, along)));
-        }
+        self.suspect = None;
+        None
     }
-    None
+
+    fn begin(&mut self, maze: &Maze) {
+        if self.seen.is_empty() {
+            // Zeroed memory costs nothing before it is used.
+            self.seen = vec![0; usize::from(maze.width()) * usize::from(maze.height())];
+        }
+        if self.search == u32::MAX {
+            self.seen.fill(0);
+            self.search = 0;
+        }
+        self.search += 1;
+        self.open.clear();
+    }
+
+    fn was_seen(&mut self, at: usize) -> bool {
+        std::mem::replace(&mut self.seen[at], self.search) == self.search
+    }
 }

@@ -1,7 +1,8 @@
 //! Cells that a sensor cannot tell apart.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
+use foldhash::fast::FixedState;
 use serde::Serialize;
 
 use super::Sensor;
@@ -18,27 +19,57 @@ pub struct Alike {
     /// Is there an action that lies on a shortest path from every one of the cells? If not, no
     /// policy over this percept is optimal from everywhere.
     pub share_a_best_action: bool,
+    /// These actions.
+    #[serde(skip)]
+    shared: Vec<Action>,
 }
 
 /// The groups of cells that look alike, ordered by percept.
 pub fn alike(sensor: Sensor, maze: &Maze) -> Vec<Alike> {
-    let paths = Paths::new(maze);
-    let mut groups: BTreeMap<Percept, Vec<Cell>> = BTreeMap::new();
-    for cell in maze.free_cells().filter(|&cell| !maze.is_goal(cell)) {
-        let percept = sensor.perceive_at(maze, cell);
-        groups.entry(percept).or_default().push(cell);
+    alike_among(sensor, maze, &Paths::new(maze), maze.free_cells())
+}
+
+/// The groups of cells that look alike among some of a maze, which come in reading order.
+pub fn alike_among(
+    sensor: Sensor,
+    maze: &Maze,
+    paths: &Paths,
+    cells: impl Iterator<Item = Cell>,
+) -> Vec<Alike> {
+    if sensor.tells_all_apart() {
+        return Vec::new();
     }
-    let is_best = |cell, action| paths.successor(maze, cell, action).is_some();
+    let mut numbers: HashMap<Percept, usize, FixedState> = HashMap::default();
+    let mut groups: Vec<Alike> = Vec::new();
+    for cell in cells.filter(|&cell| !maze.is_goal(cell)) {
+        let percept = sensor.perceive_at(maze, cell);
+        let number = *numbers.entry(percept).or_insert(groups.len());
+        if number == groups.len() {
+            groups.push(Alike::of(percept, maze.action_count()));
+        }
+        groups[number].add(cell, |action| paths.successor(maze, cell, action).is_some());
+    }
+    groups.retain(|group| group.cells.len() > 1);
+    groups.sort_unstable_by_key(|group| group.percept);
     groups
-        .into_iter()
-        .filter(|(_, cells)| cells.len() > 1)
-        .map(|(percept, cells)| Alike {
+}
+
+impl Alike {
+    /// A group without cells yet.
+    fn of(percept: Percept, actions: usize) -> Self {
+        Self {
             percept,
-            share_a_best_action: Action::all(maze.action_count())
-                .any(|action| cells.iter().all(|&cell| is_best(cell, action))),
-            cells,
-        })
-        .collect()
+            cells: Vec::new(),
+            shared: Action::all(actions).collect(),
+            share_a_best_action: true,
+        }
+    }
+
+    fn add(&mut self, cell: Cell, is_best: impl Fn(Action) -> bool) {
+        self.cells.push(cell);
+        self.shared.retain(|&action| is_best(action));
+        self.share_a_best_action = !self.shared.is_empty();
+    }
 }
 
 #[cfg(test)]

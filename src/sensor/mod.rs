@@ -11,7 +11,10 @@ mod neighbours;
 mod position;
 mod words;
 
-pub use alike::{Alike, alike};
+use std::collections::HashSet;
+
+pub use alike::{Alike, alike, alike_among};
+use foldhash::fast::FixedState;
 use serde::{Deserialize, Serialize};
 pub use words::{Alleles, action_name};
 
@@ -95,11 +98,45 @@ impl Sensor {
     /// All that can be perceived in a maze from the middle of a free cell that is no goal, each
     /// percept once, in order.
     pub fn percepts(self, maze: &Maze) -> Vec<Percept> {
-        let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
-        let mut percepts: Vec<_> = cells.map(|cell| self.perceive_at(maze, cell)).collect();
+        let all = self.at_most_percepts(maze, usize::MAX);
+        all.expect("no maze has as many cells")
+    }
+
+    /// The same; `None` when there are more than so many.
+    pub fn at_most_percepts(self, maze: &Maze, most: usize) -> Option<Vec<Percept>> {
+        let mut seen = HashSet::with_hasher(FixedState::default());
+        let mut percepts = Vec::new();
+        for cell in maze.free_cells().filter(|&cell| !maze.is_goal(cell)) {
+            let percept = self.perceive_at(maze, cell);
+            if seen.insert(percept) {
+                percepts.push(percept);
+            }
+            if percepts.len() > most {
+                return None;
+            }
+        }
         percepts.sort_unstable();
-        percepts.dedup();
-        percepts
+        Some(percepts)
+    }
+
+    /// How many different percepts there are in a maze, as many as [`percepts`](Self::percepts)
+    /// lists.
+    pub fn percept_count(self, maze: &Maze) -> usize {
+        match self.tells_all_apart() {
+            true => maze
+                .free_cells()
+                .filter(|&cell| !maze.is_goal(cell))
+                .count(),
+            false => self.percepts(maze).len(),
+        }
+    }
+
+    /// Do no two cells of any maze give the same percept?
+    pub fn tells_all_apart(self) -> bool {
+        match self {
+            Self::Neighbours | Self::Lidar | Self::LidarRanges | Self::LidarBeams => false,
+            Self::Position | Self::NeighboursPosition => true,
+        }
     }
 
     /// What the robot perceives now.

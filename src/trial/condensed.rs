@@ -1,7 +1,7 @@
 //! What was learned in a maze, in few rules.
 
 use crate::agent::{Frozen, Knowledge};
-use crate::episode;
+use crate::episode::FaultFinder;
 use crate::sensor::Sensor;
 use crate::world::{Maze, Paths};
 use xcs::{Population, compact};
@@ -24,15 +24,14 @@ pub struct Condensed {
 }
 
 impl Condensed {
-    /// Condenses what was learned; `None` for a table, which has no rules, for rules that
-    /// look at more than the percept, and in worlds with more
-    /// than [`MOST_PERCEPTS`] different percepts.
+    /// Condenses what was learned; `None` for a table, which has no rules, for rules that look at
+    /// more than the percept, and in worlds with more than [`MOST_PERCEPTS`] different percepts.
     pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze, paths: &Paths) -> Option<Self> {
         let actions = maze.action_count();
-        let percepts = sensor.percepts(maze);
-        if percepts.len() > MOST_PERCEPTS || knowledge.remembers() {
+        if knowledge.remembers() {
             return None;
         }
+        let percepts = sensor.at_most_percepts(maze, MOST_PERCEPTS)?;
         let worth = |percept: &_| knowledge.worth(percept, actions);
         let rules = compact(knowledge.rules()?, &percepts, worth);
         let condensed = Knowledge::Rules(rules.clone());
@@ -44,7 +43,7 @@ impl Condensed {
             chosen.greatest().is_some() && chosen.best_actions().all(is_wanted)
         };
         let frozen = Frozen::new(condensed.clone(), actions, 1);
-        let fault = episode::first_fault(&frozen, sensor, maze, paths, None);
+        let fault = FaultFinder::default().find(&frozen, sensor, maze, paths);
         Some(Self {
             percepts: known.clone().count(),
             agreeing: known.filter(|percept| agrees(percept)).count(),

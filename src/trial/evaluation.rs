@@ -6,7 +6,7 @@ use super::plan::{Plan, PlanError};
 use crate::agent::{Explorer, Frozen, Knowledge};
 use crate::episode::{self, Ending};
 use crate::streams::StreamName;
-use crate::world::Paths;
+use crate::world::{Paths, Starts};
 use xcs::random::Stream;
 
 /// Nanoseconds in a second.
@@ -48,7 +48,7 @@ impl Evaluation {
     /// When the plan cannot be run, or the knowledge is that of another world.
     pub fn run(plan: &Plan, knowledge: &Knowledge, episodes: u32) -> Result<Self, PlanError> {
         plan.check()?;
-        let Plan { maze, config } = plan;
+        let Plan { maze, config } = &plan.clone().settled();
         knowledge.check(config.sensor.width(maze), maze.action_count())?;
         let paths = Paths::with_slip(maze, config.settings.arena.slip);
         let mut arena = config.build_arena(maze)?;
@@ -56,11 +56,11 @@ impl Evaluation {
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
         let mut greedy = Explorer::new(0.0, Stream::new(config.seed, StreamName::Exploration));
         let mut starts = Stream::new(config.seed, StreamName::Start);
-        let cells = maze.start_cells();
+        let cells = Starts::new(maze);
         let mut sums = Sums::default();
         for number in 1..=episodes {
-            let start = *starts
-                .choose(&cells)
+            let start = cells
+                .nth(maze, starts.below(cells.count()))
                 .expect("a checked maze has a start cell");
             let arena = &mut *arena;
             let (episode, _) = episode::run(

@@ -9,6 +9,7 @@ mod plan;
 mod resolve;
 mod settings;
 mod toml_text;
+mod warning;
 
 use std::ops::{ControlFlow, RangeInclusive};
 
@@ -20,17 +21,18 @@ pub use condensed::{Condensed, MOST_PERCEPTS};
 pub use evaluation::Evaluation;
 pub use greedy::GreedySteps;
 pub use plan::{Config, Plan, PlanError};
+pub(crate) use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar};
 pub use resolve::{Origin, Resolved, SettingsError};
-pub(crate) use resolve::{flatten, similar};
 pub use settings::Settings;
 pub use toml_text::MOST_TOML_BYTES;
 pub(crate) use toml_text::shortened;
+pub use warning::Warning;
 
 use crate::agent::{Agent, Explorer};
 use crate::arena::Arena;
-use crate::episode::{self, Episode, Observer, PolicyMap};
+use crate::episode::{self, Episode, FaultFinder, Observer, PolicyMap};
 use crate::streams::StreamName;
-use crate::world::{Cell, Paths};
+use crate::world::{Cell, Paths, Starts};
 use xcs::bounds::{OutOfRange, within};
 use xcs::random::Stream;
 
@@ -127,22 +129,22 @@ pub struct Trial {
     method: Box<dyn Agent>,
     explorer: Explorer,
     /// The cells in which an episode can start.
-    start_cells: Vec<Cell>,
+    start_cells: Starts,
     starts: Stream,
-    /// Where the greedy policy was not globally optimal after the last episode.
-    fault: Option<Cell>,
+    faults: FaultFinder,
     /// For methods that remember: mean steps to the goal at best, if moves are exact.
     belief_bound: Option<f64>,
     progress: Progress,
 }
 
 impl Trial {
-    /// A trial at its beginning.
+    /// A trial at its beginning; its [plan](Self::plan) is [settled](Plan::settled).
     ///
     /// # Errors
     /// When the world or a setting is refused.
     pub fn new(plan: Plan) -> Result<Self, PlanError> {
         plan.check()?;
+        let plan = plan.settled();
         let agent = plan.config.build_method(&plan.maze)?;
         Self::with_agent(plan, agent)
     }
@@ -154,6 +156,7 @@ impl Trial {
     /// When the world or a setting is refused.
     pub fn with_agent(plan: Plan, agent: Box<dyn Agent>) -> Result<Self, PlanError> {
         plan.check()?;
+        let plan = plan.settled();
         let Plan { maze, config } = &plan;
         let exploration = Stream::new(config.seed, StreamName::Exploration);
         let bounded = agent.remembers() && config.settings.arena.slip == 0.0;
@@ -165,9 +168,9 @@ impl Trial {
                 .flatten(),
             method: agent,
             explorer: Explorer::new(config.settings.episode.explore, exploration),
-            start_cells: maze.start_cells(),
+            start_cells: Starts::new(maze),
             starts: Stream::new(config.seed, StreamName::Start),
-            fault: None,
+            faults: FaultFinder::default(),
             progress: Progress::default(),
             plan,
         })
@@ -260,13 +263,12 @@ impl Trial {
     }
 
     fn next_start(&mut self) -> Cell {
-        match self.start_cells[..] {
-            [only] => only,
-            _ => *self
-                .starts
-                .choose(&self.start_cells)
-                .expect("a checked maze has a start cell"),
-        }
+        let number = match self.start_cells.count() {
+            1 => 0,
+            count => self.starts.below(count),
+        };
+        let start = self.start_cells.nth(&self.plan.maze, number);
+        start.expect("a checked maze has a start cell")
     }
 
     fn count(&mut self, episode: &Episode, start: Cell) {
@@ -302,8 +304,8 @@ impl Trial {
         let Plan { maze, config } = &self.plan;
         if !self.method.remembers() {
             let method = &*self.method;
-            self.fault = episode::first_fault(method, config.sensor, maze, &self.paths, self.fault);
-            return self.fault.is_none();
+            let fault = self.faults.find(method, config.sensor, maze, &self.paths);
+            return fault.is_none();
         }
         let Some(bound) = self
             .belief_bound

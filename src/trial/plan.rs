@@ -191,6 +191,12 @@ impl Plan {
         Ok(())
     }
 
+    /// The plan with what the maze decides filled in; the same when it is filled in already.
+    pub fn settled(mut self) -> Self {
+        self.config.settings = self.config.settings.settled_in(&self.maze);
+        self
+    }
+
     /// The name of the folder that a run of this plan makes.
     pub fn folder_name(&self) -> String {
         let Config {

@@ -7,7 +7,12 @@ use toml::{Table, Value};
 
 use super::settings::Settings;
 use super::toml_text::shortened;
+use crate::world::Maze;
 use xcs::bounds::OutOfRange;
+
+/// The setting that a maze decides, unless it is set, and the one that says whether it does.
+pub const STEP_THRESHOLD: &str = "reward.step_threshold";
+pub const FROM_MAZE: &str = "reward.step_threshold_from_maze";
 
 /// Where the value of a setting came from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,6 +23,8 @@ pub enum Origin {
     File(String),
     /// `--set` on the command line.
     Set,
+    /// Nobody set it, and the default is not enough for the maze.
+    Maze,
 }
 
 impl fmt::Display for Origin {
@@ -26,6 +33,7 @@ impl fmt::Display for Origin {
             Self::Default => f.write_str("default"),
             Self::File(name) => f.write_str(name),
             Self::Set => f.write_str("--set"),
+            Self::Maze => f.write_str("the maze"),
         }
     }
 }
@@ -133,6 +141,19 @@ impl Resolved {
         })
     }
 
+    /// The same with what a maze decides filled in.
+    pub fn in_maze(mut self, maze: &Maze) -> Self {
+        let before = self.settings.reward.step_threshold;
+        self.settings = self.settings.settled_in(maze);
+        let settled = self.settings.reward.step_threshold;
+        if settled != before {
+            let value = Value::Integer(settled.into());
+            let entry = (value, Origin::Maze);
+            self.values.insert(STEP_THRESHOLD.to_owned(), entry);
+        }
+        self
+    }
+
     /// Each setting by its full name, with its value as it is written in TOML and its origin.
     pub fn entries(&self) -> impl Iterator<Item = (&str, String, &Origin)> {
         let entries = self.values.iter();
@@ -164,7 +185,8 @@ pub fn flatten(table: Table) -> Vec<(String, Value)> {
     flat
 }
 
-/// Replaces a value by one of the same type; whole numbers serve as fractions, too.
+/// Replaces a value by one of the same type; whole numbers serve as fractions, too. Who sets the
+/// step-threshold does not want the maze to.
 fn overlay(
     values: &mut BTreeMap<String, (Value, Origin)>,
     key: String,
@@ -189,6 +211,10 @@ fn overlay(
             wanted: kind(&key, present),
             key,
         });
+    }
+    if key == STEP_THRESHOLD {
+        let no = (Value::Boolean(false), origin.clone());
+        values.insert(FROM_MAZE.to_owned(), no);
     }
     values.insert(key, (value, origin.clone()));
     Ok(())
@@ -345,6 +371,33 @@ mod tests {
             message(None, &["xcs.beta=nan"]),
             "--set: `xcs.beta` is NaN, but must be from 0.000001 to 1"
         );
+    }
+
+    #[test]
+    fn the_maze_decides_the_step_threshold_unless_somebody_does() {
+        let corridor = format!(
+            r##"{{"rows": ["{0}", "#S{1}G#", "{0}"]}}"##,
+            "#".repeat(40),
+            ".".repeat(36)
+        );
+        let maze = Maze::from_json(corridor.as_bytes(), "corridor.json").unwrap();
+        let resolved = |sets: &[&str]| {
+            let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+            let resolved = Resolved::new(&Settings::default(), None, &sets)
+                .unwrap()
+                .in_maze(&maze);
+            let entry = resolved.entries().find(|(key, ..)| *key == STEP_THRESHOLD);
+            let (_, value, origin) = entry.unwrap();
+            assert_eq!(value, resolved.settings.reward.step_threshold.to_string());
+            format!("{value} {origin}")
+        };
+        assert_eq!(resolved(&[]), "148 the maze");
+        assert_eq!(resolved(&["reward.step_threshold=50"]), "50 --set");
+        let both = [
+            "reward.step_threshold=200",
+            "reward.step_threshold_from_maze=true",
+        ];
+        assert_eq!(resolved(&both), "200 --set");
     }
 
     #[test]

@@ -5,7 +5,13 @@ use serde::{Deserialize, Serialize};
 use crate::agent;
 use crate::arena::{ArenaParams, PhysicsParams};
 use crate::episode;
+use crate::world::{Maze, Paths};
 use xcs::bounds::OutOfRange;
+
+/// An episode of so many shortest paths leaves room to explore.
+const PATHS_AN_EPISODE: u32 = 4;
+/// The largest step-threshold that settings can hold.
+const MOST_STEPS: u32 = 1_000_000;
 
 /// All settings of a trial, by section.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -28,6 +34,17 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The settings with what the maze decides filled in: the step-threshold, unless it was set.
+    pub fn settled_in(mut self, maze: &Maze) -> Self {
+        if self.reward.step_threshold_from_maze {
+            let longest = Paths::new(maze).longest(maze);
+            let wanted = longest.saturating_mul(PATHS_AN_EPISODE).min(MOST_STEPS);
+            let least = self.reward.step_threshold;
+            self.reward.step_threshold = least.max(wanted);
+        }
+        self
+    }
+
     /// Accepts the settings when each lies in its range.
     pub fn check(&self) -> Result<(), OutOfRange> {
         self.xcs.check()?;

@@ -41,8 +41,8 @@ impl Facts {
     pub fn new(maze: &Maze) -> Self {
         let paths = Paths::new(maze);
         let steps = |cell| paths.distance(maze, cell);
-        let lengths: Vec<u32> = maze.start_cells().into_iter().filter_map(steps).collect();
-        let sum: f64 = lengths.iter().copied().map(f64::from).sum();
+        let lengths = || maze.starts().filter_map(steps);
+        let sum: f64 = lengths().map(f64::from).sum();
         Self {
             world: maze.name().to_owned(),
             width: maze.width(),
@@ -55,8 +55,8 @@ impl Facts {
             goals: maze.goals().to_vec(),
             optimal_steps: maze.start().and_then(steps),
             optimal_paths: maze.start().map(|start| paths.count_from(maze, start)),
-            mean_optimal_steps: sum / lengths.len() as f64,
-            greatest_optimal_steps: lengths.into_iter().max().unwrap_or(0),
+            mean_optimal_steps: sum / lengths().count() as f64,
+            greatest_optimal_steps: lengths().max().unwrap_or(0),
         }
     }
 }

@@ -8,7 +8,7 @@ use super::direction::Moves;
 use super::document::Document;
 use super::error::WorldError;
 use super::json::{kind, missing_key, wrong_type};
-use super::maze::{Cell, Maze};
+use super::maze::Maze;
 use super::name;
 use super::near;
 use super::rows::Rows;
@@ -75,9 +75,17 @@ impl Maze {
     /// The text of a world file that gives this maze again: the same for equal mazes.
     pub fn to_json(&self) -> String {
         let moves = self.action_count();
-        let rows: Vec<String> = (0..self.height)
-            .map(|row| (0..self.width).map(move |col| self.letter(Cell { col, row })))
-            .map(|letters| format!("    \"{}\"", letters.collect::<String>()))
+        let letter = |&wall: &bool| if wall { b'#' } else { b'.' };
+        let mut letters: Vec<u8> = self.walls.iter().map(letter).collect();
+        self.goals
+            .iter()
+            .for_each(|&goal| letters[self.index(goal)] = b'G');
+        self.start
+            .iter()
+            .for_each(|&start| letters[self.index(start)] = b'S');
+        let rows: Vec<String> = letters
+            .chunks(usize::from(self.width))
+            .map(|row| format!("    \"{}\"", String::from_utf8_lossy(row)))
             .collect();
         format!(
             "{{\n  \"name\": \"{}\",\n  \"cell_size_m\": {:?},\n  \"moves\": {moves},\n  \
@@ -87,16 +95,6 @@ impl Maze {
             self.wrap,
             rows.join(",\n"),
         )
-    }
-
-    /// The letter of a cell in a world file.
-    fn letter(&self, cell: Cell) -> char {
-        match () {
-            () if self.is_wall(cell) => '#',
-            () if self.is_goal(cell) => 'G',
-            () if self.start == Some(cell) => 'S',
-            () => '.',
-        }
     }
 }
 
@@ -142,9 +140,10 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         wrap,
         width: rows.width(),
         height: rows.height(),
-        walls: std::mem::take(&mut rows.walls),
+        walls: std::mem::take(&mut rows.walls).into(),
         start: rows.starts.first().copied(),
         goals: std::mem::take(&mut rows.goals),
+        distances: Default::default(),
     };
     if !wrap {
         check_border(source, &maze, &rows)?;

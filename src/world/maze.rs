@@ -1,10 +1,17 @@
 //! The maze: cells, walls, start and goal.
 
+use std::sync::Arc;
+
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::direction::{Direction, Moves};
+use super::paths::Distances;
 use xcs::Action;
+
+/// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the worth of
+/// every cell recorded.
+const MOST_SHOWN: usize = 1 << 16;
 
 /// A cell of the maze; row 0 is the northern border, column 0 the western one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -18,7 +25,7 @@ pub struct Cell {
 /// A checked maze: its border is closed (or joined), and every start can reach a goal.
 ///
 /// The world frame has its origin in the south-western corner of the border, x to the east, y to
-/// the north, in metres.
+/// the north, in metres. A clone shares the cells with its original.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Maze {
     pub(super) name: String,
@@ -28,10 +35,12 @@ pub struct Maze {
     pub(super) width: u16,
     pub(super) height: u16,
     /// Row by row from the north: true where a wall is.
-    pub(super) walls: Vec<bool>,
+    pub(super) walls: Arc<[bool]>,
     pub(super) start: Option<Cell>,
     /// In reading order; never empty.
     pub(super) goals: Vec<Cell>,
+    /// Of the shortest paths, once somebody asked for them.
+    pub(super) distances: Distances,
 }
 
 impl Maze {
@@ -103,16 +112,27 @@ impl Maze {
         self.cells().filter(|&cell| !self.is_wall(cell))
     }
 
-    /// The cells in which an episode can start: the start cell, or all free cells but the goals.
+    /// The cells in which an episode can start, in reading order: the start cell, or all free
+    /// cells but the goals.
     pub fn start_cells(&self) -> Vec<Cell> {
-        match self.start {
-            Some(start) => vec![start],
-            None => self.free_cells().filter(|&c| !self.is_goal(c)).collect(),
-        }
+        self.starts().collect()
+    }
+
+    /// The same cells one by one, for mazes with many.
+    pub fn starts(&self) -> impl DoubleEndedIterator<Item = Cell> + '_ {
+        let anywhere = self.start.is_none().then(|| self.cells());
+        let anywhere = anywhere.into_iter().flatten();
+        let free = anywhere.filter(|&cell| !self.is_wall(cell) && !self.is_goal(cell));
+        self.start.into_iter().chain(free)
+    }
+
+    /// Has it too many cells to be shown one by one?
+    pub fn is_vast(&self) -> bool {
+        self.walls.len() > MOST_SHOWN
     }
 
     /// All cells in reading order.
-    pub fn cells(&self) -> impl Iterator<Item = Cell> + use<> {
+    pub fn cells(&self) -> impl DoubleEndedIterator<Item = Cell> + use<> {
         let (width, height) = (self.width, self.height);
         (0..height).flat_map(move |row| (0..width).map(move |col| Cell { col, row }))
     }

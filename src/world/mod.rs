@@ -16,6 +16,7 @@ mod paths;
 mod rows;
 mod slip;
 mod source;
+mod starts;
 
 pub use direction::{Direction, Moves};
 pub use draw::draw;
@@ -24,3 +25,4 @@ pub use facts::Facts;
 pub use generate::{MazeKind, NoRecipe, Recipe};
 pub use maze::{Cell, Maze};
 pub use paths::Paths;
+pub use starts::Starts;

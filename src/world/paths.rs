@@ -1,6 +1,6 @@
 //! Shortest paths from every cell to the nearest goal.
 
-use std::collections::VecDeque;
+use std::sync::{Arc, OnceLock};
 
 use super::maze::{Cell, Maze};
 use super::slip::Expected;
@@ -12,40 +12,32 @@ const CUT_OFF: u32 = u32::MAX;
 /// counts in mazes larger than the cache.
 const WALL: u32 = u32::MAX - 1;
 
+/// By cell index, computed when they are first asked for and shared by all clones of a maze; or
+/// [`CUT_OFF`] or [`WALL`]. They follow from the rest of the maze, so they tell no two apart.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Distances(OnceLock<Arc<[u32]>>);
+
+impl PartialEq for Distances {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 /// The length of the shortest path from each cell to the nearest goal; and what is optimal when
 /// actions slip, for which a shortest path is the wrong yardstick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Paths {
-    /// By cell index; or [`CUT_OFF`] or [`WALL`].
-    distance: Vec<u32>,
+    distance: Arc<[u32]>,
     /// `None` when actions do not slip.
     expected: Option<Expected>,
 }
 
 impl Paths {
-    /// Breadth-first search from the goals outward (moves can be reversed in every world).
+    /// The shortest paths of a maze; the search is made once for a maze and its clones.
     pub fn new(maze: &Maze) -> Self {
-        let blank = |&wall: &bool| if wall { WALL } else { CUT_OFF };
-        let mut distance: Vec<u32> = maze.walls.iter().map(blank).collect();
-        let mut queue: VecDeque<Cell> = maze.goals().iter().copied().collect();
-        queue
-            .iter()
-            .for_each(|&goal| distance[maze.index(goal)] = 0);
-        while let Some(cell) = queue.pop_front() {
-            let beyond = distance[maze.index(cell)] + 1;
-            for &direction in maze.moves().directions() {
-                let Some(next) = maze.neighbour(cell, direction) else {
-                    continue;
-                };
-                let known = &mut distance[maze.index(next)];
-                if *known == CUT_OFF {
-                    *known = beyond;
-                    queue.push_back(next);
-                }
-            }
-        }
+        let distance = maze.distances.0.get_or_init(|| search(maze).into());
         Self {
-            distance,
+            distance: Arc::clone(distance),
             expected: None,
         }
     }
@@ -84,6 +76,43 @@ impl Paths {
         Some(self.distance[maze.index(cell)]).filter(|&steps| steps < WALL)
     }
 
+    /// The length of the longest shortest path from a cell in which an episode can start.
+    pub fn longest(&self, maze: &Maze) -> u32 {
+        match maze.start() {
+            Some(start) => self.distance(maze, start).unwrap_or(0),
+            None => {
+                let known = self.distance.iter().filter(|&&steps| steps < WALL);
+                known.copied().max().unwrap_or(0)
+            }
+        }
+    }
+
+    /// The cells on shortest paths from where an episode can start, in reading order, goals among
+    /// them: with a random start, all from which a goal can be reached.
+    pub fn cells_on_shortest<'a>(&'a self, maze: &'a Maze) -> impl Iterator<Item = Cell> + 'a {
+        let ahead = maze.start().map(|start| self.ahead_of(maze, start));
+        maze.cells().filter(move |&cell| {
+            let at = maze.index(cell);
+            ahead
+                .as_ref()
+                .map_or(self.distance[at] < WALL, |ahead| ahead[at])
+        })
+    }
+
+    /// By cell index: does a shortest path from `start` lead there?
+    fn ahead_of(&self, maze: &Maze, start: Cell) -> Vec<bool> {
+        let mut ahead = vec![false; self.distance.len()];
+        let mut open = vec![start];
+        while let Some(cell) = open.pop() {
+            if std::mem::replace(&mut ahead[maze.index(cell)], true) {
+                continue;
+            }
+            let actions = Action::all(maze.action_count());
+            open.extend(actions.filter_map(|action| self.successor(maze, cell, action)));
+        }
+        ahead
+    }
+
     /// The cell that an action leads to, if that is a step along a shortest path; with slip, if it
     /// is a best action.
     pub fn successor(&self, maze: &Maze, cell: Cell, action: Action) -> Option<Cell> {
@@ -113,18 +142,17 @@ impl Paths {
 
     /// The ways to the cells that are `left` steps from a goal, from those one step before.
     fn ways_onward(&self, maze: &Maze, ways: &[(Cell, u64)], left: u32) -> Vec<(Cell, u64)> {
-        let directions = maze.moves().directions();
-        let mut onward: Vec<(Cell, u64)> = ways
-            .iter()
-            .flat_map(|&(cell, count)| {
-                directions
-                    .iter()
-                    .filter_map(move |&direction| maze.neighbour(cell, direction))
-                    .filter(|&next| self.distance[maze.index(next)] == left)
-                    .map(move |next| (next, count))
+        let directions = maze.moves().directions().iter();
+        // Direction by direction, so that the list consists of few ascending runs.
+        let mut onward: Vec<(Cell, u64)> = directions
+            .flat_map(|&direction| {
+                ways.iter().filter_map(move |&(cell, count)| {
+                    let next = maze.neighbour(cell, direction)?;
+                    (self.distance[maze.index(next)] == left).then_some((next, count))
+                })
             })
             .collect();
-        onward.sort_unstable_by_key(|way| way.0);
+        onward.sort_by_key(|way| (way.0.row, way.0.col));
         onward.dedup_by(|later, kept| {
             let same = later.0 == kept.0;
             if same {
@@ -134,6 +162,34 @@ impl Paths {
         });
         onward
     }
+}
+
+/// Breadth-first search from the goals outward (moves can be reversed in every world).
+fn search(maze: &Maze) -> Vec<u32> {
+    let blank = |&wall: &bool| if wall { WALL } else { CUT_OFF };
+    let mut distance: Vec<u32> = maze.walls.iter().map(blank).collect();
+    let mut near: Vec<Cell> = maze.goals().to_vec();
+    near.iter().for_each(|&goal| distance[maze.index(goal)] = 0);
+    for beyond in 1.. {
+        let mut far = Vec::new();
+        for &cell in &near {
+            for &direction in maze.moves().directions() {
+                let Some(next) = maze.neighbour(cell, direction) else {
+                    continue;
+                };
+                let known = &mut distance[maze.index(next)];
+                if *known == CUT_OFF {
+                    *known = beyond;
+                    far.push(next);
+                }
+            }
+        }
+        if far.is_empty() {
+            break;
+        }
+        near = far;
+    }
+    distance
 }
 
 #[cfg(test)]

@@ -1,5 +1,4 @@
-//! `replay --serve`, as a browser sees it. Each test file uses a part of this.
-#![allow(dead_code)]
+//! `replay --serve`, as a browser sees it.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;

@@ -31,8 +31,14 @@ pub struct Params {
     /// c of Eq. 8, in steps; 0 to 1,000,000. At 0 it is the length of the shortest success so far
     /// in the trial, so that the best path is paid in full.
     pub even_constant: f64,
-    /// The step-threshold at first: the most steps of an episode; 1 to 1,000,000.
+    /// The step-threshold at first: the most steps of an episode; 1 to 1,000,000. The paper does
+    /// not print its own.
     pub step_threshold: u32,
+    /// Is the step-threshold raised to four times the longest shortest path of the maze, where
+    /// `step_threshold` is less? Setting `step_threshold` turns this off; so do files written
+    /// before it existed.
+    #[serde(default)]
+    pub step_threshold_from_maze: bool,
     /// How `xcscr` shares out the long-term reward.
     pub sharing: Sharing,
     /// theta_rs: the short-term filter answers rewards up to this (Alg. 1); -1,000,000 to 0.
@@ -63,6 +69,7 @@ impl Default for Params {
             gamma: 0.9,
             even_constant: 0.0,
             step_threshold: 50,
+            step_threshold_from_maze: true,
             sharing: Sharing::Discounted,
             theta_rs: -50.0,
             theta_x: 0.5,

@@ -92,7 +92,7 @@ impl PhysicsArena {
     pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
         params.check()?;
         let blocks = blocks(&maze)?;
-        let start = maze.start_cells().first().copied();
+        let start = maze.starts().next();
         let cell = start.unwrap_or(maze.goals()[0]);
         let pose = eastward(centre(&maze, cell));
         let simulation = Simulation::new(&blocks, maze.height(), pose, &params);

@@ -18,14 +18,17 @@ const NUMBER: u32 = 0xcfd8e8;
 /// Mazes with more columns or rows than this have no numbers on their border.
 const NUMBERED: u16 = 64;
 
-/// The maze as a scene.
+/// The maze as a scene; one that is vast without its walls.
 pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
     let mut lines = entity("floor", WORLD, time_ns);
     lines.cubes = vec![floor(maze)];
     lines.lines = vec![floor_lines(maze)];
     let mut walls = entity("walls", WORLD, time_ns);
-    walls.cubes = maze
-        .cells()
+    let shown = (!maze.is_vast())
+        .then(|| maze.cells())
+        .into_iter()
+        .flatten();
+    walls.cubes = shown
         .filter(|&cell| maze.is_wall(cell))
         .map(|cell| wall(maze, cell))
         .collect();

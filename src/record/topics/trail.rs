@@ -1,5 +1,7 @@
 //! `/scene/trail`: the way that the robot took in this episode.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use foxglove::messages::{LinePrimitive, Point3, SceneUpdate, line_primitive};
 
 use super::scene::{WORLD, color, entity, place, point, update};
@@ -16,10 +18,10 @@ const SHORT: usize = 128;
 #[derive(Debug)]
 pub(in crate::record) struct Trail {
     /// By cell index: the number of its point.
-    visited: Vec<Option<u32>>,
+    visited: BTreeMap<usize, u32>,
     points: Vec<Point3>,
-    /// By cell index and direction: was the border crossed?
-    crossed: Vec<bool>,
+    /// The borders that were crossed, by cell index and direction.
+    crossed: BTreeSet<usize>,
     /// Two point numbers for each line.
     lines: Vec<u32>,
     unit_m: f64,
@@ -29,11 +31,10 @@ pub(in crate::record) struct Trail {
 
 impl Trail {
     pub fn new(maze: &Maze) -> Self {
-        let cells = usize::from(maze.width()) * usize::from(maze.height());
         Self {
-            visited: vec![None; cells],
+            visited: BTreeMap::new(),
             points: Vec::new(),
-            crossed: vec![false; 4 * cells],
+            crossed: BTreeSet::new(),
             lines: Vec::new(),
             unit_m: maze.cell_size_m(),
             at: None,
@@ -43,8 +44,8 @@ impl Trail {
 
     /// Starts anew where the robot stands.
     pub fn restart(&mut self, view: &View<'_>) {
-        self.visited.fill(None);
-        self.crossed.fill(false);
+        self.visited.clear();
+        self.crossed.clear();
         self.points.clear();
         self.lines.clear();
         self.steps = 0;
@@ -61,18 +62,18 @@ impl Trail {
         let Some(from) = from.filter(|&from| from != to && beside(from, to)) else {
             return;
         };
-        let Some(before) = self.visited[view.maze.index(from)] else {
+        let Some(&before) = self.visited.get(&view.maze.index(from)) else {
             return;
         };
         let border = border(view.maze, from, to);
-        if !std::mem::replace(&mut self.crossed[border], true) {
+        if self.crossed.insert(border) {
             self.lines.extend([before, number]);
         }
     }
 
     /// The number of a cell's point, which is made if this is the first visit.
     fn visit(&mut self, cell: usize, sample: &Sample) -> u32 {
-        *self.visited[cell].get_or_insert_with(|| {
+        *self.visited.entry(cell).or_insert_with(|| {
             let at = sample.robot_in_world.translation.vector.into();
             self.points.push(point(at, 0.03 * self.unit_m));
             self.points.len() as u32 - 1

@@ -15,8 +15,11 @@ const CELL_BYTES: u32 = 8;
 const BAD: [u8; 3] = [0xf0, 0x6a, 0x70];
 const GOOD: [u8; 3] = [0x5a, 0xa9, 0xff];
 
-/// The map; cells without a worth are transparent and hold NaN.
+/// The map; cells without a worth are transparent and hold NaN. A vast maze has a single one.
 pub(in crate::record) fn grid(policy: &PolicyMap, maze: &Maze, time_ns: u64) -> Grid {
+    if maze.is_vast() {
+        return empty(maze, time_ns);
+    }
     let most = greatest_magnitude(policy);
     let mut data = Vec::new();
     for row in (0..maze.height()).rev() {
@@ -30,7 +33,10 @@ pub(in crate::record) fn grid(policy: &PolicyMap, maze: &Maze, time_ns: u64) -> 
 
 /// The map of someone who knows nothing.
 pub(in crate::record) fn empty(maze: &Maze, time_ns: u64) -> Grid {
-    let cells = usize::from(maze.width()) * usize::from(maze.height());
+    let cells = match maze.is_vast() {
+        true => 1,
+        false => usize::from(maze.width()) * usize::from(maze.height()),
+    };
     framed(maze, time_ns, packed(None, 1.0).repeat(cells))
 }
 
@@ -48,6 +54,11 @@ fn packed(worth: Option<f64>, most: f64) -> [u8; CELL_BYTES as usize] {
 
 fn framed(maze: &Maze, time_ns: u64, data: Vec<u8>) -> Grid {
     let unit = maze.cell_size_m();
+    let (width, height) = (maze.width(), maze.height());
+    let (columns, cells_wide, cells_high) = match maze.is_vast() {
+        true => (1, width, height),
+        false => (u32::from(width), 1, 1),
+    };
     let field = |name: &str, offset, kind: NumericType| PackedElementField {
         name: name.to_owned(),
         offset,
@@ -57,9 +68,12 @@ fn framed(maze: &Maze, time_ns: u64, data: Vec<u8>) -> Grid {
         timestamp: Some(timestamp(time_ns)),
         frame_id: WORLD.to_owned(),
         pose: place(0.0, 0.0, 0.002 * unit),
-        column_count: u32::from(maze.width()),
-        cell_size: Some(Vector2 { x: unit, y: unit }),
-        row_stride: u32::from(maze.width()) * CELL_BYTES,
+        column_count: columns,
+        cell_size: Some(Vector2 {
+            x: f64::from(cells_wide) * unit,
+            y: f64::from(cells_high) * unit,
+        }),
+        row_stride: columns * CELL_BYTES,
         cell_stride: CELL_BYTES,
         fields: vec![
             field("red", 0, NumericType::Uint8),

@@ -2,7 +2,7 @@
 
 use super::outbox::{For, Outbox};
 use crate::arena::{Contact, Sample, View};
-use crate::episode::{Episode, Learned, PolicyMap, Step};
+use crate::episode::{Episode, FaultFinder, Learned, PolicyMap, Step};
 use crate::record::error::RecordError;
 use crate::record::info::RobotShape;
 use crate::record::topics::contact::ContactRecord;
@@ -27,6 +27,7 @@ pub(super) struct Scribe {
     trail: Trail,
     curve: Curve,
     paths: Paths,
+    faults: FaultFinder,
     start: Option<Cell>,
     /// What was learned up to the last episode.
     policy: Option<PolicyMap>,
@@ -46,6 +47,7 @@ impl Scribe {
             trail: Trail::new(maze),
             curve: Curve::default(),
             paths: Paths::with_slip(maze, slip),
+            faults: FaultFinder::default(),
             start: None,
             policy: None,
             was_optimal: false,
@@ -186,7 +188,7 @@ impl Scribe {
         let maze = learned.view.maze;
         let time_ns = learned.view.now().time_ns;
         let policy = PolicyMap::of(learned.method, learned.sensor, maze);
-        let outlook = self.outlook(&policy, maze);
+        let outlook = self.outlook(&policy, learned);
         self.policy = Some(policy);
         self.curve.push(episode);
         self.show_policy(out, For::Both, maze, time_ns)?;
@@ -207,9 +209,16 @@ impl Scribe {
     }
 
     /// What the policy is good for.
-    fn outlook(&self, policy: &PolicyMap, maze: &Maze) -> Outlook {
+    fn outlook(&mut self, policy: &PolicyMap, learned: &Learned<'_>) -> Outlook {
+        let Learned {
+            method,
+            sensor,
+            view,
+        } = *learned;
+        let maze = view.maze;
+        let fault = self.faults.find(method, sensor, maze, &self.paths);
         Outlook {
-            optimal: policy.is_optimal(maze, &self.paths),
+            optimal: fault.is_none(),
             greedy_steps: self.start.and_then(|cell| policy.greedy_steps(maze, cell)),
             shortest: self.start.and_then(|cell| self.paths.distance(maze, cell)),
         }

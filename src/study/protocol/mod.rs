@@ -151,7 +151,16 @@ impl Protocol {
         maze.expect("arms name worlds of their study")
     }
 
-    /// All that is chosen for a trial, but its world.
+    /// A plan of each arm, and of what comes before it: those of its first trials.
+    pub fn arm_plans(&self) -> impl Iterator<Item = Plan> + '_ {
+        let firsts = (0..self.arms.len()).map(|arm| arm * self.trials);
+        firsts.flat_map(|trial| {
+            let earlier = self.earlier_plan(trial).into_iter();
+            earlier.chain([self.plan(trial)])
+        })
+    }
+
+    /// All that is chosen for a trial, but its world; with what that decides filled in.
     pub(super) fn config(&self, trial: usize) -> Config {
         let arm = self.arm(trial);
         Config {
@@ -161,7 +170,7 @@ impl Protocol {
             sensor: arm.sensor,
             episodes: self.episodes,
             seed: self.trial_seed(trial),
-            settings: arm.settings.clone(),
+            settings: arm.settings.clone().settled_in(self.maze(trial)),
             initial: None,
         }
     }
@@ -178,10 +187,14 @@ impl Protocol {
     /// The plan of the trial that comes before a trial and learns for it, from the same seed.
     pub fn earlier_plan(&self, trial: usize) -> Option<Plan> {
         let maze = named(&self.earlier, self.arm(trial).after.as_deref()?);
-        Some(Plan {
+        let plan = Plan {
             maze: maze.expect("arms name worlds of their study").clone(),
-            config: self.config(trial),
-        })
+            config: Config {
+                settings: self.arm(trial).settings.clone(),
+                ..self.config(trial)
+            },
+        };
+        Some(plan.settled())
     }
 
     /// Does every arm name a world of the study, and is no setting out of range?

@@ -79,7 +79,7 @@ impl Report {
             against_paper: AgainstPaper::all(&arms, folder.protocol()),
             comparisons: Comparison::all(&arms),
             switches: SwitchEffect::all(&arms),
-            settings: settings::sentences(specs),
+            settings: settings::sentences(folder.protocol()),
             settings_that_matter: paper::settings_that_matter(&arms),
             pictures: Vec::new(),
         }

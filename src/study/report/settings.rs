@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 
 use toml::{Table, Value};
 
-use crate::study::protocol::Arm;
-use crate::trial::{Settings, flatten};
+use crate::study::protocol::{Arm, Protocol};
+use crate::trial::{FROM_MAZE, STEP_THRESHOLD, Settings, flatten};
 
 /// Which settings differ from the defaults, and where, in sentences.
-pub fn sentences(arms: &[Arm]) -> String {
-    let lists: Vec<Vec<String>> = arms.iter().map(changed).collect();
+pub fn sentences(protocol: &Protocol) -> String {
+    let arms = &protocol.arms;
+    let lists: Vec<Vec<String>> = (0..arms.len()).map(|arm| changed(protocol, arm)).collect();
     let mut scopes: Vec<(String, Vec<&String>)> = vec![(String::new(), Vec::new())];
     let mut seen = BTreeSet::new();
     for item in lists.iter().flatten() {
@@ -73,19 +74,30 @@ fn scope(arms: &[Arm], holds: &[bool]) -> String {
     format!("for {}", Vec::from_iter(places).join(", "))
 }
 
-/// The settings of an arm that are neither defaults nor swept.
-fn changed(arm: &Arm) -> Vec<String> {
+/// The settings of an arm that are neither defaults nor swept, with what its maze decides.
+fn changed(protocol: &Protocol, number: usize) -> Vec<String> {
+    let arm = &protocol.arms[number];
     let table = |settings: &Settings| -> Vec<(String, Value)> {
         flatten(Table::try_from(settings).expect("settings are plain data"))
     };
     let without = arm.variant.0.get("without").and_then(|key| key.as_str());
     let is_varied = |key: &str| arm.variant.0.contains_key(key) || without == Some(key);
-    let pairs = table(&arm.settings)
+    let settled = protocol.plan(number * protocol.trials);
+    let pairs = table(&settled.config.settings)
         .into_iter()
         .zip(table(&Settings::default()));
+    // Who set the step-threshold is told by its value.
+    let is_told = |key: &str| !is_varied(key) && key != FROM_MAZE;
+    let origin = |key: &str, default| match settled.config.settings.reward.step_threshold_from_maze
+    {
+        true if key == STEP_THRESHOLD => "from the maze".to_owned(),
+        _ => format!("default {default}"),
+    };
     pairs
-        .filter(|((key, value), (_, default))| value != default && !is_varied(key))
-        .map(|((key, value), (_, default))| format!("`{key}` = {value} (default {default})"))
+        .filter(|((key, value), (_, default))| value != default && is_told(key))
+        .map(|((key, value), (_, default))| {
+            format!("`{key}` = {value} ({})", origin(&key, default))
+        })
         .collect()
 }
 
@@ -101,7 +113,19 @@ mod tests {
             "name = \"s\"\nworlds = [\"maze4\", \"maze5\"]\nmethods = [\"xcs\", \"xcscr\"]\ntrials = 1\nepisodes = 1\n{text}"
         );
         let file = StudyFile::parse(&text, "s.toml", Path::new("")).unwrap();
-        sentences(&Protocol::new(&file, &Overrides::default()).unwrap().arms)
+        sentences(&Protocol::new(&file, &Overrides::default()).unwrap())
+    }
+
+    #[test]
+    fn a_step_threshold_is_told_with_who_decided_it() {
+        let set = said("[settings]\n\"reward.step_threshold\" = 60\n");
+        let words = "Settings: the defaults, but `reward.step_threshold` = 60 (default 50).";
+        assert_eq!(set, words);
+        let text = "name = \"s\"\nworlds = [\"maze4\", \"dfs-12-1\"]\nmethods = [\"xcs\"]\ntrials = 1\nepisodes = 1\n";
+        let file = StudyFile::parse(text, "s.toml", Path::new("")).unwrap();
+        let told = sentences(&Protocol::new(&file, &Overrides::default()).unwrap());
+        let words = "in dfs-12-1: `reward.step_threshold` = 176 (from the maze)";
+        assert!(told.contains(words), "{told}");
     }
 
     #[test]

@@ -63,9 +63,10 @@ impl Field {
             wrap: false,
             width: self.side,
             height: self.side,
-            walls: self.walls,
+            walls: self.walls.into(),
             start: Some(start),
             goals: vec![goal],
+            distances: Default::default(),
         }
     }
 

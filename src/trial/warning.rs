@@ -1,0 +1,256 @@
+//! What cannot succeed, said before the work starts.
+
+use std::fmt;
+
+use super::plan::{Config, Plan};
+use crate::agent::Method;
+use crate::sensor::{Alike, Sensor, alike_among};
+use crate::world::{Cell, Maze, Paths};
+
+/// How many groups of cells, and how many cells of each, a warning names.
+const MOST_NAMED: usize = 3;
+/// The largest step-threshold and population that settings can hold.
+const MOST: u32 = 1_000_000;
+
+/// Why a trial of a plan is bound to fail, or to fall short of the optimum.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Warning {
+    /// Episodes are shorter than the shortest path, at least from some starts.
+    StepLimit {
+        /// The most steps of an episode.
+        steps: u32,
+        /// The longest of the shortest paths from where episodes start.
+        longest: u32,
+    },
+    /// The learner keeps more rules than a population holds.
+    Population {
+        /// The method's name.
+        method: &'static str,
+        /// Different percepts in the maze.
+        percepts: usize,
+        /// Actions.
+        actions: usize,
+        /// The rules that the population holds: N.
+        population_size: u32,
+    },
+    /// Cells look alike in which no action is best in all.
+    LookAlike {
+        /// The percept that does not tell them apart.
+        sensor: Sensor,
+        /// The cells, group by group.
+        groups: Vec<Vec<Cell>>,
+    },
+}
+
+impl Plan {
+    /// What speaks against the plan once it is [settled](Self::settled). The plan can be run
+    /// nevertheless.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let Self { maze, config } = &self.clone().settled();
+        let paths = Paths::new(maze);
+        [
+            step_limit(config, maze, &paths),
+            population(config, maze),
+            look_alike(config, maze, &paths),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}
+
+fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
+    let steps = config.settings.reward.step_threshold;
+    let longest = paths.longest(maze);
+    (steps < longest).then_some(Warning::StepLimit { steps, longest })
+}
+
+/// `xcscr-plus` learns a rule for each percept and action.
+fn population(config: &Config, maze: &Maze) -> Option<Warning> {
+    if config.method != Method::XcscrPlus {
+        return None;
+    }
+    let population_size = config.settings.xcs.population_size;
+    let (percepts, actions) = (config.sensor.percept_count(maze), maze.action_count());
+    let too_many = percepts.saturating_mul(actions) > population_size as usize;
+    too_many.then_some(Warning::Population {
+        method: config.method.name(),
+        percepts,
+        actions,
+        population_size,
+    })
+}
+
+/// Only cells that an optimal policy comes through matter, and only to who forgets how it got there.
+fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
+    if config.method == Method::XcscrMemory {
+        return None;
+    }
+    let sensor = config.sensor;
+    let on_the_way = paths.cells_on_shortest(maze);
+    let groups = alike_among(sensor, maze, paths, on_the_way).into_iter();
+    let misleading = groups.filter(|group| !group.share_a_best_action);
+    let groups: Vec<Vec<Cell>> = misleading.map(|Alike { cells, .. }| cells).collect();
+    (!groups.is_empty()).then_some(Warning::LookAlike { sensor, groups })
+}
+
+impl Warning {
+    /// What would change it.
+    fn way_out(&self) -> String {
+        match self {
+            Self::StepLimit { longest, .. } => match longest.saturating_mul(4) {
+                steps @ ..=MOST => format!("`--set reward.step_threshold={steps}`"),
+                _ => "a smaller maze".to_owned(),
+            },
+            Self::Population {
+                percepts, actions, ..
+            } => match percepts.saturating_mul(*actions) {
+                rules if rules <= MOST as usize => format!("`--set xcs.population_size={rules}`"),
+                _ => "a smaller maze, a sensor with fewer percepts, or `--method r-max`".to_owned(),
+            },
+            Self::LookAlike { .. } => {
+                let sensor = Sensor::NeighboursPosition.name();
+                format!("`--sensor {sensor}` (in a study file: `sensors`)")
+            }
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::StepLimit { steps, longest } => write!(
+                f,
+                "episodes end after {steps} steps, but the longest shortest path has {longest}"
+            ),
+            Self::Population {
+                method,
+                percepts,
+                actions,
+                population_size,
+            } => write!(
+                f,
+                "{method} learns a rule for each percept and action, {percepts} x {actions}, but \
+                 the population holds {population_size}"
+            ),
+            Self::LookAlike { sensor, groups } => write!(
+                f,
+                "cells look alike to the sensor `{}`, and no action is best in all of them: {}",
+                sensor.name(),
+                listed(groups)
+            ),
+        }?;
+        write!(f, "; try {}", self.way_out())
+    }
+}
+
+/// The first of some groups of cells.
+fn listed(groups: &[Vec<Cell>]) -> String {
+    let shown = groups.iter().take(MOST_NAMED).map(|cells| named(cells));
+    let shown = shown.collect::<Vec<_>>().join("; ");
+    match groups.len().saturating_sub(MOST_NAMED) {
+        0 => shown,
+        more => format!("{shown}; and {more} more such groups"),
+    }
+}
+
+/// The first of some cells, as column and row.
+fn named(cells: &[Cell]) -> String {
+    let place = |cell: &Cell| format!("{},{}", cell.col, cell.row);
+    let shown: Vec<String> = cells.iter().take(MOST_NAMED).map(place).collect();
+    match cells.len().saturating_sub(MOST_NAMED) {
+        0 => shown.join(" "),
+        more => format!("{} and {more} more", shown.join(" ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arena::ArenaKind;
+    use crate::trial::{Resolved, Settings};
+    use crate::world::Recipe;
+
+    fn maze(name: &str) -> Maze {
+        match name.parse::<Recipe>() {
+            Ok(recipe) => recipe.maze().unwrap(),
+            Err(_) => Maze::load(format!("worlds/{name}.json").as_ref()).unwrap(),
+        }
+    }
+
+    fn said(world: &str, method: Method, sensor: Sensor, sets: &[&str]) -> Vec<String> {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let config = Config {
+            version: String::new(),
+            method,
+            arena: ArenaKind::Grid,
+            sensor,
+            episodes: 1,
+            seed: 1,
+            settings: Resolved::new(&Settings::default(), None, &sets)
+                .unwrap()
+                .settings,
+            initial: None,
+        };
+        let maze = maze(world);
+        let warnings = Plan { maze, config }.warnings().into_iter();
+        warnings.map(|warning| warning.to_string()).collect()
+    }
+
+    #[test]
+    fn nothing_speaks_against_the_shipped_mazes() {
+        for world in ["maze4", "maze5", "maze6", "maze4-classic", "woods1"] {
+            for method in Method::ALL {
+                let said = said(world, method, Sensor::Neighbours, &[]);
+                assert_eq!(said, [""; 0], "{world}, {}", method.name());
+            }
+        }
+    }
+
+    #[test]
+    fn a_step_limit_below_the_shortest_path_is_named_and_the_default_never_is() {
+        let (world, method, sensor) = ("dfs-40-1", Method::QLearning, Sensor::Position);
+        assert_eq!(said(world, method, sensor, &[]), [""; 0]);
+        let longest = Paths::new(&maze(world)).longest(&maze(world));
+        assert!(longest > 50, "{longest}");
+        let limit = format!("reward.step_threshold={}", longest - 1);
+        let wanted = format!(
+            "episodes end after {} steps, but the longest shortest path has {longest}; try \
+             `--set reward.step_threshold={}`",
+            longest - 1,
+            4 * longest
+        );
+        assert_eq!(said(world, method, sensor, &[&limit]), [wanted]);
+        let enough = format!("reward.step_threshold={longest}");
+        assert_eq!(said(world, method, sensor, &[&enough]), [""; 0]);
+    }
+
+    #[test]
+    fn a_population_too_small_for_every_percept_and_action_is_named() {
+        let (world, sensor) = ("random-40-1", Sensor::Position);
+        let percepts = sensor.percepts(&maze(world)).len();
+        assert_eq!(sensor.percept_count(&maze(world)), percepts);
+        let wanted = format!(
+            "xcscr-plus learns a rule for each percept and action, {percepts} x 4, but the \
+             population holds 1600; try `--set xcs.population_size={}`",
+            4 * percepts
+        );
+        assert_eq!(said(world, Method::XcscrPlus, sensor, &[]), [wanted]);
+        let enough = format!("xcs.population_size={}", 4 * percepts);
+        assert_eq!(said(world, Method::XcscrPlus, sensor, &[&enough]), [""; 0]);
+        assert_eq!(said(world, Method::Xcscr, sensor, &[]), [""; 0]);
+    }
+
+    #[test]
+    fn cells_that_mislead_on_the_way_are_named_and_position_or_memory_tells_them_apart() {
+        let said = |method, sensor| said("dfs-12-1", method, sensor, &[]);
+        let named = said(Method::Xcscr, Sensor::Neighbours);
+        let words = "cells look alike to the sensor `neighbours`, and no action is best in all of \
+                     them: ";
+        assert!(named.len() == 1 && named[0].starts_with(words), "{named:?}");
+        let way_out = "; try `--sensor neighbours-position` (in a study file: `sensors`)";
+        assert!(named[0].ends_with(way_out), "{named:?}");
+        assert_eq!(said(Method::Xcscr, Sensor::NeighboursPosition), [""; 0]);
+        assert_eq!(said(Method::XcscrMemory, Sensor::Neighbours), [""; 0]);
+    }
+}
