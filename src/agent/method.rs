@@ -69,6 +69,14 @@ impl Method {
         }
     }
 
+    /// Is it one of those that the paper compares?
+    pub fn is_of_paper(self) -> bool {
+        matches!(
+            self,
+            Self::Xcs | Self::AdaptedEven | Self::AdaptedDiscounted | Self::Xcscr
+        )
+    }
+
     /// Does it learn rules, and not a table?
     pub fn learns_rules(self) -> bool {
         !matches!(

@@ -14,7 +14,9 @@ mod plus;
 mod recall;
 mod tabular;
 
-pub use credit::{Adapted, Combined, Params, Sharing, Standard};
+pub use credit::{
+    Adapted, Combined, Params, Sharing, StackEvolution, Standard, StepLimitUpdate, XcsPayment,
+};
 pub use explorer::Explorer;
 pub use knowledge::{Frozen, Knowledge, Misfit};
 pub use memory::MemoryError;

@@ -4,7 +4,7 @@ use super::classifier::Classifier;
 use super::condition::Condition;
 use super::ga::{self, Parent};
 use super::mapping;
-use super::params::Params;
+use super::params::{GaClock, Params, SubsumerTies, UpdateOrder};
 use super::population::{MOST_STEPS, Population};
 use super::prediction::{PredictionArray, PredictionSums};
 use super::sets::{ActionSet, MatchSet};
@@ -18,7 +18,7 @@ pub struct Xcs {
     pub(super) actions: usize,
     #[serde(with = "mapping::saved")]
     pub(super) population: Population,
-    /// t: match sets formed so far.
+    /// t: match sets formed so far, as [`GaClock`] counts them.
     time: u64,
     pub(super) stream: Stream,
     /// May the GA run now?
@@ -92,7 +92,9 @@ impl Xcs {
     /// Forms \[M\] and covers every action that no rule of \[M\] advocates (GENERATE MATCH SET), or
     /// as many as an adaptive mapping asks for.
     pub fn form_match_set(&mut self, percept: &Percept, set: &mut MatchSet) {
-        self.time += 1;
+        if self.evolves || self.params.ga_clock == GaClock::AllSteps {
+            self.time += 1;
+        }
         loop {
             set.clear(percept);
             self.population
@@ -179,8 +181,8 @@ impl Xcs {
     }
 
     /// Updates the rules of \[A\] toward the payoff `target` at learning rate `beta` (UPDATE SET):
-    /// experience, error with the old prediction (Eq. 2), prediction (Eq. 1, whose printed sign
-    /// is wrong), set size, fitness; then action-set subsumption.
+    /// experience, error (Eq. 2) and prediction (Eq. 1, whose printed sign is wrong) in the order
+    /// of [`UpdateOrder`], set size, fitness; then action-set subsumption.
     pub fn update(&mut self, set: &ActionSet, target: f64, beta: f64) {
         let micro: u32 = self
             .population
@@ -199,8 +201,13 @@ impl Xcs {
             rule.experience = rule.experience.saturating_add(1);
             // Moving average with the mean of all so far while the rule is young.
             let rate = beta.max(1.0 / f64::from(rule.experience));
-            rule.error += rate * ((target - rule.prediction).abs() - rule.error);
-            rule.prediction += rate * (target - rule.prediction);
+            let old_prediction = rule.prediction;
+            rule.prediction += rate * (target - old_prediction);
+            let prediction = match params.update_order {
+                UpdateOrder::ErrorFirst => old_prediction,
+                UpdateOrder::PredictionFirst => rule.prediction,
+            };
+            rule.error += rate * ((target - prediction).abs() - rule.error);
             rule.set_size += rate * (f64::from(micro) - rule.set_size);
             total += share(rule);
         }
@@ -222,9 +229,11 @@ impl Xcs {
     fn subsume_in_action_set(&mut self, set: &ActionSet) {
         let able = self.population.living(set.members());
         let able = able.filter(|(_, rule)| rule.could_subsume(&self.params));
+        let (ties, stream) = (self.params.subsumer_ties, &mut self.stream);
         let most_general = able.reduce(|best, next| {
-            let less_specific = next.1.condition.specificity() < best.1.condition.specificity();
-            if less_specific { next } else { best }
+            let [old, new] = [best, next].map(|(_, rule)| rule.condition.specificity());
+            let wins_tie = old == new && ties == SubsumerTies::Random && stream.chance(0.5);
+            if new < old || wins_tie { next } else { best }
         });
         let Some((subsumer, &general)) = most_general else {
             return;

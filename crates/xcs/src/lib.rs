@@ -66,7 +66,7 @@ pub use compaction::compact;
 pub use condition::{Condition, ConditionError};
 pub use handles::ClassifierId;
 pub use learner::Xcs;
-pub use params::Params;
+pub use params::{GaClock, Params, SubsumerTies, UpdateOrder};
 pub use population::{Population, PopulationError};
 pub use prediction::{PredictionArray, PredictionSums};
 pub use runner::{Environment, Episode, Response, Runner};

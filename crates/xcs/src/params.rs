@@ -7,6 +7,40 @@ use crate::bounds::{OutOfRange, within};
 /// The greatest N.
 pub(super) const GREATEST_POPULATION: u32 = 1_000_000;
 
+/// Which of a rule's figures is updated first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum UpdateOrder {
+    /// The error, with the old prediction (XCSJava 1.0, Butz 2000; XCSF): a rule that is paid for
+    /// the first time gets its initial prediction's distance from the payoff as error.
+    ErrorFirst,
+    /// The prediction (the pseudo-code of Butz and Wilson 2001, UPDATE SET): a rule that is paid
+    /// for the first time has no error, and counts as accurate.
+    PredictionFirst,
+}
+
+/// Which of several equally general rules of \[A\] subsumes the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SubsumerTies {
+    /// The first one in the order of \[P\].
+    First,
+    /// One after the other takes the place of the one before with probability 1/2 (Butz and
+    /// Wilson 2001, DO ACTION SET SUBSUMPTION).
+    Random,
+}
+
+/// Which steps the clock counts that tells when the GA is due.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GaClock {
+    /// All (Butz and Wilson 2001, RUN EXPERIMENT: t grows with every step).
+    AllSteps,
+    /// Only those in which the GA may run, and not those of episodes that only exploit (XCSJava
+    /// 1.0, Butz 2000).
+    EvolvingSteps,
+}
+
 /// Parameters of XCS (Butz and Wilson 2001, section 3.2; values of the paper's experiment where
 /// it prints them, calibrated ones elsewhere).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -57,6 +91,12 @@ pub struct Params {
     /// Divide the worth by the fitness of all of \[M\], as Eq. 6 is printed in the paper, and not
     /// by that of the rules with the action, as in XCS.
     pub worth_over_match_set: bool,
+    /// Which of a rule's figures is updated first, error or prediction.
+    pub update_order: UpdateOrder,
+    /// Which of several equally general rules subsumes the others of \[A\].
+    pub subsumer_ties: SubsumerTies,
+    /// Which steps the GA's clock counts.
+    pub ga_clock: GaClock,
 }
 
 impl Default for Params {
@@ -82,6 +122,9 @@ impl Default for Params {
             ga_subsumption: true,
             action_set_subsumption: true,
             worth_over_match_set: false,
+            update_order: UpdateOrder::ErrorFirst,
+            subsumer_ties: SubsumerTies::First,
+            ga_clock: GaClock::AllSteps,
         }
     }
 }

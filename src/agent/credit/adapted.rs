@@ -57,7 +57,8 @@ impl Agent for Adapted {
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let set = self.mind.action_set(action);
         let credit = self.mind.step_credit(&set, self.params.short_term(outcome));
-        self.stack.push(set);
+        self.stack
+            .push(&mut self.mind.xcs, set, self.params.stack_evolution);
         credit
     }
 
@@ -69,7 +70,9 @@ impl Agent for Adapted {
         let reward = self.params.long_term(reached_goal, steps);
         let shares = Shares::new(reward, steps, self.shortest, self.sharing, &self.params);
         let beta = self.mind.xcs.params().beta;
-        self.stack.unwind(&mut self.mind.xcs, &shares, beta);
+        let evolution = self.params.stack_evolution;
+        self.stack
+            .unwind(&mut self.mind.xcs, &shares, beta, evolution);
         EndCredit {
             long_term_reward: reward,
             learning_rate: beta,

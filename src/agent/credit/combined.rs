@@ -89,8 +89,10 @@ impl Agent for Combined {
         let set = self.mind.action_set(action);
         let reward = self.params.short_term(outcome);
         let credit = self.mind.step_credit(&set, reward);
-        self.filter.answer(&mut self.mind.xcs, &set, reward);
-        self.stack.push(set);
+        let beta = self.learning_rate.after_collision();
+        self.filter.answer(&mut self.mind.xcs, &set, reward, beta);
+        self.stack
+            .push(&mut self.mind.xcs, set, self.params.stack_evolution);
         credit
     }
 
@@ -103,8 +105,9 @@ impl Agent for Combined {
         let long_term_reward = self.params.long_term(reached_goal, steps);
         let learning_rate = self.learning_rate.after(reached_goal);
         let shares = self.shares(long_term_reward, steps);
+        let evolution = self.params.stack_evolution;
         self.stack
-            .unwind(&mut self.mind.xcs, &shares, learning_rate);
+            .unwind(&mut self.mind.xcs, &shares, learning_rate, evolution);
         let rehearsed = self
             .imprinting
             .after(reached_goal, policy)

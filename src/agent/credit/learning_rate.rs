@@ -4,25 +4,28 @@ use serde::{Deserialize, Serialize};
 
 use super::params::Params;
 
-/// Chooses the rate with which the end of an episode is learned.
+/// Chooses the rate with which a collision or the end of an episode is learned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct LearningRate {
     success: f64,
     failure: f64,
+    collision: f64,
 }
 
 impl LearningRate {
-    /// Switched off, both rates are `beta`.
+    /// Switched off, all rates are `beta`.
     pub fn new(params: &Params, beta: f64) -> Self {
         if params.learning_rate_switching {
             Self {
                 success: params.beta_success,
                 failure: params.beta_failure,
+                collision: params.beta_collision,
             }
         } else {
             Self {
                 success: beta,
                 failure: beta,
+                collision: beta,
             }
         }
     }
@@ -34,6 +37,11 @@ impl LearningRate {
         } else {
             self.failure
         }
+    }
+
+    /// The rate of the short-term filter.
+    pub fn after_collision(&self) -> f64 {
+        self.collision
     }
 }
 
@@ -48,12 +56,24 @@ mod tests {
     }
 
     #[test]
-    fn switched_off_both_are_learned_alike() {
+    fn a_collision_is_learned_fast_unless_it_counts_as_a_punishment() {
+        let rate = |params: &Params| LearningRate::new(params, 0.1).after_collision();
+        assert_eq!(rate(&Params::default()), 0.2);
+        let punishment = Params {
+            beta_collision: 0.05,
+            ..Params::default()
+        };
+        assert_eq!(rate(&punishment), 0.05);
+    }
+
+    #[test]
+    fn switched_off_all_are_learned_alike() {
         let params = Params {
             learning_rate_switching: false,
             ..Params::default()
         };
         let rate = LearningRate::new(&params, 0.1);
         assert_eq!((rate.after(true), rate.after(false)), (0.1, 0.1));
+        assert_eq!(rate.after_collision(), 0.1);
     }
 }

@@ -13,5 +13,5 @@ mod step_threshold;
 
 pub use adapted::Adapted;
 pub use combined::Combined;
-pub use params::{Params, Sharing};
+pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 pub use standard::Standard;

@@ -15,12 +15,58 @@ pub enum Sharing {
     Discounted,
 }
 
+/// What `xcs` and `xcsam` are paid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum XcsPayment {
+    /// Each step its short-term reward, the last one of a success also the long-term reward of
+    /// `reward.goal`: the paper's section II-C says that standard XCS "encapsulates long-term
+    /// rewards into short-term rewards".
+    All,
+    /// Nothing but the long-term reward, Eq. 7 after a success and `reward.failure` after a
+    /// failure: the paper introduces short-term rewards that reach rules as what is new in XCSCR
+    /// (section III-A), and Wilson (1995) and Butz pay mazes in this way.
+    Final,
+}
+
+/// What `xcs` and `xcsam` make of an episode that ends at the step limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepLimitUpdate {
+    /// A failure: the last \[A\] is updated, and nothing follows it (paper, section II-C: r_l
+    /// equals zero if the task fails).
+    Failure,
+    /// Nothing: the last \[A\] is not updated (XCSF).
+    Dropped,
+}
+
+/// When the GA runs in the action sets that wait in \[R\].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StackEvolution {
+    /// After the episode, each set right after its update; the GA's clock stands still meanwhile,
+    /// so that a rule that is in several of the sets takes part only once.
+    AfterCredit,
+    /// In the step in which the set was formed (figure 1: the GA lies inside the iteration loop),
+    /// before the set is credited.
+    EachStep,
+}
+
 /// Rewards, and the parameters and switches of the reward methods.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Params {
     /// r_l for reaching a goal (paper, section II-C); 0 to 1,000,000.
     pub goal: f64,
+    /// r_l for a failure (paper, section II-C: 0, but figures 2 and 5 show worths below 0, and the
+    /// text speaks of long-term, negative rewards); -1,000,000 to 0.
+    pub failure: f64,
+    /// What `xcs` and `xcsam` are paid.
+    pub xcs_payment: XcsPayment,
+    /// What `xcs` and `xcsam` make of the step limit.
+    pub xcs_step_limit: StepLimitUpdate,
+    /// When the GA runs in methods with a reward stack.
+    pub stack_evolution: StackEvolution,
     /// r_s of a step (paper, section II-C); -1,000,000 to 0.
     pub step: f64,
     /// r_s of a step that ends in a collision (paper, section II-C); -1,000,000 to 0.
@@ -50,6 +96,13 @@ pub struct Params {
     pub beta_success: f64,
     /// beta after a failure (paper, section III-C); above 0, at most 1.
     pub beta_failure: f64,
+    /// beta of the short-term filter after a collision; above 0, at most 1. The paper calls
+    /// collisions punishments (section III-A) and learns punishments with 0.05 (section III-C);
+    /// 0.2 is the rate of everything else.
+    pub beta_collision: f64,
+    /// beta of Eq. 10, with which the step-threshold moves toward a success; above 0, at most 1.
+    /// 0.2 is the rate after a success.
+    pub beta_step_threshold: f64,
     /// Does `xcscr` use the short-term reward filter?
     pub short_term_filter: bool,
     /// Does `xcscr` imprint?
@@ -64,6 +117,10 @@ impl Default for Params {
     fn default() -> Self {
         Self {
             goal: 1000.0,
+            failure: 0.0,
+            xcs_payment: XcsPayment::All,
+            xcs_step_limit: StepLimitUpdate::Failure,
+            stack_evolution: StackEvolution::AfterCredit,
             step: -1.0,
             collision: -50.0,
             gamma: 0.9,
@@ -75,6 +132,8 @@ impl Default for Params {
             theta_x: 0.5,
             beta_success: 0.2,
             beta_failure: 0.05,
+            beta_collision: 0.2,
+            beta_step_threshold: 0.2,
             short_term_filter: true,
             imprinting: true,
             learning_rate_switching: true,
@@ -87,6 +146,7 @@ impl Params {
     /// Accepts the parameters when each lies in its range.
     pub fn check(&self) -> Result<(), OutOfRange> {
         within("reward.goal", self.goal, 0.0..=1e6)?;
+        within("reward.failure", self.failure, -1e6..=0.0)?;
         within("reward.step", self.step, -1e6..=0.0)?;
         within("reward.collision", self.collision, -1e6..=0.0)?;
         within("reward.gamma", self.gamma, 0.0..=1.0)?;
@@ -95,7 +155,13 @@ impl Params {
         within("reward.theta_rs", self.theta_rs, -1e6..=0.0)?;
         within("reward.theta_x", self.theta_x, 0.0..=1.0)?;
         within("reward.beta_success", self.beta_success, 1e-6..=1.0)?;
-        within("reward.beta_failure", self.beta_failure, 1e-6..=1.0)
+        within("reward.beta_failure", self.beta_failure, 1e-6..=1.0)?;
+        within("reward.beta_collision", self.beta_collision, 1e-6..=1.0)?;
+        within(
+            "reward.beta_step_threshold",
+            self.beta_step_threshold,
+            1e-6..=1.0,
+        )
     }
 
     /// r_s: what an outcome is worth at once.
@@ -107,12 +173,12 @@ impl Params {
     }
 
     /// r_l of an episode of `steps` steps: `goal + 1/time` for a success (Eq. 7, time in steps),
-    /// 0 for a failure.
+    /// `failure` for a failure.
     pub fn long_term(&self, reached_goal: bool, steps: usize) -> f64 {
         if reached_goal {
             self.goal + 1.0 / steps.max(1) as f64
         } else {
-            0.0
+            self.failure
         }
     }
 }

@@ -20,16 +20,15 @@ impl ShortTermFilter {
         }
     }
 
-    /// Alg. 1: up to the threshold theta_rs, \[A\] is updated toward its worth plus the reward.
-    /// As printed, repeated collisions have no floor.
-    pub fn answer(&self, xcs: &mut Xcs, set: &ActionSet, reward: f64) {
+    /// Alg. 1: up to the threshold theta_rs, \[A\] is updated toward its worth plus the reward,
+    /// at learning rate `beta`. As printed, repeated collisions have no floor.
+    pub fn answer(&self, xcs: &mut Xcs, set: &ActionSet, reward: f64, beta: f64) {
         if !self.on || reward > self.threshold {
             return;
         }
         let Some(worth) = xcs.worth(&set.percept).get(set.action) else {
             return;
         };
-        let beta = xcs.params().beta;
         xcs.update(set, worth + reward, beta);
     }
 }
@@ -51,8 +50,8 @@ mod tests {
         xcs.form_match_set(&percept, &mut set);
         let chosen = set.action_set(Action::new(0).unwrap()).unwrap();
         let filter = ShortTermFilter::new(params);
-        filter.answer(&mut xcs, &chosen, reward);
-        filter.answer(&mut xcs, &chosen, reward);
+        filter.answer(&mut xcs, &chosen, reward, 0.2);
+        filter.answer(&mut xcs, &chosen, reward, 0.2);
         [0, 1].map(|i| xcs.worth(&percept).get(Action::new(i).unwrap()))
     }
 

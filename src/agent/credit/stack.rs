@@ -1,6 +1,6 @@
 //! The reward stack \[R\] and how a long-term reward is shared out along it.
 
-use super::params::{Params, Sharing};
+use super::params::{Params, Sharing, StackEvolution};
 use xcs::{Action, Percept};
 use xcs::{ActionSet, Xcs};
 
@@ -11,8 +11,11 @@ pub(super) struct RewardStack {
 }
 
 impl RewardStack {
-    /// Adds the latest action set.
-    pub fn push(&mut self, set: ActionSet) {
+    /// Adds the latest action set, in which the GA may run now.
+    pub fn push(&mut self, xcs: &mut Xcs, set: ActionSet, evolution: StackEvolution) {
+        if evolution == StackEvolution::EachStep {
+            xcs.evolve(&set);
+        }
         self.sets.push(set);
     }
 
@@ -30,11 +33,13 @@ impl RewardStack {
     }
 
     /// Empties the stack and updates each set with its share of the reward, the latest first, at
-    /// learning rate `beta`; then each niche may evolve.
-    pub fn unwind(&mut self, xcs: &mut Xcs, shares: &Shares, beta: f64) {
+    /// learning rate `beta`; then the GA may run in it, unless it did before.
+    pub fn unwind(&mut self, xcs: &mut Xcs, shares: &Shares, beta: f64, evolution: StackEvolution) {
         for (back, set) in self.sets.drain(..).rev().enumerate() {
             xcs.update(&set, shares.of_step(back), beta);
-            xcs.evolve(&set);
+            if evolution == StackEvolution::AfterCredit {
+                xcs.evolve(&set);
+            }
         }
     }
 }
@@ -48,7 +53,7 @@ pub(super) struct Shares {
 
 impl Shares {
     /// Shares of the reward r_l among `steps` steps, where `shortest` is the length of the
-    /// shortest success so far in the trial.
+    /// shortest success so far in the trial; a failure that is shorter is paid in full, too.
     pub fn new(
         reward: f64,
         steps: usize,
@@ -62,7 +67,7 @@ impl Shares {
                 let c = if given {
                     params.even_constant
                 } else {
-                    shortest as f64
+                    shortest.min(steps) as f64
                 };
                 Self {
                     reward: c * reward / steps.max(1) as f64,

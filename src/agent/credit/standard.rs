@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::mind::Mind;
-use super::params::Params;
+use super::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::memory::{self, MemoryError};
@@ -16,7 +16,7 @@ use xcs::{ActionSet, PredictionArray, Xcs};
 /// is updated with its reward plus gamma times the greatest worth of the present percept; the last
 /// \[A\] of an episode with its reward alone.
 ///
-/// The step limit counts as an end without a reward (the paper: r_l is 0 if the task fails).
+/// [`XcsPayment`] says which rewards these are, [`StepLimitUpdate`] what the step limit means.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Standard {
     mind: Mind,
@@ -26,13 +26,16 @@ pub struct Standard {
     greatest: f64,
     #[serde(skip)]
     previous: Option<Waiting>,
+    /// Steps of this episode so far.
+    #[serde(skip)]
+    steps: usize,
 }
 
 /// An action set whose payoff is not known yet.
 #[derive(Debug, Clone)]
 struct Waiting {
     set: ActionSet,
-    /// Its short-term reward.
+    /// What it is paid at once.
     reward: f64,
     /// The greatest worth of its percept, when its action was chosen.
     greatest: f64,
@@ -46,6 +49,7 @@ impl Standard {
             params,
             greatest: 0.0,
             previous: None,
+            steps: 0,
         }
     }
 
@@ -86,9 +90,14 @@ impl Agent for Standard {
         let reward = self.params.short_term(outcome);
         let credit = self.mind.step_credit(&set, reward);
         let greatest = self.greatest;
+        let paid = match self.params.xcs_payment {
+            XcsPayment::All => reward,
+            XcsPayment::Final => 0.0,
+        };
+        self.steps += 1;
         let waiting = Waiting {
             set,
-            reward,
+            reward: paid,
             greatest,
         };
         if let Some(previous) = self.previous.replace(waiting) {
@@ -98,8 +107,13 @@ impl Agent for Standard {
     }
 
     fn finish(&mut self, reached_goal: bool) -> EndCredit {
-        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
-        if let Some(last) = self.previous.take() {
+        let steps = std::mem::take(&mut self.steps);
+        let long_term_reward = match self.params.xcs_payment {
+            XcsPayment::All if reached_goal => self.params.goal,
+            _ => self.params.long_term(reached_goal, steps),
+        };
+        let counts = reached_goal || self.params.xcs_step_limit == StepLimitUpdate::Failure;
+        if let Some(last) = self.previous.take().filter(|_| counts) {
             self.learn(&last, long_term_reward);
         }
         EndCredit {

@@ -99,7 +99,11 @@ impl Plus {
             collisions: CollisionRules::new(actions, ring),
             returns: ReturnRules::new(actions),
             curiosity: Curiosity::new(actions, &params, own.certainty),
-            step_threshold: StepThreshold::new(params.step_threshold, params.beta_success, &own),
+            step_threshold: StepThreshold::new(
+                params.step_threshold,
+                params.beta_step_threshold,
+                &own,
+            ),
             stream: replay,
             percept: 0,
             path: Path::new(),

@@ -1,0 +1,228 @@
+//! Each doubtful reading of the paper is one setting. Here each setting is turned, and what it
+//! changes is computed by hand; the control is the other reading.
+
+use xcscr::agent::{Agent, Method, Params, Setup, StackEvolution, StepLimitUpdate, XcsPayment};
+use xcscr::arena::Outcome;
+use xcscr::streams::StreamName;
+use xcscr::xcs::random::Stream;
+use xcscr::xcs::{self, Action, GaClock, MatchSet, Percept, SubsumerTies, UpdateOrder, Xcs};
+
+const BUMP: Outcome = Outcome::Collided { impulse_ns: None };
+
+fn percept(bits: &str) -> Percept {
+    bits.parse().unwrap()
+}
+
+fn action(number: usize) -> Action {
+    Action::new(number).unwrap()
+}
+
+/// Specific rules, and no discovery beside covering.
+fn plain() -> xcs::Params {
+    xcs::Params {
+        dont_care: 0.0,
+        ga: false,
+        ga_subsumption: false,
+        action_set_subsumption: false,
+        ..xcs::Params::default()
+    }
+}
+
+fn learner(params: xcs::Params, seed: u64) -> Xcs {
+    Xcs::new(params, 2, Stream::new(seed, StreamName::Evolution))
+}
+
+fn method(method: Method, xcs: xcs::Params, reward: Params) -> Box<dyn Agent> {
+    let setup = Setup {
+        xcs,
+        reward,
+        ..Setup::default()
+    };
+    method.build(2, 0, setup, 1)
+}
+
+/// Runs an episode of action 0 in these percepts, each with its outcome, and ends it.
+fn episode(method: &mut dyn Agent, steps: &[(&str, Outcome)], reached_goal: bool) {
+    for (bits, outcome) in steps {
+        method.consider(&percept(bits));
+        method.credit(action(0), *outcome);
+    }
+    method.finish(reached_goal);
+}
+
+fn worth(method: &dyn Agent, bits: &str) -> f64 {
+    method.worth(&percept(bits)).get(action(0)).unwrap()
+}
+
+#[test]
+fn the_first_payoff_is_an_error_only_if_the_error_is_updated_before_the_prediction() {
+    let after_two_payoffs = |update_order| {
+        let mut xcs = learner(
+            xcs::Params {
+                update_order,
+                ..plain()
+            },
+            1,
+        );
+        let mut set = MatchSet::default();
+        xcs.form_match_set(&percept("01"), &mut set);
+        let set = set.action_set(action(0)).unwrap();
+        [1000.0, 500.0].map(|payoff| {
+            xcs.update(&set, payoff, 0.2);
+            let rules = xcs.population().rules();
+            let rule = rules.iter().find(|rule| rule.action == action(0)).unwrap();
+            (rule.prediction, rule.error)
+        })
+    };
+    // |1000 - 0| = 1000; then the mean of 1000 and |500 - 1000|.
+    assert_eq!(
+        after_two_payoffs(UpdateOrder::ErrorFirst),
+        [(1000.0, 1000.0), (750.0, 750.0)]
+    );
+    // |1000 - 1000| = 0; then the mean of 0 and |500 - 750|.
+    assert_eq!(
+        after_two_payoffs(UpdateOrder::PredictionFirst),
+        [(1000.0, 0.0), (750.0, 125.0)]
+    );
+}
+
+#[test]
+fn the_gas_clock_counts_episodes_that_only_exploit_or_does_not() {
+    let rules_after_waiting_in_exploitation = |ga_clock| {
+        let params = xcs::Params {
+            ga: true,
+            mu: 1.0,
+            ga_clock,
+            ..plain()
+        };
+        let mut xcs = learner(params, 1);
+        let mut set = MatchSet::default();
+        xcs.let_evolve(false);
+        for _ in 0..40 {
+            xcs.form_match_set(&percept("0101"), &mut set);
+        }
+        xcs.let_evolve(true);
+        xcs.form_match_set(&percept("0101"), &mut set);
+        let before = xcs.population().micro();
+        xcs.evolve(&set.action_set(action(0)).unwrap());
+        xcs.population().micro() - before
+    };
+    let children = rules_after_waiting_in_exploitation;
+    assert_eq!(children(GaClock::AllSteps), 2, "41 steps are more than 25");
+    assert_eq!(children(GaClock::EvolvingSteps), 0, "one step is not");
+}
+
+#[test]
+fn of_equally_general_rules_the_first_subsumes_or_either() {
+    let survivors = |subsumer_ties| {
+        let survivor = |seed| {
+            // Three rules that overlap: two of them equally general, both more so than the third.
+            let rules = ["1#", "#1", "11"].map(|condition| {
+                let condition = condition.parse().unwrap();
+                let rule = xcs::Classifier::new(condition, action(0), 0, &plain());
+                xcs::Classifier {
+                    experience: 30,
+                    ..rule
+                }
+            });
+            let rules = xcs::Population::try_from(rules.to_vec()).unwrap();
+            let params = xcs::Params {
+                action_set_subsumption: true,
+                subsumer_ties,
+                ..plain()
+            };
+            let mut xcs = learner(params, seed).with_population(rules);
+            let set = xcs.matching_action_set(&percept("11"), action(0));
+            xcs.update(&set, 0.0, 0.2);
+            let absorbed = |rule: &&xcs::Classifier| rule.numerosity == 2;
+            let subsumer = xcs.population().rules().iter().find(absorbed).unwrap();
+            subsumer.condition.to_string()
+        };
+        let mut all: Vec<String> = (0..20).map(survivor).collect();
+        all.sort();
+        all.dedup();
+        all
+    };
+    assert_eq!(survivors(SubsumerTies::First), ["1#"]);
+    assert_eq!(survivors(SubsumerTies::Random), ["#1", "1#"]);
+}
+
+#[test]
+fn xcs_is_paid_every_step_or_only_the_end() {
+    let worths = |xcs_payment| {
+        let reward = Params {
+            xcs_payment,
+            ..Params::default()
+        };
+        let mut xcs = method(Method::Xcs, plain(), reward);
+        let way = [("00", BUMP), ("01", Outcome::ReachedGoal)];
+        episode(&mut *xcs, &way, true);
+        ["00", "01"].map(|bits| worth(&*xcs, bits))
+    };
+    // -50 + 0.9 * 0; and the last step's -1 with the goal's 1000.
+    assert_eq!(worths(XcsPayment::All), [-50.0, 999.0]);
+    // 0 + 0.9 * 0; and Eq. 7 with two steps.
+    assert_eq!(worths(XcsPayment::Final), [0.0, 1000.5]);
+}
+
+#[test]
+fn at_the_step_limit_xcs_learns_a_failure_or_nothing() {
+    let worth_after_a_failure = |xcs_step_limit| {
+        let reward = Params {
+            xcs_step_limit,
+            ..Params::default()
+        };
+        let mut xcs = method(Method::Xcs, plain(), reward);
+        episode(&mut *xcs, &[("00", Outcome::Moved)], false);
+        worth(&*xcs, "00")
+    };
+    assert_eq!(worth_after_a_failure(StepLimitUpdate::Failure), -1.0);
+    assert_eq!(worth_after_a_failure(StepLimitUpdate::Dropped), 0.0);
+}
+
+#[test]
+fn a_failure_is_shared_out_like_a_success() {
+    for (name, shares) in [
+        (Method::AdaptedEven, [-50.0, -50.0]),
+        (Method::AdaptedDiscounted, [-45.0, -50.0]),
+    ] {
+        for (failure, part) in [(-50.0, 1.0), (0.0, 0.0)] {
+            let reward = Params {
+                failure,
+                ..Params::default()
+            };
+            let mut learner = method(name, plain(), reward);
+            let way = [("00", Outcome::Moved), ("01", Outcome::Moved)];
+            episode(&mut *learner, &way, false);
+            let found = ["00", "01"].map(|bits| worth(&*learner, bits));
+            assert_eq!(found, shares.map(|share| part * share), "{}", name.name());
+        }
+    }
+}
+
+#[test]
+fn the_ga_runs_in_each_step_or_after_the_episode() {
+    let rules_before_and_after_the_end = |stack_evolution| {
+        let params = xcs::Params {
+            ga: true,
+            theta_ga: 0,
+            mu: 1.0,
+            ..plain()
+        };
+        let reward = Params {
+            stack_evolution,
+            ..Params::default()
+        };
+        let mut learner = method(Method::AdaptedEven, params, reward);
+        learner.consider(&percept("0101"));
+        learner.credit(action(0), Outcome::Moved);
+        learner.consider(&percept("0101"));
+        learner.credit(action(0), Outcome::Moved);
+        let before = learner.rule_count();
+        learner.finish(false);
+        (before > 2, learner.rule_count() > before)
+    };
+    let changes = rules_before_and_after_the_end;
+    assert_eq!(changes(StackEvolution::AfterCredit), (false, true));
+    assert_eq!(changes(StackEvolution::EachStep), (true, false));
+}
