@@ -1,8 +1,10 @@
-//! The classic Maze4 work of learning classifier systems, once: what `peers.py` times.
+//! The classic maze work of learning classifier systems, once: what `peers.py` times and compares.
 //!
-//! `cargo bench --bench classic -- N SEED [PROBLEMS]` learns with a population of N and prints, as
-//! JSON, how many learning steps that took and how good the greedy policy became. It takes no
-//! times: whoever runs it measures the CPU time of the process.
+//! `cargo bench --bench classic -- [N [SEED [PROBLEMS [WORLD]]]] [KEY=VALUE]...` learns with a
+//! population of N, in Maze4 or in another of the `worlds/`, and prints, as JSON, how many learning
+//! steps that took and how good the greedy policy became. Settings are those of the literature,
+//! without subsumption, and what is set besides. It takes no times: whoever runs it measures the
+//! CPU time of the process.
 
 use std::error::Error;
 use std::path::Path;
@@ -13,14 +15,15 @@ use xcscr::arena::GridArena;
 use xcscr::episode;
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
+use xcscr::trial::{Resolved, Settings};
 use xcscr::world::Maze;
 use xcscr::xcs;
 use xcscr::xcs::random::Stream;
 
-const WORLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4-classic.json");
+const WORLDS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds");
 
-/// The learner with the parameters of the literature; no subsumption.
-fn learner(maze: &Maze, population_size: u32, seed: u64) -> Box<dyn Agent> {
+/// The parameters of the literature; no subsumption.
+fn settings(population_size: u32) -> Settings {
     let xcs = xcs::Params {
         population_size,
         dont_care: 0.4,
@@ -36,12 +39,11 @@ fn learner(maze: &Maze, population_size: u32, seed: u64) -> Box<dyn Agent> {
         gamma: 0.71,
         ..agent::Params::default()
     };
-    let setup = Setup {
+    Settings {
         xcs,
         reward,
-        ..Setup::default()
-    };
-    Method::Xcs.build(maze.action_count(), 0, setup, seed)
+        ..Settings::default()
+    }
 }
 
 /// What came of a run.
@@ -84,15 +86,24 @@ fn learn(maze: Maze, learner: &mut dyn Agent, seed: u64, problems: u32) -> Tally
 
 fn main() -> Result<(), Box<dyn Error>> {
     // Cargo adds `--bench` to the arguments.
-    let numbers = std::env::args().skip(1).filter(|arg| arg != "--bench");
-    let numbers: Vec<u32> = numbers.map(|arg| arg.parse()).collect::<Result<_, _>>()?;
-    let number = |at: usize, default| numbers.get(at).copied().unwrap_or(default);
-    let (population_size, seed, problems) = (number(0, 2000), number(1, 1), number(2, 1000));
-    let maze = Maze::load(Path::new(WORLD))?;
-    let mut learner = learner(&maze, population_size, seed.into());
+    let words = std::env::args().skip(1).filter(|arg| arg != "--bench");
+    let (sets, words): (Vec<String>, Vec<String>) = words.partition(|word| word.contains('='));
+    let number = |at: usize, default| words.get(at).map_or(Ok(default), |word| word.parse());
+    let (population_size, seed, problems) = (number(0, 2000)?, number(1, 1)?, number(2, 1000)?);
+    let world = words.get(3).map_or("maze4-classic", String::as_str);
+    let maze = Maze::load(&Path::new(WORLDS).join(format!("{world}.json")))?;
+    let Settings { xcs, reward, .. } =
+        Resolved::new(&settings(population_size), None, &sets)?.settings;
+    let setup = Setup {
+        xcs,
+        reward,
+        ..Setup::default()
+    };
+    let mut learner = Method::Xcs.build(maze.action_count(), 0, setup, seed.into());
     let tally = learn(maze, &mut *learner, seed.into(), problems);
     let last = &tally.exploits[tally.exploits.len().saturating_sub(100)..];
     let report = json!({
+        "world": world,
         "population_size": population_size,
         "seed": seed,
         "problems": problems,

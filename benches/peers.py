@@ -4,6 +4,10 @@
     python3 -m venv venv && venv/bin/pip install xcsf==1.5.0 Box2D pymunk gymnasium-robotics
     cargo bench --no-run
     venv/bin/python benches/peers.py [xcs] [physics]
+    venv/bin/python benches/peers.py collapse [SEEDS]
+
+The second line times nothing: it counts in how many seeds the classic learner ends with
+over-general rules in Maze6, here and in XCSF, with subsumption and without.
 
 All times are CPU time of the process that does the work, and every program does its work in a
 process of its own. Peers that are not installed are left out.
@@ -27,29 +31,33 @@ ROUNDS = 5
 
 # --- The classic Maze4 work of learning classifier systems -------------------------------------
 
-MAZE4 = json.loads((ROOT / "worlds/maze4-classic.json").read_text())["rows"]
+def rows(world):
+    return json.loads((ROOT / f"worlds/{world}.json").read_text())["rows"]
+
+
+MAZE4 = rows("maze4-classic")
 CLOCKWISE = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)]
 SENSORS = {"#": 0.1, ".": 0.3, "G": 0.7}
 STEP_LIMIT = 50
 
 
-def xcsf_learner(population, seed):
+def xcsf_learner(population, seed, subsumption=False, error=0.001, dont_care=0.4):
     import xcsf
 
     return xcsf.XCS(
         x_dim=8, y_dim=1, n_actions=8, random_state=seed, omp_num_threads=1,
         pop_size=population, pop_init=False, max_trials=1, loss_func="mae",
-        e0=0.001, alpha=0.1, nu=5, beta=0.2, delta=0.1, theta_del=20, init_fitness=0.01,
+        e0=error, alpha=0.1, nu=5, beta=0.2, delta=0.1, theta_del=20, init_fitness=0.01,
         init_error=0, m_probation=10_000_000, stateful=True, compaction=False,
-        set_subsumption=False, gamma=0.71, teletransportation=STEP_LIMIT, p_explore=1.0,
+        theta_sub=20, set_subsumption=subsumption, gamma=0.71, teletransportation=STEP_LIMIT, p_explore=1.0,
         ea={"select_type": "roulette", "theta_ea": 25, "lambda": 2, "p_crossover": 0.8,
-            "err_reduc": 0.25, "fit_reduc": 0.1, "subsumption": False, "pred_reset": False},
-        condition={"type": "ternary", "args": {"bits": 2, "p_dontcare": 0.4}},
+            "err_reduc": 0.25, "fit_reduc": 0.1, "subsumption": subsumption, "pred_reset": False},
+        condition={"type": "ternary", "args": {"bits": 2, "p_dontcare": dont_care}},
         prediction={"type": "constant"}, action={"type": "integer"},
     )  # fmt: skip
 
 
-def xcsf_episode(learner, percepts, free, explore):
+def xcsf_episode(learner, maze, percepts, free, explore):
     """One episode; gives back its steps."""
     col, row = random.choice(free)
     learner.init_trial()
@@ -58,7 +66,7 @@ def xcsf_episode(learner, percepts, free, explore):
         learner.init_step()
         action = learner.decision(percepts[col, row], explore)
         to = (col + CLOCKWISE[action][0], row + CLOCKWISE[action][1])
-        letter = MAZE4[to[1]][to[0]]
+        letter = maze[to[1]][to[0]]
         if letter != "#":
             col, row = to
         done = letter == "G"
@@ -72,21 +80,22 @@ def xcsf_episode(learner, percepts, free, explore):
     return step
 
 
-def xcsf_work(population, seed, problems):
+def xcsf_work(population, seed, problems, world="maze4-classic", **settings):
     """What benches/classic.rs does, by the package xcsf."""
     import numpy
 
     random.seed(seed)
-    cells = [(c, r) for r, row in enumerate(MAZE4) for c, x in enumerate(row) if x != "#"]
-    free = [(c, r) for c, r in cells if MAZE4[r][c] == "."]
-    look = lambda c, r: numpy.array([SENSORS[MAZE4[r + y][c + x]] for x, y in CLOCKWISE])
+    maze = rows(world)
+    cells = [(c, r) for r, row in enumerate(maze) for c, x in enumerate(row) if x != "#"]
+    free = [(c, r) for c, r in cells if maze[r][c] == "."]
+    look = lambda c, r: numpy.array([SENSORS[maze[r + y][c + x]] for x, y in CLOCKWISE])
     percepts = {cell: look(*cell) for cell in cells}
-    learner = xcsf_learner(population, seed)
+    learner = xcsf_learner(population, seed, **settings)
     total, exploits = 0, []
     begin = time.process_time()
     for _ in range(problems):
-        total += xcsf_episode(learner, percepts, free, True)
-        exploits.append(xcsf_episode(learner, percepts, free, False))
+        total += xcsf_episode(learner, maze, percepts, free, True)
+        exploits.append(xcsf_episode(learner, maze, percepts, free, False))
         total += exploits[-1]
     rate = total / (time.process_time() - begin)
     return {"rate": rate, "steps": total, "rules": learner.pset_size(),
@@ -109,6 +118,37 @@ def cpu_of(command):
     after = os.times()
     used = after.children_user + after.children_system
     return used - before.children_user - before.children_system, out
+
+
+def collapsed(results):
+    """In how many runs the last exploit episodes took more than half of the step limit."""
+    return sum(result["exploits"] > STEP_LIMIT / 2 for result in results)
+
+
+def fisher(a, b, trials):
+    """Fisher's exact two-sided p that a and b of so many trials each have the same rate."""
+    ways = lambda k: math.comb(trials, k) * math.comb(trials, a + b - k)
+    possible = range(max(0, a + b - trials), min(a + b, trials) + 1)
+    return sum(ways(k) for k in possible if ways(k) <= ways(a)) / math.comb(2 * trials, a + b)
+
+
+def compare_collapse(seeds=30, population=2000, problems=1000):
+    """Maze6 with eight moves and random starts: how often does learning end in collapse?"""
+    switches = ["xcs.ga_subsumption", "xcs.action_set_subsumption"]
+    for on, error, dont_care in ((True, 0.01, 0.3), (False, 0.001, 0.4)):
+        sets = [f"{switch}={str(on).lower()}" for switch in switches]
+        sets += [f"xcs.epsilon_0={1000 * error}", f"xcs.dont_care={dont_care}"]
+        ours, theirs = [], []
+        for seed in range(1, seeds + 1):
+            command = [newest("classic"), population, seed, problems, "maze6-classic", *sets]
+            report = json.loads(cpu_of([str(word) for word in command])[1])
+            ours.append({"exploits": report["exploit_steps_in_last_100"]})
+            theirs.append(xcsf_work(population, seed, problems, "maze6-classic",
+                                    subsumption=on, error=error, dont_care=dont_care))  # fmt: skip
+            print(f"  seed {seed}: xcscr {ours[-1]}, xcsf {theirs[-1]}", flush=True)
+        a, b = collapsed(ours), collapsed(theirs)
+        print(f"subsumption {'on' if on else 'off'}: collapsed in {a} (xcscr) and {b} (xcsf) of "
+              f"{seeds} seeds, Fisher's p = {fisher(a, b, seeds):.3f}", flush=True)  # fmt: skip
 
 
 def xcscr_work(population, seed, problems):
@@ -245,6 +285,9 @@ WORK = {"xcsf": xcsf_work, "box2d": box2d_work, "pymunk": pymunk_work,
 def main(arguments):
     if arguments[:1] == ["--work"]:
         print(json.dumps(WORK[arguments[1]](*map(int, arguments[2:]))))
+        return
+    if arguments[:1] == ["collapse"]:
+        compare_collapse(*map(int, arguments[1:]))
         return
     if not arguments or "xcs" in arguments:
         compare_xcs()

@@ -177,7 +177,7 @@ fn forged_plans() {
         let plan = format!("{:08x}", crc32fast::hash(study.as_bytes()));
         let text = format!("{{\"plan\": \"{plan}\", \"study\": {study}}}");
         fs::write(&path, text).unwrap();
-        let header = format!("xcscr study journal 1, plan {plan}\n");
+        let header = format!("xcscr study journal 2, plan {plan}\n");
         fs::write(&journal, header + records).unwrap();
         let is_read = match number % 20 {
             0 => report(folder.path()),

@@ -420,6 +420,7 @@ fn figures_that_no_trial_can_have_are_refused_though_their_checksum_is_right() {
         ("first_optimal_env_steps", serde_json::json!(u64::MAX)),
         ("first_executed_optimal_episode", serde_json::json!(13)),
         ("best_steps", serde_json::json!(0)),
+        ("optimal_episodes", serde_json::json!(u32::MAX)),
         ("episodes", serde_json::json!(11)),
         ("steps", serde_json::json!(u64::MAX)),
         ("collisions", serde_json::json!(u64::MAX)),
@@ -547,4 +548,72 @@ fn a_trial_of_a_study_is_the_same_as_training_with_its_seed() {
         serde_json::from_slice(&train.output().unwrap().stdout).unwrap();
     assert_eq!(trained["steps"].to_string(), row[11]);
     assert_eq!(trained["collisions"].to_string(), row[12]);
+}
+
+/// Every address or file that a page would fetch names it in one of these ways.
+const FETCHES: [&str; 9] = [
+    "http:", "https:", "//", " src", " href", "url(", "@import", "<link", "fetch(",
+];
+
+#[test]
+fn the_html_report_is_one_page_that_needs_nothing_else() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out a");
+    let page = desk.done("report a --format html");
+    assert_eq!(page.as_bytes(), desk.bytes("a")["report.html"]);
+    // Comments of the script are no addresses.
+    let code: Vec<&str> = page
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("// "))
+        .collect();
+    let code = code.join("\n");
+    for fetch in FETCHES {
+        let at = code.find(fetch);
+        let around = at.map(|at| &code[at.saturating_sub(80)..(at + 80).min(code.len())]);
+        assert_eq!(around, None, "{fetch}");
+    }
+    assert!(
+        page.contains("default-src 'none'"),
+        "the browser refuses to fetch"
+    );
+    assert_eq!(page.matches("<svg ").count(), 3, "all figures are inside");
+    assert!(page.contains("prefers-color-scheme: dark"));
+}
+
+#[test]
+fn a_report_has_the_parts_of_a_results_section_in_every_format() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out a");
+    let sections = [
+        "What was asked",
+        "What was run",
+        "Table",
+        "Figures",
+        "Tests",
+        "What cannot be concluded",
+    ];
+    let markdown = desk.done("report a --format md");
+    let headings: Vec<&str> = markdown
+        .lines()
+        .filter_map(|line| line.strip_prefix("## "))
+        .collect();
+    assert_eq!(headings, sections);
+    let page = desk.done("report a --format html");
+    for section in sections {
+        assert!(page.contains(&format!("<h2>{section}</h2>")), "{section}");
+    }
+    let json = desk.done("report a --format json");
+    assert_eq!(json, desk.done("report a --json"));
+    desk.refused("report a --format pdf", 2);
+}
+
+#[test]
+fn a_study_tries_a_sample_of_its_combinations() {
+    let desk = Desk::new();
+    let sweep = "sample = 3\n[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.3]\n\"xcs.mu\" = [0.1, 0.2]\n";
+    desk.write("sample.toml", &(SMALL.to_owned() + sweep));
+    desk.done("run sample.toml --out a --trials 1");
+    let status = desk.done("status a");
+    // 2 worlds x 2 methods x 3 of 6 combinations.
+    assert!(status.contains("12 of 12 trials"), "{status}");
 }

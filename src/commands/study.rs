@@ -5,7 +5,7 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use clap::Subcommand;
+use clap::{Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use xcscr::arena::ArenaKind;
@@ -49,24 +49,49 @@ pub enum StudyCommand {
         #[arg(long)]
         force: bool,
     },
-    /// Print the result of a study, and write report.md and the figures into its folder.
+    /// Print the result of a study, and write report.md, report.html and the figures into its
+    /// folder.
     Report {
         /// The folder of a study.
         folder: PathBuf,
         /// Replace a report and figures that hold something else, such as changes by hand.
         #[arg(long)]
         force: bool,
-        /// Print one JSON document instead of the report.
-        #[arg(long)]
+        /// Print the report in this format: for a terminal, as Markdown, as one HTML page that
+        /// needs no other file, or as one JSON document.
+        #[arg(long, value_enum, value_name = "FORMAT", default_value_t = Format::Text)]
+        format: Format,
+        /// The same as `--format json`.
+        #[arg(long, conflicts_with = "format")]
         json: bool,
     },
+}
+
+/// How a report is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For a terminal.
+    Text,
+    /// Markdown.
+    Md,
+    /// One HTML page.
+    Html,
+    /// One JSON document.
+    Json,
+}
+
+impl Format {
+    /// JSON if `json` asks for it.
+    fn or_json(self, json: bool) -> Self {
+        if json { Self::Json } else { self }
+    }
 }
 
 /// Arguments of `study run`.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
-    /// A study file (TOML), or one of the studies that come with the program: paper, ablation,
-    /// plus, repairs, transfer, starts.
+    /// A study file (TOML), or one of the studies that come with the program: paper,
+    /// paper-search, ablation, plus, repairs, transfer, starts.
     study: PathBuf,
     /// The folder of the study.
     #[arg(long, value_name = "DIR")]
@@ -125,16 +150,17 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
                 StudyFolder::replace_other(path, StudyFolder::join(folders)?.protocol())?;
             }
             let folder = merge_studies(folders, path)?.replacing(*force);
-            finish(&folder, false, out)
+            finish(&folder, Format::Text, out)
         }
         StudyCommand::Report {
             folder,
             force,
+            format,
             json,
         } => {
             let folder = StudyFolder::read_locked(folder)?.replacing(*force);
             folder.require_complete()?;
-            finish(&folder, *json, out)
+            finish(&folder, format.or_json(*json), out)
         }
     }
 }
@@ -166,7 +192,7 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {
-        return finish(&folder, args.json, out);
+        return finish(&folder, Format::Text.or_json(args.json), out);
     }
     if missing.iter().any(|trial| args.shard.holds(*trial)) {
         let (done, all) = (protocol.len() - missing.len(), protocol.len());
@@ -193,13 +219,15 @@ fn say_warnings(protocol: &Protocol) {
 }
 
 /// Writes the tables and the report of a complete study, and prints the result.
-fn finish(folder: &StudyFolder, json: bool, out: &mut impl Write) -> Result<(), Failure> {
+fn finish(folder: &StudyFolder, format: Format, out: &mut impl Write) -> Result<(), Failure> {
     folder.write_tables()?;
     let mut report = Report::new(folder);
     report.write(folder)?;
-    match json {
-        true => writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?,
-        false => write!(out, "{}", report.terminal())?,
+    match format {
+        Format::Text => write!(out, "{}", report.terminal())?,
+        Format::Md => write!(out, "{}", report.markdown())?,
+        Format::Html => write!(out, "{}", report.html())?,
+        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?,
     }
     refuse_failed(folder)
 }

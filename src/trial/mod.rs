@@ -51,6 +51,8 @@ pub struct Progress {
     pub first_optimal_env_steps: Option<u64>,
     /// The first episode that was itself as short as the shortest path.
     pub first_executed_optimal_episode: Option<u32>,
+    /// Episodes after which the greedy policy was globally optimal.
+    pub optimal_episodes: u32,
     /// Is the greedy policy globally optimal now?
     pub optimal: bool,
     /// The fewest steps of an episode that reached a goal.
@@ -71,9 +73,25 @@ impl Progress {
         within("steps", self.steps, u64::from(done)..=longest(done, limit))?;
         within("collisions", self.collisions, 0..=self.steps)?;
         self.check_optimum(limit)?;
+        self.check_retention()?;
         let executed = self.first_executed_optimal_episode;
         some_within("first_executed_optimal_episode", executed, 1..=done)?;
         some_within("best_steps", self.best_steps, 1..=limit)
+    }
+
+    /// The policy was optimal after the first optimal episode, and at most after all since then.
+    fn check_retention(&self) -> Result<(), OutOfRange> {
+        let since = |first: u32| 1..=self.episodes.saturating_add(1).saturating_sub(first);
+        let possible = self.first_optimal_episode.map_or(0..=0, since);
+        within("optimal_episodes", self.optimal_episodes, possible)
+    }
+
+    /// The share of the episodes after the first optimal one after which the greedy policy was
+    /// optimal, too; `None` without any such episode.
+    pub fn optimal_share_after_first(&self) -> Option<f64> {
+        let after = self.episodes.checked_sub(self.first_optimal_episode?)?;
+        let optimal = self.optimal_episodes.saturating_sub(1);
+        (after > 0).then(|| f64::from(optimal) / f64::from(after))
     }
 
     /// The first optimum has an episode and a step, or neither.
@@ -279,6 +297,7 @@ impl Trial {
         progress.steps += u64::from(episode.steps);
         progress.collisions += u64::from(episode.collisions);
         progress.optimal = optimal;
+        progress.optimal_episodes += u32::from(optimal);
         if optimal && progress.first_optimal_episode.is_none() {
             progress.first_optimal_episode = Some(episode.episode);
             progress.first_optimal_env_steps = Some(progress.steps);

@@ -123,6 +123,20 @@ impl<'a> ArmRecords<'a> {
         (!known.is_empty()).then(|| rounded(sum / known.len() as f64))
     }
 
+    /// The trials whose policy was optimal after the last episode.
+    pub fn retained(&self) -> u64 {
+        let retained = self.figures.iter().filter(|one| one.progress.optimal);
+        retained.count() as u64
+    }
+
+    /// Of the episodes after the first optimal one, the mean share that was optimal, too.
+    pub fn mean_share_after_first(&self) -> Option<f64> {
+        let figures = self.figures.iter();
+        let shares = figures.filter_map(|one| one.progress.optimal_share_after_first());
+        let (count, sum) = shares.fold((0, 0.0), |(count, sum), share| (count + 1, sum + share));
+        (count > 0).then(|| rounded(sum / f64::from(count)))
+    }
+
     /// The rounded mean of a figure; `None` without trials.
     fn mean(&self, figure: impl Fn(&Figures) -> f64) -> Option<f64> {
         let sum: f64 = self.figures.iter().map(|one| figure(one)).sum();
@@ -164,6 +178,9 @@ pub struct ArmSummary {
     pub median_episode_of_successes: Option<f64>,
     /// Trials whose policy was optimal after the last episode, too.
     pub retained: u64,
+    /// Of the episodes after the first optimal one, the mean share after which the policy was
+    /// optimal, too, over the trials that have such episodes; `null` when none has.
+    pub mean_optimal_share_after_first: Option<f64>,
     /// Trials of which an executed episode was as short as a shortest path.
     pub executed_optimal: u64,
     /// Interquartile mean of the environment steps until the policy was optimal; trials without
@@ -224,7 +241,8 @@ impl ArmSummary {
             median_episode: survival.time_when_left(0.5),
             p95_episode: survival.time_when_left(0.05),
             median_episode_of_successes: quantile(&records.first_episodes(), 0.5),
-            retained: count(&|one| one.progress.optimal),
+            retained: records.retained(),
+            mean_optimal_share_after_first: records.mean_share_after_first(),
             executed_optimal: count(&|one| one.progress.first_executed_optimal_episode.is_some()),
             iqm_env_steps: iqm.map(|iqm| rounded(iqm.value)),
             iqm_env_steps_low: iqm.map(|iqm| rounded(iqm.low)),

@@ -7,6 +7,7 @@ use crate::study::error::StudyError;
 use crate::study::protocol::Protocol;
 use crate::study::store::folder::StudyFolder;
 use crate::study::store::{Figures, TrialRecord};
+use crate::trial::Progress;
 
 /// A row of `trials.csv`; fields without a value are empty.
 #[derive(Debug, Serialize)]
@@ -22,6 +23,7 @@ struct TrialRow<'a> {
     first_optimal_env_steps: Option<u64>,
     first_executed_optimal_episode: Option<u32>,
     retained: Option<bool>,
+    optimal_share_after_first: Option<f64>,
     steps: Option<u64>,
     collisions: Option<u64>,
     rules: Option<usize>,
@@ -49,6 +51,9 @@ impl<'a> TrialRow<'a> {
             first_executed_optimal_episode: progress
                 .and_then(|one| one.first_executed_optimal_episode),
             retained: progress.map(|one| one.optimal),
+            optimal_share_after_first: progress
+                .and_then(Progress::optimal_share_after_first)
+                .map(rounded),
             steps: progress.map(|one| one.steps),
             collisions: progress.map(|one| one.collisions),
             rules: figures.map(|one| one.rules),

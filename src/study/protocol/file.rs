@@ -18,7 +18,7 @@ use crate::world::{Maze, Recipe};
 use xcs::bounds::OutOfRange;
 
 /// The keys of a study file.
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "name",
     "worlds",
     "after",
@@ -33,6 +33,7 @@ const KEYS: [&str; 15] = [
     "world-sensors",
     "method-settings",
     "sweep",
+    "sample",
     "without",
 ];
 
@@ -78,6 +79,9 @@ pub(super) struct Document {
     /// Settings, each with the list of its values: every combination is tried.
     #[serde(default)]
     pub sweep: Table,
+    /// How many of these combinations are tried, drawn at random, instead of all.
+    #[serde(default)]
+    pub sample: Option<usize>,
     /// Switches that are turned off, one at a time, beside a variant with all of them as set.
     #[serde(default)]
     pub without: Vec<String>,

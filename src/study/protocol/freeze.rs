@@ -1,8 +1,9 @@
 //! From a study file to a frozen protocol.
 
-use toml::{Table, Value};
+use toml::Table;
 
 use super::file::{Document, NOTHING};
+use super::variants::{told, variants};
 use super::{Arm, MOST_ARMS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
 use crate::arena::ArenaKind;
@@ -63,9 +64,11 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
         document.without.len() + 1,
     ];
     let swept = file.sweep()?.into_iter().map(|(_, values)| values.len());
+    let swept = swept.fold(1, usize::saturating_mul);
+    let swept = document.sample.map_or(swept, |sample| sample.min(swept));
     let number = fixed
         .into_iter()
-        .chain(swept)
+        .chain([swept])
         .fold(places, usize::saturating_mul);
     if number <= MOST_ARMS {
         return Ok(());
@@ -109,7 +112,10 @@ fn arms(
 }
 
 /// Every pair of one element each.
-fn product<'a, 'b, A, B>(first: &'a [A], second: &'b [B]) -> impl Iterator<Item = (&'a A, &'b B)> {
+pub(super) fn product<'a, 'b, A, B>(
+    first: &'a [A],
+    second: &'b [B],
+) -> impl Iterator<Item = (&'a A, &'b B)> {
     first
         .iter()
         .flat_map(move |a| second.iter().map(move |b| (a, b)))
@@ -162,74 +168,12 @@ fn origin_of_variants(file: &StudyFile) -> String {
     }
 }
 
-/// All combinations of the swept values, and of the switches to turn off; a single empty one when
-/// nothing is varied. Each with the settings that make it.
-fn variants(file: &StudyFile, overrides: &Overrides) -> Result<Vec<(Table, Variant)>, StudyError> {
-    let mut variants = vec![(Table::new(), Variant::default())];
-    for (key, values) in file.sweep()? {
-        refuse_set(file, overrides, &key)?;
-        variants = product(&variants, &values)
-            .map(|(variant, value)| varied(variant, &key, value))
-            .collect();
-    }
-    let switches = &file.document.without;
-    if switches.is_empty() {
-        return Ok(variants);
-    }
-    let mut with_switches = Vec::new();
-    for variant in variants {
-        with_switches.push((variant.0.clone(), told(&variant.1, "without", NOTHING)));
-        for switch in switches {
-            refuse_set(file, overrides, switch)?;
-            refuse_swept(file, &variant.1, switch)?;
-            let (table, _) = varied(&variant, switch, &Value::Boolean(false));
-            with_switches.push((table, told(&variant.1, "without", switch)));
-        }
-    }
-    Ok(with_switches)
-}
-
-/// What is varied cannot be set on the command line besides.
-fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), StudyError> {
-    let is_same = |set: &String| set.split('=').next().is_some_and(|k| k.trim() == key);
-    if !overrides.sets.iter().any(is_same) {
-        return Ok(());
-    }
-    let fault = format!("`{key}` is swept by this study: leave it out of --set");
-    Err(StudyError::file(&file.origin, &fault))
-}
-
-/// What is swept cannot be turned off besides.
-fn refuse_swept(file: &StudyFile, variant: &Variant, switch: &str) -> Result<(), StudyError> {
-    if !variant.0.contains_key(switch) {
-        return Ok(());
-    }
-    let fault = format!("`{switch}` stands in `sweep` and in `without`: leave one of them out");
-    Err(StudyError::file(&file.origin, &fault))
-}
-
-/// A variant with one setting more.
-fn varied((table, variant): &(Table, Variant), key: &str, value: &Value) -> (Table, Variant) {
-    let (mut table, mut variant) = (table.clone(), variant.clone());
-    table.insert(key.to_owned(), value.clone());
-    let json = serde_json::to_value(value).expect("plain data becomes JSON");
-    variant.0.insert(key.to_owned(), json);
-    (table, variant)
-}
-
 /// A variant that also tells where trials learn beforehand, if the study varies that.
 fn told_after(variant: &Variant, document: &Document, after: &Option<String>) -> Variant {
     match document.after.is_empty() {
         true => variant.clone(),
         false => told(variant, "after", after.as_deref().unwrap_or(NOTHING)),
     }
-}
-
-/// A variant that tells one thing more.
-fn told(variant: &Variant, name: &str, value: &str) -> Variant {
-    let mut variant = variant.clone();
-    variant.0.insert(name.to_owned(), value.into());
-    variant
 }
 
 #[cfg(test)]

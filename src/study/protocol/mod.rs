@@ -3,6 +3,7 @@
 mod file;
 mod freeze;
 mod shipped;
+mod variants;
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -11,10 +11,14 @@ macro_rules! classic {
 }
 
 /// The worlds, by name.
-const WORLDS: [(&str, &str); 33] = [
+const WORLDS: [(&str, &str); 34] = [
     ("maze4", include_str!("../../../worlds/maze4.json")),
     ("maze5", include_str!("../../../worlds/maze5.json")),
     ("maze6", include_str!("../../../worlds/maze6.json")),
+    (
+        "maze6-classic",
+        include_str!("../../../worlds/maze6-classic.json"),
+    ),
     ("woods1", include_str!("../../../worlds/woods1.json")),
     classic!("cassandra4x4"),
     classic!("lab1"),
@@ -50,6 +54,7 @@ const WORLDS: [(&str, &str); 33] = [
 /// The studies, by name.
 const STUDIES: [(&str, &str); 7] = [
     ("paper", include_str!("presets/paper.toml")),
+    ("paper-search", include_str!("presets/paper-search.toml")),
     ("ablation", include_str!("presets/ablation.toml")),
     ("plus", include_str!("presets/plus.toml")),
     ("repairs", include_str!("presets/repairs.toml")),

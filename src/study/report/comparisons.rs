@@ -6,7 +6,7 @@ use super::document::Table;
 use crate::agent::Method;
 use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::{Arm, NOTHING};
-use crate::study::statistics::{Interval, Proportion, fisher_exact, holm, log_rank, trials_needed};
+use crate::study::statistics::{Interval, fisher_exact, holm, log_rank, trials_needed};
 
 /// Errors of the first kind that are accepted.
 const ALPHA: f64 = 0.05;
@@ -215,50 +215,36 @@ pub const LEGEND: &str = "points: how much larger the share of optimal trials is
     same in environment steps. Holm: corrected over the worlds. trials needed: of each, to tell \
     such shares apart with a chance of 80 %.";
 
-/// What the comparisons mean, in a sentence.
-pub fn verdict(comparisons: &[Comparison]) -> String {
-    let undecided: Vec<String> = comparisons
-        .iter()
-        .filter(|one| !one.decides_share() && !one.decides_steps())
-        .map(|one| {
-            let (world, method, against) = (&one.world, &one.method, &one.against);
-            let [share, steps] = [one.holm_p, one.steps_holm_p].map(p_value);
-            format!("{method} against {against} in {world} (p = {share}, {steps})")
-                .replace("= <", "<")
-        })
-        .collect();
+/// How many comparisons are decided, in a sentence.
+pub fn decided(comparisons: &[Comparison]) -> String {
     let count =
         |decides: fn(&Comparison) -> bool| comparisons.iter().filter(|one| decides(one)).count();
-    let (shares, steps) = (
+    format!(
+        "Of {} comparisons, the data decide {} by the share of optimal trials and {} by the steps to \
+         the first optimum, at the 5 % level.",
+        comparisons.len(),
         count(Comparison::decides_share),
-        count(Comparison::decides_steps),
-    );
-    let decided = format!(
-        "Of {} comparisons, the data decide {shares} by the share of optimal trials and {steps} by \
-         the steps to the first optimum, at the 5 % level.",
-        comparisons.len()
-    );
-    match undecided.len() {
-        0 => format!("{decided} Each is decided in one way or the other."),
-        _ => format!(
-            "{decided} They cannot decide in either way {}.",
-            undecided.join("; ")
-        ),
-    }
+        count(Comparison::decides_steps)
+    )
 }
 
-/// What can be said of the paper's own closest result.
-pub fn paper_maze4() -> String {
-    let of_100 = |successes| Proportion {
-        successes,
-        trials: 100,
-    };
-    let p = p_value(fisher_exact(of_100(79), of_100(77)));
-    let needed = trials_needed(0.79, 0.77).unwrap_or(0);
-    format!(
-        "The paper's own 79 against 77 of 100 in Maze4 cannot be decided either: p = {p}; it would \
-         take {needed} trials of each method."
-    )
+/// Which comparisons the data cannot decide; nothing if there are none.
+pub fn undecided(comparisons: &[Comparison]) -> Option<String> {
+    let open = comparisons
+        .iter()
+        .filter(|one| !one.decides_share() && !one.decides_steps());
+    let words = open.map(|one| {
+        let (world, method, against) = (&one.world, &one.method, &one.against);
+        let [share, steps] = [one.holm_p, one.steps_holm_p].map(p_value);
+        format!("{method} against {against} in {world} (p = {share}, {steps})").replace("= <", "<")
+    });
+    let words: Vec<String> = words.collect();
+    (!words.is_empty()).then(|| {
+        format!(
+            "Neither the share of optimal trials nor the steps tell apart: {}.",
+            words.join("; ")
+        )
+    })
 }
 
 /// A p-value to four decimals.

@@ -2,17 +2,21 @@
 
 use std::fmt::Write;
 
+use super::figures::Picture;
+
 /// A part of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
-    /// A heading.
+    /// The heading of a section.
     Heading(String),
+    /// A heading within a section.
+    Subheading(String),
     /// A paragraph.
     Text(String),
     /// A table.
     Table(Table),
-    /// A picture: its file name without ending, and what it shows. Not for terminals.
-    Picture(&'static str, String),
+    /// A picture. Not for terminals.
+    Picture(Picture),
 }
 
 /// Rows under a header; the first column, and others that hold words, are aligned to the left.
@@ -65,7 +69,7 @@ impl Table {
     }
 
     /// Is the column to be aligned to the right, since it begins with digits throughout?
-    fn is_number(&self, column: usize) -> bool {
+    pub fn is_number(&self, column: usize) -> bool {
         let numeric = |cell: &str| {
             let bare = cell.trim_start_matches(['+', '-', '−', '<', ' ', '–']);
             bare.is_empty() || bare.starts_with(|c: char| c.is_ascii_digit())
@@ -133,9 +137,10 @@ impl Table {
 pub fn markdown(blocks: &[Block]) -> String {
     let part = |block: &Block| match block {
         Block::Heading(text) => format!("## {text}\n"),
+        Block::Subheading(text) => format!("### {text}\n"),
         Block::Text(text) => format!("{text}\n"),
         Block::Table(table) => table.markdown(),
-        Block::Picture(name, text) => format!("![{text}]({name}.svg)\n"),
+        Block::Picture(Picture { name, caption, .. }) => format!("![{caption}]({name}.svg)\n"),
     };
     blocks.iter().map(part).collect::<Vec<_>>().join("\n")
 }
@@ -144,9 +149,10 @@ pub fn markdown(blocks: &[Block]) -> String {
 pub fn terminal(blocks: &[Block]) -> String {
     let part = |block: &Block| match block {
         Block::Heading(text) => Some(format!("{}\n", text.to_uppercase())),
+        Block::Subheading(text) => Some(format!("{text}\n")),
         Block::Text(text) => Some(format!("{}\n", wrapped(text, 98))),
         Block::Table(table) => Some(table.text()),
-        Block::Picture(..) => None,
+        Block::Picture(_) => None,
     };
     blocks
         .iter()

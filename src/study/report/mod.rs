@@ -4,7 +4,10 @@ pub(super) mod ablation;
 mod comparisons;
 mod document;
 mod figures;
+mod nearest;
+mod page;
 mod paper;
+mod question;
 mod results;
 mod settings;
 
@@ -13,6 +16,7 @@ use serde::Serialize;
 pub use ablation::SwitchEffect;
 pub use comparisons::Comparison;
 pub use document::Table;
+pub use nearest::Nearness;
 pub use paper::AgainstPaper;
 
 use document::Block;
@@ -36,6 +40,8 @@ pub struct Report {
     pub arms: Vec<ArmSummary>,
     /// Next to the paper's numbers.
     pub against_paper: Vec<AgainstPaper>,
+    /// Swept settings, the nearest to the paper's numbers first.
+    pub nearest: Vec<Nearness>,
     /// Method against method.
     pub comparisons: Vec<Comparison>,
     /// What each switch contributes.
@@ -47,7 +53,9 @@ pub struct Report {
     #[serde(skip)]
     settings: String,
     #[serde(skip)]
-    settings_that_matter: String,
+    question: String,
+    #[serde(skip)]
+    readings: Option<Table>,
     #[serde(skip)]
     pictures: Vec<Picture>,
 }
@@ -77,26 +85,24 @@ impl Report {
             letters: results::letters_legend(&results::letters(specs)),
             arms: summaries,
             against_paper: AgainstPaper::all(&arms, folder.protocol()),
+            nearest: Nearness::all(&arms, folder.protocol()),
             comparisons: Comparison::all(&arms),
             switches: SwitchEffect::all(&arms),
             settings: settings::sentences(folder.protocol()),
-            settings_that_matter: paper::settings_that_matter(&arms),
+            question: question::question(specs),
+            readings: settings::readings(specs),
             pictures: Vec::new(),
         }
     }
 
-    /// Draws the figures and writes `report.md` into the folder of the study.
+    /// Draws the figures and writes `report.md` and `report.html` into the folder of the study.
     ///
     /// # Errors
     /// When a figure cannot be drawn, or a file not be written.
     pub fn write(&mut self, folder: &StudyFolder) -> Result<(), StudyError> {
         self.pictures = draw_figures(folder)?;
-        let text = format!(
-            "# Study {}\n\n{}",
-            self.study,
-            document::markdown(&self.blocks())
-        );
-        folder.write("report.md", text.as_bytes())
+        folder.write("report.md", self.markdown().as_bytes())?;
+        folder.write("report.html", self.html().as_bytes())
     }
 
     /// The report for a terminal.
@@ -104,25 +110,49 @@ impl Report {
         document::terminal(&self.blocks())
     }
 
+    /// The report as Markdown; its figures are the files that [`Self::write`] draws.
+    pub fn markdown(&self) -> String {
+        let blocks = document::markdown(&self.blocks());
+        format!("# {}\n\n{blocks}", self.title())
+    }
+
+    /// The report as one page that needs no other file; with figures once they are drawn.
+    pub fn html(&self) -> String {
+        page::html(&self.title(), &self.blocks())
+    }
+
+    fn title(&self) -> String {
+        format!("Study {}", self.study)
+    }
+
+    /// The sections of a results section, in their order.
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = vec![
+            Block::Heading("What was asked".to_owned()),
+            Block::Text(self.question.clone()),
+            Block::Heading("What was run".to_owned()),
             Block::Text(self.introduction()),
-            Block::Table(self.results.clone()),
         ];
+        blocks.extend(self.readings.clone().map(Block::Table));
+        blocks.extend([
+            Block::Heading("Table".to_owned()),
+            Block::Table(self.results.clone()),
+        ]);
         blocks.extend(self.letters.clone().map(Block::Text));
         blocks.push(Block::Text(results::LEGEND.to_owned()));
         blocks.extend(results::fewest_steps(&self.arms).map(Block::Text));
-        self.add_paper(&mut blocks);
-        self.add_comparisons(&mut blocks);
-        self.add_switches(&mut blocks);
-        let pictures = self.pictures.iter();
-        blocks.extend(pictures.map(|one| Block::Picture(one.name, one.caption.to_owned())));
+        if !self.pictures.is_empty() {
+            blocks.push(Block::Heading("Figures".to_owned()));
+            blocks.extend(self.pictures.iter().cloned().map(Block::Picture));
+        }
+        self.add_tests(&mut blocks);
+        blocks.push(Block::Heading("What cannot be concluded".to_owned()));
+        blocks.extend(self.limits().into_iter().map(Block::Text));
         blocks
     }
 
     fn introduction(&self) -> String {
         let Self {
-            study,
             plan,
             version,
             seed,
@@ -132,18 +162,42 @@ impl Report {
             ..
         } = self;
         format!(
-            "Study **{study}**: {trials} trials of {episodes} episodes each, root seed {seed}, \
-             xcscr {version}, plan {plan}. {settings}"
+            "{trials} trials of {episodes} episodes each, root seed {seed}, xcscr {version}, plan \
+             {plan}. {settings}"
         )
+    }
+
+    fn add_tests(&self, blocks: &mut Vec<Block>) {
+        let mut tests = Vec::new();
+        self.add_paper(&mut tests);
+        self.add_nearest(&mut tests);
+        self.add_comparisons(&mut tests);
+        self.add_switches(&mut tests);
+        if !tests.is_empty() {
+            blocks.push(Block::Heading("Tests".to_owned()));
+            blocks.extend(tests);
+        }
     }
 
     fn add_paper(&self, blocks: &mut Vec<Block>) {
         if !self.against_paper.is_empty() {
             blocks.extend([
-                Block::Heading("Next to the paper".to_owned()),
+                Block::Subheading("Next to the paper".to_owned()),
                 Block::Table(paper::table(&self.against_paper)),
                 Block::Text(paper::verdict(&self.against_paper)),
-                Block::Text(self.settings_that_matter.clone()),
+            ]);
+        }
+    }
+
+    fn add_nearest(&self, blocks: &mut Vec<Block>) {
+        // A study of one method, such as an ablation, asks another question.
+        let is_search = |one: &Nearness| one.numbers.len() > 1 && self.nearest.len() > 1;
+        if self.nearest.first().is_some_and(is_search) {
+            blocks.extend([
+                Block::Subheading("Which settings come nearest to the paper".to_owned()),
+                Block::Table(nearest::table(&self.nearest)),
+                Block::Table(nearest::effects(&self.nearest)),
+                Block::Text(nearest::legend(&self.nearest)),
             ]);
         }
     }
@@ -151,24 +205,31 @@ impl Report {
     fn add_comparisons(&self, blocks: &mut Vec<Block>) {
         if !self.comparisons.is_empty() {
             blocks.extend([
-                Block::Heading("What the data can decide".to_owned()),
+                Block::Subheading("What the data can decide".to_owned()),
                 Block::Table(comparisons::table(&self.comparisons)),
                 Block::Text(comparisons::LEGEND.to_owned()),
-                Block::Text(comparisons::verdict(&self.comparisons)),
+                Block::Text(comparisons::decided(&self.comparisons)),
             ]);
-        }
-        if !self.against_paper.is_empty() {
-            blocks.push(Block::Text(comparisons::paper_maze4()));
         }
     }
 
     fn add_switches(&self, blocks: &mut Vec<Block>) {
         if !self.switches.is_empty() {
             blocks.extend([
-                Block::Heading("What each switch contributes".to_owned()),
+                Block::Subheading("What each switch contributes".to_owned()),
                 Block::Table(ablation::table(&self.switches)),
                 Block::Text(ablation::verdict(&self.switches)),
             ]);
         }
+    }
+
+    /// What the data leave open.
+    fn limits(&self) -> Vec<String> {
+        let mut limits = vec![results::limits(&self.arms, self.episodes)];
+        limits.extend(comparisons::undecided(&self.comparisons));
+        if !self.against_paper.is_empty() {
+            limits.push(paper::limits(&self.against_paper));
+        }
+        limits
     }
 }

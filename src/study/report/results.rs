@@ -11,7 +11,8 @@ use crate::study::protocol::{Arm, Variant};
 /// What the columns mean.
 pub const LEGEND: &str = "optimal: trials whose greedy policy became globally optimal, with \
     Wilson's interval. median, p95: the episode by which half, or 95 %, of all trials were optimal \
-    (Kaplan-Meier; – when they never were). retained: still optimal after the last episode. steps: \
+    (Kaplan-Meier; – when they never were). kept: still optimal after the last episode. held: of the \
+    episodes after the first optimal one, the mean share after which the policy was optimal. steps: \
     environment steps until then, interquartile mean with bootstrap interval; trials without an \
     optimum count with all their steps. collisions, rules: means of a trial. condensed: \
     what is left of the rules of retained trials when they are condensed, median and most.";
@@ -68,9 +69,10 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
         "optimal",
         "of",
         "95 % interval",
+        "kept",
+        "held",
         "median",
         "p95",
-        "retained",
         "steps (IQM)",
         "95 % interval ",
         "collisions",
@@ -96,11 +98,12 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
         arm.successes.to_string(),
         arm.trials.to_string(),
         percent_range(arm.wilson_low, arm.wilson_high),
+        arm.retained.to_string(),
+        percent(arm.mean_optimal_share_after_first),
         arm.median_episode
             .map_or("–".to_owned(), |episode| episode.to_string()),
         arm.p95_episode
             .map_or("–".to_owned(), |episode| episode.to_string()),
-        arm.retained.to_string(),
         whole(arm.iqm_env_steps),
         arm.iqm_env_steps_low
             .zip(arm.iqm_env_steps_high)
@@ -123,9 +126,31 @@ fn whole(mean: Option<f64>) -> String {
     mean.map_or("–".to_owned(), |mean| format!("{mean:.0}"))
 }
 
+/// A share in percent.
+pub fn percent(share: Option<f64>) -> String {
+    share.map_or("–".to_owned(), |share| format!("{:.0} %", 100.0 * share))
+}
+
 /// Two shares as a range of percents.
 pub fn percent_range(low: f64, high: f64) -> String {
     format!("{:.0}–{:.0} %", 100.0 * low, 100.0 * high)
+}
+
+/// What no table of these numbers can say.
+pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
+    let failed: usize = arms.iter().map(|arm| arm.failed).sum();
+    let failed = match failed {
+        0 => String::new(),
+        _ => format!(" {failed} trials failed and are in no number: see `trials.csv`."),
+    };
+    let lost: u64 = arms.iter().map(|arm| arm.successes - arm.retained).sum();
+    let found: u64 = arms.iter().map(|arm| arm.successes).sum();
+    format!(
+        "The numbers hold for these worlds, percepts and settings, and for {episodes} episodes: what \
+         a trial without an optimum would have found later is not known. To find an optimal policy \
+         is not to have learned it for good: {lost} of the {found} trials that found one no longer \
+         had it after their last episode.{failed}"
+    )
 }
 
 /// Which method needs the fewest steps to the first optimum, and where; nothing for one method.

@@ -1,9 +1,10 @@
 //! The settings of a study that are not the defaults.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use toml::{Table, Value};
 
+use super::document;
 use crate::study::protocol::{Arm, Protocol};
 use crate::trial::{FROM_MAZE, STEP_THRESHOLD, Settings, flatten};
 
@@ -74,6 +75,72 @@ fn scope(arms: &[Arm], holds: &[bool]) -> String {
     format!("for {}", Vec::from_iter(places).join(", "))
 }
 
+/// Where the paper can be read in several ways, and the setting that says how.
+const READINGS: [(&str, &str); 15] = [
+    (
+        "reward.xcs_payment",
+        "II-C: what standard XCS is paid in a step",
+    ),
+    (
+        "reward.xcs_step_limit",
+        "II-C: what standard XCS makes of the step limit",
+    ),
+    ("reward.failure", "II-C, III-A: r_l of a failure"),
+    (
+        "reward.sharing",
+        "Eq. 8 or 9: how XCSCR shares the reward out",
+    ),
+    ("reward.even_constant", "Eq. 8: c"),
+    (
+        "reward.stack_evolution",
+        "figure 1: when the GA runs in sets that wait in [R]",
+    ),
+    (
+        "reward.beta_collision",
+        "III-A, III-C: the rate at which collisions are learned",
+    ),
+    ("reward.beta_step_threshold", "Eq. 10: beta"),
+    ("reward.theta_x", "Alg. 2: fires with 1 - theta_x"),
+    ("xcs.worth_over_match_set", "Eq. 6: the denominator"),
+    ("xcs.action_set_subsumption", "IV-A: \"settings from Butz\""),
+    ("xcs.update_order", "Eq. 1 and 2: which of them comes first"),
+    (
+        "xcs.subsumer_ties",
+        "Butz and Wilson 2001: ties among subsumers",
+    ),
+    ("xcs.ga_clock", "Butz and Wilson 2001: what t counts"),
+    ("reward.step_threshold", "III-D: the first step-threshold"),
+];
+
+/// Which readings of the paper were used, if one of its methods took part.
+pub fn readings(arms: &[Arm]) -> Option<document::Table> {
+    let arms = arms.iter().filter(|arm| arm.method.is_of_paper());
+    let all: Vec<BTreeMap<String, Value>> = arms.map(|arm| values(&arm.settings)).collect();
+    let defaults = values(&Settings::default());
+    let mut table = document::Table::new(["where the paper is open", "setting", "here", "default"]);
+    table.rows = READINGS
+        .iter()
+        .map(|(key, source)| {
+            let here: BTreeSet<String> = all.iter().map(|one| shown(one, key)).collect();
+            let here = Vec::from_iter(here).join(", ");
+            [*source, key, &here, &shown(&defaults, key)]
+                .map(str::to_owned)
+                .to_vec()
+        })
+        .collect();
+    (!all.is_empty()).then_some(table)
+}
+
+fn values(settings: &Settings) -> BTreeMap<String, Value> {
+    let table = Table::try_from(settings).expect("settings are plain data");
+    flatten(table).into_iter().collect()
+}
+
+fn shown(values: &BTreeMap<String, Value>, key: &str) -> String {
+    let text = values.get(key).map(Value::to_string).unwrap_or_default();
+    text.trim_matches('"').to_owned()
+}
+
 /// The settings of an arm that are neither defaults nor swept, with what its maze decides.
 fn changed(protocol: &Protocol, number: usize) -> Vec<String> {
     let arm = &protocol.arms[number];
@@ -126,6 +193,14 @@ mod tests {
         let told = sentences(&Protocol::new(&file, &Overrides::default()).unwrap());
         let words = "in dfs-12-1: `reward.step_threshold` = 176 (from the maze)";
         assert!(told.contains(words), "{told}");
+    }
+
+    #[test]
+    fn every_reading_of_the_paper_is_a_setting() {
+        let defaults = values(&Settings::default());
+        for (key, _) in READINGS {
+            assert!(defaults.contains_key(key), "there is no setting `{key}`");
+        }
     }
 
     #[test]

@@ -21,10 +21,11 @@ const PLAN: &str = "plan.json";
 /// Finished trials.
 const JOURNAL: &str = "journal";
 /// What is made of finished trials.
-const OUTPUTS: [&str; 11] = [
+const OUTPUTS: [&str; 12] = [
     "trials.csv",
     "summary.json",
     "report.md",
+    "report.html",
     "first-optimal.svg",
     "first-optimal.png",
     "curves.svg",

@@ -16,6 +16,11 @@ use crate::study::error::StudyError;
 /// More than a record needs; a longer line is none.
 const MOST_LINE_BYTES: u64 = 1 << 20;
 
+/// How a journal begins.
+const MAGIC: &str = "xcscr study journal";
+/// The version of what its lines hold. Version 2 added `optimal_episodes`.
+const FORMAT: u32 = 2;
+
 /// An open journal.
 #[derive(Debug)]
 pub struct Journal {
@@ -92,10 +97,7 @@ pub fn read(path: &Path, plan: &str) -> Result<Contents, StudyError> {
         // A header half written is the beginning of a new journal.
         return match header.as_bytes().starts_with(&first) {
             true => Ok(Contents::default()),
-            false => Err(StudyError::damaged(
-                path,
-                "it does not begin as the journal of its plan",
-            )),
+            false => Err(StudyError::damaged(path, foreign(&first))),
         };
     }
     let mut contents = Contents {
@@ -130,7 +132,21 @@ fn damaged_line(number: u64) -> String {
 }
 
 fn header(plan: &str) -> String {
-    format!("xcscr study journal 1, plan {plan}\n")
+    format!("{MAGIC} {FORMAT}, plan {plan}\n")
+}
+
+/// What is wrong with a journal that does not begin as it should.
+fn foreign(bytes: &[u8]) -> String {
+    let first = bytes.split(|byte| *byte == b'\n').next().unwrap_or(&[]);
+    let words = std::str::from_utf8(first).ok();
+    let version = words.and_then(|text| text.strip_prefix(MAGIC)?.trim().split(',').next());
+    match version.and_then(|version| version.parse::<u32>().ok()) {
+        Some(found) if found != FORMAT => format!(
+            "it has format {found}, and this version reads format {FORMAT}; run the study again, \
+             in another folder"
+        ),
+        _ => "it does not begin as the journal of its plan".to_owned(),
+    }
 }
 
 fn line(record: &TrialRecord) -> String {
@@ -215,5 +231,16 @@ mod tests {
         let path = folder.path().join("journal");
         fs::write(&path, text("p", &records(1))).unwrap();
         assert!(read(&path, "q").is_err());
+    }
+
+    #[test]
+    fn a_journal_of_another_format_is_refused_with_both_versions() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal");
+        let old = text("p", &records(1)).replace("journal 2", "journal 1");
+        fs::write(&path, old).unwrap();
+        let fault = read(&path, "p").unwrap_err().to_string();
+        let words = "it has format 1, and this version reads format 2";
+        assert!(fault.contains(words), "{fault}");
     }
 }

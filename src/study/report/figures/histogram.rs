@@ -101,7 +101,13 @@ fn label<DB: DrawingBackend>(
         "{} of {} ({low:.0}–{high:.0} %)",
         share.successes, share.trials
     );
-    area.draw_text(&text, &style, (right, theme.ipx(25)))
+    area.draw_text(&text, &style, (right, theme.ipx(25)))?;
+    let held = records.mean_share_after_first();
+    let held = held.map_or(String::new(), |held| {
+        format!(", held {:.0} %", 100.0 * held)
+    });
+    let text = format!("kept to the end {}{held}", records.retained());
+    area.draw_text(&text, &style, (right, theme.ipx(42)))
 }
 
 /// What the panels have in common.

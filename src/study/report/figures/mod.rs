@@ -19,28 +19,36 @@ use crate::study::analysis::summary::ArmRecords;
 use crate::study::error::StudyError;
 use crate::study::store::folder::StudyFolder;
 
-/// A figure that a study has.
+/// A figure that was drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// The file name, without ending.
     pub name: &'static str,
     /// What it shows.
     pub caption: &'static str,
+    /// The figure as an SVG document.
+    pub svg: String,
 }
 
-const FIRST_OPTIMAL: Picture = Picture {
+/// A figure that a study can have.
+struct Subject {
+    name: &'static str,
+    caption: &'static str,
+}
+
+const FIRST_OPTIMAL: Subject = Subject {
     name: "first-optimal",
     caption: "When the greedy policy first became globally optimal",
 };
-const CURVES: Picture = Picture {
+const CURVES: Subject = Subject {
     name: "curves",
     caption: "The share of trials that had found an optimal policy",
 };
-const STEPS: Picture = Picture {
+const STEPS: Subject = Subject {
     name: "steps",
     caption: "Environment steps until the policy was globally optimal",
 };
-const ABLATION: Picture = Picture {
+const ABLATION: Subject = Subject {
     name: "ablation",
     caption: "What each switch contributes",
 };
@@ -68,10 +76,10 @@ pub fn draw_figures(folder: &StudyFolder) -> Result<Vec<Picture>, StudyError> {
 
 fn draw(
     folder: &StudyFolder,
-    picture: Picture,
+    subject: Subject,
     drawing: &impl Drawing,
 ) -> Result<Picture, StudyError> {
-    let name = picture.name;
+    let Subject { name, caption } = subject;
     let fault = |fault| StudyError::Figure {
         name: name.to_owned(),
         fault,
@@ -82,5 +90,5 @@ fn draw(
     );
     folder.write(&format!("{name}.svg"), svg.as_bytes())?;
     folder.write(&format!("{name}.png"), &png)?;
-    Ok(picture)
+    Ok(Picture { name, caption, svg })
 }

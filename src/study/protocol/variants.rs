@@ -1,0 +1,153 @@
+//! What a study varies: every combination of the swept settings, or some drawn at random.
+
+use std::collections::BTreeSet;
+
+use toml::{Table, Value};
+
+use super::file::NOTHING;
+use super::freeze::{Overrides, product};
+use super::{StudyFile, Variant};
+use crate::study::error::StudyError;
+use xcs::random::Stream;
+
+/// The seed of [`drawn_combinations`]: the same for all seeds of trials, so that a study that is
+/// repeated with other seeds tries the same settings.
+const DRAW_SEED: u64 = 1;
+/// Its stream; trials draw from theirs under other seeds.
+const DRAW_STREAM: u64 = 8;
+
+/// Settings of a sweep, each with its values.
+type Sweep = [(String, Vec<Value>)];
+
+/// All combinations of the swept values, and of the switches to turn off; a single empty one when
+/// nothing is varied. Each with the settings that make it.
+pub(super) fn variants(
+    file: &StudyFile,
+    overrides: &Overrides,
+) -> Result<Vec<(Table, Variant)>, StudyError> {
+    let sweep = file.sweep()?;
+    for (key, _) in &sweep {
+        refuse_set(file, overrides, key)?;
+    }
+    let variants = match file.document.sample {
+        None => every_combination(&sweep),
+        Some(sample) => drawn_combinations(&sweep, sample),
+    };
+    let switches = &file.document.without;
+    if switches.is_empty() {
+        return Ok(variants);
+    }
+    let mut with_switches = Vec::new();
+    for variant in variants {
+        with_switches.push((variant.0.clone(), told(&variant.1, "without", NOTHING)));
+        for switch in switches {
+            refuse_set(file, overrides, switch)?;
+            refuse_swept(file, &variant.1, switch)?;
+            let (table, _) = varied(&variant, switch, &Value::Boolean(false));
+            with_switches.push((table, told(&variant.1, "without", switch)));
+        }
+    }
+    Ok(with_switches)
+}
+
+fn every_combination(sweep: &Sweep) -> Vec<(Table, Variant)> {
+    let nothing = vec![(Table::new(), Variant::default())];
+    sweep.iter().fold(nothing, |variants, (key, values)| {
+        product(&variants, values)
+            .map(|(variant, value)| varied(variant, key, value))
+            .collect()
+    })
+}
+
+/// So many different combinations, each with the same chance; all when there are no more.
+fn drawn_combinations(sweep: &Sweep, sample: usize) -> Vec<(Table, Variant)> {
+    let sizes = sweep.iter().map(|(_, values)| values.len());
+    if sizes.fold(1, usize::saturating_mul) <= sample {
+        return every_combination(sweep);
+    }
+    let mut stream = Stream::new(DRAW_SEED, DRAW_STREAM);
+    let (mut seen, mut drawn) = (BTreeSet::new(), Vec::new());
+    while drawn.len() < sample {
+        let choice: Vec<usize> = sweep.iter().map(|(_, v)| stream.below(v.len())).collect();
+        if seen.insert(choice.clone()) {
+            let nothing = (Table::new(), Variant::default());
+            let chosen = sweep.iter().zip(choice);
+            let add = |variant, ((key, values), at): (&(String, Vec<Value>), usize)| {
+                varied(&variant, key, &values[at])
+            };
+            drawn.push(chosen.fold(nothing, add));
+        }
+    }
+    drawn
+}
+
+/// What is varied cannot be set on the command line besides.
+fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), StudyError> {
+    let is_same = |set: &String| set.split('=').next().is_some_and(|k| k.trim() == key);
+    if !overrides.sets.iter().any(is_same) {
+        return Ok(());
+    }
+    let fault = format!("`{key}` is swept by this study: leave it out of --set");
+    Err(StudyError::file(&file.origin, &fault))
+}
+
+/// What is swept cannot be turned off besides.
+fn refuse_swept(file: &StudyFile, variant: &Variant, switch: &str) -> Result<(), StudyError> {
+    if !variant.0.contains_key(switch) {
+        return Ok(());
+    }
+    let fault = format!("`{switch}` stands in `sweep` and in `without`: leave one of them out");
+    Err(StudyError::file(&file.origin, &fault))
+}
+
+/// A variant with one setting more.
+fn varied((table, variant): &(Table, Variant), key: &str, value: &Value) -> (Table, Variant) {
+    let (mut table, mut variant) = (table.clone(), variant.clone());
+    table.insert(key.to_owned(), value.clone());
+    let json = serde_json::to_value(value).expect("plain data becomes JSON");
+    variant.0.insert(key.to_owned(), json);
+    (table, variant)
+}
+
+/// A variant that tells one thing more.
+pub(super) fn told(variant: &Variant, name: &str, value: &str) -> Variant {
+    let mut variant = variant.clone();
+    variant.0.insert(name.to_owned(), value.into());
+    variant
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sweep(values: usize) -> Vec<(String, Vec<Value>)> {
+        let list = (0..values).map(|value| Value::Integer(value as i64));
+        let list: Vec<Value> = list.collect();
+        ["a", "b", "c"]
+            .map(|key| (key.to_owned(), list.clone()))
+            .to_vec()
+    }
+
+    #[test]
+    fn a_sample_holds_different_combinations_and_is_the_same_every_time() {
+        let drawn = drawn_combinations(&sweep(10), 50);
+        let texts: BTreeSet<String> = drawn.iter().map(|(_, v)| v.to_string()).collect();
+        assert_eq!(texts.len(), 50, "all differ");
+        assert_eq!(drawn, drawn_combinations(&sweep(10), 50));
+        for value in 0..10 {
+            let word = format!("a={value} ");
+            assert!(
+                texts.iter().any(|text| text.contains(&word)),
+                "{word} is never drawn"
+            );
+        }
+    }
+
+    #[test]
+    fn a_sample_of_more_than_there_are_is_every_combination() {
+        assert_eq!(
+            drawn_combinations(&sweep(2), 9),
+            every_combination(&sweep(2))
+        );
+    }
+}

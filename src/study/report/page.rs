@@ -1,0 +1,159 @@
+//! A report as one HTML page that needs nothing else: no network, no other file.
+
+use std::fmt::Write;
+
+use super::document::{Block, Table};
+use super::figures::Picture;
+
+/// Colours for light and dark, and the little there is of layout.
+const STYLE: &str = include_str!("page.css");
+/// Sorts a table by the column whose heading was clicked.
+const SCRIPT: &str = include_str!("page.js");
+
+/// Nothing may be loaded, from anywhere: the browser holds the page to it.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+
+/// The colours of figures that stand on paper, and the names of those that also stand in the dark.
+const COLOURS: [(&str, &str); 6] = [
+    ("#FFFFFF", "var(--paper)"),
+    ("#222222", "var(--ink)"),
+    ("#E1E1E1", "var(--faint)"),
+    ("#5A5A5A", "var(--grey)"),
+    ("#000000", "var(--ink)"),
+    ("#0072B2", "var(--blue)"),
+];
+
+/// The blocks as a page.
+pub fn html(title: &str, blocks: &[Block]) -> String {
+    let title = escaped(title);
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
+         <h1>{title}</h1>\n"
+    );
+    for block in blocks {
+        let _ = match block {
+            Block::Heading(text) => writeln!(page, "<h2>{}</h2>", escaped(text)),
+            Block::Subheading(text) => writeln!(page, "<h3>{}</h3>", escaped(text)),
+            Block::Text(text) => writeln!(page, "<p>{}</p>", marked(text)),
+            Block::Table(rows) => writeln!(page, "{}", table(rows)),
+            Block::Picture(picture) => writeln!(page, "{}", figure(picture)),
+        };
+    }
+    let _ = write!(
+        page,
+        "</main>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n"
+    );
+    page
+}
+
+fn table(table: &Table) -> String {
+    let cells = |tag: &str, row: &[String]| {
+        let cell = |(column, text): (usize, &String)| {
+            let class = match table.is_number(column) {
+                true => " class=\"number\"",
+                false => "",
+            };
+            match tag {
+                "th" => format!(
+                    "<th scope=\"col\"{class}><button type=\"button\">{}</button></th>",
+                    escaped(text.trim())
+                ),
+                _ => format!("<td{class}>{}</td>", escaped(text)),
+            }
+        };
+        let cells: String = row.iter().enumerate().map(cell).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let body: String = table.rows.iter().map(|row| cells("td", row)).collect();
+    format!(
+        "<div class=\"wide\"><table>\n<thead>{}</thead>\n<tbody>\n{body}</tbody>\n</table></div>",
+        cells("th", &table.header).trim_end()
+    )
+}
+
+fn figure(picture: &Picture) -> String {
+    // Within HTML, SVG needs no name space, and the page then names no address at all.
+    let bare = picture
+        .svg
+        .replace(" xmlns=\"http://www.w3.org/2000/svg\"", "");
+    let themed = COLOURS.iter().fold(bare, |svg, (colour, name)| {
+        svg.replace(&format!("\"{colour}\""), &format!("\"{name}\""))
+    });
+    let caption = escaped(picture.caption);
+    let labelled = format!("<svg role=\"img\" aria-label=\"{caption}\" ");
+    let svg = themed.replacen("<svg ", &labelled, 1);
+    format!("<figure><div class=\"wide\">{svg}</div><figcaption>{caption}</figcaption></figure>")
+}
+
+/// Text with its `code` and **strong** parts.
+fn marked(text: &str) -> String {
+    let escaped = escaped(text);
+    let code = between(&escaped, "`", "code");
+    between(&code, "**", "strong")
+}
+
+/// Puts every second part between two marks into an element.
+fn between(text: &str, mark: &str, element: &str) -> String {
+    let parts = text.split(mark).enumerate();
+    let part = |(at, part): (usize, &str)| match at % 2 {
+        0 => part.to_owned(),
+        _ => format!("<{element}>{part}</{element}>"),
+    };
+    parts.map(part).collect()
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_cannot_become_elements_of_the_page() {
+        let evil = "<img src=x onerror=alert(1)>";
+        let mut rows = Table::new([evil]);
+        rows.rows.push(vec![evil.to_owned()]);
+        let blocks = [
+            Block::Heading(evil.to_owned()),
+            Block::Text(evil.to_owned()),
+            Block::Table(rows),
+        ];
+        let page = html(evil, &blocks);
+        assert!(!page.contains("<img"), "{page}");
+        assert_eq!(page.matches("&lt;img src=x").count(), 6);
+    }
+
+    #[test]
+    fn figures_take_their_colours_from_the_page() {
+        let picture = Picture {
+            name: "f",
+            caption: "A figure",
+            svg: "<svg width=\"1\" xmlns=\"http://www.w3.org/2000/svg\"><rect fill=\"#FFFFFF\" \
+                  stroke=\"#222222\"/></svg>"
+                .to_owned(),
+        };
+        assert_eq!(
+            figure(&picture),
+            "<figure><div class=\"wide\"><svg role=\"img\" aria-label=\"A figure\" width=\"1\">\
+             <rect fill=\"var(--paper)\" stroke=\"var(--ink)\"/></svg></div>\
+             <figcaption>A figure</figcaption></figure>"
+        );
+    }
+
+    #[test]
+    fn marks_become_elements() {
+        assert_eq!(
+            marked("`a < b` and **c**"),
+            "<code>a &lt; b</code> and <strong>c</strong>"
+        );
+    }
+}

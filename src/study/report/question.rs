@@ -1,0 +1,48 @@
+//! What a study asks, in a sentence.
+
+use std::collections::BTreeSet;
+
+use crate::study::protocol::Arm;
+
+/// The question that the arms of a study answer.
+pub fn question(arms: &[Arm]) -> String {
+    let methods = listed(arms.iter().map(|arm| arm.method.name().to_owned()));
+    let worlds = listed(arms.iter().map(|arm| arm.world.clone()));
+    let (which, find, keep) = match methods.len() {
+        1 => ("Does", "find", "does it keep"),
+        _ => ("Which of", "finds", "which of them keeps"),
+    };
+    let varied: BTreeSet<String> = arms
+        .iter()
+        .flat_map(|arm| arm.variant.0.keys().cloned())
+        .collect();
+    let varied: Vec<String> = varied.iter().map(|key| format!("`{key}`")).collect();
+    let varied = match varied.len() {
+        0 => String::new(),
+        _ => format!(" And what does it change to vary {}?", enumerated(&varied)),
+    };
+    format!(
+        "{which} {} {find} a globally optimal policy in {}, how soon, and {keep} it to the end?{varied}",
+        enumerated(&methods),
+        enumerated(&worlds)
+    )
+}
+
+/// Each name once, in the order in which they come.
+fn listed(names: impl Iterator<Item = String>) -> Vec<String> {
+    let mut list = Vec::new();
+    for name in names {
+        if !list.contains(&name) {
+            list.push(name);
+        }
+    }
+    list
+}
+
+fn enumerated(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [only] => only.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
