@@ -52,7 +52,7 @@ const WORLDS: [(&str, &str); 34] = [
 ];
 
 /// The studies, by name.
-const STUDIES: [(&str, &str); 7] = [
+const STUDIES: [(&str, &str); 8] = [
     ("paper", include_str!("presets/paper.toml")),
     ("paper-search", include_str!("presets/paper-search.toml")),
     ("ablation", include_str!("presets/ablation.toml")),
