@@ -443,7 +443,7 @@ fn figures_that_no_trial_can_have_are_refused_though_their_checksum_is_right() {
 fn only_the_papers_own_experiment_is_set_beside_the_paper() {
     let desk = Desk::new();
     let printed = desk.done("run small.toml --episodes 180 --trials 1 --out a");
-    for words in ["Next to the paper", "p = 0.8646", "P# 0.3,"] {
+    for words in ["Next to the paper", "p = 0.8646", "Eq. 6: the denominator"] {
         assert!(printed.contains(words), "{words} is missing in\n{printed}");
     }
     let other = SMALL.replace("trials = 4", "sensors = [\"position\"]\ntrials = 1");

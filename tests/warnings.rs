@@ -131,6 +131,6 @@ fn a_study_warns_once_for_each_world_and_the_preset_of_the_paper_keeps_its_step_
     expect(0, &[&run[..], &["paper"], &few, &out, &[&paper]].concat());
     let plan = fs::read_to_string(folder.path().join("paper/plan.json")).unwrap();
     let arms = |words: &str| plan.matches(words).count();
-    assert_eq!(arms("\"step_threshold\": 50,"), 12);
+    assert_eq!(arms("\"step_threshold\": 60,"), 12);
     assert_eq!(arms("\"step_threshold_from_maze\": false"), 12);
 }

@@ -31,10 +31,8 @@ impl LearnedArgs {
     pub fn load(&self) -> Result<(Plan, Knowledge), Failure> {
         let is_file = self.run.exists() && !self.run.is_dir();
         let (mut plan, knowledge) = if is_file {
-            (
-                self.plan_of_rules(&self.run)?,
-                choices::read_rules(&self.run)?,
-            )
+            let knowledge = choices::read_rules(&self.run)?;
+            (self.plan_of_rules(&self.run)?, knowledge)
         } else {
             let folder = RunFolder::open(&self.run);
             (folder.plan()?, folder.knowledge()?)
