@@ -31,7 +31,7 @@ pub struct Bounds {
     /// `None` when there are too many sets of cells to weigh.
     pub belief: Option<Estimate>,
     /// Only the present percept is known: the best of the policies that have one action for each
-    /// percept, its episodes given up after [`MOST_STEPS`]. `None` when moves slip.
+    /// percept, its episodes given up after `MOST_STEPS` steps. `None` when moves slip.
     pub memoryless: Option<Estimate>,
 }
 
