@@ -93,3 +93,20 @@ fn find(list: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
         .find(|(known, _)| *known == name)
         .map(|(_, text)| *text)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::study::protocol::{Overrides, Protocol, StudyFile};
+
+    #[test]
+    fn every_study_that_comes_with_the_program_can_be_planned() {
+        for (name, text) in STUDIES {
+            let file = StudyFile::parse(text, name, Path::new("."));
+            let protocol = file.and_then(|file| Protocol::new(&file, &Overrides::default()));
+            assert!(protocol.is_ok_and(|plan| !plan.is_empty()), "{name}");
+        }
+    }
+}
