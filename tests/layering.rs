@@ -48,15 +48,19 @@ const BINARY: [&str; 3] = ["main", "cli", "commands"];
 /// The only folder that names the physics engine.
 const PHYSICS: &str = "arena/physics";
 
-/// The robot's own computer, and all that it may name: it knows what its sensors tell, and nothing
-/// of the maze, the engine or its true pose.
-const ONBOARD: &str = "arena/physics/onboard";
-const UNKNOWN_ON_BOARD: [&str; 9] = [
+/// The robot's own computer, of which the controller lies in the library: it knows what its sensors
+/// tell, and nothing of the maze, the engine or its true pose.
+const ONBOARD: &str = "crates/sensing/src/onboard";
+const CONTROLLER: &str = "arena/physics/controller.rs";
+const UNKNOWN_ON_BOARD: [&str; 12] = [
     "Maze",
     "Cell",
     "View",
     "Sample",
     "Moment",
+    "Terrain",
+    "Push",
+    "sensors",
     "true_motion",
     "simulation",
     "rapier2d",
@@ -127,6 +131,12 @@ fn first_names(text: &str) -> Vec<String> {
     names
 }
 
+/// What the robot's own computer names but cannot know.
+fn privileged(code: &str) -> Vec<String> {
+    let names = words(code).filter(|word| UNKNOWN_ON_BOARD.contains(word));
+    names.map(str::to_owned).collect()
+}
+
 /// All names in a text.
 fn words(code: &str) -> impl Iterator<Item = &str> {
     code.split(|c: char| !(c.is_alphanumeric() || c == '_'))
@@ -146,12 +156,8 @@ fn forbidden(file: &Path, text: &str) -> Vec<String> {
         let engines = ["rapier2d", "parry2d"].into_iter();
         found.extend(engines.filter(|e| code.contains(e)).map(str::to_owned));
     }
-    if file.starts_with(ONBOARD) {
-        found.extend(
-            words(&code)
-                .filter(|word| UNKNOWN_ON_BOARD.contains(word))
-                .map(str::to_owned),
-        );
+    if file == Path::new(CONTROLLER) {
+        found.extend(privileged(&code));
     }
     let message = |name| format!("{} must not name `{name}`", file.display());
     found.into_iter().map(message).collect()
@@ -164,6 +170,19 @@ fn every_import_follows_the_order_of_the_modules() {
         .flat_map(|(file, text)| forbidden(file, text))
         .collect();
     assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn the_robots_own_computer_names_nothing_that_it_cannot_know() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(ONBOARD);
+    let mut files = 0;
+    for entry in fs::read_dir(root).unwrap() {
+        let path = entry.unwrap().path();
+        let found = privileged(&code(&fs::read_to_string(&path).unwrap()));
+        assert!(found.is_empty(), "{} names {found:?}", path.display());
+        files += 1;
+    }
+    assert!(files >= 5, "only {files} files in {ONBOARD}");
 }
 
 #[test]
@@ -211,10 +230,12 @@ fn control_a_forbidden_arrow_is_found() {
     assert_eq!(found("world/file.rs", "use crate::{\n    sensor,\n};"), 1);
     assert_eq!(found("arena/grid.rs", "use rapier2d::prelude::*;"), 1);
     assert_eq!(found("commands/train.rs", "use crate::world::Maze;"), 1);
-    let onboard = |text| found("arena/physics/onboard/estimator.rs", text);
+    let onboard = |text| found(CONTROLLER, text);
     assert_eq!(onboard("use crate::world::{Cell, Maze};"), 2);
     assert_eq!(onboard("fn f(v: &crate::arena::View<'_>) {}"), 1);
-    assert_eq!(onboard("use super::super::robot::true_motion;"), 1);
+    assert_eq!(onboard("use super::robot::true_motion;"), 1);
+    let sensors = privileged("use crate::sensors::{Moment, Terrain};");
+    assert_eq!(sensors, ["sensors", "Moment", "Terrain"]);
 }
 
 #[test]
@@ -233,12 +254,6 @@ fn control_an_allowed_arrow_and_a_comment_are_not_found() {
         found("arena/physics/mod.rs", "use rapier2d::prelude::*;"),
         none
     );
-    assert_eq!(
-        found(
-            "arena/physics/onboard/mod.rs",
-            "use super::readings::Readings;"
-        ),
-        none
-    );
+    assert_eq!(found(CONTROLLER, "use super::motion::Motion;"), none);
     assert_eq!(found("commands/world.rs", "use crate::cli::Cli;"), none);
 }

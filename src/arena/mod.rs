@@ -19,12 +19,13 @@ pub use physics::{
     BumperParams, EncoderParams, EstimatorParams, GyroParams, LidarParams, Localisation,
     PhysicsArena, PhysicsError, PhysicsParams, SensingMemory, Snapshot,
 };
-pub use sensed::{Beam, Estimate, Sensed, Surroundings};
+pub use sensed::{Beam, Estimate, Sensed};
 pub use slip::{ArenaParams, SlippingArena};
 
 use crate::world::{Cell, Maze};
 use xcs::Action;
 use xcs::random::Stream;
+pub use xcscr_sensing::Surroundings;
 
 /// What came of an action.
 #[derive(Debug, Clone, Copy, PartialEq)]

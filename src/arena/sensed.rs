@@ -1,73 +1,7 @@
 //! What a robot that knows only what it senses tells about itself.
 
 use nalgebra::{Isometry2, Matrix3, UnitComplex};
-use serde::{Deserialize, Serialize};
-
-/// Cells in each direction about which the robot can know something.
-const REACH: i32 = 9;
-/// Cells along each side of the map.
-const SIDE: usize = 2 * REACH as usize + 1;
-/// More evidence than this for a free cell than against it makes it free. One or two beams that
-/// got lost are less.
-const FREE_ABOVE: i32 = 30;
-
-/// The cells around the robot, as the beams of the last action showed them.
-///
-/// Each beam adds evidence for or against a cell being free. A cell about which nothing is known
-/// counts as a wall: it is hidden.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Surroundings {
-    /// The cell of the robot's frame in the middle of the map; column to the east, row to the north.
-    middle: [i32; 2],
-    /// Where the robot believes to stand.
-    here: [i32; 2],
-    /// Row by row from the south.
-    evidence: Vec<i32>,
-}
-
-impl Surroundings {
-    /// Nothing is known around the cell `middle` (east, north).
-    pub(super) fn unknown(middle: [i32; 2]) -> Self {
-        Self {
-            middle,
-            here: middle,
-            evidence: vec![0; SIDE * SIDE],
-        }
-    }
-
-    /// Forgets everything; the robot stands in the cell `middle`.
-    pub(super) fn forget(&mut self, middle: [i32; 2]) {
-        self.middle = middle;
-        self.here = middle;
-        self.evidence.fill(0);
-    }
-
-    /// Adds evidence that a cell is free, or is a wall where it is negative.
-    pub(super) fn add(&mut self, cell: [i32; 2], evidence: i32) {
-        if let Some(known) = self.entry(cell).and_then(|at| self.evidence.get_mut(at)) {
-            *known += evidence;
-        }
-    }
-
-    /// The robot believes to stand in a cell now.
-    pub(super) fn stand_in(&mut self, here: [i32; 2]) {
-        self.here = here;
-    }
-
-    /// Was the cell so many cells to the east and to the north of the robot seen to be free?
-    /// Walls are not, and neither are cells that were hidden.
-    pub fn is_free(&self, east: i32, north: i32) -> bool {
-        let cell = [self.here[0] + east, self.here[1] + north];
-        let known = self.entry(cell).and_then(|at| self.evidence.get(at));
-        known.is_some_and(|&evidence| evidence > FREE_ABOVE)
-    }
-
-    fn entry(&self, cell: [i32; 2]) -> Option<usize> {
-        let [x, y] = [0, 1].map(|axis| cell[axis] - self.middle[axis] + REACH);
-        let inside = |at: i32| (0..SIDE as i32).contains(&at);
-        (inside(x) && inside(y)).then(|| y as usize * SIDE + x as usize)
-    }
-}
+use xcscr_sensing::Surroundings;
 
 /// Where the robot believes to be, and how sure it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,20 +60,4 @@ pub struct Sensed<'a> {
     /// Is it lost: does it believe to stand in another cell than the one it stands in? Only an
     /// observer can know.
     pub lost: bool,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cells_beyond_the_map_are_unknown_in_every_direction() {
-        let mut map = Surroundings::unknown([5, 5]);
-        for far in [[5, -20], [5, 30], [-20, 5], [30, 5], [-20, -20]] {
-            map.add(far, 1_000);
-            assert!(!map.is_free(far[0] - 5, far[1] - 5), "{far:?}");
-        }
-        map.add([5 + REACH, 5 - REACH], FREE_ABOVE + 1);
-        assert!(map.is_free(REACH, -REACH), "control: the corner of the map");
-    }
 }

@@ -9,21 +9,13 @@ use rapier2d::prelude::{
 };
 
 use crate::arena::Contact;
+use xcscr_sensing::Push;
 
 /// The cosine of the largest angle between a frontal hit and the direction of travel.
 const FRONTAL: f64 = 0.7;
 
 /// The cosine of the largest angle between normals of one face, as contacts have them.
 const SAME_FACE: f64 = 0.99;
-
-/// A wall pushing on the robot during one physics step.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Push {
-    /// Unit vector from the robot into the wall.
-    pub normal: Vector2<f64>,
-    /// Force times duration of the step, with lengths in cells.
-    pub impulse: f64,
-}
 
 /// Collects the pushes of a step.
 ///

@@ -6,28 +6,27 @@
 //! second. While no wall is near, steps are integrated in closed form (`shortcut`).
 //!
 //! How the robot knows where it is, is one of two ways ([`Localisation`]). *Estimated*: it has
-//! only what its `sensors` tell; `onboard` are its estimator, its controller and what it makes
-//! out around itself, and that folder can name neither the maze nor the true pose (`sensing`
-//! brings both together). *Told*: for percepts that are looked up in the maze, it is told its true
+//! only what its sensors tell. Sensors, estimator and what it makes out around itself are the
+//! crate `xcscr-sensing`; neither that nor `controller` can name the maze or the true pose
+//! (`sensing` brings both together). *Told*: for percepts that are looked up in the maze, it is told its true
 //! pose with some noise (`noise`), and `discretiser` looks up the cell.
 //!
 //! Inside of this folder the unit of length is the cell, so that a maze in another scale has the
 //! same course of events to the bit. Metres begin at the trait [`Arena`].
 
 mod contact;
+mod controller;
 mod discretiser;
 mod error;
 mod motion;
 mod noise;
-mod onboard;
 mod params;
-mod readings;
 mod robot;
 mod sensing;
-mod sensors;
 mod shortcut;
 mod simulation;
 mod snapshot;
+mod terrain;
 #[cfg(test)]
 mod tests;
 mod walls;
@@ -35,16 +34,14 @@ mod walls;
 use nalgebra::{Point2, Vector2};
 
 pub use error::PhysicsError;
-pub use onboard::EstimatorParams;
 pub use params::{Localisation, PhysicsParams};
-pub use sensors::{BumperParams, EncoderParams, GyroParams, LidarParams};
 pub use snapshot::Snapshot;
 
 use self::contact::{Hits, is_frontal};
+use self::controller::Maneuver;
 use self::discretiser::cell_from_position;
 use self::motion::{Command, Motion};
 use self::noise::Noise;
-use self::onboard::Maneuver;
 use self::robot::{Wheels, true_motion};
 use self::sensing::Sensing;
 pub use self::sensing::SensingMemory;
@@ -55,11 +52,11 @@ use crate::streams::StreamName;
 use crate::world::{Cell, Direction, Maze, Moves};
 use xcs::Action;
 use xcs::random::Stream;
+use xcscr_sensing::STEP_S;
+pub use xcscr_sensing::{BumperParams, EncoderParams, EstimatorParams, GyroParams, LidarParams};
 
-/// Duration of a physics step in nanoseconds, for clocks that never drift ...
+/// Duration of a physics step ([`STEP_S`]) in nanoseconds, for clocks that never drift.
 const STEP_NS: u64 = 50_000_000;
-/// ... and in seconds.
-const STEP_S: f64 = 0.05;
 /// Solver iterations per step; each is a substep of the motion.
 const SOLVER_ITERATIONS: usize = 2;
 /// The largest number of wall blocks; the engine needs about a kilobyte for each.

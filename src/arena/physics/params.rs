@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-pub use super::onboard::EstimatorParams;
-use super::sensors::{BumperParams, EncoderParams, GyroParams, LidarParams};
 use xcs::bounds::{OutOfRange, within};
+use xcscr_sensing::{BumperParams, EncoderParams, EstimatorParams, GyroParams, LidarParams, Robot};
 
 /// How the robot knows where it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -195,6 +194,20 @@ impl PhysicsParams {
         checks
             .into_iter()
             .try_for_each(|(key, value, range)| within(key, value, range))
+    }
+
+    /// The robot as its sensors and its own computer need to know it.
+    pub(super) fn robot(&self) -> Robot {
+        Robot {
+            noise: self.noise,
+            wheel_base: self.wheel_base_m,
+            wheel_deviation: self.wheel_bias.max(self.wheel_noise),
+            lidar: self.lidar.clone(),
+            encoders: self.encoders.clone(),
+            gyro: self.gyro.clone(),
+            bumper: self.bumper.clone(),
+            estimator: self.estimator.clone(),
+        }
     }
 
     /// The largest acceleration that the wheels can bring to the floor, in m/s^2.

@@ -6,14 +6,16 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
+use super::controller::Maneuver;
 use super::discretiser::cell_from_position;
-use super::onboard::{Belief, Maneuver, Onboard};
+use super::motion::Motion;
 use super::params::{Localisation, PhysicsParams};
-use super::readings::Return;
-use super::sensors::{Moment, SensorState, Sensors};
 use super::{PhysicsArena, STEP_NS, vector};
 use crate::arena::{Beam, Estimate, Outcome, Sensed, Surroundings};
+use crate::streams::StreamName;
 use crate::world::{Cell, Direction};
+use xcs::random::Stream;
+use xcscr_sensing::{Belief, Moment, Onboard, Return, SensorState, Sensors, Streams};
 
 /// Sensors, the computer on board, and what an observer is shown of them.
 pub(super) struct Sensing {
@@ -44,14 +46,31 @@ impl Sensing {
     /// The senses of the robot that belongs to `seed`; `None` when it is told where it is.
     pub(super) fn new(params: &PhysicsParams, seed: u64) -> Option<Box<Self>> {
         let senses = || Self {
-            sensors: Sensors::new(params, seed),
-            onboard: Onboard::new(params),
+            sensors: Sensors::new(&params.robot(), streams(seed)),
+            onboard: Onboard::new(&params.robot()),
             steps_per_turn: params.lidar.steps_per_turn(),
             returns: Vec::new(),
             estimates: Vec::new(),
             beams: Vec::new(),
         };
         (params.localisation == Localisation::Estimated).then(|| Box::new(senses()))
+    }
+
+    /// Where the robot believes to be and how it believes to move.
+    fn motion(&self) -> Motion {
+        let (forward, turn_radps) = self.onboard.speeds();
+        Motion {
+            pose: self.onboard.estimate().0,
+            forward,
+            sideways: 0.0,
+            turn_radps,
+        }
+    }
+
+    /// Did the bumper close that leads on the way of a manoeuvre?
+    fn is_bumped(&self, maneuver: &Maneuver) -> bool {
+        let [front, rear] = self.onboard.bumped();
+        if maneuver.front_leads() { front } else { rear }
     }
 
     /// What a checkpoint between two episodes needs.
@@ -134,7 +153,7 @@ impl PhysicsArena {
         let home = sensing.onboard.cell();
         let (east, south) = direction.offset();
         let wanted = [home[0] + east, home[1] - south];
-        let (middle, seen) = (sensing.onboard.middle(), sensing.onboard.motion());
+        let (middle, seen) = (sensing.onboard.middle(), sensing.motion());
         let mut maneuver = Maneuver::new(middle, vector(direction), &seen);
         let arrived = self.perform_by_senses(sensing, &mut maneuver);
         self.cell = self.believed_cell(&sensing.onboard);
@@ -156,14 +175,14 @@ impl PhysicsArena {
     fn perform_by_senses(&mut self, sensing: &mut Sensing, maneuver: &mut Maneuver) -> bool {
         let bias = self.noise.wheel_bias();
         for _ in 0..self.most_steps() {
-            let seen = sensing.onboard.motion();
+            let seen = sensing.motion();
             let Some(command) = maneuver.command(&seen, &self.params) else {
                 return true;
             };
             let motion = self.motion();
             self.drive(command, &motion, bias);
             self.sense_step(sensing, maneuver.along());
-            if sensing.onboard.is_bumped(maneuver) && maneuver.is_stopped_by_walls(&seen) {
+            if sensing.is_bumped(maneuver) && maneuver.is_stopped_by_walls(&seen) {
                 maneuver.back_off();
             }
         }
@@ -194,7 +213,7 @@ impl PhysicsArena {
     /// The cell of the maze that the robot believes to stand in, for observers. A belief that no
     /// cell of the maze fits leaves the last one.
     fn believed_cell(&self, onboard: &Onboard) -> Cell {
-        let position_m = onboard.motion().pose.translation.vector * self.maze.cell_size_m();
+        let position_m = onboard.estimate().0.translation.vector * self.maze.cell_size_m();
         cell_from_position(&self.maze, position_m.into(), self.cell)
     }
 
@@ -208,5 +227,14 @@ impl PhysicsArena {
             beams: &sensing.beams,
             lost: self.maze.cell_at(at_m.into()) != Some(self.believed_cell(&sensing.onboard)),
         })
+    }
+}
+
+/// The random numbers that the sensors of the robot that belongs to `seed` draw from.
+fn streams(seed: u64) -> Streams {
+    Streams {
+        lidar: Stream::new(seed, StreamName::Lidar),
+        encoders: Stream::new(seed, StreamName::Encoders),
+        gyro: Stream::new(seed, StreamName::Gyro),
     }
 }

@@ -8,12 +8,13 @@ use rapier2d::prelude::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::contact::{Listener, Push};
+use super::contact::Listener;
 use super::params::PhysicsParams;
 use super::shortcut::{Clearance, coast};
 use super::walls::Block;
 use super::{SOLVER_ITERATIONS, STEP_S};
 use crate::world::Maze;
+use xcscr_sensing::Push;
 
 /// How far ahead the engine looks for walls, in cells. It brakes the robot so that it ends the
 /// step at the wall and not inside; without, it enters walls by up to 0.06 cells at full speed.

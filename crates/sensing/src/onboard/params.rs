@@ -32,7 +32,11 @@ impl Default for EstimatorParams {
 }
 
 impl EstimatorParams {
-    pub(in super::super) fn check(&self) -> Result<(), OutOfRange> {
+    /// Accepts the settings when each lies in its range.
+    ///
+    /// # Errors
+    /// Names the first one that does not, and its range.
+    pub fn check(&self) -> Result<(), OutOfRange> {
         within("physics.estimator.caution", self.caution, 0.5..=5.0)?;
         within("physics.estimator.gate", self.gate, 1.0..=10_000.0)
     }

@@ -3,9 +3,7 @@
 //! It is made from the change of the heading and not from the engine's turn rate: the engine turns
 //! by the arc tangent of rate times substep, which is 3 % less at full rate.
 
-use super::params::GyroParams;
-use crate::arena::physics::STEP_S;
-use crate::streams::StreamName;
+use crate::{GyroParams, STEP_S};
 use xcs::random::Stream;
 
 /// A gyro with bias, scale and noise.
@@ -20,9 +18,8 @@ pub(super) struct Gyro {
 }
 
 impl Gyro {
-    /// The gyro of the robot that belongs to `seed`, at a noise level.
-    pub(super) fn new(params: &GyroParams, level: f64, seed: u64) -> Self {
-        let mut stream = Stream::new(seed, StreamName::Gyro);
+    /// The gyro of the robot that draws from `stream`, at a noise level.
+    pub(super) fn new(params: &GyroParams, level: f64, mut stream: Stream) -> Self {
         Self {
             fitted: params.fitted,
             bias_rad: level * params.bias_radps * stream.normal() * STEP_S,
@@ -46,9 +43,13 @@ impl Gyro {
 mod tests {
     use super::*;
 
+    fn stream() -> Stream {
+        Stream::new(1, 10_u64)
+    }
+
     #[test]
     fn without_noise_it_tells_the_turn_up_to_its_range() {
-        let mut gyro = Gyro::new(&GyroParams::default(), 0.0, 1);
+        let mut gyro = Gyro::new(&GyroParams::default(), 0.0, stream());
         assert_eq!(gyro.read(0.25), Some(0.25));
         assert_eq!(
             gyro.read(-3.0),
@@ -58,7 +59,7 @@ mod tests {
 
     #[test]
     fn it_drifts_at_rest_by_its_bias() {
-        let mut gyro = Gyro::new(&GyroParams::default(), 1.0, 1);
+        let mut gyro = Gyro::new(&GyroParams::default(), 1.0, stream());
         let told: f64 = (0..2_000).filter_map(|_| gyro.read(0.0)).sum();
         assert!((told - 2_000.0 * gyro.bias_rad).abs() < 0.02, "{told}");
         assert!(gyro.bias_rad != 0.0);
@@ -70,6 +71,6 @@ mod tests {
             fitted: false,
             ..GyroParams::default()
         };
-        assert_eq!(Gyro::new(&params, 1.0, 1).read(0.1), None);
+        assert_eq!(Gyro::new(&params, 1.0, stream()).read(0.1), None);
     }
 }

@@ -4,24 +4,50 @@ mod bumper;
 mod encoders;
 mod gyro;
 mod lidar;
-mod params;
 mod ray;
 
-use nalgebra::{Isometry2, Vector2};
+use nalgebra::{Isometry2, UnitComplex, Vector2};
 use serde::{Deserialize, Serialize};
 
 use self::encoders::Encoders;
 use self::gyro::Gyro;
 use self::lidar::Lidar;
-pub use self::params::{BumperParams, EncoderParams, GyroParams, LidarParams};
-use super::contact::Push;
-use super::params::PhysicsParams;
-use super::readings::{Readings, Return};
-use crate::world::Maze;
+pub use self::ray::cast;
+use crate::{Readings, Return, Robot};
 use xcs::random::Stream;
 
-/// What truly happens to the robot during one physics step.
-pub(super) struct Moment<'a> {
+/// The cells that the robot drives through, counted to the east and to the north; beyond the
+/// border everything is a wall.
+pub trait Terrain {
+    /// Is the cell a wall?
+    fn is_wall(&self, east: i32, north: i32) -> bool;
+
+    /// Is there a marker on the floor at a point?
+    fn is_marked(&self, point: Vector2<f64>) -> bool;
+}
+
+/// A wall pushing on the robot during one step.
+#[derive(Debug, Clone, Copy)]
+pub struct Push {
+    /// Unit vector from the robot into the wall.
+    pub normal: Vector2<f64>,
+    /// Force times duration of the step, with lengths in cells.
+    pub impulse: f64,
+}
+
+/// The random numbers that the sensors draw from.
+#[derive(Debug, Clone)]
+pub struct Streams {
+    /// For the lidar: its scale, and the noise of its beams.
+    pub lidar: Stream,
+    /// For the encoders: the scales of the wheels.
+    pub encoders: Stream,
+    /// For the gyro: bias, scale and noise.
+    pub gyro: Stream,
+}
+
+/// What truly happens to the robot during one step.
+pub struct Moment<'a> {
     /// The number of the step since the trial began.
     pub step: u64,
     /// The pose before it, in cells.
@@ -36,7 +62,7 @@ pub(super) struct Moment<'a> {
 
 /// All sensors of the robot.
 #[derive(Debug, Clone)]
-pub(super) struct Sensors {
+pub struct Sensors {
     lidar: Lidar,
     encoders: Encoders,
     gyro: Gyro,
@@ -46,52 +72,49 @@ pub(super) struct Sensors {
 /// Everything in the sensors that changes while they run. What differs from robot to robot, such
 /// as the scale of a wheel, is drawn from the seed again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct SensorState {
+pub struct SensorState {
     lidar: Stream,
     gyro: Stream,
     ticks: [i64; 2],
 }
 
 impl Sensors {
-    /// The sensors of the robot that belongs to `seed`.
-    pub(super) fn new(params: &PhysicsParams, seed: u64) -> Self {
-        let level = params.noise;
+    /// The sensors of a robot. What differs from one to the next is drawn from `streams`.
+    pub fn new(robot: &Robot, streams: Streams) -> Self {
+        let level = robot.noise;
         Self {
-            lidar: Lidar::new(&params.lidar, level, seed),
-            encoders: Encoders::new(&params.encoders, level, seed),
-            gyro: Gyro::new(&params.gyro, level, seed),
-            bump_impulse: params.bumper.impulse_ns,
+            lidar: Lidar::new(&robot.lidar, level, streams.lidar),
+            encoders: Encoders::new(&robot.encoders, level, streams.encoders),
+            gyro: Gyro::new(&robot.gyro, level, streams.gyro),
+            bump_impulse: robot.bumper.impulse_ns,
         }
     }
 
     /// The robot was lifted and put down at rest.
-    pub(super) fn reset(&mut self) {
+    pub fn reset(&mut self) {
         self.encoders.reset();
     }
 
     /// What the sensors tell about a step; `beams` is filled with the beams of the lidar.
-    pub(super) fn read<'a>(
+    pub fn read<'a>(
         &mut self,
-        maze: &Maze,
+        terrain: &dyn Terrain,
         moment: &Moment<'_>,
         beams: &'a mut Vec<Return>,
     ) -> Readings<'a> {
         let turned_rad = turned(&moment.before, &moment.after);
-        self.lidar.scan(maze, moment, turned_rad, beams);
-        let at = moment.after.translation.vector * maze.cell_size_m();
+        self.lidar.scan(terrain, moment, turned_rad, beams);
         Readings {
             rolled: self.encoders.read(moment.travel),
             turned_rad: self.gyro.read(turned_rad),
             bumped: bumper::read(moment.after.rotation, moment.pushes, self.bump_impulse),
-            over_marker: maze
-                .cell_at(at.into())
-                .is_some_and(|cell| maze.is_goal(cell)),
+            over_marker: terrain.is_marked(moment.after.translation.vector),
             beams,
         }
     }
 
     /// A copy of the state.
-    pub(super) fn state(&self) -> SensorState {
+    pub fn state(&self) -> SensorState {
         SensorState {
             lidar: self.lidar.stream.clone(),
             gyro: self.gyro.stream.clone(),
@@ -100,7 +123,7 @@ impl Sensors {
     }
 
     /// Puts a state back.
-    pub(super) fn set_state(&mut self, state: &SensorState) {
+    pub fn set_state(&mut self, state: &SensorState) {
         self.lidar.stream = state.lidar.clone();
         self.gyro.stream = state.gyro.clone();
         self.encoders.ticks = state.ticks;
@@ -114,6 +137,6 @@ fn turned(before: &Isometry2<f64>, after: &Isometry2<f64>) -> f64 {
 }
 
 /// A unit vector along the heading of a rotation.
-fn ahead(rotation: nalgebra::UnitComplex<f64>) -> Vector2<f64> {
+fn ahead(rotation: UnitComplex<f64>) -> Vector2<f64> {
     rotation * Vector2::x()
 }

@@ -2,8 +2,7 @@
 
 use nalgebra::UnitComplex;
 
-use super::ahead;
-use crate::arena::physics::contact::Push;
+use super::{Push, ahead};
 
 /// The cosine of half a sector: 45 degrees to each side.
 const SECTOR: f64 = std::f64::consts::FRAC_1_SQRT_2;

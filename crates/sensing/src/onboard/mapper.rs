@@ -6,8 +6,8 @@
 
 use nalgebra::Vector2;
 
+use super::Surroundings;
 use super::estimator::Ray;
-use crate::arena::Surroundings;
 
 /// Evidence of one beam for a free cell or a wall ...
 const HIT: i32 = 20;

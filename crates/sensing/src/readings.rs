@@ -4,7 +4,7 @@ use nalgebra::UnitComplex;
 
 /// What came back of one beam of the lidar.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Return {
+pub struct Return {
     /// When during the step, 0 to 1.
     pub moment: f64,
     /// The beam's nominal direction, counted from the robot's heading.
@@ -15,7 +15,7 @@ pub(super) struct Return {
 
 /// What the sensors tell about one step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Readings<'a> {
+pub struct Readings<'a> {
     /// How far the left and the right wheel rolled, in cells.
     pub rolled: [f64; 2],
     /// How far the gyro turned, in radians, counter-clockwise; `None` without a gyro.

@@ -9,9 +9,7 @@
 use nalgebra::{Complex, Isometry2, Matrix3, Matrix6, UnitComplex, Vector2, Vector6};
 use serde::{Deserialize, Serialize};
 
-use super::super::STEP_S;
-use super::super::params::{EstimatorParams, PhysicsParams};
-use super::super::readings::{Readings, Return};
+use crate::{EstimatorParams, Readings, Return, Robot, STEP_S};
 
 /// Places in the state: position, heading, gyro bias, scale of the wheels, scale of the ranges.
 const X: usize = 0;
@@ -31,7 +29,7 @@ const DOUBT_RAD: f64 = 0.03;
 
 /// The filter's state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(in super::super) struct Belief {
+pub struct Belief {
     pose: Isometry2<f64>,
     /// Gyro bias in rad/s.
     bias: f64,
@@ -61,26 +59,26 @@ struct Assumed {
 impl Assumed {
     /// The data sheets of the sensors at their noise level, times the caution. A thousandth is
     /// left where there is no noise, because the world is computed with rounding.
-    fn new(params: &PhysicsParams) -> Self {
-        let times = params.noise * params.estimator.caution;
+    fn new(robot: &Robot) -> Self {
+        let times = robot.noise * robot.estimator.caution;
         let of = |deviation: f64, least: f64| (times * deviation).max(least);
-        let PhysicsParams {
+        let Robot {
             lidar,
             encoders,
             gyro,
             ..
-        } = params;
+        } = robot;
         Self {
             range: of(lidar.noise_m + lidar.offset_m, 0.002),
             range_share: of(lidar.noise_share, 0.001),
             beam_rad: of(lidar.jitter_rad, 0.002),
-            roll_share: of(params.wheel_bias.max(params.wheel_noise), 0.01),
+            roll_share: of(robot.wheel_deviation, 0.01),
             turn_share: of(gyro.scale, 0.002),
             turn_rad: of(gyro.noise_radps * STEP_S, 1e-4),
             bias: of(gyro.bias_radps, 1e-4),
             wheels: of(encoders.scale, 0.002),
             ranges: of(lidar.scale, 0.001),
-            wheel_base: params.wheel_base_m,
+            wheel_base: robot.wheel_base,
         }
     }
 }
@@ -95,7 +93,7 @@ struct LastStep {
 
 /// The filter.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Estimator {
+pub(crate) struct Estimator {
     params: EstimatorParams,
     assumed: Assumed,
     belief: Belief,
@@ -105,7 +103,7 @@ pub(in super::super) struct Estimator {
 /// A beam from where the robot believes that it was sent: its origin, its direction, and its
 /// range without the scale that the robot believes in.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Ray {
+pub(crate) struct Ray {
     /// In the world frame.
     pub origin: Vector2<f64>,
     /// A unit vector.
@@ -136,12 +134,12 @@ impl Fit {
 
 impl Estimator {
     /// A filter that knows nothing of its sensors yet, for a robot at the origin.
-    pub fn new(params: &PhysicsParams) -> Self {
-        let assumed = Assumed::new(params);
+    pub fn new(robot: &Robot) -> Self {
+        let assumed = Assumed::new(robot);
         let deviations = [0.0, 0.0, 0.0, assumed.bias, assumed.wheels, assumed.ranges];
         let variances = Vector6::from(deviations.map(|deviation| deviation * deviation));
         Self {
-            params: params.estimator.clone(),
+            params: robot.estimator.clone(),
             belief: Belief {
                 pose: Isometry2::identity(),
                 bias: 0.0,

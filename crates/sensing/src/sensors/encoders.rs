@@ -1,7 +1,6 @@
 //! The encoders: ticks for what the wheels rolled.
 
-use super::params::EncoderParams;
-use crate::streams::StreamName;
+use crate::EncoderParams;
 use xcs::random::Stream;
 
 /// Counts ticks of both wheels. A wheel is a little larger or smaller than the robot thinks.
@@ -14,9 +13,8 @@ pub(super) struct Encoders {
 }
 
 impl Encoders {
-    /// The encoders of the robot that belongs to `seed`, at a noise level.
-    pub(super) fn new(params: &EncoderParams, level: f64, seed: u64) -> Self {
-        let mut stream = Stream::new(seed, StreamName::Encoders);
+    /// The encoders of the robot that draws from `stream`, at a noise level.
+    pub(super) fn new(params: &EncoderParams, level: f64, mut stream: Stream) -> Self {
         let mut scale = || 1.0 + level * params.scale * stream.normal();
         Self {
             tick: params.tick_m,
@@ -45,7 +43,7 @@ mod tests {
     use super::*;
 
     fn encoders(level: f64) -> Encoders {
-        Encoders::new(&EncoderParams::default(), level, 1)
+        Encoders::new(&EncoderParams::default(), level, Stream::new(1, 9_u64))
     }
 
     #[test]

@@ -1,49 +1,22 @@
-//! Rays through the grid, cell by cell (Amanatides and Woo 1987).
+//! The maze as sensors see it.
 
 use nalgebra::Vector2;
+use xcscr_sensing::Terrain;
 
 use crate::world::{Cell, Maze};
 
-/// How far it is from `origin` along the unit vector `direction` to the first wall, in cells;
-/// `None` when that is more than `limit`.
-pub(super) fn cast(
-    maze: &Maze,
-    origin: Vector2<f64>,
-    direction: Vector2<f64>,
-    limit: f64,
-) -> Option<f64> {
-    let (mut x, step_x, mut next_x, every_x) = axis(origin.x, direction.x);
-    let (mut y, step_y, mut next_y, every_y) = axis(origin.y, direction.y);
-    let north = i32::from(maze.height()) - 1;
-    loop {
-        let range;
-        if next_x < next_y {
-            (range, x, next_x) = (next_x, x + step_x, next_x + every_x);
-        } else {
-            (range, y, next_y) = (next_y, y + step_y, next_y + every_y);
-        }
-        if range.is_nan() || range > limit {
-            return None;
-        }
+impl Terrain for Maze {
+    fn is_wall(&self, east: i32, north: i32) -> bool {
         // Beyond the border is a wall: negative numbers become large ones.
-        let (col, row) = (x as u16, (north - y) as u16);
-        if maze.is_wall(Cell { col, row }) {
-            return Some(range);
-        }
+        let row = i32::from(self.height()) - 1 - north;
+        let (col, row) = (east as u16, row as u16);
+        Self::is_wall(self, Cell { col, row })
     }
-}
 
-/// Along one axis: the first cell, the step to the next one, how far along the ray that begins,
-/// and how far it is from one to the next.
-fn axis(origin: f64, direction: f64) -> (i32, i32, f64, f64) {
-    let cell = origin.floor();
-    let every = 1.0 / direction.abs();
-    if direction > 0.0 {
-        (cell as i32, 1, (cell + 1.0 - origin) * every, every)
-    } else if direction < 0.0 {
-        (cell as i32, -1, (origin - cell) * every, every)
-    } else {
-        (cell as i32, 0, f64::INFINITY, f64::INFINITY)
+    fn is_marked(&self, point: Vector2<f64>) -> bool {
+        let at_m = point * self.cell_size_m();
+        self.cell_at(at_m.into())
+            .is_some_and(|cell| self.is_goal(cell))
     }
 }
 
@@ -56,6 +29,7 @@ mod tests {
     use parry2d::query::{Ray, RayCast};
     use parry2d::shape::{Compound, SharedShape};
     use xcs::random::Stream;
+    use xcscr_sensing::cast;
 
     const ROWS: [&str; 7] = [
         "#########",

@@ -2,8 +2,8 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::super::motion::{Command, Motion};
-use super::super::params::PhysicsParams;
+use super::motion::{Command, Motion};
+use super::params::PhysicsParams;
 
 /// What the robot is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,7 +19,7 @@ enum Phase {
 /// The plan of one action; lengths in cells. Needs no trigonometry: angles are compared as sines
 /// and chords.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Maneuver {
+pub(super) struct Maneuver {
     phase: Phase,
     home: Point2<f64>,
     target: Point2<f64>,
@@ -32,7 +32,7 @@ pub(in super::super) struct Maneuver {
 impl Maneuver {
     /// From `home` one cell in the direction of the unit vector `along`. Front or rear leads,
     /// whichever needs the smaller turn.
-    pub(in super::super) fn new(home: Point2<f64>, along: Vector2<f64>, seen: &Motion) -> Self {
+    pub(super) fn new(home: Point2<f64>, along: Vector2<f64>, seen: &Motion) -> Self {
         let heading = seen.pose.rotation * Vector2::x();
         Self {
             phase: Phase::Turn,
@@ -45,27 +45,27 @@ impl Maneuver {
 
     /// Would a wall ahead keep the robot from the next cell? Not once it is there: then it has
     /// overshot, and touches the wall behind that cell.
-    pub(in super::super) fn is_stopped_by_walls(&self, seen: &Motion) -> bool {
+    pub(super) fn is_stopped_by_walls(&self, seen: &Motion) -> bool {
         self.phase == Phase::Drive && self.ahead(seen) > 0.5
     }
 
     /// Has it hit a wall?
-    pub(in super::super) fn backs_off(&self) -> bool {
+    pub(super) fn backs_off(&self) -> bool {
         self.phase == Phase::Back
     }
 
     /// Does the front lead, and not the rear?
-    pub(in super::super) fn front_leads(&self) -> bool {
+    pub(super) fn front_leads(&self) -> bool {
         self.facing > 0.0
     }
 
     /// Unit vector of travel.
-    pub(in super::super) fn along(&self) -> Vector2<f64> {
+    pub(super) fn along(&self) -> Vector2<f64> {
         self.along
     }
 
     /// Back to where it came from, without turning round.
-    pub(in super::super) fn back_off(&mut self) {
+    pub(super) fn back_off(&mut self) {
         self.phase = Phase::Back;
         self.target = self.home;
         self.along = -self.along;
@@ -73,11 +73,7 @@ impl Maneuver {
     }
 
     /// What to do next; `None` once the robot has arrived.
-    pub(in super::super) fn command(
-        &mut self,
-        seen: &Motion,
-        params: &PhysicsParams,
-    ) -> Option<Command> {
+    pub(super) fn command(&mut self, seen: &Motion, params: &PhysicsParams) -> Option<Command> {
         let face = self.facing * (seen.pose.rotation * Vector2::x());
         if self.phase == Phase::Turn {
             let sine = face.perp(&self.along);

@@ -3,8 +3,29 @@
 use nalgebra::{Complex, UnitComplex};
 use serde::{Deserialize, Serialize};
 
-use crate::arena::physics::STEP_S;
+use crate::{EstimatorParams, STEP_S};
 use xcs::bounds::{OutOfRange, within};
+
+/// A robot, as its sensors and its own computer need to know it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    /// Multiplies all deviations and rates of the sensors; 0 switches noise off.
+    pub noise: f64,
+    /// Distance between the wheels, in cells.
+    pub wheel_base: f64,
+    /// Deviation of what the wheels roll on the floor from what they count, as a share.
+    pub wheel_deviation: f64,
+    /// The lidar.
+    pub lidar: LidarParams,
+    /// The encoders of the wheels.
+    pub encoders: EncoderParams,
+    /// The gyro.
+    pub gyro: GyroParams,
+    /// The bumpers.
+    pub bumper: BumperParams,
+    /// The filter that estimates the pose.
+    pub estimator: EstimatorParams,
+}
 
 /// A lidar after the LDS-02 (0.16 to 8 m, 5 turns a second, 10 mm below 0.3 m, 3 % to 6 m) and
 /// the RPLIDAR A1M8 (0.15 to 12 m, 5.5 turns, 1 %). Lengths are for cells of 1 m. Jitter,
@@ -58,7 +79,11 @@ impl Default for LidarParams {
 }
 
 impl LidarParams {
-    pub(crate) fn check(&self) -> Result<(), OutOfRange> {
+    /// Accepts the settings when each lies in its range.
+    ///
+    /// # Errors
+    /// Names the first one that does not, and its range.
+    pub fn check(&self) -> Result<(), OutOfRange> {
         within("physics.lidar.beams", self.beams, 4..=128)?;
         within("physics.lidar.rate_hz", self.rate_hz, 1.0..=20.0)?;
         within("physics.lidar.nearest_m", self.nearest_m, 0.0..=0.2)?;
@@ -73,7 +98,7 @@ impl LidarParams {
     }
 
     /// The directions of one turn, counter-clockwise from the heading.
-    pub(super) fn bearings(&self) -> Vec<UnitComplex<f64>> {
+    pub(crate) fn bearings(&self) -> Vec<UnitComplex<f64>> {
         let bearing = |beam: u32| {
             let share = f64::from(beam) / f64::from(self.beams);
             let (sine, cosine) = libm::sincos(share * std::f64::consts::TAU);
@@ -83,12 +108,12 @@ impl LidarParams {
     }
 
     /// Beams in a physics step, on average.
-    pub(super) fn beams_per_step(&self) -> f64 {
+    pub(crate) fn beams_per_step(&self) -> f64 {
         f64::from(self.beams) * self.rate_hz * STEP_S
     }
 
     /// Physics steps in which the lidar turns round once.
-    pub(crate) fn steps_per_turn(&self) -> u64 {
+    pub fn steps_per_turn(&self) -> u64 {
         (1.0 / (self.rate_hz * STEP_S)).ceil() as u64
     }
 }
@@ -114,7 +139,11 @@ impl Default for EncoderParams {
 }
 
 impl EncoderParams {
-    pub(crate) fn check(&self) -> Result<(), OutOfRange> {
+    /// Accepts the settings when each lies in its range.
+    ///
+    /// # Errors
+    /// Names the first one that does not, and its range.
+    pub fn check(&self) -> Result<(), OutOfRange> {
         within("physics.encoders.tick_m", self.tick_m, 0.0001..=0.05)?;
         within("physics.encoders.scale", self.scale, 0.0..=0.05)
     }
@@ -149,7 +178,11 @@ impl Default for GyroParams {
 }
 
 impl GyroParams {
-    pub(crate) fn check(&self) -> Result<(), OutOfRange> {
+    /// Accepts the settings when each lies in its range.
+    ///
+    /// # Errors
+    /// Names the first one that does not, and its range.
+    pub fn check(&self) -> Result<(), OutOfRange> {
         within("physics.gyro.noise_radps", self.noise_radps, 0.0..=0.05)?;
         within("physics.gyro.bias_radps", self.bias_radps, 0.0..=0.2)?;
         within("physics.gyro.scale", self.scale, 0.0..=0.05)?;
@@ -172,7 +205,11 @@ impl Default for BumperParams {
 }
 
 impl BumperParams {
-    pub(crate) fn check(&self) -> Result<(), OutOfRange> {
+    /// Accepts the settings when each lies in its range.
+    ///
+    /// # Errors
+    /// Names the first one that does not, and its range.
+    pub fn check(&self) -> Result<(), OutOfRange> {
         within("physics.bumper.impulse_ns", self.impulse_ns, 0.01..=3.0)
     }
 }

@@ -2,11 +2,8 @@
 
 use nalgebra::{Complex, UnitComplex, Vector2};
 
-use super::params::LidarParams;
-use super::{Moment, ahead, ray};
-use crate::arena::physics::readings::Return;
-use crate::streams::StreamName;
-use crate::world::Maze;
+use super::{Moment, Terrain, ahead, ray};
+use crate::{LidarParams, Return};
 use xcs::random::Stream;
 
 /// A lidar that turns at a constant rate. Each beam draws the same count of random numbers.
@@ -23,9 +20,8 @@ pub(super) struct Lidar {
 }
 
 impl Lidar {
-    /// The lidar of the robot that belongs to `seed`, at a noise level.
-    pub(super) fn new(params: &LidarParams, level: f64, seed: u64) -> Self {
-        let mut stream = Stream::new(seed, StreamName::Lidar);
+    /// The lidar of the robot that draws from `stream`, at a noise level.
+    pub(super) fn new(params: &LidarParams, level: f64, mut stream: Stream) -> Self {
         Self {
             bearings: params.bearings(),
             per_step: params.beams_per_step(),
@@ -40,7 +36,7 @@ impl Lidar {
     /// The beams of a step during which the robot turns by `turned_rad`, in the order of time.
     pub(super) fn scan(
         &mut self,
-        maze: &Maze,
+        terrain: &dyn Terrain,
         moment: &Moment<'_>,
         turned_rad: f64,
         beams: &mut Vec<Return>,
@@ -60,7 +56,7 @@ impl Lidar {
             beams.push(Return {
                 moment: share,
                 bearing,
-                range: self.measure(maze, origin, heading * bearing),
+                range: self.measure(terrain, origin, heading * bearing),
             });
         }
     }
@@ -68,7 +64,7 @@ impl Lidar {
     /// One beam from `origin`.
     fn measure(
         &mut self,
-        maze: &Maze,
+        terrain: &dyn Terrain,
         origin: Vector2<f64>,
         direction: UnitComplex<f64>,
     ) -> Option<f64> {
@@ -87,7 +83,7 @@ impl Lidar {
         if fate < dropout + self.level * self.params.outliers {
             return Some(nearest_m + stray * (range_m - nearest_m));
         }
-        let truth = ray::cast(maze, origin, direction, range_m)?;
+        let truth = ray::cast(terrain, origin, direction, range_m)?;
         let deviation = self.level * (self.params.noise_m + self.params.noise_share * truth);
         let range = truth * self.scale + self.offset + deviation * noise;
         (nearest_m..=range_m).contains(&range).then_some(range)

@@ -3,7 +3,21 @@ use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
 use super::estimator::Estimator;
 use super::mapper;
 use super::*;
-use crate::arena::physics::readings::Return;
+use crate::{BumperParams, EncoderParams, GyroParams, LidarParams, Return};
+
+/// The robot of the physics arena by default.
+fn robot() -> Robot {
+    Robot {
+        noise: 1.0,
+        wheel_base: 0.4,
+        wheel_deviation: 0.05,
+        lidar: LidarParams::default(),
+        encoders: EncoderParams::default(),
+        gyro: GyroParams::default(),
+        bumper: BumperParams::default(),
+        estimator: EstimatorParams::default(),
+    }
+}
 
 /// Readings of one step without a bump or a marker.
 fn readings(rolled: [f64; 2], turned_rad: f64, beams: &[Return]) -> Readings<'_> {
@@ -21,7 +35,7 @@ fn at(x: f64, y: f64) -> Isometry2<f64> {
 }
 
 fn estimator(x: f64, y: f64) -> Estimator {
-    let mut estimator = Estimator::new(&PhysicsParams::default());
+    let mut estimator = Estimator::new(&robot());
     estimator.put_down(at(x, y));
     estimator
 }
@@ -152,9 +166,9 @@ fn a_beam_into_a_corner_or_beside_every_line_is_not_believed() {
 #[test]
 fn when_most_beams_disagree_the_robot_doubts_its_pose() {
     let variance = |batch_check| {
-        let mut params = PhysicsParams::default();
-        params.estimator.batch_check = batch_check;
-        let mut estimator = Estimator::new(&params);
+        let mut robot = robot();
+        robot.estimator.batch_check = batch_check;
+        let mut estimator = Estimator::new(&robot);
         estimator.put_down(at(0.5, 0.5));
         let beams = [beam(1.0, 0.0, 1.3), beam(-1.0, 0.0, 1.7)];
         estimator.step(&readings([0.0; 2], 0.0, &beams));

@@ -1,0 +1,22 @@
+//! What a wheeled robot senses in a maze of square cells, and what it makes of that.
+//!
+//! ```text
+//! what is true (Moment, Terrain) -> Sensors -> Readings -> Onboard -> pose, cells around
+//! ```
+//!
+//! [`Sensors`] see the truth and tell it with noise. [`Onboard`], the robot's own computer, sees
+//! nothing but [`Readings`]: neither walls nor a true pose can be named there. The unit of length
+//! is the cell, angles are in radians, counter-clockwise from east.
+
+mod onboard;
+mod params;
+mod readings;
+mod sensors;
+
+pub use onboard::{Belief, EstimatorParams, Onboard, Surroundings};
+pub use params::{BumperParams, EncoderParams, GyroParams, LidarParams, Robot};
+pub use readings::{Readings, Return};
+pub use sensors::{Moment, Push, SensorState, Sensors, Streams, Terrain, cast};
+
+/// Duration of a step of the simulation, in seconds.
+pub const STEP_S: f64 = 0.05;
