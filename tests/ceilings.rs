@@ -101,7 +101,7 @@ fn xcscr_plus_is_always_optimal_within_three_episodes_and_in_fewer_steps_than_r_
 #[test]
 fn without_planned_exploration_xcscr_plus_often_fails() {
     let mut settings = Settings::default();
-    settings.plus.least_tried_first = false;
+    settings.plus.planned_exploration = false;
     let trials = twenty(Method::XcscrPlus, "maze5", &settings);
     let found = trials.iter().filter(|one| one.optimal).count();
     assert!(found <= 10, "{found} of 20 were optimal all the same");

@@ -473,10 +473,10 @@ fn what_was_learned_before_or_turned_off_is_compared_with_nothing() {
     );
     desk.write(
         "without.toml",
-        &format!("without = [\"plus.sweep\"]\n{text}"),
+        &format!("without = [\"plus.return_rules\"]\n{text}"),
     );
     let printed = desk.done("run without.toml --out w");
-    let words = "xcscr-plus without plus.sweep − without nothing";
+    let words = "xcscr-plus without plus.return_rules − without nothing";
     assert!(printed.contains(words), "{printed}");
 }
 

@@ -83,17 +83,11 @@ fn train_warns_before_it_works() {
     let [world, run] = [&world, &out].map(|path| path.to_str().unwrap());
     let train = ["train", world, "--arena", "grid", "--episodes", "1"];
     let method = ["--method", "xcscr-plus", "--out", run, "--quiet"];
-    let sets = [
-        "--set",
-        "reward.step_threshold=43",
-        "--set",
-        "xcs.population_size=32",
-    ];
+    let sets = ["--set", "reward.step_threshold=43"];
     let (_, stderr) = expect(0, &[&train[..], &method, &sets].concat());
     let lines: Vec<&str> = stderr.lines().collect();
     for (line, words) in lines.iter().zip([
         "--set reward.step_threshold=176",
-        "--set xcs.population_size=",
         "--sensor neighbours-position",
     ]) {
         assert!(
@@ -101,7 +95,7 @@ fn train_warns_before_it_works() {
             "{stderr}"
         );
     }
-    assert_eq!(lines.len(), 3, "{stderr}");
+    assert_eq!(lines.len(), 2, "{stderr}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! has standard XCS and the paper's mechanisms, one file each; `model/` what is foreseen; `plus/`
 //! the method that plans and explains; `tabular/` the rivals. All reward numbers live here.
 
+mod choice;
 mod credit;
 mod explorer;
 mod knowledge;
@@ -14,6 +15,7 @@ mod plus;
 mod recall;
 mod tabular;
 
+pub use choice::{Choice, Chooser, Chosen};
 pub use credit::{
     Adapted, Combined, Params, Sharing, StackEvolution, Standard, StepLimitUpdate, XcsPayment,
 };
@@ -22,12 +24,12 @@ pub use knowledge::{Frozen, Knowledge, Misfit};
 pub use memory::MemoryError;
 pub use method::{Method, Setup};
 pub use model::{CollisionRule, Foresight, ReturnRule, pomdp};
-pub use plus::{Plus, PlusParams};
+pub use plus::{Discovery, Plus, PlusParams};
 pub use recall::{PERCEPT_BITS, Recall, words as memory_words};
 pub use tabular::{Tabular, TabularParams};
 
 use crate::arena::Outcome;
-use xcs::{Action, Percept, PredictionArray};
+use xcs::{Action, Condition, Percept, PredictionArray};
 
 /// What a reward method made of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -40,6 +42,9 @@ pub struct StepCredit {
     pub match_set: u32,
     /// Micro-classifiers in \[A\]; 0 for tabular methods.
     pub action_set: u32,
+    /// The condition of the rule of \[A\] that weighs most; `None` where no rule advocates the
+    /// action.
+    pub fired: Option<Condition>,
 }
 
 /// What a reward method made of the end of an episode.
@@ -69,10 +74,11 @@ pub trait Agent {
     /// missing actions.
     fn consider(&mut self, percept: &Percept) -> PredictionArray;
 
-    /// Chooses an action, and tells whether to explore: by default, any action with probability
-    /// p_explr, otherwise one of the best.
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
-        explorer.choose(worth)
+    /// Chooses an action: by default, any action with probability p_explr, otherwise one of the
+    /// best by the rules.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose(worth);
+        Choice::of_rules(action, explores)
     }
 
     /// Credits the action chosen after the last [`consider`](Self::consider).

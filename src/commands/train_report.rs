@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use xcscr::agent::Chosen;
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
@@ -35,6 +36,10 @@ pub struct TrainReport {
     retained: bool,
     steps: u64,
     collisions: u64,
+    /// Who chose the steps.
+    chosen: Chosen,
+    /// Who chose those until the greedy policy was first globally optimal.
+    chosen_before: Chosen,
     rules: usize,
     /// How many are left of them when they are condensed; `null` for a table.
     condensed_rules: Option<usize>,
@@ -72,6 +77,8 @@ impl TrainReport {
             retained: progress.optimal,
             steps: progress.steps,
             collisions: progress.collisions,
+            chosen: progress.chosen,
+            chosen_before: progress.chosen_before,
             rules: trial.method().rule_count(),
             condensed_rules: condensed.map(|condensed| condensed.rules.len()),
             run_dir: disk::named(folder),
@@ -92,6 +99,7 @@ impl TrainReport {
         writeln!(out, "  greedy policy now    {}", self.greedy())?;
         let (steps, collisions) = (self.steps, self.collisions);
         writeln!(out, "  steps, collisions    {steps}, {collisions}")?;
+        writeln!(out, "  chosen by            {}", self.chosen)?;
         writeln!(out, "  rules                {}", self.rules())?;
         let maze = &trial.plan().maze;
         match maze.is_vast() {

@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use crate::agent::{Agent, StepCredit};
+use crate::agent::{Agent, Chooser, Chosen, StepCredit};
 use crate::arena::{Outcome, View};
 use crate::sensor::Sensor;
 use crate::world::Cell;
-use xcs::PredictionArray;
 use xcs::{Action, Percept};
+use xcs::{Condition, PredictionArray};
 
 /// How an episode ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -34,6 +34,8 @@ pub struct Step<'a> {
     pub worth: PredictionArray,
     /// The action that was chosen.
     pub action: Action,
+    /// Who chose it.
+    pub chooser: Chooser,
     /// Was it chosen to explore?
     pub explored: bool,
     /// What came of it.
@@ -42,6 +44,13 @@ pub struct Step<'a> {
     pub credit: StepCredit,
     /// What can be seen after it.
     pub view: View<'a>,
+}
+
+impl Step<'_> {
+    /// The condition of the rule that decided, where rules did: that of \[A\] that weighs most.
+    pub fn fired(&self) -> Option<Condition> {
+        self.credit.fired.filter(|_| self.chooser == Chooser::Rules)
+    }
 }
 
 /// The figures of a finished episode.
@@ -57,6 +66,8 @@ pub struct Episode {
     pub collisions: u32,
     /// Steps that were chosen to explore.
     pub explored: u32,
+    /// Who chose its steps.
+    pub chosen: Chosen,
     /// The sum of all rewards: short-term ones and the one at the end.
     pub reward: f64,
     /// The step-threshold that will hold in the next episode.

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::observer::{Ending, Episode, Learned, Observer, Step};
-use crate::agent::{Agent, Explorer};
+use crate::agent::{Agent, Chosen, Explorer};
 use crate::arena::{Arena, Outcome};
 use crate::sensor::Sensor;
 use crate::world::Cell;
@@ -26,7 +26,8 @@ pub fn run(
         let cell = arena.view().cell;
         let percept = sensor.perceive(&arena.view());
         let worth = method.consider(&percept);
-        let (action, explored) = method.choose(&worth, explorer);
+        let choice = method.choose(&worth, explorer);
+        let action = choice.action;
         let outcome = arena.act(action);
         let credit = method.credit(action, outcome);
         let view = arena.view();
@@ -38,7 +39,8 @@ pub fn run(
             percept,
             worth,
             action,
-            explored,
+            chooser: choice.chooser,
+            explored: choice.explores(),
             outcome,
             credit,
             view,
@@ -59,6 +61,7 @@ pub fn run(
         steps: tally.steps,
         collisions: tally.collisions,
         explored: tally.explored,
+        chosen: tally.chosen,
         reward: tally.reward + end.long_term_reward,
         step_threshold: method.step_threshold(),
         learning_rate: end.learning_rate,
@@ -80,6 +83,7 @@ struct Tally {
     steps: u32,
     collisions: u32,
     explored: u32,
+    chosen: Chosen,
     reward: f64,
 }
 
@@ -88,6 +92,7 @@ impl Tally {
         self.steps += 1;
         self.collisions += u32::from(matches!(step.outcome, Outcome::Collided { .. }));
         self.explored += u32::from(step.explored);
+        self.chosen.count(step.chooser);
         self.reward += step.credit.short_term_reward;
     }
 }

@@ -119,18 +119,6 @@ impl Sensor {
         Some(percepts)
     }
 
-    /// How many different percepts there are in a maze, as many as [`percepts`](Self::percepts)
-    /// lists.
-    pub fn percept_count(self, maze: &Maze) -> usize {
-        match self.tells_all_apart() {
-            true => maze
-                .free_cells()
-                .filter(|&cell| !maze.is_goal(cell))
-                .count(),
-            false => self.percepts(maze).len(),
-        }
-    }
-
     /// Do no two cells of any maze give the same percept?
     pub fn tells_all_apart(self) -> bool {
         match self {

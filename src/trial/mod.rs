@@ -28,7 +28,7 @@ pub use toml_text::MOST_TOML_BYTES;
 pub(crate) use toml_text::shortened;
 pub use warning::Warning;
 
-use crate::agent::{Agent, Explorer};
+use crate::agent::{Agent, Chosen, Explorer};
 use crate::arena::Arena;
 use crate::episode::{self, Episode, FaultFinder, Observer, PolicyMap};
 use crate::streams::StreamName;
@@ -57,6 +57,15 @@ pub struct Progress {
     pub optimal: bool,
     /// The fewest steps of an episode that reached a goal.
     pub best_steps: Option<u32>,
+    /// Who chose the steps.
+    #[serde(default)]
+    pub chosen: Chosen,
+    /// Who chose those until the greedy policy was first globally optimal.
+    #[serde(default)]
+    pub chosen_before: Chosen,
+    /// The most rules after an episode.
+    #[serde(default)]
+    pub most_rules: usize,
 }
 
 /// More simulated time than any trial takes: 36 years, in nanoseconds.
@@ -72,6 +81,8 @@ impl Progress {
         within("episodes", done, 0..=config.episodes)?;
         within("steps", self.steps, u64::from(done)..=longest(done, limit))?;
         within("collisions", self.collisions, 0..=self.steps)?;
+        self.chosen.check(self.steps)?;
+        self.chosen_before.check(self.steps)?;
         self.check_optimum(limit)?;
         self.check_retention()?;
         let executed = self.first_executed_optimal_episode;
@@ -296,6 +307,11 @@ impl Trial {
         progress.episodes += 1;
         progress.steps += u64::from(episode.steps);
         progress.collisions += u64::from(episode.collisions);
+        progress.chosen.add(&episode.chosen);
+        progress.most_rules = progress.most_rules.max(episode.rules);
+        if progress.first_optimal_episode.is_none() {
+            progress.chosen_before = progress.chosen;
+        }
         progress.optimal = optimal;
         progress.optimal_episodes += u32::from(optimal);
         if optimal && progress.first_optimal_episode.is_none() {

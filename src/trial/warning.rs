@@ -9,7 +9,7 @@ use crate::world::{Cell, Maze, Paths};
 
 /// How many groups of cells, and how many cells of each, a warning names.
 const MOST_NAMED: usize = 3;
-/// The largest step-threshold and population that settings can hold.
+/// The largest step-threshold that settings can hold.
 const MOST: u32 = 1_000_000;
 
 /// Why a trial of a plan is bound to fail, or to fall short of the optimum.
@@ -21,17 +21,6 @@ pub enum Warning {
         steps: u32,
         /// The longest of the shortest paths from where episodes start.
         longest: u32,
-    },
-    /// The learner keeps more rules than a population holds.
-    Population {
-        /// The method's name.
-        method: &'static str,
-        /// Different percepts in the maze.
-        percepts: usize,
-        /// Actions.
-        actions: usize,
-        /// The rules that the population holds: N.
-        population_size: u32,
     },
     /// Cells look alike in which no action is best in all.
     LookAlike {
@@ -50,7 +39,6 @@ impl Plan {
         let paths = Paths::new(maze);
         [
             step_limit(config, maze, &paths),
-            population(config, maze),
             look_alike(config, maze, &paths),
         ]
         .into_iter()
@@ -63,22 +51,6 @@ fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
     let steps = config.settings.reward.step_threshold;
     let longest = paths.longest(maze);
     (steps < longest).then_some(Warning::StepLimit { steps, longest })
-}
-
-/// `xcscr-plus` learns a rule for each percept and action.
-fn population(config: &Config, maze: &Maze) -> Option<Warning> {
-    if config.method != Method::XcscrPlus {
-        return None;
-    }
-    let population_size = config.settings.xcs.population_size;
-    let (percepts, actions) = (config.sensor.percept_count(maze), maze.action_count());
-    let too_many = percepts.saturating_mul(actions) > population_size as usize;
-    too_many.then_some(Warning::Population {
-        method: config.method.name(),
-        percepts,
-        actions,
-        population_size,
-    })
 }
 
 /// Only cells that an optimal policy comes through matter, and only to who forgets how it got there.
@@ -102,12 +74,6 @@ impl Warning {
                 steps @ ..=MOST => format!("`--set reward.step_threshold={steps}`"),
                 _ => "a smaller maze".to_owned(),
             },
-            Self::Population {
-                percepts, actions, ..
-            } => match percepts.saturating_mul(*actions) {
-                rules if rules <= MOST as usize => format!("`--set xcs.population_size={rules}`"),
-                _ => "a smaller maze, a sensor with fewer percepts, or `--method r-max`".to_owned(),
-            },
             Self::LookAlike { .. } => {
                 let sensor = Sensor::NeighboursPosition.name();
                 format!("`--sensor {sensor}` (in a study file: `sensors`)")
@@ -122,16 +88,6 @@ impl fmt::Display for Warning {
             Self::StepLimit { steps, longest } => write!(
                 f,
                 "episodes end after {steps} steps, but the longest shortest path has {longest}"
-            ),
-            Self::Population {
-                method,
-                percepts,
-                actions,
-                population_size,
-            } => write!(
-                f,
-                "{method} learns a rule for each percept and action, {percepts} x {actions}, but \
-                 the population holds {population_size}"
             ),
             Self::LookAlike { sensor, groups } => write!(
                 f,
@@ -223,22 +179,6 @@ mod tests {
         assert_eq!(said(world, method, sensor, &[&limit]), [wanted]);
         let enough = format!("reward.step_threshold={longest}");
         assert_eq!(said(world, method, sensor, &[&enough]), [""; 0]);
-    }
-
-    #[test]
-    fn a_population_too_small_for_every_percept_and_action_is_named() {
-        let (world, sensor) = ("random-40-1", Sensor::Position);
-        let percepts = sensor.percepts(&maze(world)).len();
-        assert_eq!(sensor.percept_count(&maze(world)), percepts);
-        let wanted = format!(
-            "xcscr-plus learns a rule for each percept and action, {percepts} x 4, but the \
-             population holds 1600; try `--set xcs.population_size={}`",
-            4 * percepts
-        );
-        assert_eq!(said(world, Method::XcscrPlus, sensor, &[]), [wanted]);
-        let enough = format!("xcs.population_size={}", 4 * percepts);
-        assert_eq!(said(world, Method::XcscrPlus, sensor, &[&enough]), [""; 0]);
-        assert_eq!(said(world, Method::Xcscr, sensor, &[]), [""; 0]);
     }
 
     #[test]

@@ -62,6 +62,12 @@ impl Condition {
         condition
     }
 
+    /// The same condition, which demands this value of one more allele.
+    pub(super) fn demanding(mut self, allele: usize, value: bool) -> Self {
+        self.set(allele, value);
+        self
+    }
+
     /// The number of alleles.
     pub fn width(&self) -> usize {
         usize::from(self.width)

@@ -3,10 +3,12 @@
 use super::classifier::Classifier;
 use super::condition::Condition;
 use super::ga::{self, Parent};
+use super::induction::Induction;
+use super::lessons::Lessons;
 use super::mapping;
 use super::params::{GaClock, Params, SubsumerTies, UpdateOrder};
 use super::population::{MOST_STEPS, Population};
-use super::prediction::{PredictionArray, PredictionSums};
+use super::prediction::PredictionArray;
 use super::sets::{ActionSet, MatchSet};
 use crate::random::Stream;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
@@ -72,6 +74,18 @@ impl Xcs {
             && self.time <= MOST_STEPS
             && self.population.micro() <= self.params.population_size
             && self.population.rules().iter().all(known)
+    }
+
+    /// Discovers rules from lessons by induction instead of by the GA.
+    pub fn induce(&mut self, induction: &mut Induction, lessons: &mut Lessons) {
+        induction.learn(&mut self.population, lessons, &self.params);
+    }
+
+    /// Forms \[M\] without covering.
+    pub fn match_without_covering(&self, percept: &Percept, set: &mut MatchSet) {
+        set.clear(percept);
+        self.population
+            .for_each_match(percept, |id, rule| set.add(id, rule));
     }
 
     /// \[P\].
@@ -157,16 +171,17 @@ impl Xcs {
         sums.array(self.actions, self.params.worth_over_match_set)
     }
 
-    /// The same of the rules that were updated at least once: what was learned, without what was
-    /// assumed in covering.
-    pub fn experienced_worth(&self, percept: &Percept) -> PredictionArray {
-        let mut sums = PredictionSums::default();
-        self.population.for_each_match(percept, |_, rule| {
-            if rule.experience > 0 {
-                sums.add(rule);
+    /// The rule of a set that weighs most in the worth of its action: the fittest; of equals, the
+    /// first in the set.
+    pub fn strongest<'a>(&'a self, set: &'a ActionSet) -> Option<&'a Classifier> {
+        let rules = self.population.living(set.members()).map(|(_, rule)| rule);
+        rules.reduce(|best, next| {
+            if next.fitness > best.fitness {
+                next
+            } else {
+                best
             }
-        });
-        sums.array(self.actions, self.params.worth_over_match_set)
+        })
     }
 
     /// Micro-classifiers in a set, and their fitness-weighted mean error.

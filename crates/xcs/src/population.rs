@@ -63,6 +63,16 @@ impl Population {
         self.handles.position(id).map(|at| &self.rules[at])
     }
 
+    /// Where a rule lies in [`Self::rules`]; `None` once it was deleted.
+    pub(super) fn position(&self, id: ClassifierId) -> Option<usize> {
+        self.handles.position(id)
+    }
+
+    /// The id of the rule at a position in [`Self::rules`].
+    pub(super) fn id_at(&self, position: usize) -> ClassifierId {
+        self.handles.id_at(position)
+    }
+
     /// Those of some rules that have not been deleted.
     pub(super) fn living<'a>(
         &'a self,

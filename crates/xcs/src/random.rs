@@ -79,6 +79,13 @@ impl Stream {
         (sum as f64 - 12.0 * 32_767.5) / 65_536.0
     }
 
+    /// Puts `items` in any order, each with the same chance (Fisher and Yates).
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for left in (2..=items.len()).rev() {
+            items.swap(left - 1, self.below(left));
+        }
+    }
+
     /// An element of `items`, each with the same chance; `None` when there is none.
     pub fn choose<'a, T>(&mut self, items: &'a [T]) -> Option<&'a T> {
         if items.is_empty() {

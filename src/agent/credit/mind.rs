@@ -51,16 +51,29 @@ impl Mind {
         self.xcs.predict(&self.match_set)
     }
 
+    /// Forms \[M\] without covering, and predicts.
+    pub fn look(&mut self, percept: &Percept) -> PredictionArray {
+        self.xcs
+            .match_without_covering(percept, &mut self.match_set);
+        self.xcs.predict(&self.match_set)
+    }
+
     /// \[A\] of the chosen action.
     pub fn action_set(&self, action: Action) -> ActionSet {
         let set = self.match_set.action_set(action);
         set.expect("consider comes before credit and forms [M]")
     }
 
+    /// What there is to say of a step of this action, before anything is updated.
+    pub fn step_credit_of(&self, action: Action, short_term_reward: f64) -> StepCredit {
+        self.step_credit(&self.action_set(action), short_term_reward)
+    }
+
     /// What there is to say of a step, before anything is updated.
     pub fn step_credit(&self, set: &ActionSet, short_term_reward: f64) -> StepCredit {
         let (action_set, error) = self.xcs.size_and_error(set);
         StepCredit {
+            fired: self.xcs.strongest(set).map(|rule| rule.condition),
             short_term_reward,
             error,
             match_set: self.match_set.micro(),

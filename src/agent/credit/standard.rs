@@ -7,7 +7,7 @@ use super::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::memory::{self, MemoryError};
-use crate::agent::{Agent, EndCredit, StepCredit};
+use crate::agent::{Agent, Choice, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::{Action, Percept};
 use xcs::{ActionSet, PredictionArray, Xcs};
@@ -81,8 +81,9 @@ impl Agent for Standard {
     }
 
     /// Explores, as Butz and Wilson do, only actions that rules of \[M\] advocate.
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
-        explorer.choose_advocated(worth)
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose_advocated(worth);
+        Choice::of_rules(action, explores)
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {

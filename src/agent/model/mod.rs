@@ -1,8 +1,13 @@
 //! What is foreseen: remembered transitions, rules that foretell, and plans made of them.
 
+mod bumps;
+pub(super) mod collision_rules;
+pub(super) mod exploration;
 mod foresight;
+pub(super) mod known;
 pub(super) mod planner;
 pub mod pomdp;
+pub(super) mod return_rules;
 pub(super) mod transitions;
 
 pub use foresight::{CollisionRule, Foresight, ReturnRule};

@@ -15,36 +15,14 @@ const MOST_SWEEPS: u32 = 1_000;
 pub struct Values(Vec<[f64; MAX_ACTIONS]>);
 
 impl Values {
-    /// Is each of them a number?
-    pub fn are_finite(&self) -> bool {
-        self.0.iter().flatten().all(|value| value.is_finite())
-    }
-
     /// The value of a pair; `None` for percepts that were not met when the values were planned.
     pub fn get(&self, percept: usize, action: Action) -> Option<f64> {
         self.0.get(percept).map(|row| row[action.index()])
     }
 }
 
-/// What is believed of a pair that is not known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Belief {
-    /// That it is worth this.
-    Worth(f64),
-    /// That it is a step like this.
-    Leads(Believed),
-}
-
-/// A step that was never tried, but is foretold.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Believed {
-    pub reward: f64,
-    /// The number of the percept to which it leads.
-    pub to: usize,
-}
-
 /// How values are planned: pairs that were tried `known_after` times by what followed them, all
-/// others by what is believed of them.
+/// others by what they are believed to be worth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Planner {
     pub actions: usize,
@@ -53,26 +31,16 @@ pub struct Planner {
 }
 
 impl Planner {
-    /// Plans anew. `belief` says what is thought of a pair that is not known; `before` are earlier
-    /// values to begin with, from which it does not take as long.
-    pub fn plan(
-        &self,
-        memory: &Transitions,
-        belief: impl Fn(usize, Action) -> Belief,
-        before: Values,
-    ) -> Values {
-        let mut values = before;
-        values.0.resize(memory.percepts().len(), [0.0; MAX_ACTIONS]);
+    /// Plans anew, where a pair that is not known is believed to be worth `unknown`.
+    pub fn plan(&self, memory: &Transitions, unknown: f64) -> Values {
+        let mut values = Values(vec![[0.0; MAX_ACTIONS]; memory.percepts().len()]);
         let mut open = Vec::new();
         for percept in 0..memory.percepts().len() {
             for action in Action::all(self.actions) {
                 if memory.outcomes(percept, action).tries() >= self.known_after {
-                    open.push((percept, action, None));
-                    continue;
-                }
-                match belief(percept, action) {
-                    Belief::Worth(worth) => values.0[percept][action.index()] = worth,
-                    Belief::Leads(step) => open.push((percept, action, Some(step))),
+                    open.push((percept, action));
+                } else {
+                    values.0[percept][action.index()] = unknown;
                 }
             }
         }
@@ -86,23 +54,12 @@ impl Planner {
         values
     }
 
-    /// Updates every pair that leads somewhere (Bellman's equation), by what followed it or is
-    /// believed to follow; gives the greatest change.
-    fn sweep(
-        &self,
-        memory: &Transitions,
-        open: &[(usize, Action, Option<Believed>)],
-        values: &mut Values,
-    ) -> f64 {
+    /// Updates every known pair by what followed it (Bellman's equation); gives the greatest change.
+    fn sweep(&self, memory: &Transitions, open: &[(usize, Action)], values: &mut Values) -> f64 {
         let mut change: f64 = 0.0;
-        for &(percept, action, believed) in open {
-            let value = match believed {
-                Some(step) => step.reward + self.gamma * self.after(values, Some(step.to)),
-                None => {
-                    let outcomes = memory.outcomes(percept, action);
-                    outcomes.mean(|o| o.reward + self.gamma * self.after(values, o.next))
-                }
-            };
+        for &(percept, action) in open {
+            let outcomes = memory.outcomes(percept, action);
+            let value = outcomes.mean(|o| o.reward + self.gamma * self.after(values, o.next));
             let old = &mut values.0[percept][action.index()];
             change = change.max((value - *old).abs());
             *old = value;

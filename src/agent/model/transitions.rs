@@ -50,6 +50,16 @@ impl Outcomes {
         }
     }
 
+    /// Where the pair most often led from `percept`, and in which share of its tries; `None` when
+    /// it stayed there, ended in a goal, or cost more than a `step`.
+    pub fn likeliest_move(&self, percept: usize, step: f64) -> Option<(usize, f64)> {
+        let likeliest = self.0.iter().rev().max_by_key(|o| o.count)?;
+        let next = likeliest
+            .next
+            .filter(|&next| next != percept && likeliest.reward >= step)?;
+        Some((next, f64::from(likeliest.count) / f64::from(self.tries())))
+    }
+
     /// Do the counts leave room, and do the numbers name one of `met` percepts?
     fn is_sound(&self, met: usize) -> bool {
         let known = |o: &Outcome| {
@@ -135,11 +145,6 @@ impl Transitions {
     /// What followed a pair.
     pub fn outcomes(&self, percept: usize, action: Action) -> &Outcomes {
         &self.pairs[percept][action.index()]
-    }
-
-    /// The pairs in the order in which they were first tried.
-    pub fn tried(&self) -> &[(usize, Action)] {
-        &self.tried
     }
 
     /// Remembers a transition; true if a plan over what is known may change, where a pair is

@@ -1,37 +1,23 @@
-//! XCSCR-plus: the paper's architecture with each mechanism repaired.
+//! XCSCR-plus: rules decide, and a model teaches them.
 //!
-//! Rules are learned specific, from Bellman targets over remembered transitions; exploration is
-//! planned; collisions are foretold by general rules. The mechanisms, each with its switch in
-//! [`PlusParams`], in the order in which they come into play:
-//! 1. `curiosity`: exploration heads for the least-tried actions;
-//! 2. `collision_rules`: general rules learned from bumps spare later ones, with `turned_rules`
-//!    those of all actions at once;
-//! 3. `return_rules`: general rules about ways back spare trying them;
-//! 4. `sweep`: Bellman targets, replayed by frequency and swept backward;
-//! 5. `imprinting`: loop-erased successes, where they returned more than expected;
-//! 6. `step_threshold`: tightens with slack.
+//! The rules of \[P\] choose every action that exploits: while it learns, when it is judged, and
+//! when it is exported. What an action is worth comes from their prediction array and from nothing
+//! else. Behind them stands a model of what followed each action, which never acts where there is
+//! nothing to explore. It does two things:
+//! * it teaches: `model::known` turns what was tried into lessons (this percept: these actions are the
+//!   best), from which rules are discovered, by induction ([`xcs::Induction`]) or by the
+//!   genetic algorithm (`evolution`);
+//! * it explores: `model::exploration` plans the way to an action that promises more than what is known,
+//!   foretelling collisions and ways back.
 //!
-//! The study `repairs` switches each off in turn. In the paper's mazes imprinting, the bounded
-//! short-term target and the step-threshold make no difference beside the others.
+//! The study `repairs` switches each part off in turn.
 
-mod bumps;
-mod collision_rules;
-mod curiosity;
-mod imprinting;
+mod evolution;
 mod params;
-mod return_rules;
-mod step_threshold;
-mod sweep;
 
-pub use params::PlusParams;
+pub use params::{Discovery, PlusParams};
 
 use serde::{Deserialize, Serialize};
-
-use collision_rules::CollisionRules;
-use curiosity::Curiosity;
-use imprinting::Path;
-use return_rules::ReturnRules;
-use step_threshold::StepThreshold;
 
 use super::credit::Params;
 use super::credit::mind::Mind;
@@ -39,12 +25,16 @@ use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
 use super::model::Foresight;
+use super::model::collision_rules::CollisionRules;
+use super::model::exploration::{Exploration, Model};
+use super::model::known::Known;
+use super::model::return_rules::ReturnRules;
 use super::model::transitions::{Transition, Transitions};
-use super::{Agent, EndCredit, StepCredit};
+use super::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
-use xcs::{Params as XcsParams, PredictionArray, Xcs};
+use xcs::{Induction, Lessons, Params as XcsParams, PredictionArray, Xcs};
 
 /// The method `xcscr-plus`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -53,62 +43,66 @@ pub struct Plus {
     params: Params,
     own: PlusParams,
     memory: Transitions,
+    known: Known,
+    lessons: Lessons,
+    #[serde(skip)]
+    induction: Induction,
     collisions: CollisionRules,
     returns: ReturnRules,
-    curiosity: Curiosity,
-    step_threshold: StepThreshold,
-    /// Draws what is replayed.
+    exploration: Exploration,
+    /// Decides between equally promising ways, and what is rehearsed.
     stream: Stream,
-    /// The number of the percept under consideration.
-    percept: usize,
     /// The steps of this episode.
     #[serde(skip)]
-    path: Path,
-    /// Did the last step bump? Then what comes after it is known at once.
+    path: Vec<Taken>,
+    /// The percept under consideration, and its number.
+    #[serde(skip)]
+    present: Option<(Percept, usize)>,
+    /// The next step of exploration; `None` where the rules decide.
+    #[serde(skip)]
+    heading: Option<Action>,
+}
+
+/// A step that was taken.
+#[derive(Debug, Clone, Copy)]
+struct Taken {
+    percept: Percept,
+    action: Action,
+    reward: f64,
+    /// Did it bump? Then what comes after it is known at once.
     bumped: bool,
-    /// Was anything learned since values last settled?
-    unsettled: bool,
 }
 
 impl Plus {
     /// A learner for `actions` actions and percepts whose first `ring` bits lie in a ring around the
-    /// robot. Its rules draw from `evolution` and its replays from `replay`. The parameters must
+    /// robot. Its rules draw from `evolution` and its plans from `planning`. The parameters must
     /// have been checked.
     pub fn new(
         xcs: XcsParams,
         [actions, ring]: [usize; 2],
         params: Params,
         own: PlusParams,
-        [evolution, replay]: [Stream; 2],
+        [evolution, planning]: [Stream; 2],
     ) -> Self {
         let ring = if own.turned_rules { ring } else { 0 };
-        // Eq. 6 is that of XCS.
-        // Specific rules while learning: the GA and subsumption would mix what is not yet known
-        // to be alike. Generalisation comes last, when the rules are condensed.
-        let xcs = XcsParams {
-            dont_care: own.dont_care,
-            worth_over_match_set: false,
-            ga: false,
-            ga_subsumption: false,
-            action_set_subsumption: false,
-            ..xcs
-        };
+        let known = Known::new(actions, &params);
         Self {
-            mind: Mind::new(Xcs::new(xcs, actions, evolution)),
+            mind: Mind::new(Xcs::new(
+                evolution::params(xcs, own.discovery),
+                actions,
+                evolution,
+            )),
             memory: Transitions::default(),
+            lessons: Lessons::default(),
+            induction: Induction::default(),
             collisions: CollisionRules::new(actions, ring),
             returns: ReturnRules::new(actions),
-            curiosity: Curiosity::new(actions, &params, own.certainty),
-            step_threshold: StepThreshold::new(
-                params.step_threshold,
-                params.beta_step_threshold,
-                &own,
-            ),
-            stream: replay,
-            percept: 0,
-            path: Path::new(),
-            bumped: false,
-            unsettled: false,
+            exploration: Exploration::new(actions, &params, known.floor(), own.certainty),
+            known,
+            stream: planning,
+            path: Vec::new(),
+            present: None,
+            heading: None,
             params,
             own,
         }
@@ -116,169 +110,189 @@ impl Plus {
 
     /// Can this method, read from a file, stand for one that began as `fresh`?
     fn descends_from(&self, fresh: &Self) -> bool {
+        let percepts = self.memory.percepts();
+        let mut lessons = self.lessons.iter();
         (&self.params, &self.own) == (&fresh.params, &fresh.own)
             && self.mind.descends_from(&fresh.mind)
             && self.memory.is_sound()
-            && self.percept < self.memory.percepts().len().max(1)
+            && self.known.descends_from(&fresh.known, &self.memory)
+            && lessons.all(|(number, lesson)| {
+                percepts.get(number) == Some(&lesson.percept) && lesson.value.is_finite()
+            })
             && self.collisions.descends_from(&fresh.collisions)
             && self.returns.descends_from(&fresh.returns)
-            && self.curiosity.descends_from(&fresh.curiosity)
-            && self.step_threshold.descends_from(&fresh.step_threshold)
+            && self.exploration.descends_from(&fresh.exploration)
     }
 
     /// Learns the last step, now that it is known what came after it.
     fn learn_last_step(&mut self, next: Option<Percept>) {
-        let Some(&(percept, action, reward)) = self.path.last() else {
+        let Some(&Taken {
+            percept,
+            action,
+            reward,
+            bumped,
+        }) = self.path.last()
+        else {
             return;
         };
+        self.learn_return(next);
+        let number = self.memory.meet(&percept);
+        let tried = self.memory.outcomes(number, action).tries();
         let step = Transition {
             percept,
             action,
             reward,
             next,
         };
-        self.learn_return(next);
         if self.memory.learn(&step, 1) {
-            self.curiosity.wake();
-            self.unsettled = true;
+            let next = next.map(|next| self.memory.meet(&next));
+            self.known.learn(&self.memory, (number, action), next);
         }
-        if !self.own.bellman {
-            return;
+        if tried == 0 {
+            self.exploration.wake();
+        } else if let Some(next) = next.filter(|_| !bumped && self.is_best(number, action)) {
+            let next = self.memory.meet(&next);
+            self.exploration.follow(number, next);
         }
-        if !self.bumped || self.own.short_term_target {
-            let number = self.memory.meet(&percept);
-            self.update((number, action));
-        }
-        for _ in 0..self.own.replays {
-            if let Some(&pair) = self.stream.choose(self.memory.tried()) {
-                self.update(pair);
-            }
-        }
+    }
+
+    /// Does a lesson say that an action is one of the best?
+    fn is_best(&self, percept: usize, action: Action) -> bool {
+        let lesson = self.lessons.get(percept);
+        lesson.is_some_and(|lesson| lesson.best[action.index()])
     }
 
     /// Learns whether the last two steps led there and back.
     fn learn_return(&mut self, next: Option<Percept>) {
-        let [.., (from, there, _), (middle, back, _)] = self.path[..] else {
+        let [.., first, second] = self.path[..] else {
             return;
         };
-        if self.own.return_rules && from != middle && !self.bumped {
-            self.returns.learn(there, back, next == Some(from));
+        if self.own.return_rules && first.percept != second.percept && !second.bumped {
+            let back = next == Some(first.percept);
+            self.returns.learn(first.action, second.action, back);
         }
     }
 
-    fn update(&mut self, pair: (usize, Action)) {
-        let (gamma, beta) = (self.params.gamma, self.own.beta);
-        sweep::update(&mut self.mind.xcs, &self.memory, pair, gamma, beta);
-    }
-
-    /// Without Bellman targets: every step takes the return that followed it, as in Eq. 9.
-    fn learn_returns(&mut self, path: &[(Percept, Action, f64)]) {
-        let mut return_ = 0.0;
-        for (percept, action, reward) in path.iter().rev() {
-            return_ = reward + self.params.gamma * return_;
-            let set = self.mind.xcs.matching_action_set(percept, *action);
-            let beta = self.mind.xcs.params().beta;
-            self.mind.xcs.update(&set, return_, beta);
+    /// Teaches the rules what the model has found out, if there is anything new.
+    fn teach(&mut self) {
+        for (number, lesson) in self.known.news(&self.memory) {
+            self.lessons.give(number, lesson);
+        }
+        if !self.lessons.have_changed() && self.own.discovery == Discovery::Induction {
+            return;
+        }
+        let Self {
+            mind: Mind { xcs, .. },
+            lessons,
+            ..
+        } = self;
+        match self.own.discovery {
+            Discovery::Induction => xcs.induce(&mut self.induction, lessons),
+            Discovery::Ga => evolution::rehearse(xcs, lessons, &mut self.stream),
         }
     }
 
-    /// Learns from the whole episode; true if a policy was imprinted.
-    fn learn_episode(&mut self, path: &[(Percept, Action, f64)], reached_goal: bool) -> bool {
-        let (gamma, beta) = (self.params.gamma, self.own.beta);
-        if !self.own.bellman {
-            self.learn_returns(path);
-        }
-        let imprinted = self.own.imprinting && reached_goal && {
-            let erased = imprinting::loop_erased(path);
-            imprinting::imprint(&mut self.mind.xcs, &erased, gamma, beta)
+    /// The next step of exploration; `None` where nothing promises more than what is known.
+    fn explore(&mut self, number: usize) -> Option<Action> {
+        let model = Model {
+            memory: &self.memory,
+            known: &self.known,
+            collisions: &self.collisions,
+            returns: &self.returns,
         };
-        let unsettled = std::mem::take(&mut self.unsettled) || imprinted;
-        if self.own.bellman && self.own.sweep && unsettled {
-            sweep::sweep(&mut self.mind.xcs, &self.memory, gamma, beta);
+        match self.own.planned_exploration {
+            true => self.exploration.next(number, &model, &mut self.stream),
+            false => None,
         }
-        imprinted
     }
 }
 
 impl Agent for Plus {
-    fn consider(&mut self, percept: &Percept) -> PredictionArray {
-        let met = self.memory.percepts().len();
-        self.percept = self.memory.meet(percept);
-        if self.percept == met {
-            self.curiosity.wake();
-        }
-        self.learn_last_step(Some(*percept));
-        self.mind.consider(percept);
-        self.mind.xcs.experienced_worth(percept)
+    fn begin(&mut self, _: bool) {
+        self.exploration.begin();
     }
 
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
-        if !self.own.least_tried_first {
-            return explorer.choose(worth);
+    /// Learns what the last step led to, decides whether to explore, and asks the rules.
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        let met = self.memory.percepts().len();
+        let number = self.memory.meet(percept);
+        if number == met {
+            self.exploration.wake();
         }
-        let promise =
-            self.curiosity
-                .promise(self.percept, &self.memory, &self.collisions, &self.returns);
-        let action = explorer.exploit(&promise);
-        let explores = !worth.best_actions().any(|best| best == action);
-        (action, explores)
+        self.learn_last_step(Some(*percept));
+        self.present = Some((*percept, number));
+        self.heading = self.explore(number);
+        if self.heading.is_none() {
+            self.teach();
+        }
+        self.mind.look(percept)
+    }
+
+    /// Where there is nothing to explore the rules choose: one of the actions to which their
+    /// prediction array gives the greatest worth, or any where no rule matches.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        if let Some(action) = self.heading {
+            return Choice::new(action, Chooser::Planner);
+        }
+        let (action, by_chance) = match self.own.planned_exploration {
+            true => (explorer.exploit(worth), false),
+            false => explorer.choose(worth),
+        };
+        let by_chance = by_chance || worth.greatest().is_none();
+        Choice::of_rules(action, by_chance)
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        let set = self.mind.action_set(action);
-        let short_term_reward = self.params.short_term(outcome);
-        let credit = self.mind.step_credit(&set, short_term_reward);
-        self.bumped = matches!(outcome, Outcome::Collided { .. });
-        let costless = !self.own.step_cost && !self.bumped;
-        let reward = if costless { 0.0 } else { short_term_reward };
-        if self.own.collision_rules && self.collisions.learn(&set.percept, action, self.bumped) {
-            self.curiosity.wake();
+        let (percept, _) = self.present.expect("consider comes before credit");
+        let reward = self.params.short_term(outcome);
+        let credit = self.mind.step_credit_of(action, reward);
+        let bumped = matches!(outcome, Outcome::Collided { .. });
+        if self.own.collision_rules && self.collisions.learn(&percept, action, bumped) {
+            self.exploration.wake();
         }
-        self.path.push((set.percept, action, reward));
+        self.path.push(Taken {
+            percept,
+            action,
+            reward,
+            bumped,
+        });
         credit
     }
 
     fn finish(&mut self, reached_goal: bool) -> EndCredit {
-        let steps = self.path.len();
         let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
-        if let Some((percept, _, reward)) = self.path.last_mut() {
-            *reward += long_term_reward;
-            let percept = *percept;
+        if let Some(last) = self.path.last_mut() {
+            last.reward += long_term_reward;
+            let Taken {
+                percept, bumped, ..
+            } = *last;
             if reached_goal {
                 self.learn_last_step(None);
-                self.step_threshold.learn(steps);
-            } else if self.bumped {
+            } else if bumped {
                 self.learn_last_step(Some(percept));
             }
         }
-        let path = std::mem::take(&mut self.path);
-        let imprinted = self.learn_episode(&path, reached_goal);
+        self.path.clear();
+        self.exploration.begin();
+        self.teach();
         EndCredit {
             long_term_reward,
-            learning_rate: match self.own.bellman {
-                true => self.own.beta,
-                false => self.mind.xcs.params().beta,
-            },
-            imprinted,
+            learning_rate: self.mind.xcs.params().beta,
+            imprinted: false,
         }
     }
 
     fn step_threshold(&self) -> u32 {
-        self.step_threshold.steps()
+        self.params.step_threshold
     }
 
-    /// Only rules with experience count: the others say what was assumed, not what was learned.
     fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.mind.xcs.experienced_worth(percept)
+        self.mind.xcs.worth(percept)
     }
 
     fn knowledge(&self) -> Knowledge {
-        let rules = self.mind.xcs.population().rules().iter();
-        let experienced: Vec<_> = rules.filter(|rule| rule.experience > 0).copied().collect();
         Knowledge::Foresighted {
-            rules: experienced
-                .try_into()
-                .expect("rules of a population form one"),
+            rules: self.mind.xcs.population().clone(),
             foresight: Foresight {
                 collisions: self.collisions.rules(),
                 returns: self.returns.rules().collect(),
@@ -286,7 +300,7 @@ impl Agent for Plus {
         }
     }
 
-    /// Only the foresight: what actions are worth in one maze says nothing of the next.
+    /// Only the foresight: what is best in one maze says nothing of the next.
     fn bring(&mut self, knowledge: &Knowledge) -> bool {
         let Knowledge::Foresighted { foresight, .. } = knowledge else {
             return false;
@@ -301,8 +315,7 @@ impl Agent for Plus {
     }
 
     fn rule_count(&self) -> usize {
-        let rules = self.mind.xcs.population().rules().iter();
-        rules.filter(|rule| rule.experience > 0).count()
+        self.mind.xcs.population().len()
     }
 
     fn memory(&self) -> Vec<u8> {

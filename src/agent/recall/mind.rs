@@ -60,6 +60,17 @@ pub struct Mind {
     steps: Vec<Seen>,
 }
 
+/// The rules that match what is perceived and remembered now.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Matching {
+    /// Micro-classifiers in \[M\].
+    pub match_set: u32,
+    /// Those that advocate the action.
+    pub action_set: u32,
+    /// The fittest that advocates it.
+    pub fittest: Option<Classifier>,
+}
+
 impl Mind {
     /// A mind that knows nothing, for so many actions.
     pub fn new(actions: usize, stream: Stream) -> Self {
@@ -123,17 +134,17 @@ impl Mind {
             .array(self.actions, false)
     }
 
-    /// How many rules match, and how many of them advocate an action.
-    pub fn matching(&self, action: Action) -> [u32; 2] {
-        let mut found = [0; 2];
+    /// Counts the rules that match, and looks for the fittest of those that advocate an action.
+    pub fn matching(&self, action: Action) -> Matching {
+        let mut found = Matching::default();
         let context = self.tracker.context(&self.map);
         self.rules.for_each_match(&context, |_, rule| {
-            found[0] += rule.numerosity;
-            found[1] += if rule.action == action {
-                rule.numerosity
-            } else {
-                0
-            };
+            found.match_set += rule.numerosity;
+            if rule.action == action {
+                found.action_set += rule.numerosity;
+                let fitter = found.fittest.is_none_or(|best| rule.fitness > best.fitness);
+                found.fittest = if fitter { Some(*rule) } else { found.fittest };
+            }
         });
         found
     }

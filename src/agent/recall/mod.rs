@@ -32,7 +32,7 @@ use mind::Mind;
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
-use super::{Agent, EndCredit, Params, StepCredit};
+use super::{Agent, Choice, Chooser, EndCredit, Params, StepCredit};
 use crate::arena::Outcome;
 use xcs::PredictionArray;
 use xcs::random::Stream;
@@ -73,21 +73,22 @@ impl Agent for Recall {
 
     /// Explores in whole episodes, fewer and fewer of them; in all others the rules choose, where
     /// any matches.
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
         match self.mind.explores() || worth.greatest().is_none() {
-            true => (self.mind.explore(), true),
-            false => (explorer.exploit(worth), false),
+            true => Choice::new(self.mind.explore(), Chooser::Planner),
+            false => Choice::new(explorer.exploit(worth), Chooser::Rules),
         }
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let percept = self.percept.expect("consider comes before credit");
-        let [match_set, action_set] = self.mind.matching(action);
+        let matching = self.mind.matching(action);
         self.mind.act(&percept, action);
         StepCredit {
             short_term_reward: self.params.short_term(outcome),
-            match_set,
-            action_set,
+            match_set: matching.match_set,
+            action_set: matching.action_set,
+            fired: matching.fittest.map(|rule| rule.condition),
             ..StepCredit::default()
         }
     }

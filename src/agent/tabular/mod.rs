@@ -17,9 +17,9 @@ use super::credit::Params;
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
-use super::model::planner::{Belief, Planner, Values};
+use super::model::planner::Planner;
 use super::model::transitions::{Transition, Transitions};
-use super::{Agent, EndCredit, StepCredit};
+use super::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::PredictionArray;
 use xcs::random::Stream;
@@ -156,7 +156,7 @@ impl Tabular {
             gamma: self.params.gamma,
         };
         let table = |unknown: f64| {
-            let values = planner.plan(memory, |_, _| Belief::Worth(unknown), Values::default());
+            let values = planner.plan(memory, unknown);
             Table::from_values(memory, &values, actions)
         };
         self.policy = (!self.own.optimistic_policy).then(|| table(UNTRIED));
@@ -174,11 +174,17 @@ impl Agent for Tabular {
     }
 
     /// R-max explores by its optimism alone.
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> (Action, bool) {
-        match self.algorithm {
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = match self.algorithm {
             Algorithm::RMax(_) => (explorer.exploit(worth), false),
             _ => explorer.choose(worth),
-        }
+        };
+        let chooser = if explores {
+            Chooser::Chance
+        } else {
+            Chooser::Table
+        };
+        Choice::new(action, chooser)
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {

@@ -21,6 +21,8 @@ pub(in crate::record) struct StepRecord<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     executed: Option<&'static str>,
     explored: bool,
+    chosen_by: &'static str,
+    rule: String,
     outcome: &'static str,
     reward: f64,
     #[serde(serialize_with = "decimals")]
@@ -45,6 +47,8 @@ impl<'a> StepRecord<'a> {
                 direction.map_or("unknown", |d| d.name())
             }),
             explored: step.explored,
+            chosen_by: step.chooser.name(),
+            rule: step.fired().map_or_else(String::new, String::from),
             outcome: outcome_name(step.outcome),
             reward: decimal(step.credit.short_term_reward),
             worth: step.worth.as_slice(),
@@ -82,7 +86,9 @@ pub(super) fn schema() -> Schema {
             Kind::Text,
             "direction carried out, where actions slip",
         ),
-        ("explored", Kind::Bool, "chosen by chance?"),
+        ("explored", Kind::Bool, "chosen to explore?"),
+        ("chosen_by", Kind::Text, "rules, table, planner, chance"),
+        ("rule", Kind::Text, "condition of the rule that decided"),
         (
             "outcome",
             Kind::Text,

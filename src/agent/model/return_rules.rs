@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::model::ReturnRule;
+use super::ReturnRule;
 use xcs::{Action, MAX_ACTIONS};
 
 /// A rule is believed from so many successes on ...
@@ -18,7 +18,7 @@ const MOST_COUNTED: u32 = u32::MAX / 4;
 
 /// For each turn from one action to the next, how often it led back.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct ReturnRules {
+pub(in crate::agent) struct ReturnRules {
     actions: usize,
     /// By turn: how often it led back, and how often elsewhere.
     counts: [[u32; 2]; MAX_ACTIONS],

@@ -14,13 +14,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::CollisionRule;
 use super::bumps::{Bumps, Tally};
-use crate::agent::model::CollisionRule;
 use xcs::{Action, MAX_ACTIONS, Percept};
 
 /// The rules for all actions.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct CollisionRules {
+pub(in crate::agent) struct CollisionRules {
     count: usize,
     /// The bits of the percept that lie in a ring around the robot; 0 if none do.
     ring: usize,
@@ -77,6 +77,12 @@ impl CollisionRules {
             0 => 0.0,
             _ => (own_bump + turned_bump) / (own_all + turned_all),
         }
+    }
+
+    /// Another number after each change of a forecast.
+    pub fn version(&self) -> u64 {
+        let own: u64 = self.actions.iter().map(Bumps::version).sum();
+        1 + own + self.turned.version()
     }
 
     /// The rules that have a say: those with at least half of the most hits of their kind.

@@ -18,7 +18,7 @@ const MOST_COUNTED: u32 = u32::MAX / 4;
 
 /// Percepts in which an action bumped, and in which it moved.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Tally {
+pub(in crate::agent) struct Tally {
     pub hits: u32,
     pub misses: u32,
 }
@@ -29,6 +29,22 @@ impl Tally {
         self.hits > 0 && f64::from(self.hits) >= LEAST_ACCURACY * all
     }
 
+    fn add(&mut self, verdict: Option<bool>) {
+        match verdict {
+            Some(true) => self.hits += 1,
+            Some(false) => self.misses += 1,
+            None => {}
+        }
+    }
+
+    fn take_back(&mut self, verdict: Option<bool>) {
+        match verdict {
+            Some(true) => self.hits = self.hits.saturating_sub(1),
+            Some(false) => self.misses = self.misses.saturating_sub(1),
+            None => {}
+        }
+    }
+
     pub fn is_sound(self) -> bool {
         self.hits <= MOST_COUNTED && self.misses <= MOST_COUNTED
     }
@@ -36,20 +52,20 @@ impl Tally {
 
 /// A condition that may foretell a collision.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Candidate {
+pub(in crate::agent) struct Candidate {
     pub condition: Condition,
-    /// What it was brought along with from another world.
-    prior: Tally,
-    /// All that speaks for and against it.
+    /// All that speaks for and against it, here and where it was brought from.
     pub tally: Tally,
 }
 
 /// What is known of the collisions of one action, or of all in the same frame.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(super) struct Bumps {
+pub(in crate::agent) struct Bumps {
     /// In each percept, how often the action bumped (hits) and moved (misses).
     evidence: BTreeMap<Percept, Tally>,
     candidates: Vec<Candidate>,
+    /// Counts the changes of forecasts.
+    version: u64,
 }
 
 impl Bumps {
@@ -59,25 +75,18 @@ impl Bumps {
     }
 
     /// Takes a candidate from another world.
-    pub fn bring(&mut self, condition: Condition, prior: Tally) {
-        self.candidates.push(Candidate {
-            condition,
-            prior,
-            tally: prior,
-        });
+    pub fn bring(&mut self, condition: Condition, tally: Tally) {
+        self.candidates.push(Candidate { condition, tally });
     }
 
     /// Is there room in the counts of a memory from a file?
     pub fn is_sound(&self) -> bool {
         let evidence = self.evidence.values().all(|tally| tally.is_sound());
-        let candidates = self.candidates.iter();
-        evidence
-            && candidates
-                .clone()
-                .all(|c| c.prior.is_sound() && c.tally.is_sound())
+        let mut candidates = self.candidates.iter();
+        evidence && candidates.all(|c| c.tally.is_sound())
     }
 
-    /// Learns that the action bumped or moved; true if that may change a forecast.
+    /// Learns that the action bumped or moved; true if that changes a forecast.
     pub fn learn(&mut self, percept: &Percept, bumped: bool) -> bool {
         let tally = self.evidence.entry(*percept).or_default();
         let before = verdict(*tally);
@@ -85,11 +94,15 @@ impl Bumps {
             true => tally.hits += 1,
             false => tally.misses += 1,
         }
-        let changes = verdict(*tally) != before;
-        if changes {
-            self.judge(percept);
-        }
+        let after = verdict(*tally);
+        let changes = after != before && self.judge(percept, before, after);
+        self.version += u64::from(changes);
         changes
+    }
+
+    /// Another number after each change of a forecast.
+    pub fn version(&self) -> u64 {
+        self.version
     }
 
     /// The most bumps that a candidate foretold.
@@ -112,27 +125,38 @@ impl Bumps {
         votes
     }
 
-    /// Judges the candidates anew after the verdict on a percept has changed.
-    fn judge(&mut self, changed: &Percept) {
-        let bumped = self.evidence.get(changed).and_then(|&t| verdict(t)) == Some(true);
-        let foretold = |c: &Candidate| c.condition.matches(changed);
-        if bumped && !self.candidates.iter().any(foretold) {
-            conditions(changed).for_each(|condition| self.bring(condition, Tally::default()));
-        }
-        let evidence = &self.evidence;
-        self.candidates.retain_mut(|candidate| {
-            candidate.tally = candidate.prior;
-            for (percept, &tally) in evidence {
-                if candidate.condition.matches(percept) {
-                    match verdict(tally) {
-                        Some(true) => candidate.tally.hits += 1,
-                        Some(false) => candidate.tally.misses += 1,
-                        None => {}
-                    }
-                }
+    /// Judges the candidates anew after the verdict on a percept has changed; true if that changes
+    /// a forecast.
+    fn judge(&mut self, changed: &Percept, before: Option<bool>, after: Option<bool>) -> bool {
+        let mut changes = false;
+        for candidate in &mut self.candidates {
+            if candidate.condition.matches(changed) {
+                candidate.tally.take_back(before);
+                candidate.tally.add(after);
+                changes |= before == Some(true) || after == Some(true);
             }
-            candidate.tally.is_accurate()
-        });
+        }
+        let mut foretold = self.candidates.iter().map(|c| c.condition);
+        if after == Some(true) && !foretold.any(|condition| condition.matches(changed)) {
+            let new = conditions(changed).map(|condition| self.candidate(condition));
+            self.candidates.extend(new.collect::<Vec<_>>());
+            changes = true;
+        }
+        let candidates = self.candidates.len();
+        self.candidates
+            .retain(|candidate| candidate.tally.is_accurate());
+        changes || self.candidates.len() < candidates
+    }
+
+    /// A candidate with all that speaks for and against it.
+    fn candidate(&self, condition: Condition) -> Candidate {
+        let mut tally = Tally::default();
+        let covered = self
+            .evidence
+            .iter()
+            .filter(|(percept, _)| condition.matches(percept));
+        covered.for_each(|(_, &one)| tally.add(verdict(one)));
+        Candidate { condition, tally }
     }
 }
 

@@ -1,0 +1,287 @@
+//! Discovery of rules by induction from lessons: a best-action map, general while it is learned.
+//!
+//! Each rule says "wherever my condition matches, my action is one of the best". Which action is
+//! best generalises further than what actions are worth, so a few rules suffice. They are kept
+//! consistent with all lessons, and complete:
+//! 1. a rule that covers a lesson in which its action is not among the best demands more alleles,
+//!    until it covers none, or goes when nothing good is left;
+//! 2. for a lesson that no rule covers, a rule is grown from the most general condition, and
+//!    demands what it must and no more;
+//! 3. a rule whose lessons others cover is superfluous and goes, the least general first.
+//!
+//! A rule's prediction is the mean worth of its lessons, its error the mean deviation from that,
+//! its experience their number, and so is its fitness: in the prediction array (Eq. 6) general
+//! rules weigh more.
+
+use fixedbitset::FixedBitSet;
+
+use super::classifier::Classifier;
+use super::condition::Condition;
+use super::lessons::{Lesson, Lessons};
+use super::params::Params;
+use super::population::Population;
+use super::signal::{Action, Percept};
+
+/// Which lessons the rules of a population cover.
+#[derive(Debug, Clone, Default)]
+pub struct Induction {
+    /// By the position of a rule in \[P\]: the lessons that it covers.
+    covers: Vec<FixedBitSet>,
+    /// By lesson: how many rules cover it.
+    covered: Vec<u32>,
+}
+
+/// A rule that may join \[P\], and the lessons that it covers.
+struct Candidate {
+    condition: Condition,
+    action: Action,
+    covers: FixedBitSet,
+}
+
+impl Induction {
+    /// Makes the rules of a population agree with all lessons; it holds at most
+    /// `params.population_size` of them. What changed in `lessons` counts as learned then.
+    pub fn learn(&mut self, population: &mut Population, lessons: &mut Lessons, params: &Params) {
+        let changed = lessons.take_changed();
+        if self.covers.len() != population.len() {
+            self.survey(population, lessons);
+        }
+        self.admit(population, lessons, &changed);
+        let specialised = self.specialise(population, lessons, &changed, params);
+        let covered = self.cover(population, lessons, params);
+        if specialised || covered {
+            self.drop_superfluous(population);
+        }
+        self.rate(population, lessons);
+    }
+
+    /// Looks up from scratch which lessons the rules cover, for a population from a file.
+    fn survey(&mut self, population: &Population, lessons: &Lessons) {
+        *self = Self::default();
+        for rule in population.rules() {
+            let numbers = lessons
+                .iter()
+                .filter(|(_, l)| rule.condition.matches(&l.percept));
+            let covers: FixedBitSet = numbers.map(|(number, _)| number).collect();
+            self.count(&covers, 1);
+            self.covers.push(covers);
+        }
+    }
+
+    /// Counts that some lessons are covered by one rule more, or less.
+    fn count(&mut self, lessons: &FixedBitSet, by: i32) {
+        let room = self.covered.len().max(lessons.len());
+        self.covered.resize(room, 0);
+        for number in lessons.ones() {
+            self.covered[number] = self.covered[number].wrapping_add_signed(by);
+        }
+    }
+
+    /// Finds the rules that cover the lessons that are new.
+    fn admit(&mut self, population: &Population, lessons: &Lessons, changed: &[usize]) {
+        for &number in changed {
+            let Some(Lesson { percept, .. }) = lessons.get(number) else {
+                continue;
+            };
+            let room = self.covered.len().max(number + 1);
+            self.covered.resize(room, 0);
+            population.for_each_match(percept, |id, _| {
+                let at = population
+                    .position(id)
+                    .expect("a rule that matches is in [P]");
+                self.covers[at].grow(number + 1);
+                if !self.covers[at].put(number) {
+                    self.covered[number] += 1;
+                }
+            });
+        }
+    }
+
+    /// Makes the rules that are wrong in a changed lesson demand more; true if there were any.
+    fn specialise(
+        &mut self,
+        population: &mut Population,
+        lessons: &Lessons,
+        changed: &[usize],
+        params: &Params,
+    ) -> bool {
+        let mut wrong = Vec::new();
+        for lesson in changed.iter().filter_map(|&number| lessons.get(number)) {
+            population.for_each_match(&lesson.percept, |id, rule| {
+                if !lesson.best[rule.action.index()] {
+                    wrong.push(id);
+                }
+            });
+        }
+        for &id in &wrong {
+            let Some(at) = population.position(id) else {
+                continue;
+            };
+            let rule = population.rules()[at];
+            let covers = self.remove(population, at);
+            let general = Candidate {
+                condition: rule.condition,
+                action: rule.action,
+                covers,
+            };
+            if let Some(special) = right(lessons, general, None) {
+                self.insert(population, special, params);
+            }
+        }
+        !wrong.is_empty()
+    }
+
+    /// Adds rules until each lesson is covered or \[P\] is full; true if any was added.
+    fn cover(&mut self, population: &mut Population, lessons: &Lessons, params: &Params) -> bool {
+        let before = population.len();
+        for (number, lesson) in lessons.iter() {
+            let is_full = population.len() >= params.population_size as usize;
+            if is_full || self.covered.get(number).is_some_and(|&rules| rules > 0) {
+                continue;
+            }
+            let candidates = lesson
+                .best_actions()
+                .filter_map(|action| covering(lessons, lesson, action));
+            let gain = |one: &Candidate| {
+                let new = one
+                    .covers
+                    .ones()
+                    .filter(|&n| self.covered.get(n) == Some(&0));
+                (new.count(), one.covers.count_ones(..))
+            };
+            let best = candidates.fold(None, |best: Option<Candidate>, next| match best {
+                Some(best) if gain(&best) >= gain(&next) => Some(best),
+                _ => Some(next),
+            });
+            if let Some(best) = best {
+                self.insert(population, best, params);
+            }
+        }
+        population.len() > before
+    }
+
+    /// Removes rules whose lessons are all covered by others, the least general first.
+    fn drop_superfluous(&mut self, population: &mut Population) {
+        let mut order: Vec<_> = (0..population.len()).collect();
+        order.sort_by_key(|&at| self.covers[at].count_ones(..));
+        let ids: Vec<_> = order.iter().map(|&at| population.id_at(at)).collect();
+        for id in ids {
+            let at = population
+                .position(id)
+                .expect("only rules seen before were removed");
+            if self.covers[at]
+                .ones()
+                .all(|number| self.covered[number] > 1)
+            {
+                self.remove(population, at);
+            }
+        }
+    }
+
+    /// Sets the figures of all rules.
+    fn rate(&self, population: &mut Population, lessons: &Lessons) {
+        for (at, covers) in self.covers.iter().enumerate() {
+            let value = |number| lessons.get(number).map_or(0.0, |lesson| lesson.value);
+            let number = covers.count_ones(..).max(1) as f64;
+            let prediction = covers.ones().map(value).sum::<f64>() / number;
+            let deviations = covers
+                .ones()
+                .map(|number| (value(number) - prediction).abs());
+            let error = deviations.sum::<f64>() / number;
+            population.modify(population.id_at(at), |rule| {
+                rule.prediction = prediction;
+                rule.error = error;
+                rule.experience = number as u32;
+                rule.fitness = number;
+            });
+        }
+    }
+
+    fn insert(&mut self, population: &mut Population, one: Candidate, params: &Params) {
+        let before = population.len();
+        let rule = Classifier::new(one.condition, one.action, 0, params);
+        let id = population.insert(rule);
+        if population.len() == before {
+            // It was there already: still one rule.
+            population.modify(id, |rule| rule.numerosity = 1);
+            return;
+        }
+        self.count(&one.covers, 1);
+        self.covers.push(one.covers);
+    }
+
+    fn remove(&mut self, population: &mut Population, at: usize) -> FixedBitSet {
+        population.remove(population.id_at(at));
+        let covers = self.covers.swap_remove(at);
+        self.count(&covers, -1);
+        covers
+    }
+}
+
+/// The most general rule for a lesson that is found step by step; `None` if another lesson with
+/// the same percept contradicts it.
+fn covering(lessons: &Lessons, lesson: &Lesson, action: Action) -> Option<Candidate> {
+    let general = Candidate {
+        condition: Condition::of_alleles(&lesson.percept, []),
+        action,
+        covers: lessons.given().clone(),
+    };
+    let found = right(lessons, general, Some(&lesson.percept))?;
+    let mut alleles: Vec<usize> = demanded(&found.condition).collect();
+    for allele in demanded(&found.condition) {
+        let fewer: Vec<usize> = alleles.iter().copied().filter(|&a| a != allele).collect();
+        let covers = with_alleles(lessons, &lesson.percept, &fewer);
+        if lessons.verdicts(&covers, action)[1] == 0 {
+            alleles = fewer;
+        }
+    }
+    Some(Candidate {
+        condition: Condition::of_alleles(&lesson.percept, alleles.iter().copied()),
+        action,
+        covers: with_alleles(lessons, &lesson.percept, &alleles),
+    })
+}
+
+fn demanded(condition: &Condition) -> impl Iterator<Item = usize> {
+    let condition = *condition;
+    (0..condition.width()).filter(move |&bit| condition.allele(bit).is_some())
+}
+
+/// The lessons whose percept shares some alleles with this one.
+fn with_alleles(lessons: &Lessons, percept: &Percept, alleles: &[usize]) -> FixedBitSet {
+    let given = lessons.given().clone();
+    let narrow = |some, &bit: &usize| lessons.with_allele(&some, bit, percept.bit(bit));
+    alleles.iter().fold(given, narrow)
+}
+
+/// Demands more alleles, those of a percept if one is given, until the rule covers only lessons in
+/// which its action is among the best: each time the allele that leaves the highest share of
+/// these, (good + 1) / (all + 2). `None` when no good one would be left.
+fn right(lessons: &Lessons, mut rule: Candidate, like: Option<&Percept>) -> Option<Candidate> {
+    loop {
+        let [good, bad] = lessons.verdicts(&rule.covers, rule.action);
+        match (good, bad) {
+            (0, _) => return None,
+            (_, 0) => return Some(rule),
+            _ => {}
+        }
+        let mut best: Option<((usize, bool), [u64; 2])> = None;
+        let free = (0..rule.condition.width()).filter(|&bit| rule.condition.allele(bit).is_none());
+        for bit in free {
+            for value in [false, true] {
+                if like.is_some_and(|percept| percept.bit(bit) != value) {
+                    continue;
+                }
+                let [left, wrong] = lessons.count(&rule.covers, (bit, value), rule.action);
+                let share = [u64::from(left) + 1, u64::from(left + wrong) + 2];
+                let is_better = |&(_, [a, b]): &(_, [u64; 2])| share[0] * b > a * share[1];
+                if left > 0 && wrong < bad && best.as_ref().is_none_or(is_better) {
+                    best = Some(((bit, value), share));
+                }
+            }
+        }
+        let ((bit, value), _) = best?;
+        rule.condition = rule.condition.demanding(bit, value);
+        rule.covers = lessons.with_allele(&rule.covers, bit, value);
+    }
+}

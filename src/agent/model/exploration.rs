@@ -1,0 +1,275 @@
+//! Planned exploration: the way to the nearest action that promises more than what is known.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use serde::{Deserialize, Serialize};
+
+use super::collision_rules::CollisionRules;
+use super::known::Known;
+use super::return_rules::ReturnRules;
+use super::transitions::Transitions;
+use crate::agent::credit::Params;
+use xcs::random::Stream;
+use xcs::{Action, MAX_ACTIONS};
+
+/// A promise must exceed what is known by this share of it.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// What exploration is planned on.
+pub(in crate::agent) struct Model<'a> {
+    pub memory: &'a Transitions,
+    pub known: &'a Known,
+    pub collisions: &'a CollisionRules,
+    pub returns: &'a ReturnRules,
+}
+
+/// A collision that is foretold with more certainty than this is not tried: far from the goal, even
+/// a small doubt would promise more than all that is known.
+const BELIEVED: f64 = 0.5;
+
+/// Searches forward from the present percept, in the belief that an untried action leads straight
+/// to the goal unless a collision or a way back is foretold. The way that is found is followed
+/// until there is news.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(in crate::agent) struct Exploration {
+    actions: usize,
+    /// What an untried action is believed to be worth above the floor, and one that bumps.
+    goal: f64,
+    collision: f64,
+    step: f64,
+    certainty: i32,
+    /// What is left of the way, the next step last.
+    way: Vec<(usize, Action)>,
+    /// Counts what was learned that may change a promise, from 1.
+    version: u64,
+    /// By percept: the version in which nothing promised more than what is known.
+    content: Vec<u64>,
+    #[serde(skip)]
+    forecasts: Forecasts,
+    #[serde(skip)]
+    search: Search,
+}
+
+/// By percept: what its untried actions are believed to be worth, and when that was looked up.
+#[derive(Debug, Clone, Default)]
+struct Forecasts(Vec<(u64, [f64; MAX_ACTIONS])>);
+
+/// A search, kept so that its memory is used again.
+#[derive(Debug, Clone, Default)]
+struct Search {
+    number: u32,
+    open: BinaryHeap<(u64, Reverse<usize>, bool)>,
+    /// By percept: how it was reached.
+    reached: Vec<Reached>,
+    ends: Vec<(usize, Option<Action>)>,
+}
+
+/// How a percept was reached.
+#[derive(Debug, Clone, Copy, Default)]
+struct Reached {
+    /// The last search that reached it.
+    search: u32,
+    /// The step that led to it; `None` where the search began.
+    before: Option<(usize, Action)>,
+    /// The share of a promise that is left of it on the way.
+    factor: f64,
+}
+
+impl Exploration {
+    pub fn new(actions: usize, params: &Params, floor: f64, certainty: u32) -> Self {
+        Self {
+            actions,
+            goal: params.goal - floor,
+            collision: params.collision - floor,
+            step: params.step,
+            certainty: certainty as i32,
+            way: Vec::new(),
+            version: 1,
+            content: Vec::new(),
+            forecasts: Forecasts::default(),
+            search: Search::default(),
+        }
+    }
+
+    /// Can this mechanism, read from a file, stand for one that began as `fresh`?
+    pub fn descends_from(&self, fresh: &Self) -> bool {
+        let numbers = |it: &Self| (it.goal, it.collision, it.step, it.certainty, it.actions);
+        numbers(self) == numbers(fresh) && self.way.is_empty()
+    }
+
+    /// Something was learned that may change a promise.
+    pub fn wake(&mut self) {
+        self.version += 1;
+        self.way.clear();
+    }
+
+    /// Forgets where it was going: the robot was put elsewhere.
+    pub fn begin(&mut self) {
+        self.way.clear();
+    }
+
+    /// The way was left: what follows a best action of a percept that promises nothing new does
+    /// not, either.
+    pub fn follow(&mut self, from: usize, to: usize) {
+        if self.is_content(from) {
+            self.set_content(to);
+        }
+    }
+
+    fn is_content(&self, percept: usize) -> bool {
+        self.content.get(percept) == Some(&self.version)
+    }
+
+    fn set_content(&mut self, percept: usize) {
+        let room = self.content.len().max(percept + 1);
+        self.content.resize(room, 0);
+        self.content[percept] = self.version;
+    }
+
+    /// The next step of exploration; `None` where nothing promises more than what is known.
+    pub fn next(&mut self, from: usize, model: &Model<'_>, stream: &mut Stream) -> Option<Action> {
+        if self.way.last().is_none_or(|&(percept, _)| percept != from) {
+            self.way.clear();
+            if self.is_content(from) {
+                return None;
+            }
+            self.find(from, model, stream);
+            if self.way.is_empty() {
+                self.set_content(from);
+            }
+        }
+        self.way.pop().map(|(_, action)| action)
+    }
+
+    /// Finds the most promising way.
+    fn find(&mut self, from: usize, model: &Model<'_>, stream: &mut Stream) {
+        let mut best = model.known.value(from) * (1.0 + NEGLIGIBLE);
+        self.search.begin(from, model.memory.percepts().len());
+        while let Some((factor, percept, believed)) = self.search.pop() {
+            if factor * self.goal < best {
+                break;
+            }
+            if believed {
+                self.search.offer(
+                    factor * model.known.value(percept),
+                    (percept, None),
+                    &mut best,
+                );
+            }
+            let worths = self.believed_worths(percept, model);
+            for action in Action::all(self.actions) {
+                let outcomes = model.memory.outcomes(percept, action);
+                if outcomes.tries() > 0 {
+                    if let Some((next, share)) = outcomes.likeliest_move(percept, self.step) {
+                        let factor = factor * share * model.known.gamma();
+                        self.search.push(factor, next, believed, (percept, action));
+                    }
+                } else if let Some(next) = way_back(model, percept, action) {
+                    let factor = factor * model.known.gamma();
+                    self.search.push(factor, next, true, (percept, action));
+                } else {
+                    let worth = factor * worths[action.index()];
+                    self.search.offer(worth, (percept, Some(action)), &mut best);
+                }
+            }
+        }
+        if let Some(&(last, action)) = stream.choose(&self.search.ends) {
+            self.way.extend(action.map(|action| (last, action)));
+            self.search.trace(last, &mut self.way);
+        }
+    }
+
+    /// What the untried actions of a percept are believed to be worth, where no way back is.
+    fn believed_worths(&mut self, percept: usize, model: &Model<'_>) -> [f64; MAX_ACTIONS] {
+        let room = self.forecasts.0.len().max(percept + 1);
+        self.forecasts.0.resize(room, (0, [0.0; MAX_ACTIONS]));
+        let (version, worths) = &mut self.forecasts.0[percept];
+        if *version != model.collisions.version() {
+            *version = model.collisions.version();
+            for action in Action::all(self.actions) {
+                let forecast = model
+                    .collisions
+                    .forecast(&model.memory.percepts()[percept], action);
+                let bump = forecast.powi(self.certainty);
+                worths[action.index()] = match bump > BELIEVED {
+                    true => self.collision.min(0.0),
+                    false => (1.0 - bump) * self.goal + bump * self.collision,
+                };
+            }
+        }
+        *worths
+    }
+}
+
+/// The percept to which an untried action is believed to lead back.
+fn way_back(model: &Model<'_>, percept: usize, action: Action) -> Option<usize> {
+    let mut before = model.known.before(percept).iter().rev();
+    let leads_back = |&&(from, there): &&(usize, Action)| {
+        from != percept
+            && model.returns.undoing(there).any(|back| back == action)
+            && model.memory.outcomes(from, there).only_next() == Some(percept)
+    };
+    before.find(leads_back).map(|&(from, _)| from)
+}
+
+impl Search {
+    fn begin(&mut self, from: usize, met: usize) {
+        self.number = self.number.wrapping_add(1);
+        self.reached.resize(met, Reached::default());
+        self.open.clear();
+        self.ends.clear();
+        self.reached[from] = Reached {
+            search: self.number,
+            before: None,
+            factor: 1.0,
+        };
+        self.open.push((1_f64.to_bits(), Reverse(from), false));
+    }
+
+    /// The reached percept with the greatest factor, and whether a step to it is only believed.
+    fn pop(&mut self) -> Option<(f64, usize, bool)> {
+        loop {
+            let (bits, Reverse(percept), believed) = self.open.pop()?;
+            let factor = f64::from_bits(bits);
+            if self.reached[percept].factor == factor {
+                // Settled: no later entry has this factor.
+                return Some((factor, percept, believed));
+            }
+        }
+    }
+
+    /// A step leads to a percept.
+    fn push(&mut self, factor: f64, to: usize, believed: bool, step: (usize, Action)) {
+        let reached = &mut self.reached[to];
+        if reached.search == self.number && reached.factor >= factor {
+            return;
+        }
+        *reached = Reached {
+            search: self.number,
+            before: Some(step),
+            factor,
+        };
+        self.open.push((factor.to_bits(), Reverse(to), believed));
+    }
+
+    /// A way may end here, with this worth; ways of equal worth are collected.
+    fn offer(&mut self, worth: f64, end: (usize, Option<Action>), best: &mut f64) {
+        if worth > *best {
+            *best = worth;
+            self.ends.clear();
+        }
+        if worth == *best {
+            self.ends.push(end);
+        }
+    }
+
+    /// The steps that lead to a percept, the last one first.
+    fn trace(&self, last: usize, way: &mut Vec<(usize, Action)>) {
+        let mut percept = last;
+        while let Some((before, action)) = self.reached[percept].before {
+            way.push((before, action));
+            percept = before;
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The rules of `xcscr-plus` decide: its greedy policy comes from \[P\], and from nothing else.
+
+use std::ops::ControlFlow;
+
+use xcs::{Action, Condition, Percept, Population};
+use xcscr::agent::{Agent, Discovery};
+use xcscr::agent::{Chooser, Frozen, Knowledge, Method};
+use xcscr::arena::ArenaKind;
+use xcscr::episode::{Episode, Learned, Observer, Step};
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Config, Plan, Settings, Trial};
+use xcscr::world::Maze;
+
+/// What the rules decided: the percept, the action, and the condition of the rule that fired.
+#[derive(Default)]
+struct Decisions {
+    made: Vec<(Percept, Action, Condition)>,
+    unexplained: usize,
+    most_rules: usize,
+}
+
+impl Observer for Decisions {
+    fn stepped(&mut self, step: &Step<'_>) {
+        match step.fired() {
+            Some(fired) => self.made.push((step.percept, step.action, fired)),
+            None => self.unexplained += usize::from(step.chooser == Chooser::Rules),
+        }
+    }
+
+    fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+        self.most_rules = self.most_rules.max(episode.rules);
+        ControlFlow::Continue(())
+    }
+}
+
+fn trained(maze: &str, seed: u64, settings: &Settings) -> (Trial, Decisions) {
+    let path = format!("{}/worlds/{maze}.json", env!("CARGO_MANIFEST_DIR"));
+    let config = Config {
+        version: String::new(),
+        method: Method::XcscrPlus,
+        arena: ArenaKind::Grid,
+        sensor: Sensor::Neighbours,
+        episodes: 40,
+        seed,
+        settings: settings.clone(),
+        initial: None,
+    };
+    let maze = Maze::load(path.as_ref()).unwrap();
+    let mut trial = Trial::new(Plan { maze, config }).unwrap();
+    let mut decisions = Decisions::default();
+    let _ = trial.run(&mut decisions);
+    (trial, decisions)
+}
+
+fn rules(trial: &Trial) -> Population {
+    trial.method().knowledge().rules().unwrap().clone()
+}
+
+fn best(rules: &Population, percept: &Percept) -> Vec<Action> {
+    let frozen = Frozen::new(Knowledge::Rules(rules.clone()), 4, 1);
+    frozen.worth(percept).best_actions().collect()
+}
+
+#[test]
+fn each_step_that_rules_chose_names_a_rule_that_matches() {
+    let (trial, decisions) = trained("maze5", 1, &Settings::default());
+    assert_eq!(decisions.unexplained, 0);
+    assert!(
+        decisions.made.len() > 300,
+        "{} decisions",
+        decisions.made.len()
+    );
+    assert_eq!(trial.progress().chosen.rules, decisions.made.len() as u64);
+    for (percept, _, fired) in decisions.made {
+        assert!(fired.matches(&percept), "{fired} does not match {percept}");
+    }
+}
+
+#[test]
+fn the_rule_that_fired_is_the_cause_turned_to_another_action_it_turns_the_robot() {
+    let (trial, decisions) = trained("maze4", 1, &Settings::default());
+    let rules = rules(&trial);
+    let mut turned = 0;
+    for (percept, action, fired) in decisions.made.iter().rev().take(30) {
+        let other = Action::new((action.index() + 1) % 4).unwrap();
+        let advocates = rules
+            .rules()
+            .iter()
+            .filter(|rule| rule.condition.matches(percept));
+        if advocates.clone().count() != 1 {
+            continue;
+        }
+        let swapped = rules.rules().iter().map(|rule| {
+            let mut rule = *rule;
+            if rule.condition == *fired && rule.action == *action {
+                rule.action = other;
+            }
+            rule
+        });
+        let swapped = Population::try_from(swapped.collect::<Vec<_>>()).unwrap();
+        assert_eq!(best(&rules, percept), [*action], "{percept}");
+        assert_eq!(best(&swapped, percept), [other], "{percept}");
+        turned += 1;
+    }
+    assert!(turned > 5, "{turned} decisions rest on one rule");
+}
+
+#[test]
+fn few_rules_suffice_at_any_time() {
+    let settings = Settings::default();
+    for (maze, most) in [("maze4", 25), ("maze5", 25), ("maze6", 25)] {
+        for seed in 1..=5 {
+            let (trial, decisions) = trained(maze, seed, &settings);
+            assert!(trial.progress().optimal, "{maze}, seed {seed}");
+            assert!(
+                decisions.most_rules <= most,
+                "{maze}: {} rules",
+                decisions.most_rules
+            );
+        }
+    }
+}
+
+#[test]
+fn the_genetic_algorithm_finds_rules_too() {
+    let mut settings = Settings::default();
+    settings.plus.discovery = Discovery::Ga;
+    for seed in 1..=2 {
+        let (trial, _) = trained("maze4", seed, &settings);
+        assert!(trial.progress().optimal, "seed {seed}");
+    }
+}
