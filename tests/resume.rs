@@ -143,6 +143,30 @@ fn every_method_in_both_arenas_resumes_to_the_same_bytes() {
     }
 }
 
+/// Then a learner may have perceived what it could learn nothing of yet.
+#[test]
+fn every_method_resumes_after_episodes_of_one_step() {
+    for method in Method::ALL {
+        let mut plan = plan("maze4", method, ArenaKind::Grid, 6);
+        plan.config.settings.reward.step_threshold_from_maze = false;
+        plan.config.settings.reward.step_threshold = 1;
+        plan.config.settings.reward.learning_step_threshold = false;
+        let end = |stop: u32| {
+            let mut trial = Trial::new(plan.clone()).unwrap();
+            while trial.progress().episodes < 6 {
+                if trial.progress().episodes == stop {
+                    let resumed = Trial::resume(&trial.checkpoint());
+                    trial = resumed.unwrap_or_else(|e| panic!("{}: {e}", method.name()));
+                }
+                let _ = trial.run_episode(&mut ());
+            }
+            seal(&trial.checkpoint())
+        };
+        let whole = end(6);
+        assert!(end(1) == whole && end(2) == whole, "{}", method.name());
+    }
+}
+
 #[test]
 fn every_mode_of_recording_resumes_to_the_same_files() {
     for mode in ["best", "last", "every:3", "none"] {

@@ -3,8 +3,7 @@
 use std::ops::ControlFlow;
 
 use xcs::{Action, Condition, Percept, Population};
-use xcscr::agent::{Agent, Discovery};
-use xcscr::agent::{Chooser, Frozen, Knowledge, Method};
+use xcscr::agent::{Agent, Chooser, Discovery, Frozen, Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::sensor::Sensor;
@@ -119,6 +118,16 @@ fn few_rules_suffice_at_any_time() {
             );
         }
     }
+}
+
+/// The model is the same; only [P] is too small for what it would have to hold.
+#[test]
+fn with_room_for_eight_rules_only_the_same_model_does_not_help() {
+    let mut settings = Settings::default();
+    settings.xcs.population_size = 8;
+    let optimal = |seed: &u64| trained("maze5", *seed, &settings).0.progress().optimal;
+    let found = (1..=10).filter(optimal).count();
+    assert!(found <= 5, "{found} of 10 were optimal all the same");
 }
 
 #[test]

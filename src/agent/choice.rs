@@ -63,25 +63,6 @@ impl Choice {
     }
 }
 
-impl fmt::Display for Chosen {
-    /// Those that chose any, with their numbers.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let choosers = [
-            Chooser::Rules,
-            Chooser::Table,
-            Chooser::Planner,
-            Chooser::Chance,
-        ];
-        let counts = [self.rules, self.table, self.planner, self.chance];
-        let some = choosers.iter().zip(counts).filter(|&(_, count)| count > 0);
-        for (i, (chooser, count)) in some.enumerate() {
-            let gap = if i == 0 { "" } else { ", " };
-            write!(f, "{gap}{} {count}", chooser.name())?;
-        }
-        Ok(())
-    }
-}
-
 /// How many steps each of them chose.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Chosen {
@@ -123,5 +104,24 @@ impl Chosen {
         within("chosen.table", self.table, 0..=steps)?;
         within("chosen.planner", self.planner, 0..=steps)?;
         within("chosen.chance", self.chance, 0..=steps)
+    }
+}
+
+impl fmt::Display for Chosen {
+    /// Those that chose any, with their numbers.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let choosers = [
+            Chooser::Rules,
+            Chooser::Table,
+            Chooser::Planner,
+            Chooser::Chance,
+        ];
+        let counts = [self.rules, self.table, self.planner, self.chance];
+        let some = choosers.iter().zip(counts).filter(|&(_, count)| count > 0);
+        for (i, (chooser, count)) in some.enumerate() {
+            let gap = if i == 0 { "" } else { ", " };
+            write!(f, "{gap}{} {count}", chooser.name())?;
+        }
+        Ok(())
     }
 }

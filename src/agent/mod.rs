@@ -1,8 +1,8 @@
 //! Who learns: an [`Agent`] decides who is credited, with what, and when.
 //!
 //! [`Method`] is the closed set of agents, by the names they have on the command line. `credit/`
-//! has standard XCS and the paper's mechanisms, one file each; `model/` what is foreseen; `plus/`
-//! the method that plans and explains; `tabular/` the rivals. All reward numbers live here.
+//! has standard XCS and the paper's mechanisms, one file each; `model/` what is known and foreseen;
+//! `plus/` the method whose rules a model teaches; `tabular/` the rivals. All reward numbers live here.
 
 mod choice;
 mod credit;
