@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 use crate::commands::check::CheckArgs;
 use crate::commands::config::ConfigCommand;
 use crate::commands::evaluate::EvaluateArgs;
+use crate::commands::export::ExportArgs;
 use crate::commands::manual::ManArgs;
 use crate::commands::map::MapArgs;
 use crate::commands::recover::RecoverArgs;
@@ -49,6 +50,8 @@ pub enum Command {
     Evaluate(EvaluateArgs),
     /// Print the learned rules, all of them or condensed.
     Rules(RulesArgs),
+    /// Write the learned policy as source code for a robot, or as a table.
+    Export(ExportArgs),
     /// Summarise recordings, open them in a viewer, or verify them by running again.
     Replay(ReplayArgs),
     /// Check recordings for damage.

@@ -66,6 +66,7 @@ pub mod sensor;
 pub mod agent;
 pub mod episode;
 pub mod trial;
+pub mod export;
 pub mod record;
 pub mod run;
 pub mod picture;

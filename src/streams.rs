@@ -29,6 +29,8 @@ pub enum StreamName {
     Gyro,
     /// Which actions slip, and to which others.
     Slip,
+    /// Percepts on which an exported policy is compared with what was learned.
+    Export,
 }
 
 impl From<StreamName> for u64 {

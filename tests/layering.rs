@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Who may import what, in the order in which `lib.rs` lists the modules.
-const ALLOWED: [(&str, &[&str]); 12] = [
+const ALLOWED: [(&str, &[&str]); 13] = [
     ("streams", &[]),
     ("disk", &[]),
     ("world", &["streams", "disk"]),
@@ -16,6 +16,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
         "trial",
         &["streams", "world", "arena", "sensor", "agent", "episode"],
     ),
+    ("export", &["streams", "world", "sensor", "agent", "trial"]),
     (
         "record",
         &[

@@ -27,6 +27,11 @@ pub struct LearnedArgs {
 }
 
 impl LearnedArgs {
+    /// Is it the folder of a run, and no lone file of rules?
+    pub fn is_a_run(&self) -> bool {
+        self.run.is_dir()
+    }
+
     /// The plan of the run, and what was learned.
     pub fn load(&self) -> Result<(Plan, Knowledge), Failure> {
         let is_file = self.run.exists() && !self.run.is_dir();

@@ -4,6 +4,7 @@ pub mod check;
 mod choices;
 pub mod config;
 pub mod evaluate;
+pub mod export;
 pub mod failure;
 pub mod interrupt;
 mod learned;
@@ -37,6 +38,7 @@ pub fn run(cli: Cli, out: &mut impl Write) -> Result<(), Failure> {
         Command::Man(args) => manual::run(&args)?,
         Command::Train(args) => train::run(&args, out)?,
         Command::Evaluate(args) => evaluate::run(&args, out)?,
+        Command::Export(args) => export::run(&args, out)?,
         Command::Rules(args) => rules::run(&args, out)?,
         Command::Replay(args) => replay::run(&args, out)?,
         Command::Check(args) => check::run(&args, out)?,

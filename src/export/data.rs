@@ -1,0 +1,67 @@
+//! The policy as data: CSV and JSON.
+
+use serde::Serialize;
+
+use super::origin::Facts;
+use super::{Ballot, Origin, Vote};
+use xcs::Action;
+
+/// A rule of the table.
+#[derive(Serialize)]
+struct Row {
+    condition: String,
+    action: usize,
+    weight: u32,
+    worth: u32,
+    #[serde(rename = "if")]
+    words: String,
+    go: String,
+}
+
+/// The whole policy.
+#[derive(Serialize)]
+struct Document<'a> {
+    origin: &'a Facts,
+    /// In what it was compared with the run's own greedy choice.
+    compared: String,
+    /// What each bit of a percept says when it is 1.
+    bits: Vec<String>,
+    actions: Vec<String>,
+    rules: Vec<Row>,
+}
+
+fn rows(ballot: &Ballot, origin: &Origin) -> impl Iterator<Item = Row> {
+    ballot.votes().iter().map(|vote: &Vote| Row {
+        condition: vote.condition.to_string(),
+        action: vote.action.index(),
+        weight: vote.weight,
+        worth: vote.worth,
+        words: origin.words(&vote.condition),
+        go: origin.action(vote.action),
+    })
+}
+
+/// One row per rule.
+pub(super) fn csv(ballot: &Ballot, origin: &Origin) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows(ballot, origin) {
+        writer.serialize(row).expect("rows of texts and numbers");
+    }
+    let bytes = writer.into_inner().expect("a vector takes all");
+    String::from_utf8(bytes).expect("texts and numbers")
+}
+
+/// One document.
+pub(super) fn json(ballot: &Ballot, origin: &Origin) -> String {
+    let document = Document {
+        origin: &origin.facts,
+        compared: ballot.compared(),
+        bits: (0..ballot.width()).map(|bit| origin.bit(bit)).collect(),
+        actions: Action::all(ballot.actions())
+            .map(|a| origin.action(a))
+            .collect(),
+        rules: rows(ballot, origin).collect(),
+    };
+    let text = serde_json::to_string_pretty(&document).expect("texts and numbers");
+    text + "\n"
+}

@@ -1,0 +1,48 @@
+//! The policy as a graph for Graphviz.
+
+use std::fmt::Write;
+
+use super::{Ballot, Origin};
+use xcs::Action;
+
+/// Rules on the left, in words, and the actions they vote for on the right; the width of an arrow
+/// is the worth.
+pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
+    let mut text = String::new();
+    for line in origin.lines() {
+        let _ = writeln!(text, "// {line}");
+    }
+    text.push_str("digraph policy {\n  rankdir=LR;\n  node [shape=box];\n");
+    for action in Action::all(ballot.actions()) {
+        let name = quoted(&origin.action(action));
+        let _ = writeln!(
+            text,
+            "  action{} [label={name}, shape=ellipse];",
+            action.index()
+        );
+    }
+    let most = ballot.votes().iter().map(|vote| vote.worth).max();
+    for (at, vote) in ballot.votes().iter().enumerate() {
+        let words = quoted(&origin.words(&vote.condition).replace(", ", "\n"));
+        let share = f64::from(vote.worth) / f64::from(most.unwrap_or(0).max(1));
+        let _ = writeln!(text, "  rule{at} [label={words}];");
+        let _ = writeln!(
+            text,
+            "  rule{at} -> action{} [penwidth={:.1}, label=\"{:.0} %\"];",
+            vote.action.index(),
+            1.0 + 3.0 * share,
+            100.0 * share
+        );
+    }
+    text.push_str("}\n");
+    text
+}
+
+/// A text in quotes, as DOT has them.
+fn quoted(text: &str) -> String {
+    let text = text
+        .replace('\\', "\\\\")
+        .replace('"', "\\\"")
+        .replace('\n', "\\n");
+    format!("\"{text}\"")
+}

@@ -1,0 +1,101 @@
+//! Where a policy comes from, for whoever finds the file later.
+
+use serde::Serialize;
+
+use crate::agent::Knowledge;
+use crate::sensor::{Sensor, action_name};
+use crate::trial::Plan;
+use crate::world::Maze;
+use xcs::{Action, Condition};
+
+/// The run that a policy comes from, and the words for its bits and actions.
+#[derive(Debug, Clone)]
+pub struct Origin {
+    maze: Maze,
+    sensor: Sensor,
+    /// What is known of the run.
+    pub(super) facts: Facts,
+}
+
+/// The run that a policy comes from.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Facts {
+    /// Who wrote the file.
+    program: String,
+    /// The world's name.
+    pub(super) world: String,
+    /// The percept's name.
+    sensor: String,
+    /// The method's name; not known of a lone file of rules.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    method: Option<String>,
+    /// The root seed; not known of a lone file of rules.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+    /// CRC-32 of the rules as JSON.
+    rules_crc32: String,
+}
+
+impl Origin {
+    /// Where `knowledge` comes from; of a lone file of rules only the world and the percept are
+    /// known.
+    pub fn new(plan: &Plan, knowledge: &Knowledge, of_a_run: bool) -> Self {
+        let Plan { maze, config } = plan;
+        let json = serde_json::to_vec(knowledge).unwrap_or_default();
+        let facts = Facts {
+            program: concat!("xcscr ", env!("CARGO_PKG_VERSION")).to_owned(),
+            world: maze.name().to_owned(),
+            sensor: config.sensor.name().to_owned(),
+            method: of_a_run.then(|| config.method.name().to_owned()),
+            seed: of_a_run.then_some(config.seed),
+            rules_crc32: format!("{:08x}", crc32fast::hash(&json)),
+        };
+        Self {
+            maze: maze.clone(),
+            sensor: config.sensor,
+            facts,
+        }
+    }
+
+    /// The facts as lines for a comment. Names of worlds hold nothing that ends one.
+    pub(super) fn lines(&self) -> Vec<String> {
+        let Facts {
+            program,
+            world,
+            sensor,
+            method,
+            seed,
+            rules_crc32,
+        } = &self.facts;
+        let mut lines = vec![
+            format!("Written by {program}."),
+            format!("World {world}, percept {sensor}."),
+            format!("CRC-32 of the rules: {rules_crc32}."),
+        ];
+        if let Some((method, seed)) = method.as_ref().zip(*seed) {
+            lines.insert(2, format!("Learned by {method} with seed {seed}."));
+        }
+        lines
+    }
+
+    /// What bit `bit` of a percept says when it is 1.
+    pub(super) fn bit(&self, bit: usize) -> String {
+        let words = self
+            .sensor
+            .words(&self.maze, &|at| (at == bit).then_some(true));
+        match words.as_str() {
+            "anything" => "always 0".to_owned(),
+            _ => words,
+        }
+    }
+
+    /// What a condition demands, in words.
+    pub(super) fn words(&self, condition: &Condition) -> String {
+        self.sensor.words(&self.maze, &|bit| condition.allele(bit))
+    }
+
+    /// The name of an action.
+    pub(super) fn action(&self, action: Action) -> String {
+        action_name(&self.maze, action)
+    }
+}

@@ -1,0 +1,95 @@
+//! The policy as a Rust module without the standard library.
+
+use std::fmt::Write;
+
+use super::{Ballot, Origin, Vote};
+use xcs::Action;
+
+/// What is the same in every module.
+const DECIDE: &str = r"
+/// The action for a percept, the first of equals; `None` where no rule matches.
+pub fn decide(percept: &[u8; PERCEPT_BYTES]) -> Option<u8> {
+    let mut worth = [0_u64; ACTIONS];
+    let mut weight = [0_u64; ACTIONS];
+    for rule in &RULES {
+        let demanded = rule.value.iter().zip(&rule.care);
+        let mut bytes = percept.iter().zip(demanded);
+        if bytes.all(|(byte, (value, care))| (byte ^ value) & care == 0) {
+            worth[usize::from(rule.action)] += u64::from(rule.worth) * u64::from(rule.weight);
+            weight[usize::from(rule.action)] += u64::from(rule.weight);
+        }
+    }
+    let mut best: Option<usize> = None;
+    for action in (0..ACTIONS).filter(|&action| weight[action] != 0) {
+        let is_greater = |best: usize| {
+            u128::from(worth[action]) * u128::from(weight[best])
+                > u128::from(worth[best]) * u128::from(weight[action])
+        };
+        if best.is_none_or(is_greater) {
+            best = Some(action);
+        }
+    }
+    best.map(|action| action as u8)
+}
+";
+
+/// The module.
+pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
+    let mut text = String::new();
+    for line in origin.lines() {
+        let _ = writeln!(text, "// {line}");
+    }
+    let _ = writeln!(
+        text,
+        "// {} rules vote in whole numbers. Compared with the run's own greedy choice in {}: the \
+         same.\n//\n// Bits of a percept; bit i is bit i % 8 of byte i / 8:",
+        ballot.votes().len(),
+        ballot.compared()
+    );
+    for bit in 0..ballot.width() {
+        let _ = writeln!(text, "// {bit:3}  {}", origin.bit(bit));
+    }
+    let _ = writeln!(
+        text,
+        "\n/// Bytes of a percept.\npub const PERCEPT_BYTES: usize = {};\n/// The names of the \
+         actions.\npub const ACTION_NAMES: [&str; ACTIONS] = [{}];\n/// The number of actions.\npub \
+         const ACTIONS: usize = {};\n",
+        ballot.bytes(),
+        names(ballot, origin),
+        ballot.actions()
+    );
+    text.push_str(&table(ballot));
+    text.push_str(DECIDE);
+    text
+}
+
+fn names(ballot: &Ballot, origin: &Origin) -> String {
+    let names = Action::all(ballot.actions()).map(|action| format!("{:?}", origin.action(action)));
+    names.collect::<Vec<_>>().join(", ")
+}
+
+fn table(ballot: &Ballot) -> String {
+    let size = ballot.size();
+    let mut text = format!(
+        "struct Rule {{\n    value: [u8; PERCEPT_BYTES],\n    care: [u8; PERCEPT_BYTES],\n    \
+         action: u8,\n    weight: u{},\n    worth: u{},\n}}\n\nstatic RULES: [Rule; {}] = [\n",
+        size.weight,
+        size.worth,
+        ballot.votes().len()
+    );
+    for vote in ballot.votes() {
+        let _ = writeln!(text, "    {},", row(ballot, vote));
+    }
+    text.push_str("];\n");
+    text
+}
+
+fn row(ballot: &Ballot, vote: &Vote) -> String {
+    let (value, care) = ballot.condition_bytes(&vote.condition);
+    let Vote { weight, worth, .. } = vote;
+    let action = vote.action.index();
+    format!(
+        "Rule {{ value: {value:?}, care: {care:?}, action: {action}, weight: {weight}, \
+         worth: {worth} }}"
+    )
+}
