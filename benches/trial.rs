@@ -96,6 +96,7 @@ fn train(plan: Plan, mode: RecordMode) -> Trial {
         sensor: plan.config.sensor,
         episodes: plan.config.episodes,
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
+        is_evaluation: false,
     };
     let recorder = Recorder::create(folder.path(), &plan.maze, info, mode);
     let mut recorder = recorder.expect("there is room for a recording");

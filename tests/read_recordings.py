@@ -33,6 +33,7 @@ SCHEMAS = {
     "/episode": "xcscr.Episode",
     "/curve": "xcscr.Curve",
     "/log": "foxglove.Log",
+    "/scene/caption": "foxglove.SceneUpdate",
 }
 ONLY_IN_EPISODES = {"/tf", "/scene/robot", "/contact", "/curve"}
 ATTACHED = {"world.json", "config.json"}

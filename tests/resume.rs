@@ -46,6 +46,7 @@ fn info(plan: &Plan) -> RunInfo {
         sensor: plan.config.sensor,
         episodes: plan.config.episodes,
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
+        is_evaluation: false,
     }
 }
 

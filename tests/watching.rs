@@ -115,7 +115,7 @@ fn what_recordings_hold_is_one_json_document() {
     assert_eq!(code, Some(0), "{stderr}");
     let shown: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let files = shown.as_array().unwrap();
-    assert_eq!(files.len(), 3);
+    assert_eq!(files.len(), 4);
     assert_eq!(files[1]["run"]["episode"], "2");
     assert!(files[0]["topics"].as_array().unwrap().len() > 5, "{stdout}");
     let (code, ..) = outcome(&["replay", run.to_str().unwrap(), "--json", "--serve"]);
@@ -209,14 +209,18 @@ fn the_links_name_the_files_and_the_layout_of_each_kind() {
         "{text}"
     );
     assert!(text.contains("The whole run in maze4\n"), "{text}");
+    assert!(
+        text.starts_with("The story of the run in maze4\n"),
+        "{text}"
+    );
     let count = |what: &str| text.matches(what).count();
     assert_eq!(
         count("ds.url=http%3A%2F%2F127.0.0.1%3A"),
-        2 * (10 + 1),
+        2 * (10 + 1 + 1),
         "{text}"
     );
-    assert_eq!(count("&layoutUrl=http%3A%2F%2F"), 2, "{text}");
-    assert_eq!(count("https://app.foxglove.dev/"), 2, "{text}");
+    assert_eq!(count("&layoutUrl=http%3A%2F%2F"), 3, "{text}");
+    assert_eq!(count("https://app.foxglove.dev/"), 3, "{text}");
 }
 
 #[test]
@@ -304,7 +308,7 @@ fn a_speed_that_makes_no_sense_is_refused() {
 }
 
 /// When the program changes what a run gives, make the sample anew: `cargo run -- train
-/// worlds/maze4.json --out RUN`, then copy `RUN/ep-0065.mcap` over it.
+/// worlds/maze4.json --out RUN`, then copy `RUN/story.mcap` over it.
 #[test]
 fn the_sample_in_the_repository_is_sound_small_and_the_same_as_a_new_run() {
     let sample = "recordings/sample-maze4.mcap";

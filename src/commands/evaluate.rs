@@ -1,9 +1,12 @@
 //! `xcscr evaluate`: the greedy policy put to the test.
 
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
+use xcscr::disk;
+use xcscr::run::{clear_evaluation, record_evaluation};
 use xcscr::trial::{Evaluation, Plan};
 
 use super::choices::{self, SettingsArgs};
@@ -26,6 +29,15 @@ pub struct EvaluateArgs {
     seed: u64,
     #[command(flatten)]
     settings: SettingsArgs,
+    /// Record every episode as training does, to be watched and verified.
+    #[arg(long)]
+    record: bool,
+    /// The folder of the recordings [default: that of the run, with `-evaluation` at its end].
+    #[arg(long, value_name = "DIR", requires = "record")]
+    out: Option<PathBuf>,
+    /// Replace an earlier evaluation in that folder.
+    #[arg(long, requires = "record")]
+    force: bool,
     /// End with code 1 unless every episode takes a shortest path.
     #[arg(long)]
     require_optimal: bool,
@@ -48,11 +60,12 @@ impl EvaluateArgs {
 /// Evaluates and reports.
 pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
     let (plan, knowledge) = args.plan()?;
-    let evaluation = Evaluation::run(&plan, &knowledge, args.episodes)?;
+    let (evaluation, recorded) = evaluate(args, &plan, &knowledge)?;
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&evaluation)?)?;
     } else {
         print(&evaluation, &knowledge, out)?;
+        recorded.map_or(Ok(()), |folder| print_folder(&folder, out))?;
     }
     if args.require_optimal && !evaluation.is_optimal() {
         let Evaluation {
@@ -61,6 +74,27 @@ pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
         let message = format!("{optimal} of {episodes} episodes took a shortest path");
         return Err(Failure::new(Exit::Refuted, message));
     }
+    Ok(())
+}
+
+/// Evaluates; with `--record`, also the folder that holds the recordings.
+fn evaluate(
+    args: &EvaluateArgs,
+    plan: &Plan,
+    knowledge: &Knowledge,
+) -> Result<(Evaluation, Option<PathBuf>), Failure> {
+    if !args.record {
+        return Ok((Evaluation::run(plan, knowledge, args.episodes)?, None));
+    }
+    let folder = args.out.clone().unwrap_or_else(|| args.learned.beside());
+    clear_evaluation(&folder, args.force)?;
+    let (evaluation, _) = record_evaluation(plan, knowledge, args.episodes, &folder)?;
+    Ok((evaluation, Some(folder)))
+}
+
+fn print_folder(folder: &Path, out: &mut impl Write) -> Result<(), Failure> {
+    let typed = disk::typed(folder);
+    writeln!(out, "Recorded; watch it: xcscr replay {typed} --serve")?;
     Ok(())
 }
 

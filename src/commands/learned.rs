@@ -49,6 +49,16 @@ impl LearnedArgs {
         Ok((plan, knowledge))
     }
 
+    /// A folder beside it for what is made of it.
+    pub fn beside(&self) -> PathBuf {
+        let name = match self.run.is_dir() {
+            true => self.run.file_name(),
+            false => self.run.file_stem(),
+        };
+        let name = name.unwrap_or_default().to_string_lossy();
+        self.run.with_file_name(format!("{name}-evaluation"))
+    }
+
     /// A plan around a lone file of rules.
     fn plan_of_rules(&self, path: &Path) -> Result<Plan, Failure> {
         let world = self.world.as_ref().ok_or_else(|| {

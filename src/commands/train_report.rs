@@ -168,9 +168,10 @@ impl TrainReport {
         writeln!(out, "Recorded {files} files, {megabytes:.1} MB, in {dir}.")?;
         writeln!(
             out,
-            "Watch it: `xcscr replay {typed} --serve` prints links that open it in Foxglove or\n\
-             Lichtblick; or open its files there and import {dir}/foxglove-layout.json\n\
-             (for run.mcap: foxglove-layout-run.json)."
+            "Watch how it learned, in less than two minutes: the first link of\n  \
+               xcscr replay {typed} --serve\n\
+             or open story.mcap in Foxglove or Lichtblick, and import foxglove-layout.json\n\
+             (for run.mcap: foxglove-layout-run.json) from there."
         )?;
         Ok(())
     }

@@ -1,9 +1,15 @@
 //! What a recording says about the run it comes from.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use super::write::RecordMode;
 use crate::sensor::Sensor;
+
+/// The entry of the metadata record `run` that tells an evaluation from a training ...
+pub(super) const KIND: &str = "kind";
+/// ... and what it says; a training lacks it.
+pub(super) const EVALUATION: &str = "evaluation";
 
 /// The facts of a run that its recordings carry.
 #[derive(Debug, Clone)]
@@ -24,6 +30,8 @@ pub struct RunInfo {
     pub episodes: u32,
     /// What the robot looks like.
     pub robot: RobotShape,
+    /// Is nothing learned in it?
+    pub is_evaluation: bool,
 }
 
 impl RunInfo {
@@ -34,17 +42,22 @@ impl RunInfo {
         config.and_then(slip).unwrap_or(0.0)
     }
 
+    /// World, method and seed in a line.
+    pub(super) fn heading(&self, world: &str) -> String {
+        let (method, arena, sensor) = (&self.method, &self.arena, self.sensor.name());
+        format!("{world}: {method} on {arena}, {sensor}, seed {}", self.seed)
+    }
+
     /// The entries of the metadata record `run`.
     pub(super) fn metadata(
         &self,
         world: &str,
         mode: RecordMode,
-        episode: Option<u32>,
+        extent: Extent,
     ) -> BTreeMap<String, String> {
-        let file = episode.map_or_else(|| "run".to_owned(), |number| number.to_string());
         let entries = [
             ("arena", self.arena.clone()),
-            ("episode", file),
+            ("episode", extent.to_string()),
             ("episodes", self.episodes.to_string()),
             ("method", self.method.clone()),
             ("record", mode.to_string()),
@@ -53,7 +66,57 @@ impl RunInfo {
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
             ("world", world.to_owned()),
         ];
-        entries.map(|(key, text)| (key.to_owned(), text)).into()
+        let kind = self.is_evaluation.then(|| (KIND, EVALUATION.to_owned()));
+        let entries = entries.into_iter().chain(kind);
+        entries.map(|(key, text)| (key.to_owned(), text)).collect()
+    }
+}
+
+/// How much of a run a recording shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// All of it, but what happens more often than once per step.
+    Run,
+    /// Its turning points, and a drive of what was learned.
+    Story,
+    /// One episode, by its number from 1.
+    Episode(u32),
+}
+
+impl Extent {
+    /// The name of the file in the folder of a run.
+    pub fn file_name(self) -> String {
+        match self {
+            Self::Run => "run.mcap".to_owned(),
+            Self::Story => "story.mcap".to_owned(),
+            Self::Episode(number) => format!("ep-{number:04}.mcap"),
+        }
+    }
+
+    /// The episode, if it is one.
+    pub fn episode(self) -> Option<u32> {
+        match self {
+            Self::Episode(number) => Some(number),
+            Self::Run | Self::Story => None,
+        }
+    }
+
+    /// What the entry `episode` of the metadata record `run` says; the run for anything unknown.
+    pub fn of_entry(text: &str) -> Self {
+        match text {
+            "story" => Self::Story,
+            text => text.parse().map_or(Self::Run, Self::Episode),
+        }
+    }
+}
+
+impl fmt::Display for Extent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Run => f.write_str("run"),
+            Self::Story => f.write_str("story"),
+            Self::Episode(number) => write!(f, "{number}"),
+        }
     }
 }
 

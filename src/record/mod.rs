@@ -9,16 +9,18 @@ mod info;
 mod read;
 mod repair;
 mod serve;
+mod story;
 mod topics;
 mod write;
 
 pub use error::RecordError;
-pub use info::{RobotShape, RunInfo};
+pub use info::{Extent, RobotShape, RunInfo};
 pub use read::{Difference, Finding, FindingKind, check, check_recording, compare, reader};
 pub use repair::{Recovery, recover};
 #[cfg(feature = "live")]
 pub use serve::live;
 pub use serve::{gate, server};
+pub use story::{Chapter, Teller, chapters};
 pub use topics::Topic;
 pub use write::{
     RecordMode, RecordModeError, RecordSummary, Recorder, RecorderMemory, Tap, layout,

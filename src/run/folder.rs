@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::error::{RunFolderError, way_on};
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK, LockError};
+use crate::record::Extent;
 use crate::trial::{CheckpointError, Config, Plan, is_sealed, seal, unseal};
 use crate::world::Maze;
 
@@ -24,8 +25,9 @@ const RULES: &str = "rules.json";
 /// The run as it was a moment ago, while it lasts.
 const CHECKPOINT: &str = "checkpoint";
 /// What recordings leave beside numbered episodes.
-const RECORDINGS: [&str; 3] = [
+const RECORDINGS: [&str; 4] = [
     "run.mcap",
+    "story.mcap",
     "foxglove-layout.json",
     "foxglove-layout-run.json",
 ];
@@ -198,6 +200,16 @@ impl RunFolder {
         self.read(RULES)
     }
 
+    /// Saves the story of the run; where, and how many bytes it has.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn save_story(&self, story: &[u8]) -> Result<(PathBuf, u64), RunFolderError> {
+        let name = Extent::Story.file_name();
+        self.write(&name, story)?;
+        Ok((self.path.join(name), story.len() as u64))
+    }
+
     /// Saves where the run is, in place of an earlier checkpoint.
     ///
     /// # Errors
@@ -338,7 +350,7 @@ fn was_written_by_a_run(path: &Path) -> io::Result<bool> {
 }
 
 /// Is this one of the names that runs give to files?
-fn is_of_a_run(name: &str) -> bool {
+pub(super) fn is_of_a_run(name: &str) -> bool {
     let whole = name.strip_suffix(".part").unwrap_or(name);
     let number = whole
         .strip_prefix("ep-")

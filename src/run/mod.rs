@@ -2,6 +2,7 @@
 //!
 //! [`Session`] trains and records into a [`RunFolder`], and resumes what was stopped; [`Source`]
 //! tells what run a recording comes from, and [`Again`] makes that run again to compare the bytes.
+//! [`story_of`] a run shows its turning points in less than two minutes.
 //!
 //! # Example
 //! ```
@@ -13,18 +14,22 @@
 //! let folder = RunFolder::create(&parent.path().join("run"), false)?;
 //! let trial = Trial::new(Plan::new(maze).episodes(3))?;
 //! let run = Session::begin(folder, trial, RecordMode::All)?.run(&mut (), &|| false)?;
-//! assert_eq!(run.recording.files.len(), 4); // three episodes and run.mcap
+//! assert_eq!(run.recording.files.len(), 5); // three episodes, run.mcap and story.mcap
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod error;
+mod evaluation;
 mod folder;
 mod session;
 mod source;
+mod story;
 mod verify;
 
 pub use error::{RunError, RunFolderError};
+pub use evaluation::{clear_evaluation, record_evaluation};
 pub use folder::RunFolder;
 pub use session::{Finished, Resumed, Session};
 pub use source::Source;
+pub use story::{story_again, story_of};
 pub use verify::Again;

@@ -1,12 +1,15 @@
 //! A run under way: it loses at most a moment of work, however it is stopped.
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
 use super::error::RunError;
 use super::folder::RunFolder;
+use super::story;
+use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::record::{
     RecordMode, RecordSummary, Recorder, RecorderMemory, RobotShape, RunInfo, Tap,
@@ -125,12 +128,19 @@ impl Session {
             recorder,
             ..
         } = self;
+        let mode = recorder.mode();
         let recording = recorder.finish(trial.method());
-        let recording = recording.map_err(|error| resumable(error.into()))?;
-        folder
-            .save_knowledge(&trial.method().knowledge())
-            .and_then(|()| folder.remove_checkpoint())
-            .map_err(|error| resumable(error.into()))?;
+        let mut recording = recording.map_err(|error| resumable(error.into()))?;
+        let knowledge = trial.method().knowledge();
+        let saved = folder.save_knowledge(&knowledge).map_err(RunError::from);
+        saved.map_err(resumable)?;
+        if mode == RecordMode::All {
+            let told = tell(&folder, &trial, &knowledge).map_err(resumable)?;
+            recording.files.push(told.0);
+            recording.bytes += told.1;
+        }
+        let ended = folder.remove_checkpoint();
+        ended.map_err(|error| resumable(error.into()))?;
         Ok(Finished {
             trial,
             folder,
@@ -182,6 +192,16 @@ impl Session {
     }
 }
 
+/// Tells the story of a run whose episodes are all recorded; its file, and how many bytes it has.
+fn tell(
+    folder: &RunFolder,
+    trial: &Trial,
+    knowledge: &Knowledge,
+) -> Result<(PathBuf, u64), RunError> {
+    let story = story::tell(folder.path(), trial.plan(), knowledge)?;
+    Ok(folder.save_story(&story)?)
+}
+
 /// What the recordings of a run say about it.
 pub(super) fn run_info(plan: &Plan) -> RunInfo {
     let config = &plan.config;
@@ -194,5 +214,6 @@ pub(super) fn run_info(plan: &Plan) -> RunInfo {
         sensor: config.sensor,
         episodes: config.episodes,
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
+        is_evaluation: false,
     }
 }

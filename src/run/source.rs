@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::error::RunError;
-use crate::record::RecordMode;
+use crate::agent::Knowledge;
 use crate::record::reader::Recording;
+use crate::record::{Extent, RecordMode};
 use crate::trial::Plan;
 use crate::world::Maze;
 
@@ -14,8 +15,10 @@ pub struct Source {
     pub plan: Plan,
     /// Which episodes were kept.
     pub mode: RecordMode,
-    /// The episode that it shows; `None` for the whole run.
-    pub episode: Option<u32>,
+    /// How much of the run it shows.
+    pub extent: Extent,
+    /// Of an evaluation: what was learned before.
+    pub evaluated: Option<Knowledge>,
     /// The whole file.
     pub bytes: Vec<u8>,
 }
@@ -46,8 +49,36 @@ impl Source {
         Ok(Self {
             plan: Plan { maze, config },
             mode,
-            episode: entry("episode").parse().ok(),
+            evaluated: match recording.is_evaluation() {
+                true => Some(evaluated(file, &recording)?),
+                false => None,
+            },
+            extent: Extent::of_entry(entry("episode")),
             bytes: recording.bytes().to_vec(),
         })
     }
+}
+
+/// What an evaluation put to the test: attached to its `run.mcap`, which lies beside its episodes.
+fn evaluated(file: &Path, recording: &Recording) -> Result<Knowledge, RunError> {
+    const RULES: &str = "rules.json";
+    let beside = file.with_file_name(Extent::Run.file_name());
+    let attached = match recording.attachment(RULES) {
+        Some(rules) => Some(rules.to_owned()),
+        None => {
+            let run = Recording::open(&beside).ok();
+            run.and_then(|run| run.attachment(RULES).map(<[u8]>::to_owned))
+        }
+    };
+    let damaged = |fault: String| RunError::Recording {
+        file: file.to_owned(),
+        fault,
+    };
+    let rules = attached.ok_or_else(|| {
+        let beside = beside.display();
+        damaged(format!(
+            "its rules are attached to {beside}, which cannot be read"
+        ))
+    })?;
+    serde_json::from_slice(&rules).map_err(|fault| damaged(format!("{RULES}: {fault}")))
 }

@@ -7,16 +7,22 @@ use std::path::Path;
 use tempfile::TempDir;
 
 use super::error::RunError;
+use super::evaluation::record_evaluation;
 use super::session::run_info;
 use super::source::Source;
+use super::story;
+use crate::agent::Knowledge;
 use crate::episode::Observer;
-use crate::record::{self, RecordMode, Recorder};
+use crate::record::{self, Extent, RecordMode, Recorder};
 use crate::trial::{Plan, Trial};
 
 /// A recorded run that was made again, into a folder that goes away with this.
 pub struct Again {
     plan: Plan,
     mode: RecordMode,
+    is_evaluation: bool,
+    /// What it ended with.
+    knowledge: Knowledge,
     folder: TempDir,
 }
 
@@ -28,6 +34,17 @@ impl Again {
     pub fn new(source: &Source, observer: &mut dyn Observer) -> Result<Self, RunError> {
         let (plan, mode) = (&source.plan, source.mode);
         let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
+        if let Some(knowledge) = &source.evaluated {
+            let episodes = plan.config.episodes;
+            record_evaluation(plan, knowledge, episodes, folder.path())?;
+            return Ok(Self {
+                plan: plan.clone(),
+                mode,
+                is_evaluation: true,
+                knowledge: knowledge.clone(),
+                folder,
+            });
+        }
         let mut trial = Trial::new(plan.clone())?;
         let mut recorder = Recorder::create(folder.path(), &plan.maze, run_info(plan), mode)?;
         // A break comes from the recorder, whose error `finish` gives out.
@@ -36,13 +53,19 @@ impl Again {
         Ok(Self {
             plan: plan.clone(),
             mode,
+            is_evaluation: false,
+            knowledge: trial.method().knowledge(),
             folder,
         })
     }
 
     /// Is this the run that another recording comes from?
     pub fn serves(&self, source: &Source) -> bool {
-        self.mode == source.mode && self.plan == source.plan
+        let same_rules = match &source.evaluated {
+            Some(knowledge) => self.is_evaluation && *knowledge == self.knowledge,
+            None => !self.is_evaluation,
+        };
+        self.mode == source.mode && self.plan == source.plan && same_rules
     }
 
     /// The first difference between a recording and that of this run, in words.
@@ -50,11 +73,16 @@ impl Again {
     /// # Errors
     /// When one of the two cannot be read.
     pub fn difference(&self, source: &Source) -> Result<Option<String>, RunError> {
-        let name = match source.episode {
-            None => "run.mcap".to_owned(),
-            Some(episode) => format!("ep-{episode:04}.mcap"),
+        let name = source.extent.file_name();
+        let bytes = match source.extent {
+            Extent::Story => Ok(story::tell(
+                self.folder.path(),
+                &self.plan,
+                &self.knowledge,
+            )?),
+            Extent::Run | Extent::Episode(_) => self.read(&name),
         };
-        let bytes = match self.read(&name) {
+        let bytes = match bytes {
             Ok(bytes) => bytes,
             Err(_) => {
                 let episodes = self.plan.config.episodes;

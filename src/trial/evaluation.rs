@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::{Plan, PlanError};
 use crate::agent::{Explorer, Frozen, Knowledge};
-use crate::episode::{self, Ending};
+use crate::episode::{self, Ending, Observer};
 use crate::streams::StreamName;
 use crate::world::{Paths, Starts};
 use xcs::random::Stream;
@@ -47,6 +47,19 @@ impl Evaluation {
     /// # Errors
     /// When the plan cannot be run, or the knowledge is that of another world.
     pub fn run(plan: &Plan, knowledge: &Knowledge, episodes: u32) -> Result<Self, PlanError> {
+        Self::observed(plan, knowledge, episodes, &mut ())
+    }
+
+    /// The same, while somebody watches who may end it after any episode.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn observed(
+        plan: &Plan,
+        knowledge: &Knowledge,
+        episodes: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, PlanError> {
         plan.check()?;
         let Plan { maze, config } = &plan.clone().settled();
         knowledge.check(config.sensor.width(maze), maze.action_count())?;
@@ -63,17 +76,20 @@ impl Evaluation {
                 .nth(maze, starts.below(cells.count()))
                 .expect("a checked maze has a start cell");
             let arena = &mut *arena;
-            let (episode, _) = episode::run(
+            let (episode, flow) = episode::run(
                 number,
                 start,
                 arena,
                 config.sensor,
                 &mut policy,
                 &mut greedy,
-                &mut (),
+                observer,
             );
             sums.add(&episode, paths.distance(maze, start).unwrap_or(0));
             sums.expected += paths.expected_steps(maze, start).unwrap_or(0.0);
+            if flow.is_break() {
+                break;
+            }
         }
         let mean = |sum: u64| sum as f64 / f64::from(episodes.max(1));
         Ok(Self {

@@ -56,6 +56,13 @@ impl Config {
         })
     }
 
+    /// Does the robot only know what it senses, instead of its true pose?
+    pub fn senses(&self) -> bool {
+        let localisation = self.settings.physics.localisation;
+        self.arena == ArenaKind::Physics
+            && (self.sensor.is_sensed() || localisation == Localisation::Estimated)
+    }
+
     /// The noise level: 0 on the grid.
     pub fn noise(&self) -> f64 {
         match self.arena {

@@ -55,6 +55,7 @@ impl Trial {
             sensor: Sensor::Neighbours,
             episodes: self.episodes,
             robot: RobotShape::for_cell(maze.cell_size_m()),
+            is_evaluation: false,
         }
     }
 

@@ -2,6 +2,7 @@
 //! the same bytes.
 
 mod serve;
+mod story;
 mod stream;
 mod verify;
 
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use xcscr::record::reader::{Recording, TopicInfo};
 
-use super::failure::Failure;
+use super::failure::{Exit, Failure};
 use super::live::{LIVE_PORT, LiveArgs};
 use super::source::recordings;
 
@@ -28,6 +29,15 @@ pub struct ReplayArgs {
     /// Serve the recordings on this machine only, and print links that open them in a viewer.
     #[arg(long, conflicts_with_all = ["verify", "live"])]
     serve: bool,
+    /// Write the story of one run, which shows in less than two minutes how it learned.
+    #[arg(long, requires = "output", conflicts_with_all = ["verify", "serve", "live", "json"])]
+    story: bool,
+    /// The file to write the story to (.mcap).
+    #[arg(short, long, value_name = "FILE", requires = "story")]
+    output: Option<PathBuf>,
+    /// Replace that file if it exists.
+    #[arg(long, requires = "story")]
+    force: bool,
     #[command(flatten)]
     live: LiveArgs,
     /// The port for `--serve` and `--live` [default: any that is free, 8765].
@@ -40,6 +50,15 @@ pub struct ReplayArgs {
 
 /// Shows, serves, streams or verifies recordings.
 pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+    if let Some(output) = &args.output {
+        return match &args.recordings[..] {
+            [run] => story::run(run, output, args.force),
+            _ => Err(Failure::new(
+                Exit::Usage,
+                "a story is that of one run".to_owned(),
+            )),
+        };
+    }
     let mut files = Vec::new();
     for path in &args.recordings {
         files.extend(recordings(path)?);
@@ -49,7 +68,9 @@ pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     } else if args.verify {
         verify::run(&files, args.json, out)
     } else if args.serve {
-        serve::run(&files, args.port.unwrap_or(0), &args.live.allow_origin, out)
+        let shown = story::tell_missing(&args.recordings, files)?;
+        let port = args.port.unwrap_or(0);
+        serve::run(&shown.files, port, &args.live.allow_origin, out)
     } else {
         show(&files, args.json, out)
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
+use xcscr::record::Extent;
 use xcscr::record::gate::Origin;
 use xcscr::record::layout;
 use xcscr::record::server::{Content, Server, foxglove_link, lichtblick_link};
@@ -45,44 +46,58 @@ pub fn run(
 /// Recordings that one layout fits.
 struct Group {
     maze: Maze,
-    whole_runs: bool,
+    kind: Kind,
     files: Vec<PathBuf>,
+}
+
+/// What they show, in the order in which they are offered.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    Story,
+    Run,
+    Episodes,
 }
 
 impl Group {
     fn name(&self) -> String {
-        let what = if self.whole_runs {
-            "The whole run"
-        } else {
-            "Episodes"
+        let what = match self.kind {
+            Kind::Story => "The story of the run",
+            Kind::Run => "The whole run",
+            Kind::Episodes => "Episodes",
         };
         format!("{what} in {}", self.maze.name())
     }
 
     fn layout(&self) -> String {
-        match self.whole_runs {
-            true => layout::of_run(&self.maze),
-            false => layout::of_episode(&self.maze),
+        match self.kind {
+            Kind::Run => layout::of_run(&self.maze),
+            Kind::Story | Kind::Episodes => layout::of_episode(&self.maze),
         }
     }
 }
 
-/// The files maze by maze, episodes apart from whole runs.
+/// The files maze by maze and kind by kind, stories first.
 fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
     let mut groups: Vec<Group> = Vec::new();
     for file in files {
         let source = Source::of(file)?;
-        let (maze, whole_runs) = (source.plan.maze, source.episode.is_none());
-        let fits = |group: &&mut Group| group.maze == maze && group.whole_runs == whole_runs;
+        let maze = source.plan.maze;
+        let kind = match source.extent {
+            Extent::Story => Kind::Story,
+            Extent::Run => Kind::Run,
+            Extent::Episode(_) => Kind::Episodes,
+        };
+        let fits = |group: &&mut Group| group.maze == maze && group.kind == kind;
         match groups.iter_mut().find(fits) {
             Some(group) => group.files.push(file.clone()),
             None => groups.push(Group {
                 maze,
-                whole_runs,
+                kind,
                 files: vec![file.clone()],
             }),
         }
     }
+    groups.sort_by_key(|group| group.kind);
     Ok(groups)
 }
 

@@ -3,17 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use xcscr::record::Topic;
 use xcscr::record::reader::Recording;
+use xcscr::record::{Extent, Topic};
 
 use crate::commands::failure::Failure;
 use crate::commands::live::Broadcast;
 
 /// Streams all files in order, then stays until the last viewer has gone. Ctrl-C ends it. Beside
-/// episodes, the recording of the whole run is left out: its time would jump back.
+/// episodes, the recording of the whole run and the story are left out: time would jump back.
 pub fn run(files: &[PathBuf], mut broadcast: Broadcast) -> Result<(), Failure> {
-    let is_whole_run = |file: &&PathBuf| file.ends_with("run.mcap");
-    let episodes = files.iter().filter(|file| !is_whole_run(file));
+    let apart = [Extent::Run, Extent::Story].map(Extent::file_name);
+    let is_apart = |file: &&PathBuf| apart.iter().any(|name| file.ends_with(name));
+    let episodes = files.iter().filter(|file| !is_apart(file));
     let streamed: Vec<_> = match episodes.clone().next() {
         Some(_) => episodes.collect(),
         None => files.iter().collect(),

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::reader::Recording;
 use crate::record::error::RecordError;
+use crate::record::info::Extent;
 use crate::record::topics::Topic;
 use crate::record::write::layout;
 use crate::world::Maze;
@@ -16,7 +17,7 @@ const GRID_GAP_NS: u64 = 1_000_000_000;
 const DRIVE_GAP_NS: u64 = 600_000_000;
 /// What every recording carries.
 const ATTACHED: [&str; 2] = ["world.json", "config.json"];
-/// What that of a whole run carries beside.
+/// What that of a whole run or a story carries beside.
 const ATTACHED_TO_RUN: [&str; 1] = ["foxglove-layout.json"];
 
 /// Something that is wrong with a recording.
@@ -88,10 +89,9 @@ fn finding(kind: FindingKind, what: String) -> Finding {
 }
 
 fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
-    let of_run: &[&str] = if is_run(recording) {
-        &ATTACHED_TO_RUN
-    } else {
-        &[]
+    let of_run: &[&str] = match extent(recording) {
+        Some(Extent::Run | Extent::Story) => &ATTACHED_TO_RUN,
+        _ => &[],
     };
     for &name in ATTACHED.iter().chain(of_run) {
         let data = recording.attachment(name);
@@ -108,15 +108,15 @@ fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
     }
 }
 
-/// Is it the file of a whole run?
-fn is_run(recording: &Recording) -> bool {
-    let episode = recording.metadata("run").and_then(|run| run.get("episode"));
-    episode.is_some_and(|episode| episode == "run")
+/// How much of its run it shows, if it says so.
+fn extent(recording: &Recording) -> Option<Extent> {
+    let entry = recording.metadata("run")?.get("episode")?;
+    Some(Extent::of_entry(entry))
 }
 
 fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
     let present = recording.topics();
-    let expected: &[Topic] = if is_run(recording) {
+    let expected: &[Topic] = if extent(recording) == Some(Extent::Run) {
         &Topic::OF_RUN
     } else {
         let estimate = Topic::Estimate.name();

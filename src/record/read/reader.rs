@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::parse::parse_record;
 use crate::disk;
 use crate::record::error::RecordError;
+use crate::record::info::{EVALUATION, KIND};
 
 /// The opcode and the length before each record.
 pub(in crate::record) const HEAD_BYTES: usize = 9;
@@ -177,6 +178,14 @@ impl Recording {
         }
     }
 
+    /// That it makes no sense, for this reason.
+    pub(in crate::record) fn damaged(&self, cause: String) -> RecordError {
+        RecordError::Damaged {
+            path: self.path.clone(),
+            cause,
+        }
+    }
+
     /// The name under which it was opened.
     pub fn path(&self) -> &Path {
         &self.path
@@ -240,6 +249,12 @@ impl Recording {
     /// A metadata record, such as `run`.
     pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
         self.metadata.get(name)
+    }
+
+    /// Does it show what was learned before, instead of learning?
+    pub fn is_evaluation(&self) -> bool {
+        let kind = self.metadata("run").and_then(|run| run.get(KIND));
+        kind.is_some_and(|kind| kind == EVALUATION)
     }
 
     /// How many messages the file's own index claims, by topic.

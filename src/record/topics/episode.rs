@@ -1,4 +1,4 @@
-//! `/episode`: the figures of an episode, at its end.
+//! `/episode`: that an episode runs, at its start; its figures, at its end.
 
 use foxglove::Schema;
 use serde::Serialize;
@@ -55,10 +55,33 @@ impl EpisodeRecord {
     }
 }
 
+/// An episode that runs; what its end will tell is left out.
+#[derive(Debug, Serialize)]
+pub(in crate::record) struct Running {
+    episode: u32,
+    outcome: &'static str,
+    optimal: bool,
+}
+
+impl Running {
+    /// Episode `episode` begins, while the greedy policy is optimal or not.
+    pub fn new(episode: u32, optimal: bool) -> Self {
+        Self {
+            episode,
+            outcome: "running",
+            optimal,
+        }
+    }
+}
+
 pub(super) fn schema() -> Schema {
     let fields = [
         ("episode", Kind::Count, "from 1"),
-        ("outcome", Kind::Text, "goal or step-limit"),
+        (
+            "outcome",
+            Kind::Text,
+            "running, goal, or step-limit; the rest is told at the end",
+        ),
         ("steps", Kind::Count, "steps taken"),
         ("collisions", Kind::Count, "steps that hit a wall"),
         ("explored", Kind::Count, "steps chosen by chance"),

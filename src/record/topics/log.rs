@@ -16,6 +16,11 @@ pub(in crate::record) fn began(episode: u32, time_ns: u64) -> Log {
     )
 }
 
+/// A chapter of the story begins, or ends.
+pub(in crate::record) fn told(text: &str, time_ns: u64) -> Log {
+    line(time_ns, Level::Info, "story", text.to_owned())
+}
+
 /// A collision; `None` if the step had none.
 pub(in crate::record) fn collision(step: &Step<'_>, time_ns: u64) -> Option<Log> {
     let Outcome::Collided { impulse_ns } = step.outcome else {

@@ -3,6 +3,7 @@
 //! After a seek a viewer is given only the last message of each topic. So what changes at
 //! different times has topics of its own, and every message is complete in itself.
 
+pub(super) mod caption;
 pub(super) mod contact;
 pub(super) mod curve;
 pub(super) mod episode;
@@ -17,6 +18,8 @@ pub(super) mod step;
 pub(super) mod trail;
 pub(super) mod transforms;
 pub(super) mod worth;
+
+pub(super) use scene::timestamp;
 
 use foxglove::messages::{FrameTransforms, Grid, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
@@ -46,6 +49,8 @@ pub enum Topic {
     Curve,
     /// `/log`: what happened, in words.
     Log,
+    /// `/scene/caption`: what is shown, in words.
+    Caption,
     /// `/estimate`: where a robot that only senses believes to be, and how much it is mistaken.
     Estimate,
     /// `/scene/estimate`: the same as a picture.
@@ -54,7 +59,7 @@ pub enum Topic {
 
 impl Topic {
     /// Every topic, in the order of their declaration.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Transforms,
         Self::Maze,
         Self::Robot,
@@ -66,13 +71,14 @@ impl Topic {
         Self::Episode,
         Self::Curve,
         Self::Log,
+        Self::Caption,
         Self::Estimate,
         Self::Ghost,
     ];
     /// How many topics, the first ones, an episode has of a robot that is told where it is.
-    const TOLD: usize = 11;
+    const TOLD: usize = 12;
     /// The topics of `run.mcap`: what happens once per step or more rarely.
-    pub const OF_RUN: [Self; 7] = [
+    pub const OF_RUN: [Self; 8] = [
         Self::Maze,
         Self::Policy,
         Self::Worth,
@@ -80,6 +86,7 @@ impl Topic {
         Self::Step,
         Self::Episode,
         Self::Log,
+        Self::Caption,
     ];
 
     /// The topics of an episode's file; more when the robot senses where it is.
@@ -104,6 +111,7 @@ impl Topic {
             Self::Episode => "/episode",
             Self::Curve => "/curve",
             Self::Log => "/log",
+            Self::Caption => "/scene/caption",
             Self::Estimate => "/estimate",
             Self::Ghost => "/scene/estimate",
         }
@@ -118,7 +126,7 @@ impl Topic {
     pub(super) fn schema(self) -> Schema {
         let well_known = match self {
             Self::Transforms => FrameTransforms::get_schema(),
-            Self::Maze | Self::Robot | Self::Policy | Self::Trail | Self::Ghost => {
+            Self::Maze | Self::Robot | Self::Policy | Self::Trail | Self::Caption | Self::Ghost => {
                 SceneUpdate::get_schema()
             }
             Self::Worth => Grid::get_schema(),

@@ -16,7 +16,7 @@ pub(super) const ROBOT: &str = "robot";
 pub(super) const ESTIMATE: &str = "estimate";
 
 /// A time of the simulation clock.
-pub(super) fn timestamp(time_ns: u64) -> Timestamp {
+pub(in crate::record) fn timestamp(time_ns: u64) -> Timestamp {
     const SECOND: u64 = 1_000_000_000;
     let sec = u32::try_from(time_ns / SECOND).unwrap_or(u32::MAX);
     Timestamp::new(sec, (time_ns % SECOND) as u32)

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::record::topics::caption;
 use crate::world::Maze;
 
 const EPISODE: &str = include_str!("../../../assets/foxglove-layout.json");
@@ -30,12 +31,12 @@ fn fitted(layout: &str, maze: &Maze) -> String {
     layout.to_string()
 }
 
-/// Puts the camera where a panel a little wider than high shows the whole maze.
+/// Puts the camera where a panel a little wider than high shows the whole maze and its caption.
 fn aim(camera: &mut Value, maze: &Maze) {
     let unit = maze.cell_size_m();
     let (wide, high) = (
         f64::from(maze.width()) * unit,
-        f64::from(maze.height()) * unit,
+        f64::from(maze.height()) * unit + caption::height_m(maze),
     );
     // Half the field of view is 22.5 degrees; tilted by 35 degrees, the near edge comes closer
     // by 0.29 of the height and looks 0.82 as high.

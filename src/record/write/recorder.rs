@@ -17,13 +17,10 @@ use crate::arena::View;
 use crate::disk;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
 use crate::record::error::RecordError;
-use crate::record::info::RunInfo;
+use crate::record::info::{Extent, RunInfo};
 use crate::record::topics::Topic;
 use crate::record::topics::curve::Curve;
 use crate::world::Maze;
-
-/// The file of the whole run.
-const RUN_FILE: &str = "run.mcap";
 
 /// Writes one MCAP file per episode, `ep-0001.mcap` and so on, and `run.mcap` with what happens
 /// once per step or more rarely. The same run gives the same bytes.
@@ -137,7 +134,7 @@ impl Recorder {
     /// `run.mcap.part` with its first `messages` messages only. When the run was stopped on its
     /// last steps, it may have its final name already.
     fn rebuilt_run(&self, maze: &Maze, messages: u64) -> Result<OpenFile, RecordError> {
-        let whole = self.folder.join(RUN_FILE);
+        let whole = self.folder.join(Extent::Run.file_name());
         let part = disk::part(&whole);
         let source = if part.exists() { part } else { whole };
         // Aside, so that nothing is lost if this is stopped, too.
@@ -153,7 +150,7 @@ impl Recorder {
             mode,
             world: maze.name().to_owned(),
             layout: layout::of_episode(maze),
-            scribe: Scribe::new(maze, info.robot, info.slip()),
+            scribe: Scribe::new(maze, &info),
             info,
             outbox: Outbox::default(),
             kept: Vec::new(),
@@ -161,6 +158,16 @@ impl Recorder {
             clock_ns: 0,
             error: None,
         }
+    }
+
+    /// Shows from the first moment what was learned elsewhere.
+    pub fn know(&mut self, method: &dyn Agent, maze: &Maze) {
+        self.scribe.know(method, self.info.sensor, maze);
+    }
+
+    /// Which episodes are kept.
+    pub fn mode(&self) -> RecordMode {
+        self.mode
     }
 
     /// From now on also tells `tap` what the files of episodes are told, kept or not.
@@ -199,7 +206,12 @@ impl Recorder {
         }
         let kept = std::mem::take(&mut self.kept).into_iter();
         let mut files: Vec<_> = kept
-            .map(|(episode, bytes)| (self.folder.join(episode_file(episode)), bytes))
+            .map(|(episode, bytes)| {
+                (
+                    self.folder.join(Extent::Episode(episode).file_name()),
+                    bytes,
+                )
+            })
             .collect();
         if let Some(mut run) = self.outbox.run.take() {
             let rules = rules_json(method);
@@ -230,23 +242,23 @@ impl Recorder {
     }
 
     fn open_run(&self, maze: &Maze, extension: &str) -> Result<OpenFile, RecordError> {
-        let file = OpenFile::create_as(&self.folder, RUN_FILE, extension)?;
-        self.introduce(file, None, &layout::of_run(maze), &Topic::OF_RUN)
+        let file = OpenFile::create_as(&self.folder, &Extent::Run.file_name(), extension)?;
+        self.introduce(file, Extent::Run, &layout::of_run(maze), &Topic::OF_RUN)
     }
 
     /// Begins a file with the facts of the run and its topics.
     fn introduce(
         &self,
         mut file: OpenFile,
-        episode: Option<u32>,
+        extent: Extent,
         layout: &str,
         topics: &[Topic],
     ) -> Result<OpenFile, RecordError> {
         file.with(|log| {
-            log.metadata("run", self.info.metadata(&self.world, self.mode, episode))?;
+            log.metadata("run", self.info.metadata(&self.world, self.mode, extent))?;
             log.attach("world.json", self.clock_ns, &self.info.world_json)?;
             log.attach("config.json", self.clock_ns, &self.info.config_json)?;
-            if episode.is_none() {
+            if extent == Extent::Run {
                 log.attach("foxglove-layout.json", self.clock_ns, layout)?;
             }
             log.declare(topics)
@@ -257,10 +269,10 @@ impl Recorder {
     fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), RecordError> {
         self.clock_ns = view.now().time_ns;
         if self.mode.wants(episode) {
-            let file = OpenFile::create(&self.folder, &episode_file(episode))?;
+            let file = OpenFile::create(&self.folder, &Extent::Episode(episode).file_name())?;
             let file = self.introduce(
                 file,
-                Some(episode),
+                Extent::Episode(episode),
                 &self.layout,
                 Topic::of_episode(view.sensed.is_some()),
             )?;
@@ -307,7 +319,7 @@ impl Recorder {
 
     fn drop_kept(&mut self) -> Result<(), RecordError> {
         for (episode, _) in std::mem::take(&mut self.kept) {
-            let path = self.folder.join(episode_file(episode));
+            let path = self.folder.join(Extent::Episode(episode).file_name());
             // It is gone already when this episode is run for the second time.
             disk::remove(&path).map_err(|cause| RecordError::Write {
                 path,
@@ -342,10 +354,6 @@ impl Observer for Recorder {
             None => ControlFlow::Continue(()),
         }
     }
-}
-
-fn episode_file(episode: u32) -> String {
-    format!("ep-{episode:04}.mcap")
 }
 
 /// What a learner knows, as the text of `rules.json`.

@@ -1,18 +1,21 @@
 //! Who writes down what is seen: turns events into messages, in the order of time.
 
 use super::outbox::{For, Outbox};
+use crate::agent::Agent;
 use crate::arena::{Contact, Sample, View};
 use crate::episode::{Episode, FaultFinder, Learned, PolicyMap, Step};
 use crate::record::error::RecordError;
-use crate::record::info::RobotShape;
+use crate::record::info::{RobotShape, RunInfo};
+use crate::record::topics::caption::Caption;
 use crate::record::topics::contact::ContactRecord;
 use crate::record::topics::curve::Curve;
-use crate::record::topics::episode::{EpisodeRecord, Outlook};
+use crate::record::topics::episode::{EpisodeRecord, Outlook, Running};
 use crate::record::topics::estimate::{self, EstimateRecord};
 use crate::record::topics::step::StepRecord;
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
 use crate::record::topics::{Topic, log, maze, policy, robot, worth};
+use crate::sensor::Sensor;
 use crate::world::{Cell, Maze, Paths};
 
 /// Poses are written at most every 50 ms, and where a move ends.
@@ -23,6 +26,9 @@ const POSES_AHEAD: usize = 10;
 /// Keeps what messages need beyond the event that they report.
 pub(super) struct Scribe {
     robot: RobotShape,
+    heading: String,
+    /// What an episode is called, and how many there are.
+    episodes: (&'static str, u32),
     transforms: Transforms,
     trail: Trail,
     curve: Curve,
@@ -40,13 +46,18 @@ pub(super) struct Scribe {
 }
 
 impl Scribe {
-    pub fn new(maze: &Maze, robot: RobotShape, slip: f64) -> Self {
+    pub fn new(maze: &Maze, info: &RunInfo) -> Self {
         Self {
-            robot,
+            robot: info.robot,
+            heading: info.heading(maze.name()),
+            episodes: match info.is_evaluation {
+                true => ("Greedy drive", info.episodes),
+                false => ("Episode", info.episodes),
+            },
             transforms: Transforms::default(),
             trail: Trail::new(maze),
             curve: Curve::default(),
-            paths: Paths::with_slip(maze, slip),
+            paths: Paths::with_slip(maze, info.slip()),
             faults: FaultFinder::default(),
             start: None,
             policy: None,
@@ -68,6 +79,13 @@ impl Scribe {
         self.was_optimal = was_optimal;
         self.policy = Some(policy);
         self.maze_shown = true;
+    }
+
+    /// Begins with what was learned elsewhere.
+    pub fn know(&mut self, method: &dyn Agent, sensor: Sensor, maze: &Maze) {
+        self.policy = Some(PolicyMap::of(method, sensor, maze));
+        let fault = self.faults.find(method, sensor, maze, &self.paths);
+        self.was_optimal = fault.is_none();
     }
 
     /// An episode begins: everything that a viewer needs to draw its first picture.
@@ -97,12 +115,18 @@ impl Scribe {
         out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
         let clear = ContactRecord::clear(episode, 0);
         out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
-        out.send(
-            For::Both,
-            Topic::Log,
-            time_ns,
-            &log::began(episode, time_ns),
-        )
+        let running = Running::new(episode, self.was_optimal);
+        out.send_json(For::Both, Topic::Episode, time_ns, &running)?;
+        let (name, all) = self.episodes;
+        let caption = Caption {
+            title: format!("{name} {episode} of {all}"),
+            heading: self.heading.clone(),
+            ..Caption::default()
+        };
+        let caption = caption.scene(view.maze, time_ns);
+        out.send(For::Both, Topic::Caption, time_ns, &caption)?;
+        let begins = log::began(episode, time_ns);
+        out.send(For::Both, Topic::Log, time_ns, &begins)
     }
 
     /// A step was taken.

@@ -1,0 +1,212 @@
+//! Which episodes the story shows.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
+
+use foxglove::Decode;
+use foxglove::messages::{ArrowPrimitive, SceneUpdate};
+use serde::Deserialize;
+
+use crate::record::error::RecordError;
+use crate::record::read::reader::{Message, Recording};
+use crate::record::topics::Topic;
+
+/// How many episodes are shown because the policy changed most in them.
+const MOST_CHANGES: usize = 3;
+
+/// Why an episode is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reason {
+    First,
+    FirstGoal,
+    GreatChange,
+    FirstOptimal,
+}
+
+/// An episode that the story shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Chapter {
+    /// The episode's number, from 1.
+    pub episode: u32,
+    reasons: Vec<Reason>,
+    /// Arrows of the policy that it changed.
+    pub changed: usize,
+}
+
+impl Chapter {
+    /// What is seen.
+    pub fn title(&self) -> String {
+        let reasons = self.reasons.iter().map(|reason| match reason {
+            Reason::First => "how it begins",
+            Reason::FirstGoal => "the goal for the first time",
+            Reason::GreatChange => "a great change of policy",
+            Reason::FirstOptimal => "the first optimal policy",
+        });
+        let reasons: Vec<&str> = reasons.collect();
+        format!("Episode {}: {}", self.episode, reasons.join(", "))
+    }
+
+    /// For how long it may be shown, in nanoseconds.
+    pub fn most_ns(&self) -> u64 {
+        const SECOND_NS: u64 = 1_000_000_000;
+        match self.reasons[0] {
+            Reason::First | Reason::FirstGoal => 16 * SECOND_NS,
+            Reason::GreatChange | Reason::FirstOptimal => 12 * SECOND_NS,
+        }
+    }
+}
+
+/// What an episode came to.
+struct Told {
+    episode: u32,
+    goal: bool,
+    optimal: bool,
+    changed: usize,
+}
+
+/// The fields of `/episode` that count here.
+#[derive(Deserialize)]
+struct Figures {
+    episode: u32,
+    outcome: String,
+    optimal: bool,
+}
+
+/// The turning points of a run by its `run.mcap`, in their order.
+///
+/// # Errors
+/// When the recording is damaged.
+pub fn chapters(run: &Recording) -> Result<Vec<Chapter>, RecordError> {
+    let mut told = Vec::new();
+    let mut policy = Policy::default();
+    for message in run.messages() {
+        let message = message?;
+        match Topic::named(message.topic()) {
+            Some(Topic::Policy) => policy.see(run, &message)?,
+            Some(Topic::Episode) => {
+                let figures: Figures = serde_json::from_slice(&message.data)
+                    .map_err(|fault| run.damaged(fault.to_string()))?;
+                if figures.outcome != "running" {
+                    told.push(Told {
+                        episode: figures.episode,
+                        goal: figures.outcome == "goal",
+                        optimal: figures.optimal,
+                        changed: policy.changed,
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(chosen(&told))
+}
+
+/// The arrows that were drawn last, and how many of them are new.
+#[derive(Default)]
+struct Policy {
+    arrows: BTreeSet<[u64; 4]>,
+    changed: usize,
+}
+
+impl Policy {
+    fn see(&mut self, run: &Recording, message: &Message) -> Result<(), RecordError> {
+        let scene = SceneUpdate::decode(message.data.as_slice())
+            .map_err(|fault| run.damaged(fault.to_string()))?;
+        let arrows = scene.entities.iter().flat_map(|entity| &entity.arrows);
+        let arrows: BTreeSet<_> = arrows.map(pose_bits).collect();
+        let only_in = |a: &BTreeSet<_>, b| a.difference(b).count();
+        self.changed = only_in(&arrows, &self.arrows).max(only_in(&self.arrows, &arrows));
+        self.arrows = arrows;
+        Ok(())
+    }
+}
+
+/// Where an arrow is, and where it points.
+fn pose_bits(arrow: &ArrowPrimitive) -> [u64; 4] {
+    let pose = arrow.pose.unwrap_or_default();
+    let (at, turn) = (
+        pose.position.unwrap_or_default(),
+        pose.orientation.unwrap_or_default(),
+    );
+    [at.x, at.y, turn.z, turn.w].map(f64::to_bits)
+}
+
+fn chosen(told: &[Told]) -> Vec<Chapter> {
+    let mut reasons: BTreeMap<u32, Vec<Reason>> = BTreeMap::new();
+    let mut add = |told: Option<&Told>, reason| {
+        if let Some(told) = told {
+            reasons.entry(told.episode).or_default().push(reason);
+        }
+    };
+    add(told.first(), Reason::First);
+    add(told.iter().find(|one| one.goal), Reason::FirstGoal);
+    add(told.iter().find(|one| one.optimal), Reason::FirstOptimal);
+    let mut changes: Vec<&Told> = told.iter().filter(|one| one.changed > 0).collect();
+    changes.retain(|one| !reasons.contains_key(&one.episode));
+    changes.sort_by_key(|one| (Reverse(one.changed), one.episode));
+    for one in changes.into_iter().take(MOST_CHANGES) {
+        reasons.insert(one.episode, vec![Reason::GreatChange]);
+    }
+    let chapter = |one: &Told| {
+        Some(Chapter {
+            episode: one.episode,
+            reasons: reasons.remove(&one.episode)?,
+            changed: one.changed,
+        })
+    };
+    told.iter().filter_map(chapter).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Titles of the chapters of episodes with these goals, optima and changes.
+    fn titles(episodes: &[(bool, bool, usize)]) -> Vec<String> {
+        let numbered = (1..).zip(episodes);
+        let told: Vec<Told> = numbered
+            .map(|(episode, &(goal, optimal, changed))| Told {
+                episode,
+                goal,
+                optimal,
+                changed,
+            })
+            .collect();
+        chosen(&told).iter().map(Chapter::title).collect()
+    }
+
+    #[test]
+    fn the_turning_points_come_in_the_order_of_time_and_each_episode_once() {
+        let run = [
+            (false, false, 9),
+            (false, false, 3),
+            (true, false, 8),
+            (true, false, 4),
+            (true, false, 1),
+            (true, false, 5),
+            (true, true, 2),
+            (true, false, 7),
+        ];
+        let wanted = [
+            "Episode 1: how it begins",
+            "Episode 3: the goal for the first time",
+            "Episode 4: a great change of policy",
+            "Episode 6: a great change of policy",
+            "Episode 7: the first optimal policy",
+            "Episode 8: a great change of policy",
+        ];
+        assert_eq!(titles(&run), wanted);
+    }
+
+    #[test]
+    fn one_episode_can_be_all_of_it_and_nothing_is_claimed_that_never_was() {
+        assert_eq!(
+            titles(&[(true, true, 4)]),
+            ["Episode 1: how it begins, the goal for the first time, the first optimal policy"]
+        );
+        assert_eq!(
+            titles(&[(false, false, 0), (false, false, 0)]),
+            ["Episode 1: how it begins"]
+        );
+    }
+}

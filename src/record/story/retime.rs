@@ -1,0 +1,141 @@
+//! Messages of an episode, moved to the clock of the story.
+
+use std::collections::BTreeMap;
+
+use foxglove::messages::{FrameTransform, FrameTransforms, Grid, Log, SceneUpdate, Timestamp};
+use foxglove::{Decode, Encode};
+
+use crate::record::topics::{Topic, timestamp};
+
+/// Poses of a frame are at least so far apart on the clock of the story.
+const POSE_PERIOD_NS: u64 = 50_000_000;
+
+/// A stretch of time that is moved and made shorter.
+#[derive(Debug, Clone, Copy)]
+pub struct Tempo {
+    /// When the stretch begins on its own clock.
+    pub from_ns: u64,
+    /// How long it is there.
+    pub length_ns: u64,
+    /// When it begins in the story.
+    pub begin_ns: u64,
+    /// How long it is there; at most as long as it was.
+    pub shown_ns: u64,
+}
+
+impl Tempo {
+    /// A moment of the stretch on the clock of the story.
+    pub fn at(&self, time_ns: u64) -> u64 {
+        let since = u128::from(time_ns.saturating_sub(self.from_ns).min(self.length_ns));
+        let shown = since * u128::from(self.shown_ns) / u128::from(self.length_ns.max(1));
+        self.begin_ns + shown as u64
+    }
+
+    /// How many times as fast it is shown.
+    pub fn speed(&self) -> f64 {
+        self.length_ns as f64 / self.shown_ns.max(1) as f64
+    }
+
+    /// When it ends in the story.
+    pub fn end_ns(&self) -> u64 {
+        self.begin_ns + self.shown_ns
+    }
+
+    fn stamp(&self, stamp: &mut Option<Timestamp>) {
+        if let Some(time) = stamp {
+            let time_ns = u64::from(time.sec()) * 1_000_000_000 + u64::from(time.nsec());
+            *time = timestamp(self.at(time_ns));
+        }
+    }
+}
+
+/// The same message at another time; `Err` says what is wrong with it.
+pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, String> {
+    match topic {
+        Topic::Transforms => Ok(encoded(&frames(data, tempo)?)),
+        Topic::Maze
+        | Topic::Robot
+        | Topic::Policy
+        | Topic::Trail
+        | Topic::Caption
+        | Topic::Ghost => {
+            let mut scene: SceneUpdate = decoded(data)?;
+            for entity in &mut scene.entities {
+                tempo.stamp(&mut entity.timestamp);
+            }
+            Ok(encoded(&scene))
+        }
+        Topic::Worth => {
+            let mut grid: Grid = decoded(data)?;
+            tempo.stamp(&mut grid.timestamp);
+            Ok(encoded(&grid))
+        }
+        Topic::Log => {
+            let mut line: Log = decoded(data)?;
+            tempo.stamp(&mut line.timestamp);
+            Ok(encoded(&line))
+        }
+        Topic::Contact | Topic::Step | Topic::Episode | Topic::Curve | Topic::Estimate => {
+            Ok(data.to_vec())
+        }
+    }
+}
+
+/// The frames of a message, without poses that lie too close together.
+fn frames(data: &[u8], tempo: &Tempo) -> Result<FrameTransforms, String> {
+    let mut message: FrameTransforms = decoded(data)?;
+    let mut last: BTreeMap<String, usize> = BTreeMap::new();
+    for (at, frame) in message.transforms.iter_mut().enumerate() {
+        tempo.stamp(&mut frame.timestamp);
+        last.insert(frame.child_frame_id.clone(), at);
+    }
+    let mut kept_ns: BTreeMap<String, u64> = BTreeMap::new();
+    let mut at = 0..;
+    message.transforms.retain(|frame| {
+        let now_ns = time_ns(frame);
+        let is_last = last.get(&frame.child_frame_id) == at.next().as_ref();
+        let before = kept_ns.get(&frame.child_frame_id);
+        let is_due = before.is_none_or(|before| now_ns >= before + POSE_PERIOD_NS);
+        if is_due {
+            kept_ns.insert(frame.child_frame_id.clone(), now_ns);
+        }
+        is_due || is_last
+    });
+    Ok(message)
+}
+
+fn time_ns(frame: &FrameTransform) -> u64 {
+    let stamp = frame.timestamp.unwrap_or(timestamp(0));
+    u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec())
+}
+
+/// The message that these bytes are; `Err` says what is wrong with them.
+pub fn decoded<M: Decode>(data: &[u8]) -> Result<M, String> {
+    M::decode(data).map_err(|fault| fault.to_string())
+}
+
+/// The bytes of a message.
+pub fn encoded(message: &impl Encode) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    message
+        .encode(&mut bytes)
+        .expect("a vector has room for any message");
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stretch_is_moved_and_made_shorter_and_keeps_its_order() {
+        let tempo = Tempo {
+            from_ns: 100,
+            length_ns: 40,
+            begin_ns: 7,
+            shown_ns: 10,
+        };
+        assert_eq!([100, 102, 120, 140].map(|at| tempo.at(at)), [7, 7, 12, 17]);
+        assert_eq!((tempo.end_ns(), tempo.speed()), (17, 4.0));
+    }
+}

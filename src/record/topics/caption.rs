@@ -1,0 +1,64 @@
+//! `/scene/caption`: what is shown, in words, north of the maze.
+
+use foxglove::messages::{SceneUpdate, TextPrimitive};
+
+use super::scene::{WORLD, entity, place, update, words};
+use crate::world::Maze;
+
+const TITLE: u32 = 0xffffff;
+const REMARK: u32 = 0xf4b740;
+const HEADING: u32 = 0x9aa5b8;
+/// The height of a title as a share of the maze's longer side.
+const SIZE: f64 = 0.05;
+/// How wide a letter is, as a share of its height; text that would not fit is made smaller.
+const LETTER: f64 = 0.55;
+
+/// Three lines above each other.
+#[derive(Debug, Clone, Default)]
+pub(in crate::record) struct Caption {
+    /// What is seen.
+    pub title: String,
+    /// What is remarkable about it.
+    pub remark: String,
+    /// World, method and seed.
+    pub heading: String,
+}
+
+impl Caption {
+    /// The caption as a scene.
+    pub fn scene(&self, maze: &Maze, time_ns: u64) -> SceneUpdate {
+        let mut lines = entity("caption", WORLD, time_ns);
+        let all = [
+            (&self.heading, 3.6, 0.6, HEADING),
+            (&self.title, 2.2, 1.0, TITLE),
+            (&self.remark, 0.9, 0.75, REMARK),
+        ];
+        let shown = all.into_iter().filter(|(text, ..)| !text.is_empty());
+        lines.texts = shown
+            .map(|(text, up, size, rgb)| line(maze, text, up, size, rgb))
+            .collect();
+        update(vec![lines])
+    }
+}
+
+/// How far a caption reaches north of the maze, in metres.
+pub(in crate::record) fn height_m(maze: &Maze) -> f64 {
+    4.0 * title_height_m(maze)
+}
+
+fn title_height_m(maze: &Maze) -> f64 {
+    SIZE * f64::from(maze.width().max(maze.height())) * maze.cell_size_m()
+}
+
+/// A line whose middle is `up` title heights north of the maze, and whose letters have a share of
+/// that height.
+fn line(maze: &Maze, text: &str, up: f64, share: f64, rgb: u32) -> TextPrimitive {
+    let (unit, title) = (maze.cell_size_m(), title_height_m(maze));
+    let (wide, high) = (
+        f64::from(maze.width()) * unit,
+        f64::from(maze.height()) * unit,
+    );
+    let fits = wide / (LETTER * text.chars().count() as f64);
+    let at = place(wide / 2.0, high + up * title, 0.0);
+    words(at, fits.min(share * title), rgb, text)
+}

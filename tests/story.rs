@@ -1,0 +1,197 @@
+//! The story of a run: what it shows, how long it takes, and that it comes from the run alone.
+
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
+mod common;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use common::program::outcome;
+use foxglove::Decode;
+use foxglove::messages::SceneUpdate;
+use serde_json::Value;
+use xcscr::record::reader::Recording;
+use xcscr::record::{Topic, check};
+
+/// A run in a folder below `parent`.
+fn train(parent: &Path, name: &str, more: &[&str]) -> PathBuf {
+    let run = parent.join(name);
+    let out = ["--quiet", "--out", run.to_str().unwrap()];
+    let (code, _, stderr) = outcome(&[&["train", "worlds/maze4.json"][..], &out, more].concat());
+    assert_eq!(code, Some(0), "{stderr}");
+    run
+}
+
+/// What stands in the caption's largest line, chapter after chapter.
+fn titles(story: &Recording) -> Vec<String> {
+    let captions = story.messages().map(|message| message.unwrap());
+    let captions = captions.filter(|message| message.topic() == "/scene/caption");
+    let mut titles: Vec<String> = captions
+        .map(|message| {
+            let scene = SceneUpdate::decode(message.data.as_slice()).unwrap();
+            scene.entities[0].texts[1].text.clone()
+        })
+        .collect();
+    titles.dedup();
+    titles
+}
+
+/// All messages of a topic, as JSON.
+fn said(story: &Recording, topic: &str) -> Vec<(u64, Value)> {
+    let messages = story.messages().map(|message| message.unwrap());
+    let of_topic = messages.filter(|message| message.topic() == topic);
+    of_topic
+        .map(|message| (message.time_ns, message.json().unwrap()))
+        .collect()
+}
+
+#[test]
+fn the_story_of_the_default_run_goes_from_failure_to_a_greedy_drive_in_less_than_two_minutes() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), "run", &[]);
+    let file = run.join("story.mcap");
+    assert_eq!(check(&file).unwrap(), []);
+    let story = Recording::open(&file).unwrap();
+    let titles = titles(&story);
+    assert_eq!(titles[0], "Episode 1: how it begins", "{titles:#?}");
+    let place = |what: &str| titles.iter().position(|title| title.contains(what));
+    let goal = place("the goal for the first time").unwrap();
+    let optimal = place("the first optimal policy").unwrap();
+    assert!(0 < goal && goal < optimal, "{titles:#?}");
+    let last = titles.last().unwrap();
+    assert_eq!(last, "After 180 episodes: greedy, exploration off");
+
+    let end_ns = story.messages().map(|m| m.unwrap().time_ns).max().unwrap();
+    assert!((30..120).contains(&(end_ns / 1_000_000_000)), "{end_ns} ns");
+    assert!(fs::metadata(&file).unwrap().len() < 300_000);
+
+    let episodes = said(&story, "/episode");
+    let outcome = |at: usize| episodes[at].1["outcome"].as_str().unwrap();
+    assert_eq!([outcome(0), outcome(1)], ["running", "step-limit"]);
+    assert_eq!(outcome(episodes.len() - 1), "goal");
+    let (drive_ns, _) = episodes[episodes.len() - 2];
+    let steps = said(&story, "/step");
+    let explored = |after: bool| {
+        let of_part = steps.iter().filter(|(at, _)| (*at >= drive_ns) == after);
+        of_part.filter(|(_, step)| step["explored"] == true).count()
+    };
+    assert!(explored(false) > 0 && explored(true) == 0);
+}
+
+#[test]
+fn every_panel_has_something_to_show_from_the_first_step_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), "run", &["--episodes", "3"]);
+    let story = Recording::open(&run.join("story.mcap")).unwrap();
+    let messages = story.messages().map(|message| message.unwrap());
+    let before = messages.take_while(|message| message.topic() != "/step");
+    let mut shown: BTreeSet<String> = before.map(|m| m.topic().to_owned()).collect();
+    shown.insert("/step".to_owned());
+    let all: BTreeSet<String> = story.topics().into_iter().map(|topic| topic.name).collect();
+    assert_eq!(shown, all);
+    let told = Topic::of_episode(false).iter().map(|topic| topic.name());
+    assert_eq!(all, told.map(str::to_owned).collect());
+}
+
+#[test]
+fn the_story_comes_from_the_run_alone_and_has_the_same_bytes_each_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let few = ["--episodes", "4"];
+    let whole = train(folder.path(), "whole", &few);
+    let told = fs::read(whole.join("story.mcap")).unwrap();
+    let bare = train(
+        folder.path(),
+        "bare",
+        &[&few[..], &["--record", "none"]].concat(),
+    );
+    assert!(!bare.join("story.mcap").exists());
+    for (number, from) in [&whole, &bare, &whole.join("ep-0002.mcap")]
+        .into_iter()
+        .enumerate()
+    {
+        let file = folder.path().join(format!("{number}.mcap"));
+        let args = ["replay", from.to_str().unwrap(), "--story", "-o"];
+        let args = [&args[..], &[file.to_str().unwrap()]].concat();
+        let (code, stdout, stderr) = outcome(&args);
+        assert_eq!((code, stdout.as_str()), (Some(0), ""), "{stderr}");
+        assert!(fs::read(&file).unwrap() == told, "{}", from.display());
+        let (code, _, stderr) = outcome(&args);
+        assert_eq!(code, Some(73), "a file was replaced: {stderr}");
+    }
+    let file = whole.join("story.mcap");
+    let (code, stdout, _) = outcome(&["replay", file.to_str().unwrap(), "--verify"]);
+    assert_eq!(code, Some(0), "{stdout}");
+}
+
+#[test]
+fn a_run_that_never_succeeds_claims_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(
+        folder.path(),
+        "run",
+        &["--episodes", "2", "--arena", "grid"],
+    );
+    let story = Recording::open(&run.join("story.mcap")).unwrap();
+    let titles = titles(&story);
+    assert!(
+        !titles
+            .iter()
+            .any(|title| title.contains("goal") || title.contains("optimal")),
+        "{titles:#?}"
+    );
+    assert_eq!(
+        titles.last().unwrap(),
+        "After 2 episodes: greedy, exploration off"
+    );
+}
+
+#[test]
+fn an_evaluation_is_recorded_watched_and_verified_as_a_run_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(
+        folder.path(),
+        "run",
+        &["--method", "xcscr-plus", "--episodes", "20"],
+    );
+    let evaluate = |more: &[&str]| {
+        let args = [
+            "evaluate",
+            run.to_str().unwrap(),
+            "--episodes",
+            "3",
+            "--seed",
+            "5",
+        ];
+        outcome(&[&args[..], more].concat())
+    };
+    let (_, plain, _) = evaluate(&["--json"]);
+    let (code, recorded, stderr) = evaluate(&["--json", "--record"]);
+    assert_eq!((code, recorded), (Some(0), plain), "{stderr}");
+    let beside = folder.path().join("run-evaluation");
+    let episode = beside.join("ep-0003.mcap");
+    assert_eq!(check(&episode).unwrap(), []);
+    let shown = Recording::open(&episode).unwrap();
+    let steps = said(&shown, "/step");
+    assert!(steps.len() >= 10 && steps.iter().all(|(_, step)| step["explored"] == false));
+    // The policy is there from the first moment on, as it was learned.
+    let messages = shown.messages().map(|message| message.unwrap());
+    let policy = messages.into_iter().find(|m| m.topic() == "/scene/policy");
+    let arrows = SceneUpdate::decode(policy.unwrap().data.as_slice()).unwrap();
+    assert!(!arrows.entities[0].arrows.is_empty());
+    let (code, stdout, stderr) = outcome(&["replay", beside.to_str().unwrap(), "--verify"]);
+    assert_eq!(code, Some(0), "{stdout}{stderr}");
+    assert!(
+        stdout.starts_with("4 of 4 recordings are the same"),
+        "{stdout}"
+    );
+
+    let (code, _, stderr) = evaluate(&["--record"]);
+    assert_eq!(code, Some(73), "{stderr}");
+    assert_eq!(evaluate(&["--record", "--force"]).0, Some(0));
+    fs::write(beside.join("notes.txt"), "mine").unwrap();
+    let (code, _, stderr) = evaluate(&["--record", "--force"]);
+    assert_eq!(code, Some(73), "{stderr}");
+    assert!(episode.exists() && beside.join("notes.txt").exists());
+}
