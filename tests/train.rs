@@ -1,32 +1,18 @@
 //! `train`, `evaluate`, `replay` and `check` as their users call them.
 
+mod common;
+
 use std::fs;
 use std::path::Path;
-use std::process::Output;
 
-use assert_cmd::Command;
+use common::folder::contents;
+use common::program::expect;
+use common::trial::maze;
 use serde_json::Value;
-
-fn xcscr(args: &[&str]) -> Output {
-    let mut command = Command::cargo_bin("xcscr").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args);
-    command.output().unwrap()
-}
-
-/// Runs a command that must end with `code`; gives stdout and stderr.
-#[track_caller]
-fn expect(code: i32, args: &[&str]) -> (String, String) {
-    let output = xcscr(args);
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
-    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
-    assert_eq!(
-        output.status.code(),
-        Some(code),
-        "{args:?}\nstdout: {stdout}\nstderr: {stderr}"
-    );
-    assert!(!stderr.contains("panicked"), "{args:?}\n{stderr}");
-    (stdout, stderr)
-}
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Plan, Settings};
 
 #[track_caller]
 fn json(args: &[&str]) -> Value {
@@ -39,21 +25,6 @@ fn train(folder: &Path, world: &str, more: &[&str]) -> Value {
     let world = format!("worlds/{world}.json");
     let out = folder.to_str().unwrap();
     json(&[&["train", &world, "--out", out, "--json"], more].concat())
-}
-
-/// Every file of a run folder with its bytes, in order.
-fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
-    let mut files: Vec<_> = entries
-        .map(|entry| {
-            (
-                entry.file_name().into_string().unwrap(),
-                fs::read(entry.path()).unwrap(),
-            )
-        })
-        .collect();
-    files.sort();
-    files
 }
 
 #[test]
@@ -124,46 +95,82 @@ fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
     );
 }
 
+/// Worlds with a border and four moves, which a robot can drive in, and others.
+const WORLDS: [(&str, bool); 5] = [
+    ("maze4", true),
+    ("maze5", true),
+    ("maze6", true),
+    ("woods1", false),
+    ("maze4-classic", false),
+];
+
 #[test]
 fn every_combination_that_makes_sense_runs_and_the_others_say_why_not() {
-    let folder = tempfile::tempdir().unwrap();
-    for world in ["maze4", "maze5", "maze6", "woods1", "maze4-classic"] {
-        for method in ["xcs", "adapted-even", "adapted-discounted", "xcscr"] {
-            for (arena, sensor) in [
-                ("grid", "neighbours"),
-                ("grid", "position"),
-                ("physics", "neighbours"),
-                ("physics", "position"),
-            ] {
-                let out = folder
-                    .path()
-                    .join(format!("{world}-{method}-{arena}-{sensor}"));
-                let path = format!("worlds/{world}.json");
-                let args = [
-                    "train",
-                    &path,
-                    "--method",
-                    method,
-                    "--arena",
-                    arena,
-                    "--sensor",
-                    sensor,
-                    "--episodes",
-                    "2",
-                    "--record",
-                    "none",
-                    "--out",
-                    out.to_str().unwrap(),
+    // Few steps show that it runs.
+    let mut settings = Settings::default();
+    settings.reward.step_threshold = 5;
+    settings.reward.step_threshold_from_maze = false;
+    for (world, is_drivable) in WORLDS {
+        for method in Method::ALL {
+            for (arena, sensor) in ArenaKind::ALL.map(|a| Sensor::ALL.map(|s| (a, s))).concat() {
+                let plan = Plan::new(maze(world)).method(method).episodes(2);
+                let plan = plan.settings(settings.clone());
+                let result = plan.arena(arena).sensor(sensor).run();
+                let what = format!("{world}, {method:?}, {arena:?}, {sensor:?}");
+                let sees_cells = sensor != Sensor::Position;
+                // Where a combination makes no sense, the words that lead out of it.
+                let ways_out = [
+                    (!is_drivable && arena == ArenaKind::Physics, "--arena grid"),
+                    (
+                        method == Method::XcscrMemory && !sees_cells,
+                        "choose `neighbours`",
+                    ),
                 ];
-                let makes_sense = arena == "grid" || world.starts_with("maze") && world.len() == 5;
-                let (_, stderr) = expect(if makes_sense { 0 } else { 65 }, &args);
-                assert_eq!(
-                    makes_sense,
-                    !stderr.contains("--arena grid"),
-                    "{args:?}: {stderr}"
-                );
-                assert_eq!(makes_sense, out.exists(), "{args:?} left a folder, or none");
+                let makes_sense = !ways_out.iter().any(|(applies, _)| *applies);
+                match result {
+                    Ok(trial) => {
+                        assert!(makes_sense, "{what} ran");
+                        assert_eq!(trial.progress().episodes, 2, "{what}");
+                    }
+                    Err(error) => {
+                        let said = error.to_string();
+                        let is_led = |(applies, way): &(bool, &str)| *applies && said.contains(way);
+                        assert!(ways_out.iter().any(is_led), "{what}: {said}");
+                    }
+                }
             }
+        }
+    }
+}
+
+/// Two episodes of a method in a folder, by the program; gives its stderr.
+fn two_episodes(code: i32, world: &str, method: Method, arena: &str, out: &Path) -> String {
+    let (world, out) = (format!("worlds/{world}.json"), out.to_str().unwrap());
+    let choices = ["--method", method.name(), "--arena", arena];
+    let rest = ["--episodes", "2", "--record", "none", "--out", out];
+    expect(code, &[&["train", &world], &choices[..], &rest].concat()).1
+}
+
+#[test]
+fn the_program_takes_every_method_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for (number, method) in Method::ALL.into_iter().enumerate() {
+        let out = folder.path().join(method.name());
+        let arena = ["grid", "physics"][number % 2];
+        two_episodes(0, "maze4", method, arena, &out);
+        assert!(out.exists(), "{method:?} left no folder");
+    }
+}
+
+#[test]
+fn a_world_that_cannot_be_driven_in_is_refused_before_a_folder_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    for (world, is_drivable) in WORLDS {
+        if !is_drivable {
+            let stderr = two_episodes(65, world, Method::Xcscr, "physics", &out);
+            assert!(stderr.contains("--arena grid"), "{world}: {stderr}");
+            assert!(!out.exists(), "{world} left a folder");
         }
     }
 }
@@ -381,15 +388,13 @@ fn the_report_draws_the_policy_and_says_how_to_watch_it() {
 
 #[test]
 fn seeds_1_to_20_find_a_globally_optimal_policy_in_at_least_12_runs_in_both_arenas() {
-    let folder = tempfile::tempdir().unwrap();
-    for arena in ["grid", "physics"] {
-        let found = (1..=20).filter(|seed| {
-            let seed = seed.to_string();
-            let out = folder.path().join(format!("{arena}-{seed}"));
-            let more = ["--arena", arena, "--seed", &seed, "--record", "none"];
-            !train(&out, "maze4", &more)["first_optimal_episode"].is_null()
+    for arena in ArenaKind::ALL {
+        let found = (1..=20).filter(|&seed| {
+            let plan = Plan::new(maze("maze4")).arena(arena).seed(seed);
+            let trial = plan.episodes(180).run().unwrap();
+            trial.progress().first_optimal_episode.is_some()
         });
         let found = found.count();
-        assert!(found >= 12, "{found} of 20 on {arena}");
+        assert!(found >= 12, "{found} of 20 on {arena:?}");
     }
 }

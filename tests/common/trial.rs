@@ -13,6 +13,13 @@ use xcscr::streams::StreamName;
 use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
 
+/// A shipped world.
+#[track_caller]
+pub fn maze(name: &str) -> Maze {
+    let path = format!("{}/worlds/{name}.json", env!("CARGO_MANIFEST_DIR"));
+    Maze::load(Path::new(&path)).unwrap_or_else(|error| panic!("{error}"))
+}
+
 /// A trial of so many episodes.
 #[derive(Clone)]
 pub struct Trial {
@@ -40,8 +47,7 @@ impl Default for Trial {
 
 impl Trial {
     pub fn maze(&self) -> Maze {
-        let path = format!("{}/worlds/{}.json", env!("CARGO_MANIFEST_DIR"), self.world);
-        Maze::load(Path::new(&path)).unwrap()
+        maze(self.world)
     }
 
     pub fn info(&self) -> RunInfo {
