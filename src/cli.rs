@@ -1,19 +1,23 @@
 //! The words of the command line; the documentation here is the text of `--help`.
 
-use clap::{Parser, Subcommand};
+use std::io::Write;
 
-use crate::commands::check::CheckArgs;
-use crate::commands::config::ConfigCommand;
-use crate::commands::evaluate::EvaluateArgs;
-use crate::commands::export::ExportArgs;
-use crate::commands::manual::ManArgs;
-use crate::commands::map::MapArgs;
-use crate::commands::recover::RecoverArgs;
-use crate::commands::replay::ReplayArgs;
-use crate::commands::rules::RulesArgs;
-use crate::commands::study::StudyCommand;
-use crate::commands::train::TrainArgs;
-use crate::commands::world::WorldCommand;
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
+
+use crate::commands::check::{self, CheckArgs};
+use crate::commands::config::{self, ConfigCommand};
+use crate::commands::evaluate::{self, EvaluateArgs};
+use crate::commands::export::{self, ExportArgs};
+use crate::commands::failure::Failure;
+use crate::commands::manual::{self, ManArgs};
+use crate::commands::map::{self, MapArgs};
+use crate::commands::recover::{self, RecoverArgs};
+use crate::commands::replay::{self, ReplayArgs};
+use crate::commands::rules::{self, RulesArgs};
+use crate::commands::study::{self, StudyCommand};
+use crate::commands::train::{self, TrainArgs};
+use crate::commands::world::{self, WorldCommand};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -72,8 +76,37 @@ pub enum Command {
     /// Print completions for a shell, such as `source <(xcscr completions bash)`.
     Completions {
         /// The shell.
-        shell: clap_complete::Shell,
+        shell: Shell,
     },
     /// Write the manual pages into a folder.
     Man(ManArgs),
+}
+
+impl Cli {
+    /// Runs the chosen subcommand; results go to `out`.
+    pub fn run(self, out: &mut impl Write) -> Result<(), Failure> {
+        match self.command {
+            Command::Config(command) => config::run(&command, out)?,
+            Command::Completions { shell } => complete(shell, out)?,
+            Command::Man(args) => manual::run(&args, Self::command())?,
+            Command::Train(args) => train::run(&args, out)?,
+            Command::Evaluate(args) => evaluate::run(&args, out)?,
+            Command::Export(args) => export::run(&args, out)?,
+            Command::Rules(args) => rules::run(&args, out)?,
+            Command::Replay(args) => replay::run(&args, out)?,
+            Command::Check(args) => check::run(&args, out)?,
+            Command::Study(command) => study::run(&command, out)?,
+            Command::Recover(args) => recover::run(&args)?,
+            Command::Map(args) => map::run(&args)?,
+            Command::World(command) => world::run(command, out)?,
+        }
+        Ok(out.flush()?)
+    }
+}
+
+/// Prints the completions for a shell.
+fn complete(shell: Shell, out: &mut impl Write) -> Result<(), Failure> {
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "xcscr", &mut text);
+    Ok(out.write_all(&text)?)
 }

@@ -20,7 +20,7 @@ fn main() -> ExitCode {
         return Failure::from(error).report();
     }
     let cli = Cli::parse();
-    let run = || commands::run(cli, &mut Escaping::new(std::io::stdout().lock()));
+    let run = || cli.run(&mut Escaping::new(std::io::stdout().lock()));
     let outcome = catch_unwind(run).unwrap_or_else(|_| Err(Failure::internal()));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

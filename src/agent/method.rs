@@ -1,8 +1,7 @@
 //! The methods by their names.
 
 use super::{
-    Adapted, Agent, Combined, Params, Plus, PlusParams, Recall, Sharing, Standard, Tabular,
-    TabularParams,
+    Agent, Combined, Params, Plus, PlusParams, Recall, Sharing, Standard, Tabular, TabularParams,
 };
 use crate::streams::StreamName;
 use xcs::Xcs;
@@ -101,18 +100,16 @@ impl Method {
         } = setup;
         let stream = |name| Stream::new(seed, name);
         let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
+        let combined = |reward| -> Box<dyn Agent> {
+            let imprinting = stream(StreamName::Imprinting);
+            Box::new(Combined::new(learner(), reward, imprinting))
+        };
         match self {
             Self::Xcs => Box::new(Standard::new(learner(), reward)),
             Self::Xcsam => Box::new(Standard::new(learner().with_adaptive_mapping(), reward)),
-            Self::AdaptedEven => Box::new(Adapted::new(learner(), reward, Sharing::Even)),
-            Self::AdaptedDiscounted => {
-                Box::new(Adapted::new(learner(), reward, Sharing::Discounted))
-            }
-            Self::Xcscr => Box::new(Combined::new(
-                learner(),
-                reward,
-                stream(StreamName::Imprinting),
-            )),
+            Self::AdaptedEven => combined(reward.adapted(Sharing::Even)),
+            Self::AdaptedDiscounted => combined(reward.adapted(Sharing::Discounted)),
+            Self::Xcscr => combined(reward),
             Self::XcscrPlus => {
                 let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
                 Box::new(Plus::new(xcs, [actions, ring], reward, plus, streams))

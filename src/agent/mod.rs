@@ -7,25 +7,29 @@
 mod choice;
 mod credit;
 mod explorer;
+mod frozen;
 mod knowledge;
 mod memory;
 mod method;
 mod model;
+mod params;
 mod plus;
 mod recall;
+mod remembering;
 mod tabular;
 
 pub use choice::{Choice, Chooser, Chosen};
-pub use credit::{
-    Adapted, Combined, Params, Sharing, StackEvolution, Standard, StepLimitUpdate, XcsPayment,
-};
+pub use credit::{Combined, Standard};
 pub use explorer::Explorer;
-pub use knowledge::{Frozen, Knowledge, Misfit};
+pub use frozen::Frozen;
+pub use knowledge::{Knowledge, Misfit};
 pub use memory::MemoryError;
 pub use method::{Method, Setup};
 pub use model::{CollisionRule, Foresight, ReturnRule, pomdp};
+pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 pub use plus::{Discovery, Plus, PlusParams};
-pub use recall::{PERCEPT_BITS, Recall, words as memory_words};
+pub use recall::{PERCEPT_BITS, words as memory_words};
+pub use remembering::Recall;
 pub use tabular::{Tabular, TabularParams};
 
 use crate::arena::Outcome;

@@ -3,10 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clap::CommandFactory;
-
 use super::failure::{Exit, Failure};
-use crate::cli::Cli;
 
 /// Arguments of `man`.
 #[derive(Debug, clap::Args)]
@@ -16,16 +13,16 @@ pub struct ManArgs {
     out: PathBuf,
 }
 
-/// Writes a page for the program and one for each of its commands.
-pub fn run(args: &ManArgs) -> Result<(), Failure> {
-    write_pages(&args.out).map_err(|cause| {
+/// Writes a page for `program` and one for each of its commands.
+pub fn run(args: &ManArgs, program: clap::Command) -> Result<(), Failure> {
+    write_pages(&args.out, program).map_err(|cause| {
         let folder = args.out.display();
         let message = format!("cannot write manual pages into {folder}: {cause}");
         Failure::new(Exit::CannotCreate, message)
     })
 }
 
-fn write_pages(folder: &Path) -> std::io::Result<()> {
+fn write_pages(folder: &Path, program: clap::Command) -> std::io::Result<()> {
     fs::create_dir_all(folder)?;
-    clap_mangen::generate_to(Cli::command(), folder)
+    clap_mangen::generate_to(program, folder)
 }

@@ -394,7 +394,7 @@ impl From<StudyError> for Failure {
             StudyError::World(error) => return error.into(),
             StudyError::Plan(error) => return error.into(),
             StudyError::Incomplete { .. } => Exit::Refuted,
-            StudyError::Missing(_) | StudyError::NoStudy(_) => Exit::Missing,
+            StudyError::Missing { .. } | StudyError::NoStudy(_) => Exit::Missing,
             StudyError::OtherStudy { .. }
             | StudyError::Foreign(_)
             | StudyError::Exists(_)

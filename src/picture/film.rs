@@ -2,7 +2,6 @@
 
 use std::ops::ControlFlow;
 
-use super::{drawing, moving_png, pixels, svg};
 use crate::arena::View;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
 use crate::trial::{Plan, PlanError, Trial};
@@ -89,24 +88,6 @@ impl Film {
     /// The moments, in order.
     pub fn moments(&self) -> &[Moment] {
         &self.moments
-    }
-
-    /// An SVG document, which moves if there are several moments.
-    pub fn svg(&self) -> String {
-        svg::document(&drawing::draw(self))
-    }
-
-    /// A PNG file, which is an animated one (APNG) if there are several moments.
-    ///
-    /// # Errors
-    /// When the picture is too large.
-    pub fn png(&self) -> Result<Vec<u8>, FilmError> {
-        let drawing = drawing::draw(self);
-        let picture = match drawing.frames.len() {
-            1 => pixels::png(&drawing),
-            _ => moving_png::png(&drawing),
-        };
-        picture.map_err(FilmError::Picture)
     }
 }
 

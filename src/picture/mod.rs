@@ -2,6 +2,7 @@
 
 mod arrow;
 mod drawing;
+mod files;
 mod film;
 mod letters;
 mod moving_png;

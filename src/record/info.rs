@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::write::RecordMode;
+use super::mode::RecordMode;
 use crate::sensor::Sensor;
 
 /// The entry of the metadata record `run` that tells an evaluation from a training ...

@@ -6,6 +6,8 @@
 
 mod error;
 mod info;
+pub mod layout;
+mod mode;
 mod read;
 mod repair;
 mod serve;
@@ -15,6 +17,7 @@ mod write;
 
 pub use error::RecordError;
 pub use info::{Extent, RobotShape, RunInfo};
+pub use mode::{RecordMode, RecordModeError};
 pub use read::{Difference, Finding, FindingKind, check, check_recording, compare, reader};
 pub use repair::{Recovery, recover};
 #[cfg(feature = "live")]
@@ -22,6 +25,4 @@ pub use serve::live;
 pub use serve::{gate, server};
 pub use story::{Chapter, Teller, chapters};
 pub use topics::Topic;
-pub use write::{
-    RecordMode, RecordModeError, RecordSummary, Recorder, RecorderMemory, Tap, layout,
-};
+pub use write::{RecordSummary, Recorder, RecorderMemory, Tap};

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::folder::has_checkpoint;
+use super::way_on::{has_checkpoint, way_on};
 use crate::disk;
 use crate::record::RecordError;
 use crate::trial::{CheckpointError, PlanError};
@@ -69,14 +69,6 @@ impl RunError {
             },
         }
     }
-}
-
-/// How to resume a run.
-pub(super) fn way_on(folder: &Path) -> String {
-    format!(
-        "resume it with `xcscr train --resume {}`",
-        disk::typed(folder)
-    )
 }
 
 /// Why a run folder cannot be used.

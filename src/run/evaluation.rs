@@ -5,8 +5,8 @@ use std::io;
 use std::path::Path;
 
 use super::error::{RunError, RunFolderError};
+use super::facts::run_info;
 use super::folder::is_of_a_run;
-use super::session::run_info;
 use crate::agent::{Frozen, Knowledge};
 use crate::disk;
 use crate::record::reader::Recording;

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Serialize};
 
-use super::error::{RunFolderError, way_on};
+use super::error::RunFolderError;
+use super::way_on::{CHECKPOINT, has_checkpoint, way_on};
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK, LockError};
 use crate::record::Extent;
@@ -22,8 +23,6 @@ const WORLD: &str = "world.json";
 const CONFIG: &str = "config.json";
 /// What was learned.
 const RULES: &str = "rules.json";
-/// The run as it was a moment ago, while it lasts.
-const CHECKPOINT: &str = "checkpoint";
 /// What recordings leave beside numbered episodes.
 const RECORDINGS: [&str; 4] = [
     "run.mcap",
@@ -313,11 +312,6 @@ fn holds(path: &Path) -> io::Result<Holds> {
         true => Holds::Nothing,
         false => Holds::Foreign,
     })
-}
-
-/// Is there a checkpoint from which to resume?
-pub(super) fn has_checkpoint(folder: &Path) -> bool {
-    folder.join(CHECKPOINT).is_file()
 }
 
 /// What every version of this program writes into the `config.json` of a run.

@@ -20,11 +20,13 @@
 
 mod error;
 mod evaluation;
+mod facts;
 mod folder;
 mod session;
 mod source;
 mod story;
 mod verify;
+mod way_on;
 
 pub use error::{RunError, RunFolderError};
 pub use evaluation::{clear_evaluation, record_evaluation};

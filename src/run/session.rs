@@ -7,14 +7,13 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::error::RunError;
+use super::facts::run_info;
 use super::folder::RunFolder;
 use super::story;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
-use crate::record::{
-    RecordMode, RecordSummary, Recorder, RecorderMemory, RobotShape, RunInfo, Tap,
-};
-use crate::trial::{Checkpoint, Plan, Trial};
+use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory, Tap};
+use crate::trial::{Checkpoint, Trial};
 
 /// Checkpoints may cost one part in so many of the time ...
 const SHARE: u32 = 50;
@@ -200,20 +199,4 @@ fn tell(
 ) -> Result<(PathBuf, u64), RunError> {
     let story = story::tell(folder.path(), trial.plan(), knowledge)?;
     Ok(folder.save_story(&story)?)
-}
-
-/// What the recordings of a run say about it.
-pub(super) fn run_info(plan: &Plan) -> RunInfo {
-    let config = &plan.config;
-    RunInfo {
-        world_json: plan.maze.to_json(),
-        config_json: serde_json::to_string(config).expect("plain data becomes JSON"),
-        seed: config.seed,
-        method: config.method.name().to_owned(),
-        arena: config.arena.name().to_owned(),
-        sensor: config.sensor,
-        episodes: config.episodes,
-        robot: RobotShape::for_cell(plan.maze.cell_size_m()),
-        is_evaluation: false,
-    }
 }

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::error::RunError;
 use super::evaluation::record_evaluation;
+use super::facts::run_info;
 use super::folder::RunFolder;
-use super::session::run_info;
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
 use crate::record::{Extent, RecordMode, Recorder, Teller, chapters};

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use super::error::RunError;
 use super::evaluation::record_evaluation;
-use super::session::run_info;
+use super::facts::run_info;
 use super::source::Source;
 use super::story;
 use crate::agent::Knowledge;

@@ -3,7 +3,6 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::protocol::study_names;
 use crate::disk;
 use crate::trial::{PlanError, SettingsError};
 use crate::world::WorldError;
@@ -13,8 +12,13 @@ use crate::world::WorldError;
 #[non_exhaustive]
 pub enum StudyError {
     /// There is no such file.
-    #[error("there is no {}: give a study file, or one of {}", .0.display(), study_names())]
-    Missing(PathBuf),
+    #[error("there is no {}: give a study file, or one of {shipped}", .file.display())]
+    Missing {
+        /// The file.
+        file: PathBuf,
+        /// The names of the studies that come with the program.
+        shipped: String,
+    },
     /// The folder holds no study.
     #[error("{} holds no study: there is no plan.json in it", .0.display())]
     NoStudy(PathBuf),

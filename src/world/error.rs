@@ -8,7 +8,7 @@ use annotate_snippets::{
     Annotation, AnnotationKind, Group, Level, Origin, Renderer, Snippet, normalize_untrusted_str,
 };
 
-use super::source::Place;
+use super::place::Place;
 
 /// A world that cannot be had.
 #[derive(Debug, thiserror::Error)]

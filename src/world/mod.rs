@@ -13,6 +13,7 @@ mod maze;
 mod name;
 mod near;
 mod paths;
+mod place;
 mod rows;
 mod slip;
 mod source;

@@ -5,10 +5,10 @@ use super::condition::Condition;
 use super::ga::{self, Parent};
 use super::induction::Induction;
 use super::lessons::Lessons;
-use super::mapping;
 use super::params::{GaClock, Params, SubsumerTies, UpdateOrder};
 use super::population::{MOST_STEPS, Population};
 use super::prediction::PredictionArray;
+use super::saved;
 use super::sets::{ActionSet, MatchSet};
 use crate::random::Stream;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
@@ -18,7 +18,7 @@ use crate::signal::{Action, MAX_ACTIONS, Percept};
 pub struct Xcs {
     pub(super) params: Params,
     pub(super) actions: usize,
-    #[serde(with = "mapping::saved")]
+    #[serde(with = "saved")]
     pub(super) population: Population,
     /// t: match sets formed so far, as [`GaClock`] counts them.
     time: u64,

@@ -60,6 +60,7 @@ mod params;
 mod population;
 mod prediction;
 mod runner;
+mod saved;
 mod sets;
 mod signal;
 

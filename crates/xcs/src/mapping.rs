@@ -86,25 +86,6 @@ fn is_best(payoff: f64, greatest: f64, zeta: f64) -> bool {
     payoff >= greatest - (1.0 - zeta) * greatest.abs()
 }
 
-/// \[P\] with the eam of each rule, which rules by themselves leave out.
-pub(super) mod saved {
-    use serde::de::{Deserialize, Deserializer, Error};
-    use serde::{Serialize, Serializer};
-
-    use crate::Population;
-
-    pub fn serialize<S: Serializer>(population: &Population, to: S) -> Result<S::Ok, S::Error> {
-        let eams: Vec<f32> = population.rules().iter().map(|rule| rule.eam).collect();
-        (population, eams).serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Population, D::Error> {
-        let (population, eams): (Population, Vec<f32>) = Deserialize::deserialize(from)?;
-        let whole = population.with_eams(&eams);
-        whole.ok_or_else(|| D::Error::custom("there must be one eam for each rule"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

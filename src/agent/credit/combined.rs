@@ -14,17 +14,18 @@ use super::short_term_filter::ShortTermFilter;
 use super::step_threshold::StepThreshold;
 
 use super::mind::Mind;
-use super::params::Params;
 use super::stack::{RewardStack, Shares};
 use crate::agent::knowledge::Knowledge;
 use crate::agent::memory::{self, MemoryError};
+use crate::agent::params::Params;
 use crate::agent::{Agent, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
 use xcs::{PredictionArray, Xcs};
 
-/// The method `xcscr` (paper, section III and figure 1.c).
+/// The method `xcscr` (paper, section III and figure 1.c); with all four mechanisms switched off,
+/// the methods `adapted-even` and `adapted-discounted`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Combined {
     mind: Mind,

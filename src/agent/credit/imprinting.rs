@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::params::Params;
 use super::stack::Shares;
+use crate::agent::params::Params;
 use xcs::Xcs;
 use xcs::random::Stream;
 use xcs::{Action, Percept};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::params::Params;
+use crate::agent::params::Params;
 
 /// Chooses the rate with which a collision or the end of an episode is learned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

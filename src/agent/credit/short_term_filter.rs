@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::params::Params;
+use crate::agent::params::Params;
 use xcs::{ActionSet, Xcs};
 
 /// Answers severe short-term rewards at once, and only in the rules that caused them.

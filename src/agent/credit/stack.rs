@@ -1,6 +1,6 @@
 //! The reward stack \[R\] and how a long-term reward is shared out along it.
 
-use super::params::{Params, Sharing, StackEvolution};
+use crate::agent::params::{Params, Sharing, StackEvolution};
 use xcs::{Action, Percept};
 use xcs::{ActionSet, Xcs};
 

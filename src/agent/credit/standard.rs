@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::mind::Mind;
-use super::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::memory::{self, MemoryError};
+use crate::agent::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::{Agent, Choice, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::{Action, Percept};

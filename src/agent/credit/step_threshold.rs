@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::params::Params;
+use crate::agent::params::Params;
 
 /// The most steps of an episode; shrinks toward the lengths of successful ones.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -9,7 +9,7 @@ use super::collision_rules::CollisionRules;
 use super::known::Known;
 use super::return_rules::ReturnRules;
 use super::transitions::Transitions;
-use crate::agent::credit::Params;
+use crate::agent::params::Params;
 use xcs::random::Stream;
 use xcs::{Action, MAX_ACTIONS};
 

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use serde::{Deserialize, Serialize};
 
 use super::transitions::Transitions;
-use crate::agent::credit::Params;
+use crate::agent::params::Params;
 use xcs::Lesson;
 use xcs::{Action, MAX_ACTIONS};
 

@@ -19,7 +19,7 @@ pub use params::{Discovery, PlusParams};
 
 use serde::{Deserialize, Serialize};
 
-use super::credit::Params;
+use super::Params;
 use super::credit::mind::Mind;
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;

@@ -13,12 +13,12 @@ use serde::{Deserialize, Serialize};
 use table::Table;
 use traces::Traces;
 
-use super::credit::Params;
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
 use super::model::planner::Planner;
 use super::model::transitions::{Transition, Transitions};
+use super::params::Params;
 use super::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::PredictionArray;

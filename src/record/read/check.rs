@@ -7,8 +7,8 @@ use std::path::Path;
 use super::reader::Recording;
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
+use crate::record::layout;
 use crate::record::topics::Topic;
-use crate::record::write::layout;
 use crate::world::Maze;
 
 /// Gaps between messages with poses up to this long are normal: the grid moves once a second.

@@ -11,11 +11,11 @@ use super::chapter::Chapter;
 use super::retime::{Tempo, decoded, encoded, retimed};
 use crate::record::error::RecordError;
 use crate::record::info::{Extent, RunInfo};
+use crate::record::layout;
+use crate::record::mode::RecordMode;
 use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::caption::Caption;
 use crate::record::topics::{Topic, log, timestamp};
-use crate::record::write::RecordMode;
-use crate::record::write::layout;
 use crate::record::write::log_file::LogFile;
 use crate::world::Maze;
 

@@ -6,9 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::layout;
 use super::log_file::OpenFile;
-use super::mode::RecordMode;
 use super::outbox::{Outbox, Tap};
 use super::rebuild;
 use super::scribe::Scribe;
@@ -18,6 +16,8 @@ use crate::disk;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
 use crate::record::error::RecordError;
 use crate::record::info::{Extent, RunInfo};
+use crate::record::layout;
+use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
 use crate::record::topics::curve::Curve;
 use crate::world::Maze;

@@ -114,7 +114,10 @@ impl StudyFile {
             return Self::parse(text, &name.display().to_string(), Path::new(""));
         }
         let text = disk::read_text(name, MOST_TOML_BYTES).map_err(|cause| match cause.kind() {
-            ErrorKind::NotFound => StudyError::Missing(name.to_owned()),
+            ErrorKind::NotFound => StudyError::Missing {
+                file: name.to_owned(),
+                shipped: shipped::study_names(),
+            },
             ErrorKind::InvalidData | ErrorKind::FileTooLarge => {
                 StudyError::file(&name.display().to_string(), &cause.to_string())
             }

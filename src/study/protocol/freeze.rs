@@ -3,28 +3,14 @@
 use toml::Table;
 
 use super::file::{Document, NOTHING};
-use super::variants::{told, variants};
+use super::overrides::Overrides;
+use super::variants::{product, told, variants};
 use super::{Arm, MOST_ARMS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
 use crate::arena::ArenaKind;
 use crate::study::error::StudyError;
 use crate::trial::{PlanError, Resolved, Settings};
 use crate::world::Maze;
-
-/// What the command line says otherwise than the study file.
-#[derive(Debug, Clone, Default)]
-pub struct Overrides {
-    /// Trials per arm.
-    pub trials: Option<usize>,
-    /// Episodes per trial.
-    pub episodes: Option<u32>,
-    /// Root seed of all trials.
-    pub seed: Option<u64>,
-    /// The only arena.
-    pub arena: Option<ArenaKind>,
-    /// Settings, as `section.key=value`, which win over all others.
-    pub sets: Vec<String>,
-}
 
 pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, StudyError> {
     let document = &file.document;
@@ -109,16 +95,6 @@ fn arms(
     }
     arms.retain(|arm| arm.after.as_ref() != Some(&arm.world));
     Ok(arms)
-}
-
-/// Every pair of one element each.
-pub(super) fn product<'a, 'b, A, B>(
-    first: &'a [A],
-    second: &'b [B],
-) -> impl Iterator<Item = (&'a A, &'b B)> {
-    first
-        .iter()
-        .flat_map(move |a| second.iter().map(move |b| (a, b)))
 }
 
 /// The names of the worlds in which trials of a method learn beforehand; `None` for no such world.

@@ -2,6 +2,7 @@
 
 mod file;
 mod freeze;
+mod overrides;
 mod shipped;
 mod variants;
 
@@ -13,8 +14,7 @@ use serde_json::value::RawValue;
 
 pub(super) use file::NOTHING;
 pub use file::StudyFile;
-pub use freeze::Overrides;
-pub(super) use shipped::study_names;
+pub use overrides::Overrides;
 
 use super::error::StudyError;
 use crate::agent::Method;

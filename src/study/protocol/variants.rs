@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use toml::{Table, Value};
 
 use super::file::NOTHING;
-use super::freeze::{Overrides, product};
+use super::overrides::Overrides;
 use super::{StudyFile, Variant};
 use crate::study::error::StudyError;
 use xcs::random::Stream;
@@ -48,6 +48,16 @@ pub(super) fn variants(
         }
     }
     Ok(with_switches)
+}
+
+/// Every pair of one element each.
+pub(super) fn product<'a, 'b, A, B>(
+    first: &'a [A],
+    second: &'b [B],
+) -> impl Iterator<Item = (&'a A, &'b B)> {
+    first
+        .iter()
+        .flat_map(move |a| second.iter().map(move |b| (a, b)))
 }
 
 fn every_combination(sweep: &Sweep) -> Vec<(Table, Variant)> {

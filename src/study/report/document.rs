@@ -2,8 +2,6 @@
 
 use std::fmt::Write;
 
-use super::figures::Picture;
-
 /// A part of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
@@ -17,6 +15,17 @@ pub enum Block {
     Table(Table),
     /// A picture. Not for terminals.
     Picture(Picture),
+}
+
+/// A figure that was drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// The file name, without ending.
+    pub name: &'static str,
+    /// What it shows.
+    pub caption: &'static str,
+    /// The figure as an SVG document.
+    pub svg: String,
 }
 
 /// Rows under a header; the first column, and others that hold words, are aligned to the left.

@@ -19,12 +19,12 @@ pub use document::Table;
 pub use nearest::Nearness;
 pub use paper::AgainstPaper;
 
-use document::Block;
+use document::{Block, Picture};
 
 use super::analysis::summary::{ArmRecords, ArmSummary};
 use super::error::StudyError;
 use super::protocol::Protocol;
-use super::report::figures::{Picture, draw_figures};
+use super::report::figures::draw_figures;
 use super::store::folder::StudyFolder;
 
 /// The report of a study.

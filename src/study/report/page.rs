@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use super::document::{Block, Table};
-use super::figures::Picture;
+use super::document::{Block, Picture, Table};
 
 /// Colours for light and dark, and the little there is of layout.
 const STYLE: &str = include_str!("page.css");

@@ -17,18 +17,8 @@ use steps::Steps;
 
 use crate::study::analysis::summary::ArmRecords;
 use crate::study::error::StudyError;
+use crate::study::report::document::Picture;
 use crate::study::store::folder::StudyFolder;
-
-/// A figure that was drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
-    /// The file name, without ending.
-    pub name: &'static str,
-    /// What it shows.
-    pub caption: &'static str,
-    /// The figure as an SVG document.
-    pub svg: String,
-}
 
 /// A figure that a study can have.
 struct Subject {

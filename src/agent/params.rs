@@ -164,6 +164,19 @@ impl Params {
         )
     }
 
+    /// The same without the four mechanisms of XCSCR: XCS adapted to robots (Williams et al.), one
+    /// reward at the end, of which every \[A\] of the episode gets its share (Eq. 7 with 8 or 9).
+    pub(super) fn adapted(self, sharing: Sharing) -> Self {
+        Self {
+            sharing,
+            short_term_filter: false,
+            imprinting: false,
+            learning_rate_switching: false,
+            learning_step_threshold: false,
+            ..self
+        }
+    }
+
     /// r_s: what an outcome is worth at once.
     pub fn short_term(&self, outcome: Outcome) -> f64 {
         match outcome {

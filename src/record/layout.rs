@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use crate::record::topics::caption;
 use crate::world::Maze;
 
-const EPISODE: &str = include_str!("../../../assets/foxglove-layout.json");
-const RUN: &str = include_str!("../../../assets/foxglove-layout-run.json");
+const EPISODE: &str = include_str!("../../assets/foxglove-layout.json");
+const RUN: &str = include_str!("../../assets/foxglove-layout-run.json");
 
 /// The layout for the files of single episodes, as compact JSON.
 pub fn of_episode(maze: &Maze) -> String {

@@ -1,0 +1,114 @@
+//! The method `xcscr-memory`, around what it recalls.
+
+use serde::{Deserialize, Serialize};
+
+use super::explorer::Explorer;
+use super::knowledge::Knowledge;
+use super::memory::{self, MemoryError};
+use super::recall::mind::Mind;
+use super::{Agent, Choice, Chooser, EndCredit, Params, StepCredit};
+use crate::arena::Outcome;
+use xcs::PredictionArray;
+use xcs::random::Stream;
+use xcs::{Action, Percept};
+
+/// The method `xcscr-memory`.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Recall {
+    mind: Mind,
+    params: Params,
+    /// What is perceived now.
+    #[serde(skip)]
+    percept: Option<Percept>,
+}
+
+impl Recall {
+    /// A learner for so many actions; `stream` draws what is imagined and explored. The parameters
+    /// must have been checked.
+    pub fn new(actions: usize, params: Params, stream: Stream) -> Self {
+        Self {
+            mind: Mind::new(actions, stream),
+            params,
+            percept: None,
+        }
+    }
+
+    /// Can this method, read from a file, stand for one that began as `fresh`?
+    fn descends_from(&self, fresh: &Self) -> bool {
+        self.params == fresh.params && self.mind.descends_from(&fresh.mind)
+    }
+}
+
+impl Agent for Recall {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.percept = Some(*percept);
+        self.mind.perceive(percept)
+    }
+
+    /// Explores in whole episodes, fewer and fewer of them; in all others the rules choose, where
+    /// any matches.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        match self.mind.explores() || worth.greatest().is_none() {
+            true => Choice::new(self.mind.explore(), Chooser::Planner),
+            false => Choice::new(explorer.exploit(worth), Chooser::Rules),
+        }
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let percept = self.percept.expect("consider comes before credit");
+        let matching = self.mind.matching(action);
+        self.mind.act(&percept, action);
+        StepCredit {
+            short_term_reward: self.params.short_term(outcome),
+            match_set: matching.match_set,
+            action_set: matching.action_set,
+            fired: matching.fittest.map(|rule| rule.condition),
+            ..StepCredit::default()
+        }
+    }
+
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        self.mind.finish(reached_goal);
+        EndCredit {
+            long_term_reward: if reached_goal { self.params.goal } else { 0.0 },
+            learning_rate: 1.0,
+            imprinted: false,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.params.step_threshold
+    }
+
+    /// At the beginning of an episode.
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.mind.worth_at_first(percept)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        Knowledge::Remembering {
+            rules: self.mind.rules().clone(),
+            map: self.mind.map().clone(),
+        }
+    }
+
+    fn remembers(&self) -> bool {
+        true
+    }
+
+    fn rule_count(&self) -> usize {
+        self.mind.rules().len()
+    }
+
+    fn memory(&self) -> Vec<u8> {
+        memory::of(self)
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
+        let mut method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
+        match method.mind.restore() {
+            true => Ok(Box::new(method)),
+            false => Err(MemoryError::Foreign),
+        }
+    }
+}
