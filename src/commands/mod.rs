@@ -3,6 +3,7 @@
 pub mod check;
 mod choices;
 pub mod config;
+mod convert;
 pub mod evaluate;
 pub mod export;
 pub mod failure;

@@ -10,6 +10,7 @@ use xcscr::trial::{Bounds, Estimate};
 use xcscr::world::{Cell, Facts, Maze, MazeKind, Recipe, draw};
 
 use super::choices;
+use super::convert::{self, ConvertArgs};
 use super::failure::{Exit, Failure};
 
 /// The most cells that a list in the text names one by one.
@@ -46,6 +47,8 @@ pub enum WorldCommand {
     },
     /// Generate a random maze and print it as a world file.
     Generate(GenerateArgs),
+    /// Make a world of a ROS 2 map, or a map of a world.
+    Convert(ConvertArgs),
 }
 
 /// Arguments of `world generate`.
@@ -75,6 +78,7 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
             let maze = maze.map_err(|fault| Failure::new(Exit::Usage, fault.to_string()))?;
             Ok(write!(out, "{}", maze.to_json())?)
         }
+        WorldCommand::Convert(args) => convert::run(&args, out),
         WorldCommand::Info {
             file,
             json,

@@ -5,9 +5,11 @@ mod drawing;
 mod files;
 mod film;
 mod letters;
+mod map_preview;
 mod moving_png;
 mod pixels;
 mod shapes;
 mod svg;
 
 pub use film::{Film, FilmError, Moment, Scenes};
+pub use map_preview::map_preview;

@@ -15,7 +15,14 @@ const STILL_SCALE: f32 = 2.0;
 /// # Errors
 /// When the picture is too large.
 pub(super) fn png(drawing: &Drawing) -> Result<Vec<u8>, String> {
-    let picture = paint(drawing, 0, STILL_SCALE)?;
+    encoded(&paint(drawing, 0, STILL_SCALE)?)
+}
+
+/// A picture, all of whose pixels are opaque, as a PNG file.
+///
+/// # Errors
+/// When the picture is too large.
+pub(super) fn encoded(picture: &Pixmap) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, picture.width(), picture.height());
     encoder.set_color(png::ColorType::Rgb);

@@ -12,6 +12,7 @@ mod json;
 mod maze;
 mod name;
 mod near;
+mod occupancy;
 mod paths;
 mod place;
 mod rows;
@@ -25,5 +26,9 @@ pub use error::{Diagnostic, WorldError};
 pub use facts::Facts;
 pub use generate::{MazeKind, NoRecipe, Recipe};
 pub use maze::{Cell, Maze};
+pub use name::repaired as repaired_name;
+pub use occupancy::{
+    Gridded, Gridding, KeptWorld, MapError, Occupancy, OccupancyMap, Passage, WrittenMap, written,
+};
 pub use paths::Paths;
 pub use starts::Starts;

@@ -1,0 +1,219 @@
+//! `xcscr world convert`: ROS 2 maps in, and worlds out as maps.
+
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use xcscr::disk;
+use xcscr::picture::map_preview;
+use xcscr::world::{Gridded, Gridding, MapError, Maze, OccupancyMap, written};
+
+use super::failure::{Exit, Failure};
+
+/// The most passages that are named one by one.
+const MOST_LISTED: usize = 5;
+
+/// Arguments of `world convert`.
+#[derive(Debug, clap::Args)]
+pub struct ConvertArgs {
+    /// A map (.yaml, beside its PGM or PNG image), or a world file (.json).
+    input: PathBuf,
+    /// The world file (.json) or the map (.yaml, with its image beside it) to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Edge of a cell in metres [default: one pixel].
+    #[arg(long, value_name = "M")]
+    cell: Option<f64>,
+    /// Where episodes start, in metres of the map's frame [default: in any free cell].
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    start: Option<Point>,
+    /// The goal, in metres of the map's frame.
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    goal: Option<Point>,
+    /// What unknown pixels count as.
+    #[arg(long, value_name = "WHAT", default_value = "wall")]
+    unknown: Unknown,
+    /// Draw map, grid and robot into this PNG file.
+    #[arg(long, value_name = "FILE")]
+    preview: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// What unknown pixels count as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Unknown {
+    Wall,
+    Free,
+}
+
+/// Metres in the map's frame.
+#[derive(Debug, Clone, Copy)]
+struct Point([f64; 2]);
+
+fn point(text: &str) -> Result<Point, String> {
+    let number = |text: &str| {
+        text.trim()
+            .parse()
+            .ok()
+            .filter(|number: &f64| number.is_finite())
+    };
+    let numbers = text
+        .split_once(',')
+        .and_then(|(x, y)| Some([number(x)?, number(y)?]));
+    numbers
+        .map(Point)
+        .ok_or_else(|| "expected metres such as 1.5,-0.3".to_owned())
+}
+
+/// Converts in the direction that the names of the files tell.
+pub fn run(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
+    match (ending(&args.input).as_str(), ending(&args.output).as_str()) {
+        ("yaml" | "yml", "json") => to_world(args, out),
+        ("json", "yaml" | "yml") => to_map(args, out),
+        _ => {
+            let message = "give a map (.yaml) and a world to write (.json), or a world and a map";
+            Err(Failure::new(Exit::Usage, message))
+        }
+    }
+}
+
+fn ending(file: &Path) -> String {
+    let ending = file.extension().unwrap_or_default().to_string_lossy();
+    ending.to_ascii_lowercase()
+}
+
+/// From a map to a world.
+fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let files = [Some(&args.output), args.preview.as_ref()];
+    files
+        .into_iter()
+        .flatten()
+        .try_for_each(|file| require_free(file, args.force))?;
+    let map = OccupancyMap::load(&args.input)?;
+    let gridding = Gridding {
+        cell_m: args.cell,
+        start_m: args.start.map(|Point(at)| at),
+        goal_m: args.goal.map(|Point(at)| at),
+        unknown_is_free: args.unknown == Unknown::Free,
+        name: world_name(&args.output),
+    };
+    print_map(&map, args.unknown, out)?;
+    let gridded = gridding.of(&map)?;
+    if let Some(file) = &args.preview {
+        let png =
+            map_preview(&map, &gridded).map_err(|fault| Failure::new(Exit::BadData, fault))?;
+        write(file, &png, args.force)?;
+    }
+    write(&args.output, gridded.maze.to_json().as_bytes(), args.force)?;
+    print_world(&gridded, &args.output, out)
+}
+
+/// The name of the file, as far as it can be that of a world.
+fn world_name(file: &Path) -> String {
+    let stem = file
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    xcscr::world::repaired_name(&stem)
+}
+
+fn print_map(map: &OccupancyMap, unknown: Unknown, out: &mut impl Write) -> Result<(), Failure> {
+    let [free, occupied, unseen] = map.counts();
+    let unknown = match unknown {
+        Unknown::Wall => "wall",
+        Unknown::Free => "free",
+    };
+    writeln!(
+        out,
+        "map     {} x {} pixels of {} m: {free} free, {occupied} occupied, {unseen} unknown (taken as {unknown})",
+        map.width, map.height, map.resolution_m
+    )?;
+    for (grey, count) in &map.doubtful {
+        writeln!(
+            out,
+            "        warning: {count} pixels have the grey level {grey}, which lies within 1/255 \
+             of a threshold: rounding decides what they are"
+        )?;
+    }
+    Ok(())
+}
+
+fn print_world(gridded: &Gridded, file: &Path, out: &mut impl Write) -> Result<(), Failure> {
+    let maze = &gridded.maze;
+    writeln!(
+        out,
+        "world   {} x {} cells of {} m, {} free: {}",
+        maze.width(),
+        maze.height(),
+        maze.cell_size_m(),
+        maze.free_cells().count(),
+        file.display()
+    )?;
+    if gridded.cut_off > 0 {
+        let count = gridded.cut_off;
+        writeln!(
+            out,
+            "        {count} free cells from which no goal can be reached became walls"
+        )?;
+    }
+    for passage in gridded.passages.iter().take(MOST_LISTED) {
+        writeln!(out, "        no cell fits through {passage}")?;
+    }
+    match gridded.passages.len().saturating_sub(MOST_LISTED) {
+        0 => Ok(()),
+        more => Ok(writeln!(out, "        nor through {more} more passages")?),
+    }
+}
+
+/// From a world to a map.
+fn to_map(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let image = args.output.with_extension("pgm");
+    for file in [&args.output, &image] {
+        require_free(file, args.force)?;
+    }
+    let maze = Maze::load(&args.input)?;
+    let name = image.file_name().unwrap_or_default().to_string_lossy();
+    let map = written(&maze, &name);
+    write(&image, &map.image, args.force)?;
+    write(&args.output, map.yaml.as_bytes(), args.force)?;
+    let (map, image) = (args.output.display(), image.display());
+    Ok(writeln!(out, "{map} and {image}: one pixel a cell")?)
+}
+
+fn require_free(file: &Path, force: bool) -> Result<(), Failure> {
+    disk::require_free(file, force).map_err(|cause| unwritten(file, &cause))
+}
+
+/// Writes a file aside, and gives it its name when it is whole.
+fn write(file: &Path, bytes: &[u8], force: bool) -> Result<(), Failure> {
+    let written = disk::aside(file).and_then(|mut aside| {
+        aside.write_all(bytes)?;
+        disk::persist(aside, file, force)
+    });
+    written.map_err(|cause| unwritten(file, &cause))
+}
+
+fn unwritten(file: &Path, cause: &io::Error) -> Failure {
+    let exit = match cause.kind() {
+        ErrorKind::StorageFull | ErrorKind::FileTooLarge => Exit::Io,
+        _ => Exit::CannotCreate,
+    };
+    let (name, way_out) = (file.display(), disk::way_out(cause));
+    Failure::new(exit, format!("cannot write {name}: {cause}{way_out}"))
+}
+
+impl From<MapError> for Failure {
+    fn from(error: MapError) -> Self {
+        match error {
+            MapError::World(error) => error.into(),
+            MapError::Unreadable { ref cause, .. } if cause.kind() == ErrorKind::NotFound => {
+                Self::new(Exit::Missing, error.to_string())
+            }
+            MapError::Cell(_) | MapError::Point { .. } => Self::new(Exit::Usage, error.to_string()),
+            _ => Self::new(Exit::BadData, error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! What can be wrong with an occupancy map.
+
+use std::io;
+use std::path::PathBuf;
+
+use super::Passage;
+use crate::world::WorldError;
+
+/// A map that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MapError {
+    /// A file cannot be read.
+    #[error("cannot read `{}`: {cause}", .path.display())]
+    Unreadable {
+        /// The YAML file or the image.
+        path: PathBuf,
+        /// What the operating system says.
+        cause: io::Error,
+    },
+    /// The YAML file is none, or holds a key with the wrong value.
+    #[error("`{}` describes no map: {fault}", .path.display())]
+    Header {
+        /// The YAML file.
+        path: PathBuf,
+        /// Key, value, and what is allowed.
+        fault: String,
+    },
+    /// The image is none.
+    #[error("`{}` is no image that can be read: {fault}", .path.display())]
+    Image {
+        /// The image.
+        path: PathBuf,
+        /// What is wrong.
+        fault: String,
+    },
+    /// The size of a cell does not fit.
+    #[error("{0}")]
+    Cell(String),
+    /// A point lies outside, or in a wall.
+    #[error("the {what} {}, {} lies {fault}", .at_m[0], .at_m[1])]
+    Point {
+        /// `start` or `goal`.
+        what: &'static str,
+        /// The point in the map's frame, in metres.
+        at_m: [f64; 2],
+        /// Where it lies, and a cell that would do.
+        fault: String,
+    },
+    /// The goal is cut off.
+    #[error("no goal can be reached from the start{}", narrow(.0))]
+    CutOff(Vec<Passage>),
+    /// The cells are no world.
+    #[error(transparent)]
+    World(#[from] WorldError),
+}
+
+/// The passages in which a cell does not fit, and the way out.
+fn narrow(passages: &[Passage]) -> String {
+    if passages.is_empty() {
+        return "; nor in the map itself".to_owned();
+    }
+    let list: Vec<String> = passages.iter().map(ToString::to_string).collect();
+    format!(
+        ": no cell fits through {}; give a smaller --cell, or widen the map there",
+        list.join(", nor through ")
+    )
+}

@@ -1,0 +1,157 @@
+//! The YAML file of a map: where the image is, and what its grey levels mean.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{MapError, Occupancy};
+use crate::disk;
+
+/// The largest YAML file, in bytes.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// How grey levels are read (Nav2's `MapMode`).
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Mode {
+    /// Free, occupied or unknown, by two thresholds.
+    #[default]
+    Trinary,
+    /// The same, with shades between; those count as unknown here.
+    Scale,
+    /// The grey level is the occupancy in percent; above 100, unknown.
+    Raw,
+}
+
+/// A number or a truth value: `negate` is written as either.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(untagged)]
+enum Switch {
+    Bool(bool),
+    Number(i64),
+}
+
+/// The keys, as they stand in the file. Others are for other programs.
+#[derive(Debug, Deserialize)]
+struct Keys {
+    image: PathBuf,
+    resolution: f64,
+    origin: Vec<f64>,
+    negate: Switch,
+    occupied_thresh: f64,
+    free_thresh: f64,
+    #[serde(default)]
+    mode: Mode,
+    #[serde(default)]
+    xcscr: Option<KeptWorld>,
+}
+
+/// What a world has beside its walls, kept in the map that it is written as, so that nothing is
+/// lost on the way back. Other programs ignore it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KeptWorld {
+    /// The name.
+    pub name: String,
+    /// 4 or 8.
+    pub moves: usize,
+    /// Are opposite edges joined?
+    pub wrap: bool,
+    /// The start, by column and row.
+    pub start: Option<[u16; 2]>,
+    /// The goals, by column and row.
+    pub goals: Vec<[u16; 2]>,
+}
+
+/// A checked header.
+#[derive(Debug)]
+pub(super) struct Header {
+    /// Where the image is.
+    pub image: PathBuf,
+    /// Edge of a pixel, in metres.
+    pub resolution_m: f64,
+    /// x and y of the lower left corner in metres, yaw in radians.
+    pub origin: [f64; 3],
+    pub kept: Option<KeptWorld>,
+    negate: bool,
+    occupied_from: f64,
+    free_to: f64,
+    mode: Mode,
+}
+
+impl Header {
+    /// Reads and checks a YAML file.
+    pub fn load(path: &Path) -> Result<Self, MapError> {
+        let text = disk::read_text(path, MAX_BYTES).map_err(|cause| MapError::Unreadable {
+            path: path.to_owned(),
+            cause,
+        })?;
+        let keys = serde_saphyr::from_str(&text).map_err(|fault| fault.to_string());
+        keys.and_then(|keys| Self::checked(keys, path))
+            .map_err(|fault| MapError::Header {
+                path: path.to_owned(),
+                fault,
+            })
+    }
+
+    fn checked(keys: Keys, path: &Path) -> Result<Self, String> {
+        let origin = <[f64; 3]>::try_from(keys.origin)
+            .ok()
+            .filter(|origin| origin.iter().all(|number| number.is_finite()))
+            .ok_or("`origin` must be three numbers: x and y in metres, yaw in radians")?;
+        let share = |key: &str, value: f64| match (0.0..=1.0).contains(&value) {
+            true => Ok(value),
+            false => Err(format!("`{key}` is {value}, but must be from 0 to 1")),
+        };
+        let occupied_from = share("occupied_thresh", keys.occupied_thresh)?;
+        let free_to = share("free_thresh", keys.free_thresh)?;
+        if free_to >= occupied_from {
+            return Err(format!(
+                "`free_thresh` is {free_to}, but must be less than `occupied_thresh`, {occupied_from}"
+            ));
+        }
+        if !(1e-3..=10.0).contains(&keys.resolution) {
+            let found = keys.resolution;
+            return Err(format!(
+                "`resolution` is {found}, but must be from 0.001 to 10 metres"
+            ));
+        }
+        Ok(Self {
+            image: path.parent().unwrap_or(Path::new("")).join(keys.image),
+            resolution_m: keys.resolution,
+            origin,
+            negate: matches!(keys.negate, Switch::Bool(true) | Switch::Number(1..)),
+            occupied_from,
+            free_to,
+            mode: keys.mode,
+            kept: keys.xcscr,
+        })
+    }
+
+    /// How occupied a pixel of this grey level is: 0 to 1, or more in raw mode.
+    fn occupied(&self, grey: u8) -> f64 {
+        let grey = f64::from(grey);
+        match self.mode {
+            Mode::Raw => grey / 100.0,
+            _ if self.negate => grey / 255.0,
+            _ => (255.0 - grey) / 255.0,
+        }
+    }
+
+    /// What a grey level means.
+    pub fn occupancy(&self, grey: u8) -> Occupancy {
+        let occupied = self.occupied(grey);
+        match () {
+            () if occupied > 1.0 => Occupancy::Unknown,
+            () if occupied >= self.occupied_from => Occupancy::Occupied,
+            () if occupied <= self.free_to => Occupancy::Free,
+            () => Occupancy::Unknown,
+        }
+    }
+
+    /// Does the grey level lie within one level of a threshold, so that rounding decides?
+    pub fn is_doubtful(&self, grey: u8) -> bool {
+        let near = |threshold: f64| (self.occupied(grey) - threshold).abs() <= 1.0 / 255.0;
+        near(self.occupied_from) || near(self.free_to)
+    }
+}

@@ -1,0 +1,58 @@
+//! A maze as an occupancy map: one pixel a cell.
+
+use std::fmt::Write;
+
+use super::KeptWorld;
+use crate::world::{Cell, Maze};
+
+/// Grey levels of free cells and of walls, as Nav2 saves them.
+const FREE: u8 = 254;
+const WALL: u8 = 0;
+
+/// The two files of a map.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WrittenMap {
+    /// The YAML file.
+    pub yaml: String,
+    /// The image that it names (PGM, P5).
+    pub image: Vec<u8>,
+}
+
+/// The map of a maze, whose image will lie beside the YAML file under the name `image`.
+pub fn written(maze: &Maze, image: &str) -> WrittenMap {
+    let pair = |cell: Cell| [cell.col, cell.row];
+    let kept = KeptWorld {
+        name: maze.name().to_owned(),
+        moves: maze.action_count(),
+        wrap: maze.wraps(),
+        start: maze.start().map(pair),
+        goals: maze.goals().iter().copied().map(pair).collect(),
+    };
+    let mut yaml = String::new();
+    let _ = write!(
+        yaml,
+        "image: {}\nmode: trinary\nresolution: {:?}\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n\
+         occupied_thresh: 0.65\nfree_thresh: 0.25\n\
+         # What other programs ignore: the rest of the world, for the way back.\n\
+         xcscr:\n  name: {}\n  moves: {}\n  wrap: {}\n  start: {}\n  goals: {:?}\n",
+        quoted(image),
+        maze.cell_size_m(),
+        quoted(&kept.name),
+        kept.moves,
+        kept.wrap,
+        kept.start
+            .map_or("null".to_owned(), |start| format!("{start:?}")),
+        kept.goals
+    );
+    let mut pgm = format!("P5\n{} {}\n255\n", maze.width(), maze.height()).into_bytes();
+    pgm.extend(
+        maze.cells()
+            .map(|cell| if maze.is_wall(cell) { WALL } else { FREE }),
+    );
+    WrittenMap { yaml, image: pgm }
+}
+
+/// A text as YAML has it in double quotes, which is also JSON.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
