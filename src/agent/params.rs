@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::arena::Outcome;
-use xcs::bounds::{OutOfRange, within};
+use xcs::settings;
 
 /// How the long-term reward is shared out among the steps of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,118 +52,69 @@ pub enum StackEvolution {
     EachStep,
 }
 
-/// Rewards, and the parameters and switches of the reward methods.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Params {
-    /// r_l for reaching a goal (paper, section II-C); 0 to 1,000,000.
-    pub goal: f64,
-    /// r_l for a failure (paper, section II-C: 0, but figures 2 and 5 show worths below 0, and the
-    /// text speaks of long-term, negative rewards); -1,000,000 to 0.
-    pub failure: f64,
-    /// What `xcs` and `xcsam` are paid.
-    pub xcs_payment: XcsPayment,
-    /// What `xcs` and `xcsam` make of the step limit.
-    pub xcs_step_limit: StepLimitUpdate,
-    /// When the GA runs in methods with a reward stack.
-    pub stack_evolution: StackEvolution,
-    /// r_s of a step (paper, section II-C); -1,000,000 to 0.
-    pub step: f64,
-    /// r_s of a step that ends in a collision (paper, section II-C); -1,000,000 to 0.
-    pub collision: f64,
-    /// gamma: the discount per step; 0 to 1. At 0.71, twelve steps from the goal, the payoffs of
-    /// neighbouring cells differ by less than epsilon_0, and rules that mix them look accurate.
-    pub gamma: f64,
-    /// c of Eq. 8, in steps; 0 to 1,000,000. At 0 it is the length of the shortest success so far
-    /// in the trial, so that the best path is paid in full.
-    pub even_constant: f64,
-    /// The step-threshold at first: the most steps of an episode; 1 to 1,000,000. The paper does
-    /// not print its own.
-    pub step_threshold: u32,
-    /// Is the step-threshold raised to four times the longest shortest path of the maze, where
-    /// `step_threshold` is less? Setting `step_threshold` turns this off; so do files written
-    /// before it existed.
-    #[serde(default)]
-    pub step_threshold_from_maze: bool,
-    /// How `xcscr` shares out the long-term reward.
-    pub sharing: Sharing,
-    /// theta_rs: the short-term filter answers rewards up to this (Alg. 1); -1,000,000 to 0.
-    pub theta_rs: f64,
-    /// theta_x: imprinting follows a failure with probability 1 - theta_x (Alg. 2, as printed);
-    /// 0 to 1.
-    pub theta_x: f64,
-    /// beta after a success (paper, section III-C); above 0, at most 1.
-    pub beta_success: f64,
-    /// beta after a failure (paper, section III-C); above 0, at most 1.
-    pub beta_failure: f64,
-    /// beta of the short-term filter after a collision; above 0, at most 1. The paper calls
-    /// collisions punishments (section III-A) and learns punishments with 0.05 (section III-C);
-    /// 0.2 is the rate of everything else.
-    pub beta_collision: f64,
-    /// beta of Eq. 10, with which the step-threshold moves toward a success; above 0, at most 1.
-    /// 0.2 is the rate after a success.
-    pub beta_step_threshold: f64,
-    /// Does `xcscr` use the short-term reward filter?
-    pub short_term_filter: bool,
-    /// Does `xcscr` imprint?
-    pub imprinting: bool,
-    /// Does `xcscr` switch the learning rate? If not, it learns with `xcs.beta` throughout.
-    pub learning_rate_switching: bool,
-    /// Does `xcscr` learn the step-threshold?
-    pub learning_step_threshold: bool,
-}
+settings! {
+    section "reward";
 
-impl Default for Params {
-    fn default() -> Self {
-        Self {
-            goal: 1000.0,
-            failure: 0.0,
-            xcs_payment: XcsPayment::All,
-            xcs_step_limit: StepLimitUpdate::Failure,
-            stack_evolution: StackEvolution::AfterCredit,
-            step: -1.0,
-            collision: -50.0,
-            gamma: 0.9,
-            even_constant: 0.0,
-            step_threshold: 50,
-            step_threshold_from_maze: true,
-            sharing: Sharing::Discounted,
-            theta_rs: -50.0,
-            theta_x: 0.5,
-            beta_success: 0.2,
-            beta_failure: 0.05,
-            beta_collision: 0.2,
-            beta_step_threshold: 0.2,
-            short_term_filter: true,
-            imprinting: true,
-            learning_rate_switching: true,
-            learning_step_threshold: true,
-        }
+    /// Rewards, and the parameters and switches of the reward methods.
+    pub struct Params {
+        /// r_l for reaching a goal (paper, section II-C).
+        goal: f64 = 1000.0, in 0.0..=1e6;
+        /// r_l for a failure (paper, section II-C: 0, but figures 2 and 5 show worths below 0, and
+        /// the text speaks of long-term, negative rewards).
+        failure: f64 = 0.0, in -1e6..=0.0;
+        /// What `xcs` and `xcsam` are paid.
+        xcs_payment: XcsPayment = XcsPayment::All;
+        /// What `xcs` and `xcsam` make of the step limit.
+        xcs_step_limit: StepLimitUpdate = StepLimitUpdate::Failure;
+        /// When the GA runs in methods with a reward stack.
+        stack_evolution: StackEvolution = StackEvolution::AfterCredit;
+        /// r_s of a step (paper, section II-C).
+        step: f64 = -1.0, in -1e6..=0.0;
+        /// r_s of a step that ends in a collision (paper, section II-C).
+        collision: f64 = -50.0, in -1e6..=0.0;
+        /// gamma: the discount per step. At 0.71, twelve steps from the goal, the payoffs of
+        /// neighbouring cells differ by less than epsilon_0, and rules that mix them look accurate.
+        gamma: f64 = 0.9, in 0.0..=1.0;
+        /// c of Eq. 8, in steps. At 0 it is the length of the shortest success so far in the trial,
+        /// so that the best path is paid in full.
+        even_constant: f64 = 0.0, in 0.0..=1e6;
+        /// The step-threshold at first: the most steps of an episode. The paper does not print its
+        /// own.
+        step_threshold: u32 = 50, in 1..=1_000_000;
+        /// Is the step-threshold raised to four times the longest shortest path of the maze, where
+        /// `step_threshold` is less? Setting `step_threshold` turns this off; so do files written
+        /// before it existed.
+        #[serde(default)]
+        step_threshold_from_maze: bool = true;
+        /// How `xcscr` shares out the long-term reward.
+        sharing: Sharing = Sharing::Discounted;
+        /// theta_rs: the short-term filter answers rewards up to this (Alg. 1).
+        theta_rs: f64 = -50.0, in -1e6..=0.0;
+        /// theta_x: imprinting follows a failure with probability 1 - theta_x (Alg. 2, as printed).
+        theta_x: f64 = 0.5, in 0.0..=1.0;
+        /// beta after a success (paper, section III-C).
+        beta_success: f64 = 0.2, in 1e-6..=1.0;
+        /// beta after a failure (paper, section III-C).
+        beta_failure: f64 = 0.05, in 1e-6..=1.0;
+        /// beta of the short-term filter after a collision. The paper calls collisions punishments
+        /// (section III-A) and learns punishments with 0.05 (section III-C); 0.2 is the rate of
+        /// everything else.
+        beta_collision: f64 = 0.2, in 1e-6..=1.0;
+        /// beta of Eq. 10, with which the step-threshold moves toward a success. 0.2 is the rate
+        /// after a success.
+        beta_step_threshold: f64 = 0.2, in 1e-6..=1.0;
+        /// Does `xcscr` use the short-term reward filter?
+        short_term_filter: bool = true;
+        /// Does `xcscr` imprint?
+        imprinting: bool = true;
+        /// Does `xcscr` switch the learning rate? If not, it learns with `xcs.beta` throughout.
+        learning_rate_switching: bool = true;
+        /// Does `xcscr` learn the step-threshold?
+        learning_step_threshold: bool = true;
     }
 }
 
 impl Params {
-    /// Accepts the parameters when each lies in its range.
-    pub fn check(&self) -> Result<(), OutOfRange> {
-        within("reward.goal", self.goal, 0.0..=1e6)?;
-        within("reward.failure", self.failure, -1e6..=0.0)?;
-        within("reward.step", self.step, -1e6..=0.0)?;
-        within("reward.collision", self.collision, -1e6..=0.0)?;
-        within("reward.gamma", self.gamma, 0.0..=1.0)?;
-        within("reward.even_constant", self.even_constant, 0.0..=1e6)?;
-        within("reward.step_threshold", self.step_threshold, 1..=1_000_000)?;
-        within("reward.theta_rs", self.theta_rs, -1e6..=0.0)?;
-        within("reward.theta_x", self.theta_x, 0.0..=1.0)?;
-        within("reward.beta_success", self.beta_success, 1e-6..=1.0)?;
-        within("reward.beta_failure", self.beta_failure, 1e-6..=1.0)?;
-        within("reward.beta_collision", self.beta_collision, 1e-6..=1.0)?;
-        within(
-            "reward.beta_step_threshold",
-            self.beta_step_threshold,
-            1e-6..=1.0,
-        )
-    }
-
     /// The same without the four mechanisms of XCSCR: XCS adapted to robots (Williams et al.), one
     /// reward at the end, of which every \[A\] of the episode gets its share (Eq. 7 with 8 or 9).
     pub(super) fn adapted(self, sharing: Sharing) -> Self {

@@ -1,30 +1,22 @@
 //! Actions that slip: now and then another one is carried out than the one that was chosen.
 
 use crate::streams::StreamName;
-use serde::{Deserialize, Serialize};
 use xcs::Action;
-use xcs::bounds::{OutOfRange, within};
 use xcs::random::Stream;
+use xcs::settings;
 
 use super::{Arena, Lasting, Outcome, View};
 use crate::world::Cell;
 
-/// Settings that hold in every arena.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ArenaParams {
-    /// The probability that another action is carried out than the one that was chosen, each of
-    /// the others with the same chance; 0 to 0.75, where with four actions chance decides alone.
-    pub slip: f64,
-}
+settings! {
+    section "arena";
 
-impl ArenaParams {
-    /// Accepts the settings when each lies in its range.
-    ///
-    /// # Errors
-    /// Names the first one that does not, and its range.
-    pub fn check(&self) -> Result<(), OutOfRange> {
-        within("arena.slip", self.slip, 0.0..=0.75)
+    /// Settings that hold in every arena.
+    pub struct ArenaParams {
+        /// The probability that another action is carried out than the one that was chosen, each of
+        /// the others with the same chance. At 0.75, with
+        /// four actions, chance decides alone.
+        slip: f64 = 0.0, in 0.0..=0.75;
     }
 }
 

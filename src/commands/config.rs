@@ -29,7 +29,7 @@ pub struct ShowArgs {
     /// Print each setting on a line of its own, with where it came from.
     #[arg(long)]
     resolved: bool,
-    /// Print one JSON document: the value and the origin of each setting.
+    /// Print one JSON document: each setting with its value, its origin, its range and what it is.
     #[arg(long)]
     json: bool,
 }
@@ -39,6 +39,8 @@ pub struct ShowArgs {
 struct Entry<'a> {
     value: serde_json::Value,
     origin: &'a str,
+    range: Option<&'a str>,
+    about: &'a str,
 }
 
 /// Runs one of the config commands.
@@ -75,15 +77,18 @@ fn print_json(resolved: &Resolved, out: &mut impl Write) -> Result<(), Failure> 
         .entries()
         .map(|(key, _, origin)| (key, origin.to_string()));
     let origins: BTreeMap<&str, String> = origins.collect();
-    let entry = |(key, origin)| {
-        let path = format!("/{}", str::replace(key, ".", "/"));
-        let value = values.pointer(&path).cloned().unwrap_or_default();
-        (key, Entry { value, origin })
-    };
-    let entries: BTreeMap<&str, Entry<'_>> = origins
-        .iter()
-        .map(|(key, origin)| entry((*key, origin.as_str())))
-        .collect();
+    let declared = Settings::declared();
+    let entries = declared.iter().map(|setting| {
+        let path = format!("/{}", setting.key.replace('.', "/"));
+        let entry = Entry {
+            value: values.pointer(&path).cloned().unwrap_or_default(),
+            origin: &origins[setting.key],
+            range: setting.range.as_deref(),
+            about: setting.about,
+        };
+        (setting.key, entry)
+    });
+    let entries: BTreeMap<&str, Entry<'_>> = entries.collect();
     Ok(writeln!(
         out,
         "{}",

@@ -222,14 +222,15 @@ fn overlay(
 
 /// What a setting takes that now has this value.
 fn kind(key: &str, value: &Value) -> String {
-    match value {
-        Value::Integer(_) => match range_of(key, value) {
-            Some(OutOfRange { allowed, .. }) => format!("a whole number {allowed}"),
-            None => "a whole number".to_owned(),
-        },
-        Value::Float(_) => "a number".to_owned(),
-        Value::Boolean(_) => "true or false".to_owned(),
-        _ => "a text".to_owned(),
+    let number = match value {
+        Value::Integer(_) => "a whole number",
+        Value::Float(_) => "a number",
+        Value::Boolean(_) => return "true or false".to_owned(),
+        _ => return "a text".to_owned(),
+    };
+    match range_of(key, value) {
+        Some(OutOfRange { allowed, .. }) => format!("{number} {allowed}"),
+        None => number.to_owned(),
     }
 }
 
@@ -296,15 +297,15 @@ fn unreadable(key: &str, value: &Value, origin: &Origin, fault: &str) -> Setting
     }
 }
 
-/// The range that a whole number missed by so much that no setting can hold it: what is said of
-/// the largest number that one can.
+/// What is said of a value that does not lie in the declared range of its setting.
 fn range_of(key: &str, given: &Value) -> Option<OutOfRange> {
-    let (section, name) = key.split_once('.')?;
-    let largest = Table::from_iter([(name.to_owned(), Value::Integer(u32::MAX.into()))]);
-    let all = Table::from_iter([(section.to_owned(), Value::Table(largest))]);
-    let fault = all.try_into::<Settings>().ok()?.check().err()?;
-    let value = given.to_string();
-    (fault.key == key).then_some(OutOfRange { value, ..fault })
+    let mut declared = Settings::declared().into_iter();
+    let setting = declared.find(|setting| setting.key == key)?;
+    Some(OutOfRange {
+        key: setting.key,
+        value: given.to_string(),
+        allowed: setting.range?,
+    })
 }
 
 #[cfg(test)]

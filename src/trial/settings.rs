@@ -6,7 +6,7 @@ use crate::agent;
 use crate::arena::{ArenaParams, PhysicsParams};
 use crate::episode;
 use crate::world::{Maze, Paths};
-use xcs::bounds::OutOfRange;
+use xcs::bounds::{OutOfRange, Setting};
 
 /// An episode of so many shortest paths leaves room to explore.
 const PATHS_AN_EPISODE: u32 = 4;
@@ -43,6 +43,22 @@ impl Settings {
             self.reward.step_threshold = least.max(wanted);
         }
         self
+    }
+
+    /// What is declared of each setting, section by section.
+    pub fn declared() -> Vec<Setting> {
+        let mut all = [
+            xcs::Params::declared(),
+            agent::Params::declared(),
+            agent::PlusParams::declared(),
+            agent::TabularParams::declared(),
+            episode::Params::declared(),
+            ArenaParams::declared(),
+            PhysicsParams::declared_with_parts(),
+        ]
+        .concat();
+        all.sort_by_key(|setting| setting.key);
+        all
     }
 
     /// Accepts the settings when each lies in its range.

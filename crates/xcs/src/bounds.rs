@@ -1,7 +1,21 @@
-//! Ranges of settings, checked in one place with one message.
+//! Settings, each declared once: name, default, range and what it is for.
+//!
+//! [`settings!`](crate::settings) makes of a declaration the struct, its defaults, its check with
+//! one message for all settings, and the list from which documentation is made.
 
 use std::fmt;
 use std::ops::RangeInclusive;
+
+/// What is declared of a setting.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Setting {
+    /// Its full name, such as `xcs.beta`.
+    pub key: &'static str,
+    /// What it is, its unit, its source, and what goes wrong at the extremes.
+    pub about: &'static str,
+    /// The allowed range in words; `None` for switches and names.
+    pub range: Option<String>,
+}
 
 /// A setting whose value lies outside its range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -27,8 +41,98 @@ pub fn within<T: PartialOrd + fmt::Display>(
     Err(OutOfRange {
         key,
         value: value.to_string(),
-        allowed: format!("from {} to {}", range.start(), range.end()),
+        allowed: in_words(&range),
     })
+}
+
+/// A range as messages give it.
+pub fn in_words<T: fmt::Display>(range: &RangeInclusive<T>) -> String {
+    format!("from {} to {}", range.start(), range.end())
+}
+
+/// Declares settings: the struct, its defaults, `check`, which accepts it when each setting lies in
+/// its range, and `declared`, which lists them.
+///
+/// ```
+/// xcs::settings! {
+///     section "kettle";
+///
+///     /// How a kettle works.
+///     pub struct Kettle {
+///         /// The temperature at which it stops, in degrees Celsius.
+///         limit_c: f64 = 100.0, in 40.0..=100.0;
+///         /// Does it whistle?
+///         whistles: bool = true;
+///     }
+/// }
+///
+/// let hot = Kettle { limit_c: 120.0, ..Kettle::default() };
+/// let fault = hot.check().unwrap_err().to_string();
+/// assert_eq!(fault, "`kettle.limit_c` is 120, but must be from 40 to 100");
+/// assert_eq!(Kettle::declared()[1].key, "kettle.whistles");
+/// ```
+///
+/// `also name;` after the section names a method `fn(&self) -> Result<(), OutOfRange>` that checks
+/// what no range says. The crate that declares needs `serde` with its derive macros.
+#[macro_export]
+macro_rules! settings {
+    (
+        section $section:literal;
+        $(also $also:ident;)?
+
+        $(#[doc = $about:literal])*
+        pub struct $name:ident {
+            $(
+                $(#[doc = $doc:literal])*
+                $(#[serde($($serde:tt)*)])?
+                $field:ident: $type:ty = $default:expr $(, in $range:expr)?;
+            )*
+        }
+    ) => {
+        $(#[doc = $about])*
+        #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            $(
+                $(#[doc = $doc])*
+                #[doc = concat!("\n\nDefault: `", stringify!($default), "`", $("; range: `", stringify!($range), "`",)? ".")]
+                $(#[serde($($serde)*)])?
+                pub $field: $type,
+            )*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        impl $name {
+            /// Accepts the settings when each lies in its range.
+            ///
+            /// # Errors
+            /// The first setting that does not, with its range.
+            pub fn check(&self) -> Result<(), $crate::bounds::OutOfRange> {
+                $($(
+                    let key = concat!($section, ".", stringify!($field));
+                    $crate::bounds::within(key, self.$field, $range)?;
+                )?)*
+                $(self.$also()?;)?
+                Ok(())
+            }
+
+            /// What is declared of each setting.
+            pub fn declared() -> Vec<$crate::bounds::Setting> {
+                vec![$(
+                    $crate::bounds::Setting {
+                        key: concat!($section, ".", stringify!($field)),
+                        about: concat!($($doc, "\n"),*).trim(),
+                        range: [$($crate::bounds::in_words::<$type>(&($range)))?].into_iter().next(),
+                    },
+                )*]
+            }
+        }
+    };
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bounds::{OutOfRange, within};
+use crate::settings;
 
 /// The greatest N.
 pub(super) const GREATEST_POPULATION: u32 = 1_000_000;
@@ -41,119 +41,62 @@ pub enum GaClock {
     EvolvingSteps,
 }
 
-/// Parameters of XCS (Butz and Wilson 2001, section 3.2; values of the paper's experiment where
-/// it prints them, calibrated ones elsewhere).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Params {
-    /// N: the most micro-classifiers in \[P\]; 32 to 1,000,000. Too few, and rules that are
-    /// needed get deleted.
-    pub population_size: u32,
-    /// P#: the probability of a don't-care in covering; 0 to 1.
-    pub dont_care: f64,
-    /// beta: the learning rate; above 0, at most 1.
-    pub beta: f64,
-    /// alpha: the drop in accuracy at the error threshold; 0 to 1.
-    pub alpha: f64,
-    /// epsilon_0: the error up to which a rule counts as accurate, in units of reward; above 0.
-    /// Two payoffs that differ by less are one payoff to XCS.
-    pub epsilon_0: f64,
-    /// nu: the power with which accuracy falls with error; 1 to 20, a whole number so that no
-    /// platform-dependent `pow` is needed.
-    pub nu: u32,
-    /// theta_GA: mean steps between two runs of the GA in one niche; 0 to 1,000,000.
-    pub theta_ga: u32,
-    /// chi: the probability of crossover; 0 to 1.
-    pub chi: f64,
-    /// mu: the probability of mutating one allele or the action; 0 to 1.
-    pub mu: f64,
-    /// theta_del: experience from which on low fitness counts in deletion; 0 to 1,000,000.
-    pub theta_del: u32,
-    /// delta: the fraction of the mean fitness below which a rule is unfit; 0 to 1.
-    pub delta: f64,
-    /// theta_sub: experience from which on a rule can subsume others; 0 to 1,000,000.
-    pub theta_sub: u32,
-    /// zeta: the fraction of the greatest worth from which on a payoff counts as the best, for
-    /// `xcsam` (Nakata, Lanzi and Takadama 2012); 0 to 1.
-    pub zeta: f64,
-    /// p_I: the prediction of a covering rule, in units of reward; -1,000,000 to 1,000,000.
-    pub initial_prediction: f64,
-    /// epsilon_I: the error of a covering rule, in units of reward; 0 to 1,000,000.
-    pub initial_error: f64,
-    /// F_I: the fitness of a covering rule; above 0, at most 1.
-    pub initial_fitness: f64,
-    /// Does the GA run?
-    pub ga: bool,
-    /// Do parents subsume their children?
-    pub ga_subsumption: bool,
-    /// Does the most general accurate rule of \[A\] subsume the others?
-    pub action_set_subsumption: bool,
-    /// Divide the worth by the fitness of all of \[M\], as Eq. 6 is printed in the paper, and not
-    /// by that of the rules with the action, as in XCS.
-    pub worth_over_match_set: bool,
-    /// Which of a rule's figures is updated first, error or prediction.
-    pub update_order: UpdateOrder,
-    /// Which of several equally general rules subsumes the others of \[A\].
-    pub subsumer_ties: SubsumerTies,
-    /// Which steps the GA's clock counts.
-    pub ga_clock: GaClock,
-}
+settings! {
+    section "xcs";
 
-impl Default for Params {
-    fn default() -> Self {
-        Self {
-            population_size: 1600,
-            dont_care: 0.3,
-            beta: 0.2,
-            alpha: 0.1,
-            epsilon_0: 10.0,
-            nu: 5,
-            theta_ga: 25,
-            chi: 0.8,
-            mu: 0.04,
-            theta_del: 20,
-            delta: 0.1,
-            theta_sub: 20,
-            zeta: 0.99,
-            initial_prediction: 0.0,
-            initial_error: 0.0,
-            initial_fitness: 0.01,
-            ga: true,
-            ga_subsumption: true,
-            action_set_subsumption: true,
-            worth_over_match_set: false,
-            update_order: UpdateOrder::ErrorFirst,
-            subsumer_ties: SubsumerTies::First,
-            ga_clock: GaClock::AllSteps,
-        }
-    }
-}
-
-impl Params {
-    /// Accepts the parameters when each lies in its range.
-    pub fn check(&self) -> Result<(), OutOfRange> {
-        const MILLION: u32 = 1_000_000;
-        let sizes = 32..=GREATEST_POPULATION;
-        within("xcs.population_size", self.population_size, sizes)?;
-        within("xcs.dont_care", self.dont_care, 0.0..=1.0)?;
-        within("xcs.beta", self.beta, 1e-6..=1.0)?;
-        within("xcs.alpha", self.alpha, 0.0..=1.0)?;
-        within("xcs.epsilon_0", self.epsilon_0, 1e-9..=1e6)?;
-        within("xcs.nu", self.nu, 1..=20)?;
-        within("xcs.theta_ga", self.theta_ga, 0..=MILLION)?;
-        within("xcs.chi", self.chi, 0.0..=1.0)?;
-        within("xcs.mu", self.mu, 0.0..=1.0)?;
-        within("xcs.theta_del", self.theta_del, 0..=MILLION)?;
-        within("xcs.delta", self.delta, 0.0..=1.0)?;
-        within("xcs.theta_sub", self.theta_sub, 0..=MILLION)?;
-        within("xcs.zeta", self.zeta, 0.0..=1.0)?;
-        within(
-            "xcs.initial_prediction",
-            self.initial_prediction,
-            -1e6..=1e6,
-        )?;
-        within("xcs.initial_error", self.initial_error, 0.0..=1e6)?;
-        within("xcs.initial_fitness", self.initial_fitness, 1e-9..=1.0)
+    /// Parameters of XCS (Butz and Wilson 2001, section 3.2; values of the paper's experiment where
+    /// it prints them, calibrated ones elsewhere).
+    pub struct Params {
+        /// N: the most micro-classifiers in \[P\]. Too few, and rules that are needed get deleted.
+        population_size: u32 = 1600, in 32..=GREATEST_POPULATION;
+        /// P#: the probability of a don't-care in covering.
+        dont_care: f64 = 0.3, in 0.0..=1.0;
+        /// beta: the learning rate.
+        beta: f64 = 0.2, in 1e-6..=1.0;
+        /// alpha: the drop in accuracy at the error threshold.
+        alpha: f64 = 0.1, in 0.0..=1.0;
+        /// epsilon_0: the error up to which a rule counts as accurate, in units of reward. Two
+        /// payoffs that differ by less are one payoff to XCS.
+        epsilon_0: f64 = 10.0, in 1e-9..=1e6;
+        /// nu: the power with which accuracy falls with error; a whole number so that no
+        /// platform-dependent `pow` is needed.
+        nu: u32 = 5, in 1..=20;
+        /// theta_GA: mean steps between two runs of the GA in one niche.
+        theta_ga: u32 = 25, in 0..=1_000_000;
+        /// chi: the probability of crossover.
+        chi: f64 = 0.8, in 0.0..=1.0;
+        /// mu: the probability of mutating one allele or the action.
+        mu: f64 = 0.04, in 0.0..=1.0;
+        /// theta_del: experience from which on low fitness counts in deletion.
+        theta_del: u32 = 20, in 0..=1_000_000;
+        /// delta: the fraction of the mean fitness below which a rule is unfit.
+        delta: f64 = 0.1, in 0.0..=1.0;
+        /// theta_sub: experience from which on a rule can subsume others.
+        theta_sub: u32 = 20, in 0..=1_000_000;
+        /// zeta: the fraction of the greatest worth from which on a payoff counts as the best, for
+        /// `xcsam` (Nakata, Lanzi and Takadama 2012).
+        zeta: f64 = 0.99, in 0.0..=1.0;
+        /// p_I: the prediction of a covering rule, in units of reward.
+        initial_prediction: f64 = 0.0, in -1e6..=1e6;
+        /// epsilon_I: the error of a covering rule, in units of reward.
+        initial_error: f64 = 0.0, in 0.0..=1e6;
+        /// F_I: the fitness of a covering rule.
+        initial_fitness: f64 = 0.01, in 1e-9..=1.0;
+        /// Does the GA run?
+        ga: bool = true;
+        /// Do parents subsume their children?
+        ga_subsumption: bool = true;
+        /// Does the most general accurate rule of \[A\] subsume the others?
+        action_set_subsumption: bool = true;
+        /// Divide the worth by the fitness of all of \[M\], as Eq. 6 is printed in the paper, and not
+        /// by that of the rules with the action, as in XCS.
+        worth_over_match_set: bool = false;
+        /// Which of a rule's figures is updated first, error or prediction.
+        update_order: UpdateOrder = UpdateOrder::ErrorFirst;
+        /// Which of several equally general rules subsumes the others of \[A\].
+        subsumer_ties: SubsumerTies = SubsumerTies::First;
+        /// Which steps the GA's clock counts.
+        ga_clock: GaClock = GaClock::AllSteps;
     }
 }
 

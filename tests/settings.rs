@@ -1,0 +1,87 @@
+//! A setting is declared once, and all that is said of it comes from there.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use xcscr::trial::{Resolved, Settings};
+
+/// The page of the documentation, as the declarations have it.
+fn page() -> String {
+    let mut page = "# Settings\n\nEvery setting with its default and its range. This page is made from the declarations in the source \
+        (`UPDATE_DOCS=1 cargo test --test settings` writes it anew).\n"
+        .to_owned();
+    let resolved = Resolved::new(&Settings::default(), None, &[]).unwrap();
+    let declared = Settings::declared();
+    let mut rows: Vec<_> = declared.iter().zip(resolved.entries()).collect();
+    rows.sort_by_key(|(setting, _)| setting.key.rsplit_once('.'));
+    let mut section = "";
+    for (setting, (key, value, _)) in rows {
+        assert_eq!(setting.key, key);
+        let (of, name) = setting.key.rsplit_once('.').unwrap();
+        if of != section {
+            section = of;
+            let head = "| setting | default | range | what it is |\n|---|---|---|---|";
+            writeln!(page, "\n## {section}\n\n{head}").unwrap();
+        }
+        let range = setting.range.as_deref().unwrap_or_default();
+        let about = setting.about.split_whitespace().collect::<Vec<_>>();
+        let about = about.join(" ").replace('|', "\\|");
+        writeln!(page, "| `{name}` | {value} | {range} | {about} |").unwrap();
+    }
+    page
+}
+
+#[test]
+fn the_page_of_settings_says_what_is_declared() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/settings.md");
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        fs::write(&path, page()).unwrap();
+    }
+    let written = fs::read_to_string(&path).unwrap();
+    let hint = "UPDATE_DOCS=1 cargo test --test settings writes it anew";
+    assert_eq!(written, page(), "{hint}");
+}
+
+#[test]
+fn every_setting_is_declared_and_every_number_has_a_range() {
+    let resolved = Resolved::new(&Settings::default(), None, &[]).unwrap();
+    let declared = Settings::declared();
+    let keys: Vec<&str> = declared.iter().map(|setting| setting.key).collect();
+    assert!(resolved.entries().map(|(key, ..)| key).eq(keys));
+    // What they may be at most depends on another setting.
+    let depending = [
+        "physics.deceleration_mps2",
+        "physics.wheel_acceleration_mps2",
+    ];
+    for (setting, (key, value, _)) in declared.iter().zip(resolved.entries()) {
+        let ranged = value.parse::<f64>().is_ok() && !depending.contains(&key);
+        assert_eq!(setting.range.is_some(), ranged, "{key}");
+        assert!(!setting.about.is_empty(), "{key}");
+    }
+}
+
+#[test]
+fn every_declared_range_is_the_one_that_is_checked() {
+    for setting in Settings::declared() {
+        let Some(range) = setting.range else {
+            continue;
+        };
+        let ends = range
+            .strip_prefix("from ")
+            .unwrap()
+            .split_once(" to ")
+            .unwrap();
+        let refused = |value: f64| {
+            let set = [format!("{}={value}", setting.key)];
+            let resolved = Resolved::new(&Settings::default(), None, &set);
+            resolved.err().map(|fault| fault.to_string())
+        };
+        let (low, high): (f64, f64) = (ends.0.parse().unwrap(), ends.1.parse().unwrap());
+        for outside in [low - 1.0, high + 1.0] {
+            let message = refused(outside).unwrap_or_default();
+            let told = message.contains(setting.key) && message.contains(&range);
+            assert!(told, "{} = {outside}: {message}", setting.key);
+        }
+    }
+}
