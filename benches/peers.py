@@ -6,8 +6,9 @@
     venv/bin/python benches/peers.py [xcs] [physics]
     venv/bin/python benches/peers.py collapse [SEEDS]
 
-The second line times nothing: it counts in how many seeds the classic learner ends with
-over-general rules in Maze6, here and in XCSF, with subsumption and without.
+The last line times nothing: it counts in how many seeds the classic learner ends with
+over-general rules in Maze6, here, in XCSF, and in xcspp (https://github.com/m4saka/xcspp) if the
+variable XCSPP names its program `xcs`.
 
 All times are CPU time of the process that does the work, and every program does its work in a
 process of its own. Peers that are not installed are left out.
@@ -22,6 +23,7 @@ import random
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -120,9 +122,9 @@ def cpu_of(command):
     return used - before.children_user - before.children_system, out
 
 
-def collapsed(results):
+def collapsed(steps):
     """In how many runs the last exploit episodes took more than half of the step limit."""
-    return sum(result["exploits"] > STEP_LIMIT / 2 for result in results)
+    return sum(mean > STEP_LIMIT / 2 for mean in steps)
 
 
 def fisher(a, b, trials):
@@ -132,23 +134,66 @@ def fisher(a, b, trials):
     return sum(ways(k) for k in possible if ways(k) <= ways(a)) / math.comb(2 * trials, a + b)
 
 
-def compare_collapse(seeds=30, population=2000, problems=1000):
-    """Maze6 with eight moves and random starts: how often does learning end in collapse?"""
+def xcspp_exploits(population, problems, world, subsumption, error, dont_care):
+    """The exploit steps of the last episodes of xcspp, which takes no seed."""
+    letters = str.maketrans("#.G", "T.F")
+    flags = {
+        "max-population": population, "iter": problems, "max-step": STEP_LIMIT, "p-explr": 1,
+        "p-sharp": dont_care, "epsilon-0": 1000 * error, "alpha": 0.1, "nu": 5, "beta": 0.2,
+        "gamma": 0.71, "theta-ga": 25, "chi": 0.8, "mu": 0.04, "x-method": "uniform", "tau": 0,
+        "theta-del": 20, "delta": 0.1, "theta-sub": 20, "p-i": 0, "epsilon-i": 0, "f-i": 0.01,
+        "do-ga-subsumption": str(subsumption).lower(),
+        "do-as-subsumption": str(subsumption).lower(),
+        "summary-interval": problems, "nsoutput": "steps",
+    }  # fmt: skip
+    with tempfile.TemporaryDirectory() as folder:
+        maze = Path(folder, "maze.txt")
+        maze.write_text("\n".join(row.translate(letters) for row in rows(world)))
+        words = [f"--{flag}={value}" for flag, value in flags.items()]
+        command = [os.environ["XCSPP"], "--blc", str(maze), "--prefix", f"{folder}/", *words]
+        subprocess.run(command, check=True, capture_output=True)
+        steps = Path(folder, "steps").read_text().split()
+    return statistics.mean(map(float, steps[-100:]))
+
+
+def xcscr_exploits(population, seed, problems, world, subsumption, error, dont_care):
     switches = ["xcs.ga_subsumption", "xcs.action_set_subsumption"]
-    for on, error, dont_care in ((True, 0.01, 0.3), (False, 0.001, 0.4)):
-        sets = [f"{switch}={str(on).lower()}" for switch in switches]
-        sets += [f"xcs.epsilon_0={1000 * error}", f"xcs.dont_care={dont_care}"]
-        ours, theirs = [], []
+    sets = [f"{switch}={str(subsumption).lower()}" for switch in switches]
+    sets += [f"xcs.epsilon_0={1000 * error}", f"xcs.dont_care={dont_care}"]
+    command = [newest("classic"), population, seed, problems, world, *sets]
+    report = json.loads(cpu_of([str(word) for word in command])[1])
+    return report["exploit_steps_in_last_100"]
+
+
+def compare_collapse(seeds=30, population=2000, problems=1000, world="maze6-classic"):
+    """Maze6 with eight moves and random starts: how often does learning end in collapse?"""
+    for setting in ({"subsumption": True, "error": 0.01, "dont_care": 0.3},
+                    {"subsumption": False, "error": 0.01, "dont_care": 0.3},
+                    {"subsumption": False, "error": 0.001, "dont_care": 0.4}):  # fmt: skip
+        found = {"xcscr": [], "xcspp": [], "xcsf": []}
         for seed in range(1, seeds + 1):
-            command = [newest("classic"), population, seed, problems, "maze6-classic", *sets]
-            report = json.loads(cpu_of([str(word) for word in command])[1])
-            ours.append({"exploits": report["exploit_steps_in_last_100"]})
-            theirs.append(xcsf_work(population, seed, problems, "maze6-classic",
-                                    subsumption=on, error=error, dont_care=dont_care))  # fmt: skip
-            print(f"  seed {seed}: xcscr {ours[-1]}, xcsf {theirs[-1]}", flush=True)
-        a, b = collapsed(ours), collapsed(theirs)
-        print(f"subsumption {'on' if on else 'off'}: collapsed in {a} (xcscr) and {b} (xcsf) of "
-              f"{seeds} seeds, Fisher's p = {fisher(a, b, seeds):.3f}", flush=True)  # fmt: skip
+            work = (population, problems, world)
+            ours = xcscr_exploits(population, seed, problems, world, **setting)
+            found["xcscr"].append(ours)
+            if "XCSPP" in os.environ:
+                found["xcspp"].append(xcspp_exploits(*work, **setting))
+            if importlib.util.find_spec("xcsf"):
+                peer = xcsf_work(population, seed, problems, world, **setting)
+                found["xcsf"].append(peer["exploits"])
+            last = {name: round(steps[-1], 2) for name, steps in found.items() if steps}
+            print(f"  seed {seed}: {last}", flush=True)
+        print(setting)
+        for name, steps in found.items():
+            if steps:
+                print_collapse(name, steps, found["xcscr"])
+
+
+def print_collapse(name, steps, ours):
+    bad, learned = collapsed(steps), [s for s in steps if s <= STEP_LIMIT / 2]
+    p = fisher(collapsed(ours), bad, len(steps))
+    steps = f"{statistics.median(learned):.2f}" if learned else "-"
+    print(f"  {name}: collapsed in {bad} of {len(ours)}, median steps of the others {steps}, "
+          f"Fisher's p against xcscr {p:.3f}", flush=True)  # fmt: skip
 
 
 def xcscr_work(population, seed, problems):

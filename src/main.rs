@@ -9,9 +9,10 @@ use std::panic::catch_unwind;
 use std::process::ExitCode;
 
 use clap::Parser;
+use clap::error::ErrorKind;
 
 use cli::Cli;
-use commands::failure::Failure;
+use commands::failure::{Exit, Failure};
 use commands::interrupt::limits_are_errors;
 use commands::terminal::Escaping;
 
@@ -19,11 +20,33 @@ fn main() -> ExitCode {
     if let Err(error) = limits_are_errors() {
         return Failure::from(error).report();
     }
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(refusal) => return answer(&refusal),
+    };
     let run = || cli.run(&mut Escaping::new(std::io::stdout().lock()));
     let outcome = catch_unwind(run).unwrap_or_else(|_| Err(Failure::internal()));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
+    }
+}
+
+/// Help is printed as it is; what is wrong with the arguments goes where all failures go, which
+/// prints what they hold and never obeys it.
+fn answer(refusal: &clap::Error) -> ExitCode {
+    let is_help = matches!(
+        refusal.kind(),
+        ErrorKind::DisplayHelp
+            | ErrorKind::DisplayVersion
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    );
+    if !is_help {
+        return Failure::from(refusal).report();
+    }
+    match refusal.print() {
+        Ok(()) if refusal.use_stderr() => ExitCode::from(Exit::Usage as u8),
+        Ok(()) => ExitCode::SUCCESS,
+        Err(cause) => Failure::from(cause).report(),
     }
 }

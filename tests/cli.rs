@@ -45,6 +45,36 @@ fn a_missing_world_gives_code_66() {
 }
 
 #[test]
+fn a_missing_world_names_the_shipped_ones_that_are_near() {
+    for name in ["maez4.json", "worlds/maez4.json", "elsewhere/Maze4.json"] {
+        let said = text(&xcscr(&["train", name]).stderr);
+        assert!(said.contains("did you mean worlds/maze4.json"), "{said}");
+    }
+}
+
+#[test]
+fn what_is_no_recording_gets_no_advice_for_recordings() {
+    for command in [
+        &["check", "README.md"][..],
+        &["replay", "README.md"],
+        &["recover", "README.md", "-o", "no/such/out"],
+    ] {
+        let output = xcscr(command);
+        assert_eq!(output.status.code(), Some(65), "{output:?}");
+        let said = text(&[output.stdout, output.stderr].concat());
+        assert!(said.contains("this is no recording"), "{said}");
+        assert!(!said.contains("`xcscr"), "{said}");
+    }
+    // Control: a damaged recording gets it.
+    let folder = tempfile::tempdir().unwrap();
+    let damaged = folder.path().join("damaged.mcap");
+    let sound = fs::read("recordings/sample-maze4.mcap").unwrap();
+    fs::write(&damaged, &sound[..sound.len() / 2]).unwrap();
+    let said = text(&xcscr(&["replay", damaged.to_str().unwrap()]).stderr);
+    assert!(said.contains("`xcscr recover`"), "{said}");
+}
+
+#[test]
 fn a_folder_instead_of_a_world_gives_code_74() {
     let output = xcscr(&["world", "info", "worlds"]);
     assert_eq!(output.status.code(), Some(74), "{output:?}");

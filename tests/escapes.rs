@@ -202,3 +202,28 @@ fn names_of_files() {
     ]);
     assert!(shown.contains("$'"), "as a shell reads it: {shown}");
 }
+
+/// What stands behind flags goes through the library of the command line, which quotes it.
+#[test]
+fn arguments() {
+    let flag = format!("--{EVIL}");
+    let set = format!("{EVIL}=1");
+    for args in [
+        &[EVIL][..],
+        &[&flag],
+        &["train", "worlds/maze4.json", &flag],
+        &["train", "worlds/maze4.json", "--method", EVIL],
+        &["train", "worlds/maze4.json", "--seed", EVIL],
+        &["train", "worlds/maze4.json", "--set", &set],
+        &["replay", "x.mcap", "--allow-origin", EVIL],
+        &["world", EVIL],
+        &["study", "run", EVIL, EVIL],
+    ] {
+        let said = assert_harmless(args);
+        assert!(
+            said.contains("error") && said.contains("evil"),
+            "{args:?}: {said}"
+        );
+        assert!(!said.contains("error: error"), "{args:?}: {said}");
+    }
+}

@@ -1,5 +1,5 @@
 //! Whatever stands in a file or behind a flag: an error message or a result, never a panic, a
-//! hang or a flood of memory.
+//! hang or a flood of memory. `tests/budget.rs` counts the work.
 //!
 //! Each kind of input is mutated at least 100,000 times; `XCSCR_LONG=1 cargo test --test hostile`
 //! does so ten times as often.
@@ -8,7 +8,6 @@ mod common;
 
 use std::fs;
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 use common::chance::{dice, rounds};
 use common::program::{ended, expect, xcscr};
@@ -25,8 +24,6 @@ use xcscr::trial::{
 use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
 
-/// No input may take longer.
-const LONGEST: Duration = Duration::from_secs(1);
 /// What hostile files like to hold.
 const PIECES: [&[u8]; 16] = [
     b"-1",
@@ -66,36 +63,11 @@ fn mutate(sound: &[u8], dice: &mut Stream) -> Vec<u8> {
     bytes
 }
 
-/// Feeds mutants of the sound inputs to `eat`, and watches the clock. Gives how many of them it
-/// took for good ones.
+/// Feeds mutants of the sound inputs to `eat`; gives how many of them it took for good ones.
 fn feed(name: &str, sound: &[&[u8]], times: usize, mut eat: impl FnMut(&[u8]) -> bool) -> usize {
     let mut dice = dice(name.len() as u64);
-    let mut taken = 0;
-    for number in 0..times {
-        let mutant = mutate(sound[number % sound.len()], &mut dice);
-        let mut timed = || {
-            let begun = Instant::now();
-            (eat(&mutant), begun.elapsed())
-        };
-        let (took, mut time) = timed();
-        if time >= LONGEST {
-            // A busy machine may be to blame once.
-            time = timed().1;
-        }
-        taken += usize::from(took);
-        let text = || {
-            String::from_utf8_lossy(&mutant)
-                .chars()
-                .take(2000)
-                .collect::<String>()
-        };
-        assert!(
-            time < LONGEST,
-            "{name} mutant {number} took {time:?}: {}",
-            text()
-        );
-    }
-    taken
+    let mutants = (0..times).map(|number| mutate(sound[number % sound.len()], &mut dice));
+    mutants.filter(|mutant| eat(mutant)).count()
 }
 
 fn world(name: &str) -> Maze {
@@ -549,13 +521,7 @@ fn assert_stays_finite(method: Method, settings: &Settings, what: &str) {
         let mut plan = plan(method, arena, 2);
         plan.config.settings = settings.clone();
         let mut trial = Trial::new(plan).unwrap();
-        let begun = Instant::now();
         let _ = trial.run(&mut ());
-        assert!(
-            begun.elapsed() < 20 * LONGEST,
-            "{what}: {:?}",
-            begun.elapsed()
-        );
         let checkpoint: Checkpoint = unseal(&seal(&trial.checkpoint())).unwrap();
         let again = Trial::resume(&checkpoint).map(|trial| trial.checkpoint());
         assert_eq!(again.unwrap(), checkpoint, "{what}");
@@ -570,7 +536,7 @@ fn assert_stays_finite(method: Method, settings: &Settings, what: &str) {
 }
 
 #[test]
-fn hostile_worlds_are_refused_within_a_second() {
+fn hostile_worlds_are_refused_with_a_short_message() {
     let rows = |row: &str, count: usize| {
         format!(
             r#"{{"rows": [{}]}}"#,
@@ -608,12 +574,9 @@ fn hostile_worlds_are_refused_within_a_second() {
         ),
     ];
     for (name, text) in worlds {
-        let begun = Instant::now();
         let error = Maze::from_json(text.as_bytes(), "hostile.json")
             .unwrap_err()
             .to_string();
-        let time = begun.elapsed();
-        assert!(time < LONGEST, "{name}: {time:?}");
         assert!(
             error.len() < 100_000,
             "{name}: a message of {} bytes",

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use common::folder::names;
-use common::program::outcome;
+use common::program::{outcome, wait_until};
 use common::trial::Trial;
 use xcscr::record::RecordError;
 use xcscr::record::reader::Recording;
@@ -249,15 +249,7 @@ fn a_killed_run_leaves_whole_episodes_and_parts_that_are_recovered() {
         .current_dir(env!("CARGO_MANIFEST_DIR"));
     let mut child = command.stdout(Stdio::null()).spawn().unwrap();
     let tenth = run.join("ep-0010.mcap");
-    let begun = std::time::Instant::now();
-    while !tenth.exists() {
-        assert!(
-            begun.elapsed().as_secs() < 60,
-            "no tenth episode: {:?}",
-            names(&run)
-        );
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
+    wait_until("the tenth episode", || tenth.exists());
     child.kill().unwrap();
     child.wait().unwrap();
     let names = names(&run);

@@ -9,7 +9,8 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 
-use common::served::{LONG, Served};
+use common::program::wait_until;
+use common::served::Served;
 
 const SAMPLE: &str = "recordings/sample-maze4.mcap";
 const FILE: &str = "/1/sample-maze4.mcap";
@@ -189,16 +190,7 @@ fn many_silent_or_slow_clients_keep_nobody_out_even_with_64_descriptors() {
 
 /// A place is free a second after whoever holds it fell silent, at the latest.
 fn served_within_a_while(server: &Served, when: &str) {
-    let begun = std::time::Instant::now();
-    loop {
-        let answer = server.ask_or_nothing(FILE);
-        if answer.ends_with(&sample()) {
-            return;
-        }
-        let told = String::from_utf8_lossy(&answer);
-        assert!(begun.elapsed() < LONG, "{when}: {told}");
-        std::thread::sleep(std::time::Duration::from_millis(50));
-    }
+    wait_until(when, || server.ask_or_nothing(FILE).ends_with(&sample()));
 }
 
 #[test]

@@ -39,7 +39,8 @@ pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
     match checked.iter().filter(|file| !file.sound).count() {
         0 => Ok(()),
         bad => {
-            let message = format!("{bad} of {} recordings are not sound", checked.len());
+            let are = if bad == 1 { "is" } else { "are" };
+            let message = format!("{bad} of {} recordings {are} not sound", checked.len());
             Err(Failure::new(Exit::BadData, message))
         }
     }

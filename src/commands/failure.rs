@@ -100,6 +100,15 @@ impl From<io::Error> for Failure {
     }
 }
 
+impl From<&clap::Error> for Failure {
+    fn from(error: &clap::Error) -> Self {
+        // The plain text: its colours could not be told from those that an argument brings along.
+        let message = error.render().to_string();
+        let message = message.strip_prefix("error: ").unwrap_or(&message);
+        Self::new(Exit::Usage, message.trim_end())
+    }
+}
+
 impl From<serde_json::Error> for Failure {
     fn from(error: serde_json::Error) -> Self {
         io::Error::from(error).into()

@@ -24,14 +24,15 @@ const VIEWER_WAIT: Duration = Duration::from_secs(60);
 pub struct LiveArgs {
     /// Stream to a viewer on this machine (needs a build with `--features live`). A replay waits
     /// for one and pauses while nobody watches. Training waits a minute, keeps to the speed while
-    /// somebody watches, and runs as fast as it can while nobody does.
+    /// somebody watches, and runs as fast as it can while nobody does. Pages of Foxglove and
+    /// Lichtblick may connect; `--allow-origin` adds those of another viewer.
     #[arg(long)]
     live: bool,
     /// How many times as fast as real time the stream runs [default: 1 to replay, 10 to train].
     #[arg(long, value_name = "X", requires = "live", value_parser = speed)]
     speed: Option<f64>,
-    /// Let pages of this origin read what is served or streamed, too, such as
-    /// https://viewer.example; those of the viewers that are linked may anyway.
+    /// Let the pages of one more origin read what is served or streamed, such as
+    /// https://viewer.example.
     #[arg(long, value_name = "ORIGIN")]
     pub allow_origin: Vec<Origin>,
 }

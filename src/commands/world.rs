@@ -160,7 +160,8 @@ fn shortest(facts: &Facts) -> String {
 struct Description {
     #[serde(flatten)]
     facts: Facts,
-    look_alike: Vec<LookAlike>,
+    /// `None` for mazes of more cells than can be compared in a moment.
+    look_alike: Option<Vec<LookAlike>>,
     /// For a robot that perceives its neighbours.
     #[serde(skip_serializing_if = "Option::is_none")]
     bounds: Option<Bounds>,
@@ -177,13 +178,7 @@ impl Description {
     fn new(maze: &Maze) -> Self {
         Self {
             facts: Facts::new(maze),
-            look_alike: Sensor::ALL
-                .into_iter()
-                .map(|sensor| LookAlike {
-                    sensor,
-                    groups: alike(sensor, maze),
-                })
-                .collect(),
+            look_alike: (!maze.is_vast()).then(|| LookAlike::of(maze)),
             bounds: None,
         }
     }
@@ -203,7 +198,10 @@ impl Description {
         writeln!(out, "start       {start}")?;
         writeln!(out, "goals       {}", places(&facts.goals))?;
         writeln!(out, "shortest    {}", shortest(facts))?;
-        self.look_alike.iter().try_for_each(|one| one.print(out))?;
+        match &self.look_alike {
+            Some(all) => all.iter().try_for_each(|one| one.print(out))?,
+            None => writeln!(out, "look alike  not searched in a maze of so many cells")?,
+        }
         self.bounds
             .iter()
             .try_for_each(|bounds| print_bounds(bounds, out))
@@ -252,6 +250,15 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl LookAlike {
+    /// What each of the sensors cannot tell apart.
+    fn of(maze: &Maze) -> Vec<Self> {
+        let one = |sensor| Self {
+            sensor,
+            groups: alike(sensor, maze),
+        };
+        Sensor::ALL.map(one).into()
+    }
+
     fn print(&self, out: &mut impl Write) -> Result<(), Failure> {
         let name = self.sensor.name();
         if self.groups.is_empty() {

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::record::read::parse::json_tree;
 use crate::record::topics::caption;
 use crate::world::Maze;
 
@@ -87,7 +88,7 @@ impl std::fmt::Display for MessagePath {
 
 /// Everything that the panels of a layout show; nothing for what is no layout.
 pub fn paths(layout: &[u8]) -> Vec<MessagePath> {
-    let layout: Value = serde_json::from_slice(layout).unwrap_or_default();
+    let layout = json_tree(layout).unwrap_or_default();
     let panels = layout["configById"].as_object();
     let mut texts: Vec<&str> = Vec::new();
     for (_, panel) in panels.into_iter().flatten() {

@@ -95,6 +95,14 @@ impl Sensor {
         }
     }
 
+    /// Does the percept begin with the eight cells around the robot, two bits each?
+    pub fn begins_with_neighbours(self) -> bool {
+        matches!(
+            self,
+            Self::Neighbours | Self::NeighboursPosition | Self::Lidar
+        )
+    }
+
     /// All that can be perceived in a maze from the middle of a free cell that is no goal, each
     /// percept once, in order.
     pub fn percepts(self, maze: &Maze) -> Vec<Percept> {

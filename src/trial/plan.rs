@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::settings::Settings;
-use crate::agent::{Agent, Knowledge, Method, Misfit, PERCEPT_BITS, Setup};
+use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
 use crate::arena::{
     Arena, ArenaKind, GridArena, Localisation, PhysicsArena, PhysicsError, SlippingArena,
 };
@@ -189,7 +189,7 @@ impl Plan {
         } = &self.config;
         within("episodes", self.config.episodes, 1..=1_000_000)?;
         settings.check()?;
-        if method.needs_surroundings() && sensor.ring() < PERCEPT_BITS {
+        if method.needs_surroundings() && !sensor.begins_with_neighbours() {
             return Err(PlanError::NoSurroundings {
                 method: method.name(),
                 sensor: sensor.name(),
@@ -228,7 +228,7 @@ pub enum PlanError {
     Knowledge(#[from] Misfit),
     /// The method needs another percept.
     #[error(
-        "`{method}` needs a percept that begins with the eight cells around the robot, which `{sensor}` does not; choose `neighbours`"
+        "`{method}` needs a percept that begins with the eight cells around the robot, which `{sensor}` does not; choose `neighbours`, `neighbours-position` or `lidar`"
     )]
     NoSurroundings {
         /// The method.

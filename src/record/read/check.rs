@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
+use super::parse::json_tree;
 use super::reader::Recording;
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
@@ -159,7 +160,7 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
             findings.push(finding(FindingKind::Order, what));
         }
         before_ns = now_ns;
-        if message.encoding() == "json" && message.json().is_none() {
+        if !message.is_valid() {
             let what = format!("{topic} at {now_ns} ns is not JSON");
             findings.push(finding(FindingKind::Message, what));
         }
@@ -231,7 +232,7 @@ fn layout_of(recording: &Recording) -> Option<Vec<u8>> {
 
 /// The fields that a JSON schema has; none for other schemas.
 fn json_fields(schema: &[u8]) -> BTreeSet<String> {
-    let schema: serde_json::Value = serde_json::from_slice(schema).unwrap_or_default();
+    let schema = json_tree(schema).unwrap_or_default();
     let properties = schema["properties"].as_object();
     properties
         .into_iter()

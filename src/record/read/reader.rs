@@ -8,8 +8,9 @@ use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError, McapResult, MessageStream, Summary};
 use serde::Serialize;
+use serde::de::IgnoredAny;
 
-use super::parse::parse_record;
+use super::parse::{json_tree, parse_record};
 use crate::disk;
 use crate::record::error::RecordError;
 use crate::record::info::{EVALUATION, KIND};
@@ -66,9 +67,15 @@ impl Message {
         &self.channel.message_encoding
     }
 
-    /// The message as JSON; `None` unless it is encoded so.
+    /// The message as JSON; `None` unless it is encoded so, and for what is larger than any message
+    /// of ours.
     pub fn json(&self) -> Option<serde_json::Value> {
-        (self.encoding() == "json").then(|| serde_json::from_slice(&self.data).ok())?
+        (self.encoding() == "json").then(|| json_tree(&self.data))?
+    }
+
+    /// Is the message valid, as far as its encoding tells?
+    pub fn is_valid(&self) -> bool {
+        self.encoding() != "json" || serde_json::from_slice::<IgnoredAny>(&self.data).is_ok()
     }
 }
 
@@ -277,15 +284,16 @@ impl Recording {
 }
 
 /// The longest record that is believed in a file of this many bytes: damaged lengths must not
-/// make a small file fill the memory.
+/// make a small file fill the memory. A record is there up to four times while it is copied.
 pub(in crate::record) fn longest_record(bytes: u64) -> usize {
-    usize::try_from(disk::room_for(bytes)).unwrap_or(usize::MAX)
+    usize::try_from(disk::room_for(bytes) / 4).unwrap_or(usize::MAX)
 }
 
-/// How much all chunks of a file of so many bytes may unpack to: far more than any of ours, and
-/// little enough that a small file is read in a moment.
+/// How much all chunks of a file of so many bytes may unpack to, one after the other: more than twice
+/// as much as the recording of a robot that runs against a wall for ever, which unpacks to 16 times
+/// its size, and little enough that a small file is read in a moment.
 pub(in crate::record) fn most_unpacked(bytes: u64) -> u64 {
-    bytes.saturating_mul(100).saturating_add(16 << 20)
+    bytes.saturating_mul(40).saturating_add(16 << 20)
 }
 
 /// Refuses a file that unpacks to much more than it holds, before any of it is unpacked.

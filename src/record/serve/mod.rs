@@ -2,6 +2,8 @@
 
 mod byte_range;
 pub mod gate;
+mod guest;
+mod head;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod server;

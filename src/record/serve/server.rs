@@ -1,7 +1,6 @@
 //! Serving recordings to a viewer in the browser, on this machine only.
 
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,6 +9,7 @@ use std::time::Duration;
 
 use super::byte_range::Wanted;
 use super::gate::{Gate, Guest, Head, Origin, status_line};
+use crate::disk;
 
 /// How often the server looks whether it shall stop.
 const PATIENCE: Duration = Duration::from_millis(100);
@@ -227,7 +227,7 @@ impl<T: Read + Seek + Send> ReadSeek for T {}
 fn open(content: &Content) -> io::Result<(Box<dyn ReadSeek>, u64, &'static str)> {
     match content {
         Content::File(path) => {
-            let file = File::open(path)?;
+            let file = disk::open(path)?;
             let size = file.metadata()?.len();
             Ok((Box::new(file), size, "application/octet-stream"))
         }

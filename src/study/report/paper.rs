@@ -216,3 +216,38 @@ pub fn limits(rows: &[AgainstPaper]) -> String {
         rows.len()
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(world: &str, holm_p: f64) -> AgainstPaper {
+        AgainstPaper {
+            world: world.to_owned(),
+            method: "xcs",
+            arena: "grid",
+            paper: 7,
+            successes: 12,
+            trials: 100,
+            fisher_p: holm_p,
+            holm_p,
+            z: 1.0,
+            median_of_successes: None,
+            early_episode: 50,
+            early: None,
+        }
+    }
+
+    #[test]
+    fn one_number_differs_and_two_differ() {
+        let near = row("maze4", 0.5);
+        let (five, six) = (row("maze5", 0.01), row("maze6", 0.02));
+        let said = verdict(&[near.clone(), five.clone()]);
+        assert!(
+            said.contains("1 differs from") && said.contains(": xcs in maze5"),
+            "{said}"
+        );
+        let said = verdict(&[near, five, six]);
+        assert!(said.contains("2 differ from"), "{said}");
+    }
+}
