@@ -65,6 +65,8 @@ fn report(verified: &[Verified], json: bool, out: &mut impl Write) -> Result<(),
     if same == all {
         return Ok(());
     }
-    let message = format!("{} of {all} recordings differ from a new run", all - same);
+    let other = all - same;
+    let differ = if other == 1 { "differs" } else { "differ" };
+    let message = format!("{other} of {all} recordings {differ} from a new run");
     Err(Failure::new(Exit::Refuted, message))
 }
