@@ -34,8 +34,10 @@ SCHEMAS = {
     "/curve": "xcscr.Curve",
     "/log": "foxglove.Log",
     "/scene/caption": "foxglove.SceneUpdate",
+    "/rule": "xcscr.Rule",
+    "/scene/rule": "foxglove.SceneUpdate",
 }
-ONLY_IN_EPISODES = {"/tf", "/scene/robot", "/contact", "/curve"}
+ONLY_IN_EPISODES = {"/tf", "/scene/robot", "/contact", "/curve", "/rule", "/scene/rule"}
 ATTACHED = {"world.json", "config.json"}
 ATTACHED_TO_RUN = {"foxglove-layout.json", "rules.json"}
 FACTS = {"seed", "method", "arena", "sensor", "world", "episode", "episodes", "version"}

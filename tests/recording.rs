@@ -255,7 +255,7 @@ fn another_seed_differs_first_in_the_facts_and_then_in_a_field() {
     assert_eq!(compare(&one, &one).unwrap(), None);
     assert_eq!(compare(&one, &two).unwrap().unwrap().topic, "metadata");
     let found = compare(&one, &disguised).unwrap().unwrap();
-    assert_eq!(found.topic, "/step", "{found}");
+    assert_eq!(found.topic, "/rule", "{found}");
 }
 
 /// What this has caught: nothing yet. It changes with the version number, with the order of
@@ -284,7 +284,7 @@ fn a_recording_of_a_fixed_way_has_these_bytes() {
     }
     assert_eq!(
         (length, format!("{:016x}", digest.finish())),
-        (22570, "d20cf284bd0449f9".to_owned())
+        (29135, "6748b596833210ae".to_owned())
     );
 }
 
@@ -310,4 +310,72 @@ fn a_hit_is_a_contact_that_ends_and_a_warning_with_its_impulse() {
         said.contains(", impulse ") && said.ends_with(" N s"),
         "{said}"
     );
+}
+
+/// Times and contents of all messages of a JSON topic.
+fn said(recording: &Recording, topic: &str) -> Vec<(u64, Value)> {
+    let messages = recording.messages().map(|message| message.unwrap());
+    let of_topic = messages.filter(|message| message.topic() == topic);
+    of_topic
+        .map(|message| (message.time_ns, message.json().unwrap()))
+        .collect()
+}
+
+#[test]
+fn a_step_gives_its_reason_when_it_is_decided_and_its_outcome_when_it_happened() {
+    let (_folder, recordings) = fresh();
+    let (rules, steps) = (said(&recordings[0], "/rule"), said(&recordings[0], "/step"));
+    assert_eq!(rules.len(), steps.len());
+    let contacts = said(&recordings[0], "/contact");
+    let mut collisions = 0;
+    for ((decided_ns, rule), (known_ns, step)) in rules.iter().zip(&steps) {
+        assert_eq!(
+            (&rule["step"], &rule["action"]),
+            (&step["step"], &step["action"])
+        );
+        assert!(decided_ns < known_ns, "{step}");
+        if step["outcome"] == "collided" {
+            collisions += 1;
+            let hits = contacts.iter().filter(|(_, c)| c["step"] == step["step"]);
+            let mut hits = hits.filter(|(_, contact)| contact["touching"] == true);
+            let (hit_ns, _) = hits.next().unwrap();
+            assert!(hit_ns <= known_ns, "announced before it happened: {step}");
+        }
+    }
+    assert!(collisions > 0);
+}
+
+#[test]
+fn a_reason_names_rule_action_worth_error_and_support_and_says_when_it_is_none() {
+    let (_folder, recordings) = fresh();
+    let (mut chosen, mut explored) = (0, 0);
+    for recording in &recordings[..4] {
+        for ((_, rule), (_, step)) in said(recording, "/rule")
+            .iter()
+            .zip(said(recording, "/step"))
+        {
+            let text = rule["rule"].as_str().unwrap();
+            let action = rule["action"].as_str().unwrap();
+            assert!(text.contains(&format!(" -> {action}, worth ")), "{text}");
+            let support = format!(", {} of {} match", step["action_set"], step["match_set"]);
+            assert!(text.ends_with(&support), "{text}");
+            let is_explored = rule["explored"].as_bool().unwrap();
+            assert_eq!(
+                text.starts_with("explores by chance"),
+                is_explored,
+                "{text}"
+            );
+            *(if is_explored {
+                &mut explored
+            } else {
+                &mut chosen
+            }) += 1;
+            let seen = rule["seen"].as_str().unwrap();
+            assert!(
+                seen.contains("north wall") || seen.contains("north free"),
+                "{seen}"
+            );
+        }
+    }
+    assert!(chosen > 0 && explored > 0);
 }

@@ -167,5 +167,7 @@ fn a_killed_run_leaves_earlier_episodes_whole_and_whole_chunks_of_the_rest() {
     let read = mcap::MessageStream::new(&run).unwrap();
     let whole: Vec<_> = read.map_while(Result::ok).collect();
     let episodes = whole.iter().filter(|m| m.channel.topic == "/episode");
-    assert_eq!(episodes.count(), 2);
+    let figures = episodes.map(|m| serde_json::from_slice::<serde_json::Value>(&m.data).unwrap());
+    let ended: Vec<_> = figures.filter_map(|one| one["ended"].as_u64()).collect();
+    assert_eq!(ended, [1, 2]);
 }

@@ -78,6 +78,19 @@ fn the_story_of_the_default_run_goes_from_failure_to_a_greedy_drive_in_less_than
         of_part.filter(|(_, step)| step["explored"] == true).count()
     };
     assert!(explored(false) > 0 && explored(true) == 0);
+    let reasons = said(&story, "/rule");
+    let driving = reasons.iter().filter(|(at, _)| *at >= drive_ns);
+    for (_, reason) in driving {
+        let text = reason["rule"].as_str().unwrap();
+        assert!(
+            text.ends_with(" match") && text.contains(", worth "),
+            "{text}"
+        );
+        assert!(
+            reason["runner_up"].as_str().unwrap().contains(", worth "),
+            "{reason}"
+        );
+    }
 }
 
 #[test]
@@ -194,4 +207,67 @@ fn an_evaluation_is_recorded_watched_and_verified_as_a_run_is() {
     let (code, _, stderr) = evaluate(&["--record", "--force"]);
     assert_eq!(code, Some(73), "{stderr}");
     assert!(episode.exists() && beside.join("notes.txt").exists());
+}
+
+#[test]
+fn a_run_is_summed_up_on_one_screen() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(
+        folder.path(),
+        "run",
+        &["--arena", "grid", "--episodes", "30"],
+    );
+    let (code, stdout, stderr) = outcome(&["replay", run.to_str().unwrap()]);
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(
+        stdout.starts_with("maze4: xcscr on grid, neighbours, seed 1, 30 episodes\n"),
+        "{stdout}"
+    );
+    assert!(stdout.contains("32 recordings, "), "{stdout}");
+    assert!(stdout.contains("  steps per episode    "), "{stdout}");
+    assert!(stdout.lines().count() <= 20, "{stdout}");
+    let wide = |line: &&str| line.chars().count() > 80 && !line.contains(run.to_str().unwrap());
+    assert_eq!(stdout.lines().find(wide), None);
+    let (_, whole, _) = outcome(&["replay", run.join("run.mcap").to_str().unwrap()]);
+    assert!(
+        whole.contains("/episode"),
+        "a single recording is still listed: {whole}"
+    );
+}
+
+#[test]
+fn a_training_ends_with_a_legend_a_curve_and_on_failure_with_what_to_try() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let report = |more: &[&str]| {
+        let args = [
+            "train",
+            "worlds/maze4.json",
+            "--arena",
+            "grid",
+            "--record",
+            "none",
+        ];
+        let to = ["--force", "--out", out.to_str().unwrap()];
+        let (code, stdout, stderr) = outcome(&[&args[..], &to, more].concat());
+        assert_eq!(code, Some(0), "{stderr}");
+        let wide = |line: &&str| line.chars().count() > 80 && !line.contains("Saved in");
+        assert_eq!(stdout.lines().find(wide), None);
+        stdout
+    };
+    let failed = report(&["--episodes", "2"]);
+    assert!(failed.contains("  it takes             "), "{failed}");
+    assert!(
+        failed.contains("  try                  --episodes 4, "),
+        "{failed}"
+    );
+    let solved = report(&["--method", "xcscr-plus", "--episodes", "20"]);
+    assert!(!solved.contains("  try  "), "{solved}");
+    for text in [failed, solved] {
+        assert!(text.contains("→ best action"), "{text}");
+        let curve = text
+            .lines()
+            .find(|line| line.starts_with("  steps per episode"));
+        assert!(curve.unwrap().contains('█'), "{text}");
+    }
 }

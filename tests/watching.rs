@@ -205,12 +205,15 @@ fn the_links_name_the_files_and_the_layout_of_each_kind() {
     let server = Served::new(&[run.to_str().unwrap()]);
     let text = server.lines.concat();
     assert!(
-        text.contains("Episodes in maze4 (the last 10 of 12)"),
+        text.contains("Episodes in maze4: xcscr, seed 1 (the last 10 of 12)"),
         "{text}"
     );
-    assert!(text.contains("The whole run in maze4\n"), "{text}");
     assert!(
-        text.starts_with("The story of the run in maze4\n"),
+        text.contains("The whole run in maze4: xcscr, seed 1\n"),
+        "{text}"
+    );
+    assert!(
+        text.starts_with("The story of the run in maze4: xcscr, seed 1\n"),
         "{text}"
     );
     let count = |what: &str| text.matches(what).count();
@@ -244,13 +247,36 @@ fn recordings_of_two_mazes_come_with_a_layout_each() {
     let server = Served::new(&files.each_ref().map(String::as_str));
     let text = server.lines.concat();
     for maze in ["maze4", "maze6"] {
-        assert!(text.contains(&format!("Episodes in {maze}\n")), "{text}");
+        assert!(
+            text.contains(&format!("Episodes in {maze}: xcscr, seed 1\n")),
+            "{text}"
+        );
     }
     for (path, run) in [("/0", small.as_path()), ("/2", Path::new(large))] {
         let (_, layout) = server.ask("GET", &format!("{path}/foxglove-layout.json"), "");
         let expected = fs::read(run.join("foxglove-layout.json")).unwrap();
         assert_eq!(layout, expected, "{path}");
     }
+}
+
+/// Opened together, the robot would jump from one run to the other.
+#[test]
+fn recordings_of_two_runs_in_one_maze_never_share_a_link() {
+    let folder = tempfile::tempdir().unwrap();
+    let more = ["--episodes", "1", "--arena", "grid"];
+    let one = train(folder.path(), &more);
+    fs::rename(&one, folder.path().join("one")).unwrap();
+    let two = train(folder.path(), &[&more[..], &["--seed", "2"]].concat());
+    let files = [folder.path().join("one"), two].map(|run| run.join("ep-0001.mcap"));
+    let server = Served::new(&files.each_ref().map(|file| file.to_str().unwrap()));
+    let text = server.lines.concat();
+    for seed in [1, 2] {
+        let heading = format!("Episodes in maze4: xcscr, seed {seed}\n");
+        assert!(text.contains(&heading), "{text}");
+    }
+    let links = text.lines().filter(|line| line.contains("ds.url="));
+    let shared = links.filter(|link| link.matches("ds.url=").count() > 1);
+    assert_eq!(shared.count(), 0, "{text}");
 }
 
 #[cfg(unix)]

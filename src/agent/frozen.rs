@@ -16,6 +16,9 @@ pub struct Frozen {
     step_threshold: u32,
     /// What it remembers of this episode.
     tracker: Tracker,
+    /// What it perceived last.
+    #[serde(skip)]
+    percept: Option<Percept>,
 }
 
 impl Frozen {
@@ -26,12 +29,46 @@ impl Frozen {
             actions,
             step_threshold,
             tracker: Tracker::default(),
+            percept: None,
         }
+    }
+
+    /// Which rules match what was perceived last; none for a table, nor for rules with a memory,
+    /// which are asked in every step of many searches.
+    fn matching(&self, action: Action) -> StepCredit {
+        let mut found = StepCredit::default();
+        let rules = self
+            .knowledge
+            .rules()
+            .filter(|_| !self.knowledge.remembers());
+        let Some((rules, percept)) = rules.zip(self.percept) else {
+            return found;
+        };
+        let (mut error, mut fitness, mut greatest) = (0.0, 0.0, f64::NEG_INFINITY);
+        let rules = rules.rules().iter();
+        for rule in rules.filter(|rule| rule.condition.matches(&percept)) {
+            found.match_set += rule.numerosity;
+            if rule.action != action {
+                continue;
+            }
+            found.action_set += rule.numerosity;
+            error += rule.error * rule.fitness;
+            fitness += rule.fitness;
+            if rule.fitness > greatest {
+                greatest = rule.fitness;
+                found.fired = Some(rule.condition);
+            }
+        }
+        if fitness > 0.0 {
+            found.error = error / fitness;
+        }
+        found
     }
 }
 
 impl Agent for Frozen {
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.percept = Some(*percept);
         let Knowledge::Remembering { map, .. } = &self.knowledge else {
             return self.worth(percept);
         };
@@ -41,7 +78,7 @@ impl Agent for Frozen {
 
     fn credit(&mut self, action: Action, _: Outcome) -> StepCredit {
         self.tracker.act(action);
-        StepCredit::default()
+        self.matching(action)
     }
 
     fn finish(&mut self, _: bool) -> EndCredit {

@@ -17,6 +17,7 @@ pub mod recover;
 pub mod replay;
 pub mod rules;
 mod source;
+mod sparkline;
 pub mod study;
 pub mod terminal;
 pub mod train;

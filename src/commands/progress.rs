@@ -6,12 +6,15 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use xcscr::episode::{Ending, Episode, Learned, Observer};
 use xcscr::trial::Trial;
 
-const TEMPLATE: &str = "{bar:30} episode {pos}/{len}, {msg}, {eta} left";
+/// At most 80 columns, for up to 99,999 episodes.
+const TEMPLATE: &str = "{bar:14} episode {pos}/{len}, {msg}, {eta} left";
 
 /// Shows how training goes, when stderr is a terminal. It wipes itself away at the end.
 pub struct Progress {
     bar: ProgressBar,
     best: Option<u32>,
+    /// Steps of each episode that was seen.
+    steps: Vec<u32>,
 }
 
 impl Progress {
@@ -34,23 +37,34 @@ impl Progress {
         };
         let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
         let bar = ProgressBar::with_draw_target(Some(episodes.into()), target).with_style(style);
-        Self { bar, best: None }
+        Self {
+            bar,
+            best: None,
+            steps: Vec::new(),
+        }
+    }
+}
+
+impl Progress {
+    /// Wipes the bar away; the steps of each episode that was seen.
+    pub fn into_steps(mut self) -> Vec<u32> {
+        std::mem::take(&mut self.steps)
     }
 }
 
 impl Observer for Progress {
     fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+        self.steps.push(episode.steps);
         if episode.ending == Ending::Goal {
             let best = self.best.unwrap_or(u32::MAX).min(episode.steps);
             self.best = Some(best);
         }
         let best = self
             .best
-            .map_or("none yet".to_owned(), |steps| format!("{steps} steps"));
+            .map_or("none".to_owned(), |steps| steps.to_string());
         let (steps, collisions) = (episode.steps, episode.collisions);
-        self.bar.set_message(format!(
-            "{steps} steps, {collisions} collisions, best so far {best}"
-        ));
+        self.bar
+            .set_message(format!("{steps} steps, {collisions} hits, best {best}"));
         self.bar.inc(1);
         ControlFlow::Continue(())
     }

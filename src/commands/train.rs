@@ -113,7 +113,7 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     let mut progress = Progress::new(session.trial(), args.quiet);
     let finished = session.run(&mut progress, &|| interrupt.came());
-    drop(progress);
+    let steps = progress.into_steps();
     let Finished {
         trial,
         folder,
@@ -123,7 +123,7 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     if args.json {
         return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?);
     }
-    report.print(&trial, &recording, out)
+    report.print(&trial, &steps, &recording, out)
 }
 
 fn begin(args: &TrainArgs, world: &Path) -> Result<(Session, Interrupt), Failure> {

@@ -4,14 +4,18 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use xcscr::agent::Chosen;
+use xcscr::agent::{Chosen, Method};
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
 use xcscr::trial::{Condensed, Trial};
-use xcscr::world::{Facts, Maze, draw};
+use xcscr::world::{Cell, Facts, Maze, draw};
 
 use super::failure::Failure;
+use super::sparkline::sparkline;
+
+/// What the letters over the maze mean.
+const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
 
 /// The result of a training run, as `--json` prints it.
 #[derive(Debug, Serialize)]
@@ -86,10 +90,11 @@ impl TrainReport {
         }
     }
 
-    /// Prints the report for people.
+    /// Prints the report for people; `steps_per_episode` are those of the episodes that were just run.
     pub fn print(
         &self,
         trial: &Trial,
+        steps_per_episode: &[u32],
         recording: &RecordSummary,
         out: &mut impl Write,
     ) -> Result<(), Failure> {
@@ -97,14 +102,17 @@ impl TrainReport {
         writeln!(out, "  shortest path        {}", self.shortest_path())?;
         writeln!(out, "  first optimal        {}", self.first_optimal())?;
         writeln!(out, "  greedy policy now    {}", self.greedy())?;
+        self.print_failure(trial, out)?;
         let (steps, collisions) = (self.steps, self.collisions);
         writeln!(out, "  steps, collisions    {steps}, {collisions}")?;
         writeln!(out, "  chosen by            {}", self.chosen)?;
         writeln!(out, "  rules                {}", self.rules())?;
+        let curve = sparkline(steps_per_episode);
+        writeln!(out, "  steps per episode    {curve}")?;
         let maze = &trial.plan().maze;
         match maze.is_vast() {
             true => writeln!(out, "\nThe maze is too large to be drawn.")?,
-            false => writeln!(out, "\n{}", picture(maze, &trial.policy()))?,
+            false => writeln!(out, "\n{}{LEGEND}\n", picture(maze, &trial.policy()))?,
         }
         self.print_files(recording, out)
     }
@@ -147,6 +155,33 @@ impl TrainReport {
             "not globally optimal"
         };
         steps.map_or(globally.to_owned(), |steps| format!("{steps}, {globally}"))
+    }
+
+    /// Where the greedy policy fails, and what to try.
+    fn print_failure(&self, trial: &Trial, out: &mut impl Write) -> Result<(), Failure> {
+        let (maze, config) = (&trial.plan().maze, &trial.plan().config);
+        let Some(start) = maze.start().filter(|_| !self.retained) else {
+            return Ok(());
+        };
+        let path = trial.policy().greedy_path(maze, start);
+        if let Some(Cell { col, row }) = path.last().copied().filter(|&end| !maze.is_goal(end)) {
+            let steps = path.len() - 1;
+            let end = match steps >= maze.free_cells().count() - 1 {
+                true => "then goes in circles".to_owned(),
+                false => format!("then is stuck at ({col},{row})"),
+            };
+            writeln!(out, "  it takes             {steps} steps, {end}")?;
+        }
+        let more = config.episodes.saturating_mul(2);
+        let other = match config.method {
+            Method::XcscrPlus => "--sensor neighbours-position",
+            _ => "--method xcscr-plus",
+        };
+        writeln!(
+            out,
+            "  try                  --episodes {more}, another --seed, or {other}"
+        )?;
+        Ok(())
     }
 
     fn rules(&self) -> String {

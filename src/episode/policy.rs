@@ -40,6 +40,19 @@ impl PolicyMap {
         at.ok().map(|i| &self.cells[i].1)
     }
 
+    /// How the greatest worth of each cell compares with that of all others, from 0 (the least) to
+    /// 1 (the greatest), in the order of [`cells`](Self::cells); equal worth has equal ranks, `None`
+    /// is for cells that know none.
+    pub fn ranks(&self) -> Vec<Option<f64>> {
+        let greatest = self.cells.iter().map(|(_, worth)| worth.greatest());
+        let mut known: Vec<f64> = greatest.clone().flatten().collect();
+        known.sort_by(f64::total_cmp);
+        known.dedup();
+        let last = known.len().saturating_sub(1).max(1) as f64;
+        let rank = |worth: f64| known.partition_point(|&other| other < worth) as f64 / last;
+        greatest.map(|worth| worth.map(rank)).collect()
+    }
+
     fn along_the_way(maze: &Maze, worth: impl Fn(Cell) -> (Cell, PredictionArray)) -> Self {
         let mut cells = BTreeMap::new();
         let mut at = maze.start();

@@ -13,11 +13,13 @@ const WALL: Colour = Colour::hex(0x3d4757);
 const VISITED: Colour = Colour::hex(0xd3d8e0);
 const START: Colour = Colour::hex(0xf4b740);
 const GOAL: Colour = Colour::hex(0x7fdca0);
-const PATH: Colour = Colour::hex(0x43c878);
-/// The colours of the least worth, of none and of the greatest: red, grey, blue.
-const WORST: Colour = Colour::hex(0xd81f2a);
+const PATH: Colour = Colour::hex(0x9cc3f5);
+/// The colours of best actions, by the rank of their worth: red, yellow, green.
+const WORST: Colour = Colour::hex(0xe0322f);
+const MIDDLE: Colour = Colour::hex(0xf2b632);
+const BEST: Colour = Colour::hex(0x1f9d55);
+/// The colour of all other actions.
 const NONE: Colour = Colour::hex(0xb9c0cc);
-const BEST: Colour = Colour::hex(0x1554d1);
 
 /// Around everything.
 const MARGIN: f64 = 16.0;
@@ -122,36 +124,29 @@ impl<'a> Plane<'a> {
         shapes
     }
 
-    /// An arrow per action and free cell; length and colour grow with the root of the worth, so
-    /// that what is far from the goal can be seen, too.
+    /// An arrow per action and free cell. The best ones are long and coloured by the rank of their
+    /// worth among all cells, which tells cells apart however far the goal is; the others are short
+    /// and faint.
     fn arrows(&self, moment: &Moment) -> Vec<Shape> {
-        let known = |(_, worth): &(Cell, xcs::PredictionArray)| {
-            let all = worth.as_slice().iter().flatten();
-            all.copied().map(f64::abs).fold(f64::MIN_POSITIVE, f64::max)
-        };
-        let most = moment.policy.cells().map(known);
-        let most = most.fold(f64::MIN_POSITIVE, f64::max);
         let mut shapes = Vec::new();
-        for (cell, worth) in moment.policy.cells() {
+        for ((cell, worth), rank) in moment.policy.cells().zip(moment.policy.ranks()) {
             let directions = self.maze.moves().directions().iter();
-            for (&direction, worth) in directions.zip(worth.as_slice()) {
-                let share = worth.map_or(0.0, |w| (w.abs() / most).sqrt().copysign(w));
-                shapes.push(self.arrow(*cell, direction, share));
+            for (&direction, &one) in directions.zip(worth.as_slice()) {
+                let is_best = one.is_some() && one == worth.greatest();
+                let (length, fill) = match (one, is_best) {
+                    (None, _) => (0.0, NONE),
+                    (Some(_), true) => (0.47, shade(rank.unwrap_or(0.0))),
+                    (Some(_), false) => (0.2, NONE),
+                };
+                shapes.push(Shape::Arrow {
+                    tail: self.centre(*cell),
+                    heading: Heading::new(direction),
+                    length: length * self.cell,
+                    fill,
+                });
             }
         }
         shapes
-    }
-
-    fn arrow(&self, cell: Cell, direction: Direction, share: f64) -> Shape {
-        Shape::Arrow {
-            tail: self.centre(cell),
-            heading: Heading::new(direction),
-            length: match share.abs() {
-                0.0 => 0.0,
-                share => self.cell * (0.1 + 0.37 * share),
-            },
-            fill: shade(share),
-        }
     }
 
     /// Start and goals.
@@ -196,14 +191,14 @@ impl<'a> Plane<'a> {
         };
         vec![
             sample(MARGIN, first, 1.0),
-            says(50.0, first, "worth > 0"),
-            sample(152.0, first, -1.0),
-            says(186.0, first, "worth < 0"),
+            says(50.0, first, "most worth"),
+            sample(152.0, first, 0.0),
+            says(186.0, first, "least worth"),
             path,
             says(320.0, first, "greedy path: the best actions"),
             block(MARGIN + 4.0, second - 13.0, 17.0, 17.0, VISITED),
             says(50.0, second, "visited in this episode"),
-            says(226.0, second, "length and colour: the root of the worth"),
+            says(226.0, second, "long: the best action; colour: its rank"),
         ]
     }
 }
@@ -227,8 +222,10 @@ fn words(x: f64, y: f64, size: f64, colour: Colour, text: impl Into<String>) -> 
     }
 }
 
-/// The colour of a worth, from -1 to 1; the sign can always be told.
-fn shade(share: f64) -> Colour {
-    let strength = 0.3 + 0.7 * share.abs();
-    NONE.toward(if share < 0.0 { WORST } else { BEST }, strength)
+/// The colour of a rank, from 0 (worst) to 1 (best).
+fn shade(rank: f64) -> Colour {
+    match rank < 0.5 {
+        true => WORST.toward(MIDDLE, 2.0 * rank),
+        false => MIDDLE.toward(BEST, 2.0 * rank - 1.0),
+    }
 }

@@ -26,7 +26,10 @@ fn fitted(layout: &str, maze: &Maze) -> String {
         if id.starts_with("3D!") {
             aim(&mut panel["cameraState"], maze);
         } else if id == "Plot!worth" {
-            panel["paths"] = worth_paths(maze);
+            // Of a whole run, only what the start of each episode is worth.
+            let of_starts = panel["xAxisVal"] == "custom";
+            let steps = if of_starts { "/step{step==1}" } else { "/step" };
+            panel["paths"] = worth_paths(maze, steps);
         }
     }
     layout.to_string()
@@ -48,8 +51,8 @@ fn aim(camera: &mut Value, maze: &Maze) {
     camera["far"] = json!((20.0 * distance).ceil());
 }
 
-/// A path for the worth of each action.
-fn worth_paths(maze: &Maze) -> Value {
+/// A path for the worth of each action in these messages.
+fn worth_paths(maze: &Maze, steps: &str) -> Value {
     const COLORS: [&str; 8] = [
         "#1f77e0", "#ff8c1a", "#17a673", "#c23ee8", "#e0322f", "#7a5c3e", "#12b5c9", "#8a8f99",
     ];
@@ -57,7 +60,7 @@ fn worth_paths(maze: &Maze) -> Value {
     paths
         .map(|(action, (direction, color))| {
             json!({
-                "value": format!("/step.worth[{action}]"),
+                "value": format!("{steps}.worth[{action}]"),
                 "label": direction.name(),
                 "color": color,
                 "enabled": true,
@@ -104,9 +107,10 @@ pub fn paths(layout: &[u8]) -> Vec<MessagePath> {
     texts.into_iter().map(message_path).collect()
 }
 
-/// `/step.worth[0]` is the field `worth` of `/step`.
+/// `/step.worth[0]` is the field `worth` of `/step`, and so is `/step{step==1}.worth[0]`.
 fn message_path(text: &str) -> MessagePath {
     let (topic, rest) = text.split_once('.').unwrap_or((text, ""));
+    let topic = topic.split('{').next().unwrap_or(topic);
     let field = rest.split(['.', '[', '{', ':']).next();
     MessagePath {
         topic: topic.to_owned(),
@@ -122,6 +126,7 @@ mod tests {
     fn a_path_has_a_topic_and_perhaps_a_field() {
         let show = |text| message_path(text).to_string();
         assert_eq!(show("/step.worth[0]"), "/step.worth");
+        assert_eq!(show("/step{step==1}.worth[0]"), "/step.worth");
         assert_eq!(show("/curve.steps[:]"), "/curve.steps");
         assert_eq!(show("/step"), "/step");
     }

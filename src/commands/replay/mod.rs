@@ -4,6 +4,7 @@
 mod serve;
 mod story;
 mod stream;
+mod summary;
 mod verify;
 
 use std::collections::BTreeMap;
@@ -71,8 +72,10 @@ pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
         let shown = story::tell_missing(&args.recordings, files)?;
         let port = args.port.unwrap_or(0);
         serve::run(&shown.files, port, &args.live.allow_origin, out)
+    } else if args.json {
+        show_json(&files, out)
     } else {
-        show(&files, args.json, out)
+        args.recordings.iter().try_for_each(|path| show(path, out))
     }
 }
 
@@ -110,10 +113,16 @@ impl Shown {
     }
 }
 
-fn show(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Failure> {
-    if json {
-        let shown: Result<Vec<Shown>, _> = files.iter().map(|file| Shown::of(file)).collect();
-        return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&shown?)?)?);
+fn show_json(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
+    let shown: Result<Vec<Shown>, _> = files.iter().map(|file| Shown::of(file)).collect();
+    Ok(writeln!(out, "{}", serde_json::to_string_pretty(&shown?)?)?)
+}
+
+/// Sums up a run, or says what a recording holds.
+fn show(path: &Path, out: &mut impl Write) -> Result<(), Failure> {
+    let files = recordings(path)?;
+    if let Some(run) = summary::whole_run(path) {
+        return summary::print(path, &run, &files, out);
     }
     files
         .iter()

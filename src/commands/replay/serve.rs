@@ -11,7 +11,7 @@ use xcscr::record::gate::Origin;
 use xcscr::record::layout;
 use xcscr::record::server::{Content, Server, foxglove_link, lichtblick_link};
 use xcscr::run::Source;
-use xcscr::world::Maze;
+use xcscr::trial::Plan;
 
 use crate::commands::failure::{Exit, Failure};
 
@@ -43,9 +43,9 @@ pub fn run(
     Ok(server.run(|| stopped.load(Ordering::Relaxed))?)
 }
 
-/// Recordings that one layout fits.
+/// Recordings of one run that one layout fits: those of two runs would interleave in a viewer.
 struct Group {
-    maze: Maze,
+    plan: Plan,
     kind: Kind,
     files: Vec<PathBuf>,
 }
@@ -65,33 +65,35 @@ impl Group {
             Kind::Run => "The whole run",
             Kind::Episodes => "Episodes",
         };
-        format!("{what} in {}", self.maze.name())
+        let (maze, config) = (&self.plan.maze, &self.plan.config);
+        let (method, seed) = (config.method.name(), config.seed);
+        format!("{what} in {}: {method}, seed {seed}", maze.name())
     }
 
     fn layout(&self) -> String {
         match self.kind {
-            Kind::Run => layout::of_run(&self.maze),
-            Kind::Story | Kind::Episodes => layout::of_episode(&self.maze),
+            Kind::Run => layout::of_run(&self.plan.maze),
+            Kind::Story | Kind::Episodes => layout::of_episode(&self.plan.maze),
         }
     }
 }
 
-/// The files maze by maze and kind by kind, stories first.
+/// The files run by run and kind by kind, stories first.
 fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
     let mut groups: Vec<Group> = Vec::new();
     for file in files {
         let source = Source::of(file)?;
-        let maze = source.plan.maze;
+        let plan = source.plan;
         let kind = match source.extent {
             Extent::Story => Kind::Story,
             Extent::Run => Kind::Run,
             Extent::Episode(_) => Kind::Episodes,
         };
-        let fits = |group: &&mut Group| group.maze == maze && group.kind == kind;
+        let fits = |group: &&mut Group| group.plan == plan && group.kind == kind;
         match groups.iter_mut().find(fits) {
             Some(group) => group.files.push(file.clone()),
             None => groups.push(Group {
-                maze,
+                plan,
                 kind,
                 files: vec![file.clone()],
             }),

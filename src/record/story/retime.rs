@@ -58,6 +58,7 @@ pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, Stri
         | Topic::Policy
         | Topic::Trail
         | Topic::Caption
+        | Topic::RuleText
         | Topic::Ghost => {
             let mut scene: SceneUpdate = decoded(data)?;
             for entity in &mut scene.entities {
@@ -75,9 +76,12 @@ pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, Stri
             tempo.stamp(&mut line.timestamp);
             Ok(encoded(&line))
         }
-        Topic::Contact | Topic::Step | Topic::Episode | Topic::Curve | Topic::Estimate => {
-            Ok(data.to_vec())
-        }
+        Topic::Contact
+        | Topic::Step
+        | Topic::Rule
+        | Topic::Episode
+        | Topic::Curve
+        | Topic::Estimate => Ok(data.to_vec()),
     }
 }
 

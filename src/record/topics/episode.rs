@@ -24,6 +24,7 @@ pub(in crate::record) struct Outlook {
 #[derive(Debug, Serialize)]
 pub(in crate::record) struct EpisodeRecord {
     episode: u32,
+    ended: u32,
     outcome: Ending,
     steps: u32,
     collisions: u32,
@@ -41,6 +42,7 @@ impl EpisodeRecord {
     pub fn new(episode: &Episode, outlook: Outlook) -> Self {
         Self {
             episode: episode.episode,
+            ended: episode.episode,
             outcome: episode.ending,
             steps: episode.steps,
             collisions: episode.collisions,
@@ -77,6 +79,7 @@ impl Running {
 pub(super) fn schema() -> Schema {
     let fields = [
         ("episode", Kind::Count, "from 1"),
+        ("ended", Kind::Count, "the same, once it is over"),
         (
             "outcome",
             Kind::Text,

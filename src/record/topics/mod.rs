@@ -12,6 +12,7 @@ pub(super) mod log;
 pub(super) mod maze;
 pub(super) mod policy;
 pub(super) mod robot;
+pub(super) mod rule;
 mod scene;
 mod schema;
 pub(super) mod step;
@@ -41,7 +42,7 @@ pub enum Topic {
     Trail,
     /// `/contact`: a hit, and its end.
     Contact,
-    /// `/step`: a step, at the moment of its decision.
+    /// `/step`: a step, at the moment at which its outcome is known.
     Step,
     /// `/episode`: the figures of an episode, at its end.
     Episode,
@@ -51,6 +52,10 @@ pub enum Topic {
     Log,
     /// `/scene/caption`: what is shown, in words.
     Caption,
+    /// `/rule`: why an action is taken, at the moment of its decision.
+    Rule,
+    /// `/scene/rule`: the same over the robot.
+    RuleText,
     /// `/estimate`: where a robot that only senses believes to be, and how much it is mistaken.
     Estimate,
     /// `/scene/estimate`: the same as a picture.
@@ -59,7 +64,7 @@ pub enum Topic {
 
 impl Topic {
     /// Every topic, in the order of their declaration.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::Transforms,
         Self::Maze,
         Self::Robot,
@@ -72,11 +77,13 @@ impl Topic {
         Self::Curve,
         Self::Log,
         Self::Caption,
+        Self::Rule,
+        Self::RuleText,
         Self::Estimate,
         Self::Ghost,
     ];
     /// How many topics, the first ones, an episode has of a robot that is told where it is.
-    const TOLD: usize = 12;
+    const TOLD: usize = 14;
     /// The topics of `run.mcap`: what happens once per step or more rarely.
     pub const OF_RUN: [Self; 8] = [
         Self::Maze,
@@ -112,6 +119,8 @@ impl Topic {
             Self::Curve => "/curve",
             Self::Log => "/log",
             Self::Caption => "/scene/caption",
+            Self::Rule => "/rule",
+            Self::RuleText => "/scene/rule",
             Self::Estimate => "/estimate",
             Self::Ghost => "/scene/estimate",
         }
@@ -126,13 +135,18 @@ impl Topic {
     pub(super) fn schema(self) -> Schema {
         let well_known = match self {
             Self::Transforms => FrameTransforms::get_schema(),
-            Self::Maze | Self::Robot | Self::Policy | Self::Trail | Self::Caption | Self::Ghost => {
-                SceneUpdate::get_schema()
-            }
+            Self::Maze
+            | Self::Robot
+            | Self::Policy
+            | Self::Trail
+            | Self::Caption
+            | Self::RuleText
+            | Self::Ghost => SceneUpdate::get_schema(),
             Self::Worth => Grid::get_schema(),
             Self::Log => Log::get_schema(),
             Self::Contact => return contact::schema(),
             Self::Step => return step::schema(),
+            Self::Rule => return rule::schema(),
             Self::Episode => return episode::schema(),
             Self::Curve => return curve::schema(),
             Self::Estimate => return estimate::schema(),
@@ -143,7 +157,12 @@ impl Topic {
     /// How the topic's messages are encoded: `json` or `protobuf`.
     pub(super) fn message_encoding(self) -> &'static str {
         match self {
-            Self::Contact | Self::Step | Self::Episode | Self::Curve | Self::Estimate => "json",
+            Self::Contact
+            | Self::Step
+            | Self::Rule
+            | Self::Episode
+            | Self::Curve
+            | Self::Estimate => "json",
             _ => "protobuf",
         }
     }

@@ -1,4 +1,5 @@
-//! `/scene/policy`: the best action of each cell, coloured by its worth (the paper's figure 5).
+//! `/scene/policy`: the best actions of each cell, coloured by the rank of their worth among all
+//! cells (the paper's figure 5): a scale that tells cells apart however far the goal is.
 
 use foxglove::messages::{ArrowPrimitive, Color, Pose, SceneUpdate};
 use nalgebra::{Complex, UnitComplex};
@@ -8,20 +9,26 @@ use super::scene::{WORLD, color, entity, heading, update, vector};
 use crate::episode::PolicyMap;
 use crate::world::{Cell, Direction, Maze};
 
-/// The colours of the least worth, of none and of the greatest: red, grey, blue.
-const SCALE: [u32; 3] = [0xd81f2a, 0x8d94a3, 0x1554d1];
+/// The colours of the least worth, of the median and of the greatest: red, yellow, green.
+const SCALE: [u32; 3] = [0xe0322f, 0xf2b632, 0x1f9d55];
+/// Where an arrow begins and how long its two parts are, in cells: from beside the robot, which
+/// stands in the middle of a cell, to the border.
+const TAIL: f64 = 0.29;
+const SHAFT: f64 = 0.06;
+const HEAD: f64 = 0.14;
 
-/// An arrow in each cell that knows a best action; the first of the best on ties.
+/// An arrow for each best action of each cell that knows one; several on ties.
 pub(in crate::record) fn scene(policy: &PolicyMap, maze: &Maze, time_ns: u64) -> SceneUpdate {
-    let most = greatest_magnitude(policy);
+    let ranks = policy.ranks();
     let mut arrows = entity("policy", WORLD, time_ns);
-    arrows.arrows = policy
-        .cells()
-        .filter_map(|(cell, worth)| {
-            let direction = maze.direction(worth.best_actions().next()?)?;
-            Some(arrow(maze, *cell, direction, worth.greatest()? / most))
-        })
-        .collect();
+    for ((cell, worth), rank) in policy.cells().zip(ranks) {
+        let best = worth.best_actions();
+        let best = best.filter_map(|action| maze.direction(action));
+        let colour = shade(rank.unwrap_or(0.0));
+        arrows
+            .arrows
+            .extend(best.map(|direction| arrow(maze, *cell, direction, colour)));
+    }
     update(vec![arrows])
 }
 
@@ -36,38 +43,41 @@ pub(super) fn greatest_magnitude(policy: &PolicyMap) -> f64 {
     best.map(f64::abs).fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// An arrow whose middle is the cell's; `share` runs from -1 (worst) to 1 (best).
-fn arrow(maze: &Maze, cell: Cell, direction: Direction, share: f64) -> ArrowPrimitive {
+/// An arrow at the border of a cell.
+fn arrow(maze: &Maze, cell: Cell, direction: Direction, colour: Option<Color>) -> ArrowPrimitive {
     let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
     let (east, south) = direction.offset();
     let ahead = UnitComplex::new_normalize(Complex::new(f64::from(east), f64::from(-south)));
-    let tail = 0.28 * unit;
+    let tail = TAIL * unit;
     ArrowPrimitive {
         pose: Some(Pose {
             position: Some(vector(
-                at.x - tail * ahead.re,
-                at.y - tail * ahead.im,
+                at.x + tail * ahead.re,
+                at.y + tail * ahead.im,
                 0.07 * unit,
             )),
             orientation: Some(heading(ahead)),
         }),
-        shaft_length: rounded(0.32 * unit),
-        shaft_diameter: rounded(0.09 * unit),
-        head_length: rounded(0.24 * unit),
-        head_diameter: rounded(0.24 * unit),
-        color: shade(share),
+        shaft_length: rounded(SHAFT * unit),
+        shaft_diameter: rounded(0.12 * unit),
+        head_length: rounded(HEAD * unit),
+        head_diameter: rounded(0.3 * unit),
+        color: colour,
     }
 }
 
-/// The colour of a worth, from -1 to 1.
-fn shade(share: f64) -> Option<Color> {
-    let [worst, none, best] = SCALE.map(|rgb| color(rgb, 1.0).unwrap_or_default());
-    let end = if share < 0.0 { worst } else { best };
-    let blend = |from: f64, to: f64| rounded(from + (to - from) * share.abs().min(1.0));
+/// The colour of a rank, from 0 (worst) to 1 (best).
+fn shade(rank: f64) -> Option<Color> {
+    let [worst, middle, best] = SCALE.map(|rgb| color(rgb, 1.0).unwrap_or_default());
+    let (from, to, share) = match rank < 0.5 {
+        true => (worst, middle, 2.0 * rank),
+        false => (middle, best, 2.0 * rank - 1.0),
+    };
+    let blend = |from: f64, to: f64| rounded(from + (to - from) * share);
     Some(Color {
-        r: blend(none.r, end.r),
-        g: blend(none.g, end.g),
-        b: blend(none.b, end.b),
+        r: blend(from.r, to.r),
+        g: blend(from.g, to.g),
+        b: blend(from.b, to.b),
         a: 1.0,
     })
 }

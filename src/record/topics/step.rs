@@ -1,4 +1,4 @@
-//! `/step`: a step, at the moment of its decision.
+//! `/step`: a step, at the moment at which its outcome is known.
 
 use foxglove::Schema;
 use serde::{Serialize, Serializer};

@@ -1,14 +1,19 @@
-//! `/scene/trail`: the way that the robot took in this episode.
+//! `/scene/trail`: the way that the robot took in this episode, and where it hit a wall.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use foxglove::messages::{LinePrimitive, Point3, SceneUpdate, line_primitive};
+use foxglove::messages::{CylinderPrimitive, LinePrimitive, Point3, SceneUpdate, line_primitive};
 
-use super::scene::{WORLD, color, entity, place, point, update};
-use crate::arena::{Sample, View};
+use super::scene::{WORLD, color, entity, place, point, update, vector};
+use crate::arena::{Contact, Sample, View};
 use crate::world::{Cell, Maze};
 
 const INK: u32 = 0xa43df0;
+const HIT: u32 = 0xe0322f;
+/// An impulse whose mark is as large as any, in N s: that of a robot at full speed.
+const HARD_NS: f64 = 8.0;
+/// Marks of an episode; later hits are told by the other topics only.
+const MOST_HITS: usize = 64;
 /// Up to this many lines the trail is written after each step, above that more and more rarely:
 /// a long way must not fill the disk with copies of itself.
 const SHORT: usize = 128;
@@ -27,6 +32,8 @@ pub(in crate::record) struct Trail {
     unit_m: f64,
     at: Option<Cell>,
     steps: usize,
+    /// A disc for each hit on a wall.
+    hits: Vec<CylinderPrimitive>,
 }
 
 impl Trail {
@@ -39,6 +46,7 @@ impl Trail {
             unit_m: maze.cell_size_m(),
             at: None,
             steps: 0,
+            hits: Vec::new(),
         }
     }
 
@@ -48,9 +56,27 @@ impl Trail {
         self.crossed.clear();
         self.points.clear();
         self.lines.clear();
+        self.hits.clear();
         self.steps = 0;
         self.at = None;
         self.step(view);
+    }
+
+    /// Marks where the robot hit a wall, the larger the harder.
+    pub fn hit(&mut self, contact: &Contact) {
+        if self.hits.len() == MOST_HITS {
+            return;
+        }
+        let at = contact.point_in_world;
+        let share = (contact.impulse_ns / HARD_NS).clamp(0.3, 1.0);
+        let wide = 0.3 * self.unit_m * share;
+        self.hits.push(CylinderPrimitive {
+            pose: place(at.x, at.y, 0.26 * self.unit_m),
+            size: Some(vector(wide, wide, 0.02 * self.unit_m)),
+            bottom_scale: 1.0,
+            top_scale: 1.0,
+            color: color(HIT, 0.9),
+        });
     }
 
     /// Goes on to where the robot stands.
@@ -101,7 +127,9 @@ impl Trail {
                 indices: self.lines.clone(),
             }];
         }
-        update(vec![trail])
+        let mut hits = entity("hits", WORLD, time_ns);
+        hits.cylinders.clone_from(&self.hits);
+        update(vec![trail, hits])
     }
 }
 

@@ -11,6 +11,7 @@ use crate::record::topics::contact::ContactRecord;
 use crate::record::topics::curve::Curve;
 use crate::record::topics::episode::{EpisodeRecord, Outlook, Running};
 use crate::record::topics::estimate::{self, EstimateRecord};
+use crate::record::topics::rule::RuleRecord;
 use crate::record::topics::step::StepRecord;
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
@@ -26,6 +27,7 @@ const POSES_AHEAD: usize = 10;
 /// Keeps what messages need beyond the event that they report.
 pub(super) struct Scribe {
     robot: RobotShape,
+    sensor: Sensor,
     heading: String,
     /// What an episode is called, and how many there are.
     episodes: (&'static str, u32),
@@ -49,6 +51,7 @@ impl Scribe {
     pub fn new(maze: &Maze, info: &RunInfo) -> Self {
         Self {
             robot: info.robot,
+            sensor: info.sensor,
             heading: info.heading(maze.name()),
             episodes: match info.is_evaluation {
                 true => ("Greedy drive", info.episodes),
@@ -132,9 +135,13 @@ impl Scribe {
     /// A step was taken.
     pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
         let end_ns = step.view.now().time_ns;
-        let record = StepRecord::new(step);
-        out.send_json(For::Both, Topic::Step, self.decided_ns, &record)?;
+        let rule = RuleRecord::new(step, self.sensor);
+        out.send_json(For::Episode, Topic::Rule, self.decided_ns, &rule)?;
+        let over_robot = rule.scene(step.view.maze, self.decided_ns);
+        out.send(For::Episode, Topic::RuleText, self.decided_ns, &over_robot)?;
         self.moved(out, step)?;
+        let record = StepRecord::new(step);
+        out.send_json(For::Both, Topic::Step, end_ns, &record)?;
         self.show_estimate(out, step.episode, step.step, &step.view)?;
         if step.view.contacts.is_empty() {
             self.warn(out, step, end_ns)?;
@@ -142,6 +149,10 @@ impl Scribe {
             let clear = ContactRecord::clear(step.episode, step.step);
             out.send_json(For::Episode, Topic::Contact, end_ns, &clear)?;
         }
+        step.view
+            .contacts
+            .iter()
+            .for_each(|hit| self.trail.hit(hit));
         self.trail.step(&step.view);
         if self.trail.is_due() {
             self.show_trail(out, For::Episode, end_ns)?;

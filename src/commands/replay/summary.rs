@@ -1,0 +1,134 @@
+//! `xcscr replay RUN`: a run on one screen.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use xcscr::disk;
+use xcscr::record::Extent;
+use xcscr::record::reader::Recording;
+
+use crate::commands::failure::{Exit, Failure};
+use crate::commands::sparkline::{mean, sparkline};
+
+/// Episodes at the beginning and at the end that are compared.
+const FEW: usize = 10;
+
+/// An episode's figures, as `/episode` gives them at its end.
+#[derive(Debug, Deserialize)]
+struct Figures {
+    episode: u32,
+    outcome: String,
+    optimal: bool,
+    steps: Option<u32>,
+    collisions: Option<u32>,
+    rules: Option<u32>,
+    shortest: Option<u32>,
+}
+
+/// The finished recording of the whole run in a folder, if that is what a path names.
+pub fn whole_run(path: &Path) -> Option<PathBuf> {
+    let run = path.join(Extent::Run.file_name());
+    (path.is_dir() && run.is_file()).then_some(run)
+}
+
+/// Sums up the run in a folder, of which `files` are the recordings.
+pub fn print(
+    folder: &Path,
+    run: &Path,
+    files: &[PathBuf],
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let recording = Recording::open(run)?;
+    let episodes = figures(&recording)?;
+    let entry = |key: &str| recording.metadata("run").and_then(|run| run.get(key));
+    let [world, method, arena, sensor, seed] =
+        ["world", "method", "arena", "sensor", "seed"].map(|key| entry(key).map_or("?", |e| e));
+    writeln!(
+        out,
+        "{world}: {method} on {arena}, {sensor}, seed {seed}, {} episodes",
+        episodes.len()
+    )?;
+    let goals = episodes.iter().filter(|one| one.outcome == "goal");
+    writeln!(out, "  reached the goal     {}", times(goals, &episodes))?;
+    let optimal = episodes.iter().filter(|one| one.optimal);
+    writeln!(out, "  policy optimal       {}", times(optimal, &episodes))?;
+    let column = |of: fn(&Figures) -> Option<u32>| -> Vec<u32> {
+        episodes.iter().map(|one| of(one).unwrap_or(0)).collect()
+    };
+    let steps = column(|one| one.steps);
+    writeln!(out, "  steps                {}", change(&steps))?;
+    writeln!(
+        out,
+        "  collisions           {}",
+        change(&column(|one| one.collisions))
+    )?;
+    if let Some(last) = episodes.last() {
+        let shortest = last
+            .shortest
+            .map_or("unknown".to_owned(), |few| format!("{few} steps"));
+        writeln!(out, "  shortest path        {shortest}")?;
+        writeln!(
+            out,
+            "  rules                {} at the end",
+            last.rules.unwrap_or(0)
+        )?;
+    }
+    writeln!(out, "  steps per episode    {}", sparkline(&steps))?;
+    print_files(folder, run, files, out)
+}
+
+fn print_files(
+    folder: &Path,
+    run: &Path,
+    files: &[PathBuf],
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let sizes = files.iter().filter_map(|file| fs::metadata(file).ok());
+    let megabytes = sizes.map(|data| data.len()).sum::<u64>() as f64 / 1e6;
+    let (typed, run) = (disk::typed(folder), disk::typed(run));
+    writeln!(out, "{} recordings, {megabytes:.1} MB", files.len())?;
+    writeln!(out, "  watch them           xcscr replay {typed} --serve")?;
+    writeln!(out, "  what one holds       xcscr replay {run}")?;
+    Ok(writeln!(
+        out,
+        "  are they true?       xcscr replay {typed} --verify"
+    )?)
+}
+
+fn figures(recording: &Recording) -> Result<Vec<Figures>, Failure> {
+    let mut episodes: Vec<Figures> = Vec::new();
+    for message in recording.messages() {
+        let message = message?;
+        if message.topic() == "/episode" {
+            let read = serde_json::from_slice(&message.data);
+            let figures: Figures = read.map_err(|fault| {
+                let file = recording.path().display();
+                Failure::new(Exit::BadData, format!("{file}: /episode: {fault}"))
+            })?;
+            episodes.extend((figures.outcome != "running").then_some(figures));
+        }
+    }
+    Ok(episodes)
+}
+
+/// How many of all, and which was the first.
+fn times<'a>(some: impl Iterator<Item = &'a Figures>, all: &[Figures]) -> String {
+    let some: Vec<u32> = some.map(|one| one.episode).collect();
+    some.first().map_or("never".to_owned(), |first| {
+        format!(
+            "in {} of {}, first in episode {first}",
+            some.len(),
+            all.len()
+        )
+    })
+}
+
+/// The mean at the beginning and at the end.
+fn change(numbers: &[u32]) -> String {
+    let few = FEW.min(numbers.len());
+    let (first, last) = (&numbers[..few], &numbers[numbers.len() - few..]);
+    let (before, after) = (mean(first), mean(last));
+    format!("mean {before:.1} in the first {few} episodes, {after:.1} in the last")
+}

@@ -1,0 +1,195 @@
+//! `/rule` and `/scene/rule`: why an action is taken, in words, from the moment of its decision on.
+
+use foxglove::Schema;
+use foxglove::messages::{SceneUpdate, TextPrimitive};
+use serde::Serialize;
+
+use super::rounded;
+use super::scene::{ROBOT, color, entity, place, update};
+use super::schema::{Kind, object};
+use crate::agent::{Chooser, PERCEPT_BITS, memory_words};
+use crate::episode::Step;
+use crate::sensor::{Sensor, action_name};
+use crate::world::Maze;
+use xcs::{Action, Condition};
+
+/// Colours of what rules or a table chose, and of what explores.
+const CHOSEN: u32 = 0xffffff;
+const EXPLORED: u32 = 0xf4b740;
+/// More letters than this do not stand over the robot.
+const MOST_LETTERS: usize = 56;
+
+/// Why an action is taken.
+#[derive(Debug, Serialize)]
+pub(in crate::record) struct RuleRecord {
+    episode: u32,
+    step: u32,
+    action: String,
+    chosen_by: &'static str,
+    explored: bool,
+    seen: String,
+    rule: String,
+    runner_up: String,
+    #[serde(skip)]
+    because: String,
+}
+
+impl RuleRecord {
+    /// The reasons of a step; `sensor` is how the robot perceives.
+    pub fn new(step: &Step<'_>, sensor: Sensor) -> Self {
+        let maze = step.view.maze;
+        let action = action_name(maze, step.action);
+        let because = because(step, sensor);
+        Self {
+            episode: step.episode,
+            step: step.step,
+            chosen_by: step.chooser.name(),
+            explored: step.explored,
+            seen: sensor.words(maze, &|at| Some(step.percept.bit(at))),
+            rule: format!("{because} -> {}{}", worth(step, step.action), support(step)),
+            runner_up: runner_up(step).map_or_else(String::new, |other| worth(step, other)),
+            action,
+            because,
+        }
+    }
+
+    /// The same over the robot, to be read from anywhere.
+    pub fn scene(&self, maze: &Maze, time_ns: u64) -> SceneUpdate {
+        let side = f64::from(maze.width().max(maze.height())) * maze.cell_size_m();
+        let height = (0.17 * maze.cell_size_m()).max(0.018 * side);
+        let rgb = if self.explored { EXPLORED } else { CHOSEN };
+        let why = in_short(&self.because);
+        let mut words = entity("rule", ROBOT, time_ns);
+        words.texts = vec![
+            over(4.9 * height, height, rgb, &why),
+            over(3.6 * height, height, rgb, &format!("-> {}", self.action)),
+        ];
+        update(vec![words])
+    }
+}
+
+/// As many demands as fit over the robot; those that say the least come last.
+fn in_short(because: &str) -> String {
+    let demands = because.split(", ");
+    let (weak, strong): (Vec<&str>, _) = demands.partition(|demand| demand.ends_with("no goal"));
+    let mut short = String::new();
+    for demand in [strong, weak].concat() {
+        if short.len() + demand.len() > MOST_LETTERS {
+            short.push_str(", ...");
+            break;
+        }
+        let comma = if short.is_empty() { "" } else { ", " };
+        short = format!("{short}{comma}{demand}");
+    }
+    short
+}
+
+/// What decided: the condition of a rule in words, or who did without one.
+fn because(step: &Step<'_>, sensor: Sensor) -> String {
+    let condition = step.fired();
+    condition.map_or_else(
+        || who(step.chooser).to_owned(),
+        |condition| demands(step, &condition, sensor),
+    )
+}
+
+fn who(chooser: Chooser) -> &'static str {
+    match chooser {
+        Chooser::Rules => "rules",
+        Chooser::Table => "table",
+        Chooser::Planner => "explores by plan",
+        Chooser::Chance => "explores by chance",
+    }
+}
+
+/// What a condition demands; of one on more than the percept also of the memory.
+fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
+    let (maze, allele) = (step.view.maze, |at| condition.allele(at));
+    if condition.width() == step.percept.width() {
+        return sensor.words(maze, &allele);
+    }
+    let percept = |at| allele(at).filter(|_| at < PERCEPT_BITS);
+    let mut words = vec![Sensor::Neighbours.words(maze, &percept)];
+    words.extend(memory_words(&allele));
+    words.join(", ")
+}
+
+/// An action and its worth.
+fn worth(step: &Step<'_>, action: Action) -> String {
+    let name = action_name(step.view.maze, action);
+    let worth = step.worth.as_slice().get(action.index()).copied().flatten();
+    worth.map_or_else(|| name.clone(), |worth| format!("{name}, worth {worth:.0}"))
+}
+
+/// The error, and how many of the rules that match advocate the action.
+fn support(step: &Step<'_>) -> String {
+    let credit = &step.credit;
+    match credit.match_set {
+        0 => String::new(),
+        all => format!(
+            ", error {:.0}, {} of {all} match",
+            credit.error, credit.action_set
+        ),
+    }
+}
+
+/// The best of the actions that were not taken.
+fn runner_up(step: &Step<'_>) -> Option<Action> {
+    let known = Action::all(step.worth.as_slice().len()).zip(step.worth.as_slice());
+    let others = known.filter_map(|(action, worth)| Some((action, (*worth)?)));
+    let others = others.filter(|&(action, _)| action != step.action);
+    let best = others.reduce(|best, next| if next.1 > best.1 { next } else { best });
+    best.map(|(action, _)| action)
+}
+
+/// Words above the robot's middle.
+fn over(up: f64, height: f64, rgb: u32, text: &str) -> TextPrimitive {
+    TextPrimitive {
+        pose: place(0.0, 0.0, up),
+        billboard: true,
+        font_size: rounded(height),
+        scale_invariant: false,
+        color: color(rgb, 1.0),
+        text: text.to_owned(),
+    }
+}
+
+pub(super) fn schema() -> Schema {
+    let fields = [
+        ("episode", Kind::Count, "from 1"),
+        ("step", Kind::Count, "from 1 in each episode"),
+        ("action", Kind::Text, "direction chosen"),
+        ("chosen_by", Kind::Text, "rules, table, planner, chance"),
+        ("explored", Kind::Bool, "chosen to explore?"),
+        ("seen", Kind::Text, "what is perceived, in words"),
+        (
+            "rule",
+            Kind::Text,
+            "the rule of [A] that weighs most in words, action, worth, error, and how many of the rules in [M] advocate it",
+        ),
+        (
+            "runner_up",
+            Kind::Text,
+            "the best other action, and its worth",
+        ),
+    ];
+    object("xcscr.Rule", &fields)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stands_over_the_robot_is_short_and_begins_with_what_says_most() {
+        assert_eq!(
+            in_short("north no goal, east free"),
+            "east free, north no goal"
+        );
+        assert_eq!(in_short("explores by chance"), "explores by chance");
+        let long =
+            "north wall, north-east wall, east free, south-east free, south-west wall, west wall";
+        let wanted = "north wall, north-east wall, east free, south-east free, ...";
+        assert_eq!(in_short(long), wanted);
+    }
+}
