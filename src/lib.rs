@@ -43,7 +43,7 @@
 //!     version: env!("CARGO_PKG_VERSION").to_owned(),
 //!     method: Method::Xcscr,
 //!     arena: ArenaKind::Physics,
-//!     sensor: Sensor::Neighbours,
+//!     sensor: Sensor::Lidar,
 //!     episodes: 30,
 //!     seed: 1,
 //!     settings: Settings::default(),

@@ -36,7 +36,7 @@ fn train_learns_maze4_in_physics_and_says_so_in_json() {
         ("world", "maze4".into()),
         ("method", "xcscr".into()),
         ("arena", "physics".into()),
-        ("sensor", "neighbours".into()),
+        ("sensor", "lidar".into()),
         ("seed", Value::from(1)),
         ("episodes", 180.into()),
         ("optimal_steps", 10.into()),
@@ -64,6 +64,22 @@ fn train_learns_maze4_in_physics_and_says_so_in_json() {
     );
     for name in ["config.json", "rules.json", "run.mcap", "world.json"] {
         assert!(names.iter().any(|n| n == name), "{name} in {names:?}");
+    }
+}
+
+#[test]
+fn the_percept_is_sensed_in_physics_and_looked_up_on_the_grid_unless_it_is_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arena, chosen, wanted) in [
+        ("physics", None, "lidar"),
+        ("grid", None, "neighbours"),
+        ("physics", Some("neighbours"), "neighbours"),
+        ("grid", Some("lidar"), "lidar"),
+    ] {
+        let run = folder.path().join(format!("{arena}-{chosen:?}"));
+        let mut more = vec!["--arena", arena, "--episodes", "2"];
+        more.extend(chosen.iter().flat_map(|name| ["--sensor", name]));
+        assert_eq!(train(&run, "maze4", &more)["sensor"], wanted, "{arena}");
     }
 }
 

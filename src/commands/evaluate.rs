@@ -48,7 +48,7 @@ pub struct EvaluateArgs {
 
 impl EvaluateArgs {
     fn plan(&self) -> Result<(Plan, Knowledge), Failure> {
-        let (mut plan, knowledge) = self.learned.load()?;
+        let (mut plan, knowledge) = self.learned.load(self.arena)?;
         let config = &mut plan.config;
         config.seed = self.seed;
         config.arena = self.arena.unwrap_or(config.arena);

@@ -44,7 +44,7 @@ pub fn run(args: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 fn text(args: &ExportArgs) -> Result<String, Failure> {
-    let (plan, knowledge) = args.learned.load()?;
+    let (plan, knowledge) = args.learned.load(None)?;
     let (maze, sensor) = (&plan.maze, plan.config.sensor);
     let (width, actions) = (sensor.width(maze), maze.action_count());
     knowledge

@@ -32,12 +32,14 @@ impl LearnedArgs {
         self.run.is_dir()
     }
 
-    /// The plan of the run, and what was learned.
-    pub fn load(&self) -> Result<(Plan, Knowledge), Failure> {
+    /// The plan of the run, and what was learned. A lone file of rules does not tell where it was
+    /// learned: in `arena`, or else in physics.
+    pub fn load(&self, arena: Option<ArenaKind>) -> Result<(Plan, Knowledge), Failure> {
         let is_file = self.run.exists() && !self.run.is_dir();
         let (mut plan, knowledge) = if is_file {
             let knowledge = choices::read_rules(&self.run)?;
-            (self.plan_of_rules(&self.run)?, knowledge)
+            let arena = arena.unwrap_or(ArenaKind::Physics);
+            (self.plan_of_rules(&self.run, arena)?, knowledge)
         } else {
             let folder = RunFolder::open(&self.run);
             (folder.plan()?, folder.knowledge()?)
@@ -60,7 +62,7 @@ impl LearnedArgs {
     }
 
     /// A plan around a lone file of rules.
-    fn plan_of_rules(&self, path: &Path) -> Result<Plan, Failure> {
+    fn plan_of_rules(&self, path: &Path, arena: ArenaKind) -> Result<Plan, Failure> {
         let world = self.world.as_ref().ok_or_else(|| {
             let message = format!(
                 "{} says nothing of its world: add --world FILE",
@@ -71,8 +73,8 @@ impl LearnedArgs {
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: Method::Xcscr,
-            arena: ArenaKind::Physics,
-            sensor: Sensor::Neighbours,
+            arena,
+            sensor: Sensor::usual_in(arena),
             episodes: 1,
             seed: 1,
             settings: Settings::default(),

@@ -94,7 +94,7 @@ pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
 
 /// What was learned, if it is rules about the world of the plan.
 fn load(learned: &LearnedArgs) -> Result<(Plan, Knowledge), Failure> {
-    let (plan, knowledge) = learned.load()?;
+    let (plan, knowledge) = learned.load(None)?;
     let Plan { maze, config } = &plan;
     knowledge
         .check(config.sensor.width(maze), maze.action_count())

@@ -37,9 +37,9 @@ pub struct TrainArgs {
     /// Where the robot acts: in simulated physics, or on the bare grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
-    /// What the robot perceives.
-    #[arg(long, default_value = "neighbours", value_parser = choices::sensor())]
-    sensor: Sensor,
+    /// What the robot perceives [default: lidar in physics, neighbours on the grid].
+    #[arg(long, value_parser = choices::sensor())]
+    sensor: Option<Sensor>,
     /// Number of episodes.
     #[arg(long, default_value_t = 180, value_name = "N")]
     episodes: u32,
@@ -83,7 +83,7 @@ impl TrainArgs {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: self.method,
             arena: self.arena,
-            sensor: self.sensor,
+            sensor: self.sensor.unwrap_or(Sensor::usual_in(self.arena)),
             episodes: self.episodes,
             seed: self.seed,
             initial: self

@@ -45,14 +45,15 @@ struct Plane<'a> {
 /// Draws all moments of a film.
 pub(super) fn draw(film: &Film) -> Drawing {
     let plane = Plane::new(&film.maze);
-    let paths = Paths::new(&film.maze);
     let frames = film.moments.iter();
     Drawing {
         width: plane.width as u32,
         height: plane.height as u32,
         title: film.title.clone(),
         ground: plane.ground(),
-        frames: frames.map(|moment| plane.moment(moment, &paths)).collect(),
+        frames: frames
+            .map(|moment| plane.moment(moment, &film.paths))
+            .collect(),
         labels: plane.labels(&film.title),
     }
 }
@@ -119,7 +120,7 @@ impl<'a> Plane<'a> {
             colour: PATH,
         });
         shapes.extend(self.arrows(moment));
-        let caption = moment.caption(self.maze, paths.distance(self.maze, from));
+        let caption = moment.caption(self.maze, paths);
         shapes.push(words(MARGIN, 46.0, 13.0, FAINT, caption));
         shapes
     }

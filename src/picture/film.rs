@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use crate::arena::View;
-use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
+use crate::episode::{Ending, Episode, FaultFinder, Learned, Observer, PolicyMap, Step};
 use crate::trial::{Plan, PlanError, Trial};
-use crate::world::{Cell, Maze};
+use crate::world::{Cell, Maze, Paths};
 
 /// The most moments of an animation; of longer runs not every episode is shown.
 const MOST_MOMENTS: u32 = 45;
@@ -28,6 +28,8 @@ pub struct Moment {
     pub episode: Episode,
     /// What was known after it.
     pub policy: PolicyMap,
+    /// Was that globally optimal?
+    pub optimal: bool,
     /// The cells that were visited in it, the start first.
     pub visited: Vec<Cell>,
 }
@@ -37,6 +39,7 @@ pub struct Moment {
 pub struct Film {
     pub(super) maze: Maze,
     pub(super) title: String,
+    pub(super) paths: Paths,
     pub(super) moments: Vec<Moment>,
 }
 
@@ -72,15 +75,17 @@ impl Film {
             Scenes::After(wanted) => return Err(FilmError::NoSuchEpisode { wanted, episodes }),
             Scenes::Forming => (episodes, episodes.div_ceil(MOST_MOMENTS)),
         };
-        let mut camera = Camera::new(last, every);
+        let mut trial = Trial::new(plan.clone())?;
+        let mut camera = Camera::new(last, every, trial.paths().clone());
         // The camera itself ends the trial.
-        let _ = Trial::new(plan.clone())?.run(&mut camera);
+        let _ = trial.run(&mut camera);
         let config = &plan.config;
         let (world, method) = (plan.maze.name(), config.method.name());
         let (arena, seed) = (config.arena.name(), config.seed);
         Ok(Self {
             maze: plan.maze.clone(),
             title: format!("{world}: {method} on {arena}, seed {seed}"),
+            paths: camera.paths,
             moments: camera.moments,
         })
     }
@@ -95,15 +100,19 @@ impl Film {
 struct Camera {
     last: u32,
     every: u32,
+    paths: Paths,
+    faults: FaultFinder,
     visited: Vec<Cell>,
     moments: Vec<Moment>,
 }
 
 impl Camera {
-    fn new(last: u32, every: u32) -> Self {
+    fn new(last: u32, every: u32, paths: Paths) -> Self {
         Self {
             last,
             every,
+            paths,
+            faults: FaultFinder::default(),
             visited: Vec::new(),
             moments: Vec::new(),
         }
@@ -122,9 +131,12 @@ impl Observer for Camera {
     fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
         // Counted from the last, so that it is always there.
         if (self.last - episode.episode).is_multiple_of(self.every) {
+            let (method, sensor, maze) = (learned.method, learned.sensor, learned.view.maze);
+            let fault = self.faults.find(method, sensor, maze, &self.paths);
             self.moments.push(Moment {
                 episode: *episode,
-                policy: PolicyMap::of(learned.method, learned.sensor, learned.view.maze),
+                policy: PolicyMap::of(method, sensor, maze),
+                optimal: fault.is_none(),
                 visited: std::mem::take(&mut self.visited),
             });
         }
@@ -137,7 +149,7 @@ impl Observer for Camera {
 
 impl Moment {
     /// What is said about it below the title.
-    pub(super) fn caption(&self, maze: &Maze, shortest: Option<u32>) -> String {
+    pub(super) fn caption(&self, maze: &Maze, paths: &Paths) -> String {
         let Episode {
             episode,
             steps,
@@ -149,11 +161,18 @@ impl Moment {
             Ending::StepLimit => "and gave up",
         };
         let from = self.visited[0];
+        let shortest = paths.distance(maze, from);
         let greedy = match self.policy.greedy_steps(maze, from) {
+            Some(now) if paths.slips() => format!("{now} steps when nothing slips"),
             Some(now) if Some(now) == shortest => format!("{now} steps, the fewest"),
             Some(now) => format!("{now} steps"),
             None => "never arrives".to_owned(),
         };
-        format!("episode {episode}: {steps} steps {how}; greedy path now: {greedy}")
+        // Where actions slip, the fewest steps are no yardstick.
+        let verdict = match paths.slips() && self.optimal {
+            true => "; the policy is optimal",
+            false => "",
+        };
+        format!("episode {episode}: {steps} steps {how}; greedy path now: {greedy}{verdict}")
     }
 }

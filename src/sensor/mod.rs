@@ -18,7 +18,7 @@ use foldhash::fast::FixedState;
 use serde::{Deserialize, Serialize};
 pub use words::{Alleles, action_name};
 
-use crate::arena::{Sensed, View};
+use crate::arena::{ArenaKind, Sensed, View};
 use crate::world::{Cell, Maze};
 use xcs::Percept;
 
@@ -52,6 +52,15 @@ impl Sensor {
         Self::LidarRanges,
         Self::LidarBeams,
     ];
+
+    /// The percept where none is chosen: in physics what the robot senses itself, on the grid what
+    /// the literature of learning classifier systems looks up there.
+    pub fn usual_in(arena: ArenaKind) -> Self {
+        match arena {
+            ArenaKind::Physics => Self::Lidar,
+            ArenaKind::Grid => Self::Neighbours,
+        }
+    }
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {

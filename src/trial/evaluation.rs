@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::{Plan, PlanError};
 use crate::agent::{Explorer, Frozen, Knowledge};
-use crate::episode::{self, Ending, Observer};
+use crate::episode::{self, BestChoices, Ending, Observer};
 use crate::streams::StreamName;
 use crate::world::{Paths, Starts};
 use xcs::random::Stream;
@@ -27,7 +27,8 @@ pub struct Evaluation {
     pub episodes: u32,
     /// Episodes that reached a goal.
     pub successes: u32,
-    /// Episodes that reached a goal in as few steps as possible.
+    /// Episodes that reached a goal in as few steps as possible; where actions slip, those in which
+    /// every choice was a best one.
     pub optimal: u32,
     /// Mean steps of an episode.
     pub mean_steps: f64,
@@ -75,7 +76,7 @@ impl Evaluation {
             let start = cells
                 .nth(maze, starts.below(cells.count()))
                 .expect("a checked maze has a start cell");
-            let arena = &mut *arena;
+            let (arena, mut choices) = (&mut *arena, BestChoices::by(&paths));
             let (episode, flow) = episode::run(
                 number,
                 start,
@@ -83,9 +84,9 @@ impl Evaluation {
                 config.sensor,
                 &mut policy,
                 &mut greedy,
-                observer,
+                &mut (&mut choices, &mut *observer),
             );
-            sums.add(&episode, paths.distance(maze, start).unwrap_or(0));
+            sums.add(&episode, choices.is_optimal(&episode));
             sums.expected += paths.expected_steps(maze, start).unwrap_or(0.0);
             if flow.is_break() {
                 break;
@@ -107,7 +108,7 @@ impl Evaluation {
         })
     }
 
-    /// Did every episode reach a goal in as few steps as possible?
+    /// Was every episode [optimal](Self::optimal)?
     pub fn is_optimal(&self) -> bool {
         self.optimal == self.episodes
     }
@@ -125,11 +126,59 @@ struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, episode: &episode::Episode, shortest: u32) {
+    fn add(&mut self, episode: &episode::Episode, was_optimal: bool) {
         let success = episode.ending == Ending::Goal;
         self.successes += u32::from(success);
-        self.optimal += u32::from(success && episode.steps == shortest);
+        self.optimal += u32::from(was_optimal);
         self.steps += u64::from(episode.steps);
         self.collisions += u64::from(episode.collisions);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arena::ArenaKind;
+    use crate::sensor::Sensor;
+    use crate::world::{Cell, Maze};
+    use xcs::Action;
+
+    /// Maze4 with actions that slip, and a policy by position: what value iteration says, but in
+    /// `other` cells the opposite.
+    fn evaluated(other: impl Fn(Cell) -> bool) -> Evaluation {
+        let maze = Maze::load("worlds/maze4.json".as_ref()).unwrap();
+        let plan = Plan::new(maze)
+            .arena(ArenaKind::Grid)
+            .sensor(Sensor::Position);
+        let mut plan = plan.seed(3);
+        plan.config.settings.arena.slip = 0.25;
+        plan.config.settings.reward.step_threshold = 1_000;
+        let maze = &plan.maze;
+        let paths = Paths::with_slip(maze, 0.25);
+        let row = |cell: Cell| {
+            let is_best = |action| paths.successor(maze, cell, action).is_some();
+            let worth = |action| Some(f64::from(u8::from(is_best(action) != other(cell))));
+            Action::all(4).map(worth).collect()
+        };
+        let cells = maze.free_cells();
+        let table = cells.map(|cell| (Sensor::Position.perceive_at(maze, cell), row(cell)));
+        let knowledge = Knowledge::Table(table.collect());
+        Evaluation::run(&plan, &knowledge, 200).unwrap()
+    }
+
+    #[test]
+    fn where_actions_slip_an_episode_is_optimal_when_all_choices_were_and_not_when_it_was_short() {
+        let best = evaluated(|_| false);
+        assert!(best.is_optimal() && best.successes == 200, "{best:?}");
+        assert!(best.mean_steps > 12.0, "luck alone makes 10: {best:?}");
+        let expected = best.mean_optimal_steps;
+        assert!((best.mean_steps / expected - 1.0).abs() < 0.1, "{best:?}");
+    }
+
+    #[test]
+    fn control_one_wrong_choice_makes_an_episode_not_optimal() {
+        // The cell south-east of the start, on every path.
+        let wrong = evaluated(|cell| (cell.col, cell.row) == (2, 2));
+        assert!(wrong.optimal < wrong.successes, "{wrong:?}");
     }
 }

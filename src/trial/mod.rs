@@ -30,7 +30,7 @@ pub use warning::Warning;
 
 use crate::agent::{Agent, Chosen, Explorer};
 use crate::arena::Arena;
-use crate::episode::{self, Episode, FaultFinder, Observer, PolicyMap};
+use crate::episode::{self, BestChoices, Episode, FaultFinder, Observer, PolicyMap};
 use crate::streams::StreamName;
 use crate::world::{Cell, Paths, Starts};
 use xcs::bounds::{OutOfRange, within};
@@ -49,7 +49,8 @@ pub struct Progress {
     pub first_optimal_episode: Option<u32>,
     /// Steps taken until then.
     pub first_optimal_env_steps: Option<u64>,
-    /// The first episode that was itself as short as the shortest path.
+    /// The first episode that was itself optimal: as short as the shortest path, or where actions slip
+    /// one in which every choice was a best one.
     pub first_executed_optimal_episode: Option<u32>,
     /// Episodes after which the greedy policy was globally optimal.
     pub optimal_episodes: u32,
@@ -261,6 +262,7 @@ impl Trial {
         let start = self.next_start();
         let number = self.progress.episodes + 1;
         self.take_turns(number);
+        let mut choices = BestChoices::by(&self.paths);
         let (episode, flow) = episode::run(
             number,
             start,
@@ -268,9 +270,10 @@ impl Trial {
             self.plan.config.sensor,
             &mut *self.method,
             &mut self.explorer,
-            observer,
+            &mut (&mut choices, observer),
         );
-        self.count(&episode, start);
+        let was_optimal = choices.is_optimal(&episode);
+        self.count(&episode, was_optimal);
         (episode, flow)
     }
 
@@ -300,9 +303,8 @@ impl Trial {
         start.expect("a checked maze has a start cell")
     }
 
-    fn count(&mut self, episode: &Episode, start: Cell) {
+    fn count(&mut self, episode: &Episode, was_optimal: bool) {
         let optimal = self.is_optimal();
-        let shortest = self.paths.distance(&self.plan.maze, start);
         let progress = &mut self.progress;
         progress.episodes += 1;
         progress.steps += u64::from(episode.steps);
@@ -323,11 +325,10 @@ impl Trial {
                 .best_steps
                 .map_or(episode.steps, |b| b.min(episode.steps));
             progress.best_steps = Some(best);
-            if Some(episode.steps) == shortest {
-                progress
-                    .first_executed_optimal_episode
-                    .get_or_insert(episode.episode);
-            }
+        }
+        if was_optimal {
+            let first = &mut progress.first_executed_optimal_episode;
+            first.get_or_insert(episode.episode);
         }
     }
 

@@ -117,7 +117,7 @@ impl Default for Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: Method::Xcscr,
             arena: ArenaKind::Physics,
-            sensor: Sensor::Neighbours,
+            sensor: Sensor::usual_in(ArenaKind::Physics),
             episodes: 180,
             seed: 1,
             settings: Settings::default(),
@@ -127,8 +127,8 @@ impl Default for Config {
 }
 
 impl Plan {
-    /// A trial of 180 episodes of `xcscr` in physics, from seed 1; each method below changes one
-    /// of these choices.
+    /// A trial of 180 episodes of `xcscr` in physics, on the percept `lidar`, from seed 1; each method
+    /// below changes one of these choices, and no other.
     pub fn new(maze: Maze) -> Self {
         let config = Config::default();
         Self { maze, config }
@@ -141,7 +141,7 @@ impl Plan {
         self
     }
 
-    /// In another arena.
+    /// In another arena. The percept stays: on the grid, `lidar` is what a perfect one would show.
     #[must_use]
     pub fn arena(mut self, arena: ArenaKind) -> Self {
         self.config.arena = arena;

@@ -26,6 +26,8 @@ pub enum Warning {
     LookAlike {
         /// The percept that does not tell them apart.
         sensor: Sensor,
+        /// One that does.
+        instead: Sensor,
         /// The cells, group by group.
         groups: Vec<Vec<Cell>>,
     },
@@ -36,7 +38,7 @@ impl Plan {
     /// nevertheless.
     pub fn warnings(&self) -> Vec<Warning> {
         let Self { maze, config } = &self.clone().settled();
-        let paths = Paths::new(maze);
+        let paths = Paths::with_slip(maze, config.settings.arena.slip);
         [
             step_limit(config, maze, &paths),
             look_alike(config, maze, &paths),
@@ -60,11 +62,28 @@ fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
         return None;
     }
     let sensor = config.sensor;
+    let groups = misleading(sensor, maze, paths);
+    (!groups.is_empty()).then(|| Warning::LookAlike {
+        sensor,
+        instead: telling_apart(sensor, maze, paths),
+        groups,
+    })
+}
+
+/// The cells on the way that look alike and in which no action is best in all, group by group.
+fn misleading(sensor: Sensor, maze: &Maze, paths: &Paths) -> Vec<Vec<Cell>> {
     let on_the_way = paths.cells_on_shortest(maze);
     let groups = alike_among(sensor, maze, paths, on_the_way).into_iter();
     let misleading = groups.filter(|group| !group.share_a_best_action);
-    let groups: Vec<Vec<Cell>> = misleading.map(|Alike { cells, .. }| cells).collect();
-    (!groups.is_empty()).then_some(Warning::LookAlike { sensor, groups })
+    misleading.map(|Alike { cells, .. }| cells).collect()
+}
+
+/// A percept that does not mislead: of a robot that senses one that is sensed, if there is any.
+fn telling_apart(sensor: Sensor, maze: &Maze, paths: &Paths) -> Sensor {
+    let sensed = [Sensor::LidarRanges, Sensor::LidarBeams].into_iter();
+    let mut sensed = sensed.filter(|_| sensor.is_sensed());
+    let sound = sensed.find(|&other| misleading(other, maze, paths).is_empty());
+    sound.unwrap_or(Sensor::NeighboursPosition)
 }
 
 impl Warning {
@@ -75,9 +94,8 @@ impl Warning {
                 steps @ ..=MOST => format!("`--set reward.step_threshold={steps}`"),
                 _ => "a smaller maze".to_owned(),
             },
-            Self::LookAlike { .. } => {
-                let sensor = Sensor::NeighboursPosition.name();
-                format!("`--sensor {sensor}` (in a study file: `sensors`)")
+            Self::LookAlike { instead, .. } => {
+                format!("`--sensor {}` (in a study file: `sensors`)", instead.name())
             }
         }
     }
@@ -90,7 +108,7 @@ impl fmt::Display for Warning {
                 f,
                 "episodes end after {steps} steps, but the longest shortest path has {longest}"
             ),
-            Self::LookAlike { sensor, groups } => write!(
+            Self::LookAlike { sensor, groups, .. } => write!(
                 f,
                 "cells look alike to the sensor `{}`, and no action is best in all of them: {}",
                 sensor.name(),
@@ -180,6 +198,28 @@ mod tests {
         assert_eq!(said(world, method, sensor, &[&limit]), [wanted]);
         let enough = format!("reward.step_threshold={longest}");
         assert_eq!(said(world, method, sensor, &[&enough]), [""; 0]);
+    }
+
+    #[test]
+    fn where_actions_slip_the_best_ones_are_those_of_value_iteration() {
+        // Beside the only way, cells look alike that nobody comes to who does not slip.
+        let (world, method, sensor) = ("maze4", Method::QLearning, Sensor::Neighbours);
+        assert_eq!(said(world, method, sensor, &[]), [""; 0]);
+        let slippery = said(world, method, sensor, &["arena.slip=0.25"]);
+        assert!(
+            slippery.len() == 1 && slippery[0].contains("5,2 4,5"),
+            "{slippery:?}"
+        );
+    }
+
+    #[test]
+    fn who_senses_is_told_another_percept_that_is_sensed_if_one_helps() {
+        let said = |world| said(world, Method::Xcscr, Sensor::Lidar, &[]).concat();
+        let worlds = ["rooms-8-1", "corridors-10-1", "random-12-1", "rooms-12-1"];
+        let helped = worlds.map(|world| said(world).contains("; try `--sensor lidar-"));
+        assert!(helped.contains(&true), "{:?}", worlds.map(said));
+        let none_helps = said("dfs-12-1");
+        assert!(none_helps.contains("neighbours-position"), "{none_helps}");
     }
 
     #[test]

@@ -88,7 +88,8 @@ impl Paths {
     }
 
     /// The cells on shortest paths from where an episode can start, in reading order, goals among
-    /// them: with a random start, all from which a goal can be reached.
+    /// them: with a random start, all from which a goal can be reached; with slip, all that can be
+    /// reached from the start.
     pub fn cells_on_shortest<'a>(&'a self, maze: &'a Maze) -> impl Iterator<Item = Cell> + 'a {
         let ahead = maze.start().map(|start| self.ahead_of(maze, start));
         maze.cells().filter(move |&cell| {
@@ -99,7 +100,7 @@ impl Paths {
         })
     }
 
-    /// By cell index: does a shortest path from `start` lead there?
+    /// By cell index: does a shortest path from `start` lead there, or with slip any path?
     fn ahead_of(&self, maze: &Maze, start: Cell) -> Vec<bool> {
         let mut ahead = vec![false; self.distance.len()];
         let mut open = vec![start];
@@ -108,7 +109,10 @@ impl Paths {
                 continue;
             }
             let actions = Action::all(maze.action_count());
-            open.extend(actions.filter_map(|action| self.successor(maze, cell, action)));
+            open.extend(actions.filter_map(|action| match self.slips() {
+                true => maze.step(cell, maze.direction(action)?),
+                false => self.successor(maze, cell, action),
+            }));
         }
         ahead
     }

@@ -58,8 +58,9 @@ pub(super) struct Document {
     pub methods: Vec<Method>,
     #[serde(default = "Document::grid")]
     pub arenas: Vec<ArenaKind>,
-    #[serde(default = "Document::neighbours")]
-    pub sensors: Vec<Sensor>,
+    /// Unless given, what is usual in each arena.
+    #[serde(default)]
+    pub sensors: Option<Vec<Sensor>>,
     pub trials: usize,
     pub episodes: u32,
     #[serde(default = "Document::one")]
@@ -93,10 +94,6 @@ pub const NOTHING: &str = "nothing";
 impl Document {
     fn grid() -> Vec<ArenaKind> {
         vec![ArenaKind::Grid]
-    }
-
-    fn neighbours() -> Vec<Sensor> {
-        vec![Sensor::Neighbours]
     }
 
     fn one() -> u64 {
@@ -189,10 +186,11 @@ impl StudyFile {
         settings.cloned().unwrap_or_default()
     }
 
-    /// The percepts in one world.
-    pub(super) fn sensors(&self, world: &str) -> &[Sensor] {
+    /// The percepts in one world and arena.
+    pub(super) fn sensors(&self, world: &str, arena: ArenaKind) -> Vec<Sensor> {
         let own = self.document.world_sensors.get(world);
-        own.unwrap_or(&self.document.sensors)
+        let chosen = own.or(self.document.sensors.as_ref()).cloned();
+        chosen.unwrap_or_else(|| vec![Sensor::usual_in(arena)])
     }
 
     /// Refuses settings and percepts in worlds that are not those of the study.

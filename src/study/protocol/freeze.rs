@@ -42,10 +42,10 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
 /// Refuses a study of too many combinations; the sweep alone can make billions of them.
 fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
     let document = &file.document;
-    let sensors = document.world_sensors.values().chain([&document.sensors]);
+    let sensors = document.world_sensors.values().chain(&document.sensors);
     let fixed = [
         document.methods.len(),
-        sensors.map(Vec::len).max().unwrap_or(0),
+        sensors.map(Vec::len).max().unwrap_or(1),
         document.after.len().max(1),
         document.without.len() + 1,
     ];
@@ -80,7 +80,12 @@ fn arms(
         let afters = afters_of(file, method, afters)?;
         for ((table, variant), after) in product(&variants, &afters) {
             let settings = lay_over(&base, &origin_of_variants(file), table)?;
-            for (&arena, &sensor) in product(arenas, file.sensors(world)) {
+            let sensors = |&arena| {
+                file.sensors(world, arena)
+                    .into_iter()
+                    .map(move |s| (arena, s))
+            };
+            for (arena, sensor) in arenas.iter().flat_map(sensors) {
                 arms.push(Arm {
                     world: world.to_owned(),
                     method,
