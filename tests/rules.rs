@@ -175,8 +175,11 @@ fn a_run_that_began_with_rules_is_repeated_from_its_recording() {
         .concat(),
     );
     let text = desk.fine(&["replay", "next", "--verify"]);
-    let said = "4 of 4 recordings are the same";
-    assert!(text.contains(said), "three episodes and the run: {text}");
+    let said = "5 of 5 recordings are the same";
+    assert!(
+        text.contains(said),
+        "three episodes, the run, the story: {text}"
+    );
 }
 
 #[test]

@@ -48,9 +48,10 @@ fn said(story: &Recording, topic: &str) -> Vec<(u64, Value)> {
 }
 
 #[test]
-fn the_story_of_the_default_run_goes_from_failure_to_a_greedy_drive_in_less_than_two_minutes() {
+fn the_story_of_a_run_goes_from_failure_to_a_greedy_drive_in_less_than_two_minutes() {
     let folder = tempfile::tempdir().unwrap();
-    let run = train(folder.path(), "run", &[]);
+    // With the default percept the first episode of seed 1 reaches the goal, and nothing fails.
+    let run = train(folder.path(), "run", &["--sensor", "neighbours"]);
     let file = run.join("story.mcap");
     assert_eq!(check(&file).unwrap(), []);
     let story = Recording::open(&file).unwrap();
@@ -104,7 +105,7 @@ fn every_panel_has_something_to_show_from_the_first_step_on() {
     shown.insert("/step".to_owned());
     let all: BTreeSet<String> = story.topics().into_iter().map(|topic| topic.name).collect();
     assert_eq!(shown, all);
-    let told = Topic::of_episode(false).iter().map(|topic| topic.name());
+    let told = Topic::of_episode(true).iter().map(|topic| topic.name());
     assert_eq!(all, told.map(str::to_owned).collect());
 }
 

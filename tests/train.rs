@@ -313,7 +313,7 @@ fn replay_verify_accepts_a_run_and_notices_one_changed_byte() {
     let (stdout, _) = expect(0, &["replay", dir, "--verify"]);
     assert_eq!(
         stdout,
-        "6 of 6 recordings are the same as a new run, to the bit\n"
+        "7 of 7 recordings are the same as a new run, to the bit\n"
     );
     let file = run.join("ep-0004.mcap");
     let sound = fs::read(&file).unwrap();
