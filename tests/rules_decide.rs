@@ -120,16 +120,6 @@ fn few_rules_suffice_at_any_time() {
     }
 }
 
-/// The model is the same; only [P] is too small for what it would have to hold.
-#[test]
-fn with_room_for_eight_rules_only_the_same_model_does_not_help() {
-    let mut settings = Settings::default();
-    settings.xcs.population_size = 8;
-    let optimal = |seed: &u64| trained("maze5", *seed, &settings).0.progress().optimal;
-    let found = (1..=10).filter(optimal).count();
-    assert!(found <= 5, "{found} of 10 were optimal all the same");
-}
-
 #[test]
 fn the_genetic_algorithm_finds_rules_too() {
     let mut settings = Settings::default();
