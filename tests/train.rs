@@ -83,6 +83,45 @@ fn the_percept_is_sensed_in_physics_and_looked_up_on_the_grid_unless_it_is_chose
     }
 }
 
+/// How many messages of each topic the episodes of a run have.
+fn messages(run: &Path, topic: &str) -> Vec<u64> {
+    let episodes = ["ep-0001.mcap", "ep-0002.mcap"].map(|name| run.join(name));
+    let shown = episodes.map(|file| json(&["replay", file.to_str().unwrap(), "--json"]));
+    let of_topic = |shown: &Value| {
+        let topics = shown[0]["topics"].as_array().unwrap().iter();
+        let found = topics.filter(|entry| entry["name"] == topic);
+        found.map(|entry| entry["messages"].as_u64().unwrap()).sum()
+    };
+    shown.iter().map(of_topic).collect()
+}
+
+#[test]
+fn beams_are_recorded_when_they_are_asked_for_and_are_the_same_in_a_new_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let [with, without] = ["beams", "all"].map(|mode| {
+        let run = folder.path().join(mode);
+        train(&run, "maze4", &["--episodes", "2", "--record", mode]);
+        run
+    });
+    let steps = messages(&with, "/step");
+    let scans = messages(&with, "/scan");
+    // A move takes some 24 physics steps, and each has beams.
+    for (steps, scans) in steps.iter().zip(&scans) {
+        assert!(
+            *scans > 12 * steps && *scans < 60 * steps,
+            "{scans} in {steps}"
+        );
+    }
+    assert_eq!(
+        messages(&without, "/scan"),
+        [0, 0],
+        "control: not asked for"
+    );
+    let file = with.join("ep-0002.mcap");
+    expect(0, &["check", file.to_str().unwrap()]);
+    expect(0, &["replay", with.to_str().unwrap(), "--verify"]);
+}
+
 #[test]
 fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
     let folder = tempfile::tempdir().unwrap();

@@ -61,7 +61,7 @@ pub struct TrainArgs {
     /// Start from rules learned elsewhere: a rules.json file or the folder of a run.
     #[arg(long, value_name = "RULES|RUN", conflicts_with = "resume")]
     init_rules: Option<PathBuf>,
-    /// Which episodes to record: all, best, last, every:N or none.
+    /// Which episodes to record: all, best, last, every:N, beams (all, with each beam of the lidar) or none.
     #[arg(long, default_value = "all", value_name = "MODE")]
     record: RecordMode,
     #[command(flatten)]

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// Which episodes get a file. All modes but [`None`](Self::None) also write `run.mcap`.
+/// Which episodes get a file, and how much is in it. All modes but [`None`](Self::None) also write `run.mcap`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum RecordMode {
     /// Every episode.
@@ -18,6 +18,8 @@ pub enum RecordMode {
     Last,
     /// The first, and every n-th after it: `every:50` keeps episodes 1, 51, 101, ...
     Every(NonZeroU32),
+    /// Every episode, and what each beam of the lidar measured.
+    Beams,
     /// None, and nothing else either.
     None,
 }
@@ -26,7 +28,7 @@ impl RecordMode {
     /// Is this episode written, if only to be dropped later?
     pub fn wants(self, episode: u32) -> bool {
         match self {
-            Self::All | Self::Best | Self::Last => true,
+            Self::All | Self::Best | Self::Last | Self::Beams => true,
             Self::Every(n) => episode.saturating_sub(1).is_multiple_of(n.get()),
             Self::None => false,
         }
@@ -35,7 +37,9 @@ impl RecordMode {
 
 /// A text that is no [`RecordMode`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is not a recording mode: expected all, best, last, every:N (N from 1), or none")]
+#[error(
+    "`{0}` is not a recording mode: expected all, best, last, every:N (N from 1), beams, or none"
+)]
 pub struct RecordModeError(String);
 
 impl FromStr for RecordMode {
@@ -46,6 +50,7 @@ impl FromStr for RecordMode {
             "all" => Some(Self::All),
             "best" => Some(Self::Best),
             "last" => Some(Self::Last),
+            "beams" => Some(Self::Beams),
             "none" => Some(Self::None),
             _ => text
                 .strip_prefix("every:")
@@ -63,6 +68,7 @@ impl fmt::Display for RecordMode {
             Self::Best => f.write_str("best"),
             Self::Last => f.write_str("last"),
             Self::Every(n) => write!(f, "every:{n}"),
+            Self::Beams => f.write_str("beams"),
             Self::None => f.write_str("none"),
         }
     }
@@ -74,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_mode_prints_as_it_was_read() {
-        for text in ["all", "best", "last", "every:50", "none"] {
+        for text in ["all", "best", "last", "every:50", "beams", "none"] {
             assert_eq!(text.parse::<RecordMode>().unwrap().to_string(), text);
         }
     }

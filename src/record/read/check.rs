@@ -120,8 +120,8 @@ fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
     let expected: &[Topic] = if extent(recording) == Some(Extent::Run) {
         &Topic::OF_RUN
     } else {
-        let estimate = Topic::Estimate.name();
-        Topic::of_episode(present.iter().any(|topic| topic.name == estimate))
+        let has = |topic: Topic| present.iter().any(|found| found.name == topic.name());
+        Topic::of_episode(has(Topic::Estimate), has(Topic::Scan))
     };
     for topic in expected {
         let (name, schema) = (topic.name(), topic.schema());
@@ -209,7 +209,9 @@ fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
         .map(|topic| (topic.name, json_fields(&topic.schema_data)))
         .collect();
     for path in layout::paths(&layout) {
+        let is_of_senses = Topic::named(&path.topic).is_some_and(Topic::is_of_senses);
         let what = match fields.get(&path.topic) {
+            None if is_of_senses => continue,
             None => format!("the layout shows {path}, but there is no such topic"),
             Some(known) if path.field.as_ref().is_some_and(|f| !known.contains(f)) => {
                 format!("the layout shows {path}, but there is no such field")

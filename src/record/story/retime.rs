@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use foxglove::messages::{FrameTransform, FrameTransforms, Grid, Log, SceneUpdate, Timestamp};
+use foxglove::messages::{
+    FrameTransform, FrameTransforms, Grid, LaserScan, Log, SceneUpdate, Timestamp,
+};
 use foxglove::{Decode, Encode};
 
 use crate::record::topics::{Topic, timestamp};
@@ -70,6 +72,11 @@ pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, Stri
             let mut grid: Grid = decoded(data)?;
             tempo.stamp(&mut grid.timestamp);
             Ok(encoded(&grid))
+        }
+        Topic::Scan => {
+            let mut scan: LaserScan = decoded(data)?;
+            tempo.stamp(&mut scan.timestamp);
+            Ok(encoded(&scan))
         }
         Topic::Log => {
             let mut line: Log = decoded(data)?;

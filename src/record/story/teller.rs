@@ -61,7 +61,7 @@ impl<'a> Teller<'a> {
             log.attach("world.json", 0, &info.world_json)?;
             log.attach("config.json", 0, &info.config_json)?;
             log.attach("foxglove-layout.json", 0, &layout::of_episode(maze))?;
-            log.declare(Topic::of_episode(senses))?;
+            log.declare(Topic::of_episode(senses, false))?;
             Ok(log)
         };
         Ok(Self {

@@ -13,6 +13,7 @@ pub(super) mod maze;
 pub(super) mod policy;
 pub(super) mod robot;
 pub(super) mod rule;
+pub(super) mod scan;
 mod scene;
 mod schema;
 pub(super) mod step;
@@ -22,7 +23,7 @@ pub(super) mod worth;
 
 pub(super) use scene::timestamp;
 
-use foxglove::messages::{FrameTransforms, Grid, Log, SceneUpdate};
+use foxglove::messages::{FrameTransforms, Grid, LaserScan, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
 
 /// A topic of a recording.
@@ -60,11 +61,13 @@ pub enum Topic {
     Estimate,
     /// `/scene/estimate`: the same as a picture.
     Ghost,
+    /// `/scan`: what the beams of the lidar measured, if they are recorded.
+    Scan,
 }
 
 impl Topic {
     /// Every topic, in the order of their declaration.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Transforms,
         Self::Maze,
         Self::Robot,
@@ -81,9 +84,12 @@ impl Topic {
         Self::RuleText,
         Self::Estimate,
         Self::Ghost,
+        Self::Scan,
     ];
     /// How many topics, the first ones, an episode has of a robot that is told where it is.
     const TOLD: usize = 14;
+    /// The same of one that senses, but whose beams are not recorded.
+    const SENSED: usize = 16;
     /// The topics of `run.mcap`: what happens once per step or more rarely.
     pub const OF_RUN: [Self; 8] = [
         Self::Maze,
@@ -96,12 +102,20 @@ impl Topic {
         Self::Caption,
     ];
 
-    /// The topics of an episode's file; more when the robot senses where it is.
-    pub fn of_episode(senses: bool) -> &'static [Self] {
-        match senses {
-            true => &Self::ALL,
-            false => &Self::ALL[..Self::TOLD],
+    /// The topics of an episode's file; more when the robot senses where it is, and when the beams
+    /// of its lidar are recorded.
+    pub fn of_episode(senses: bool, beams: bool) -> &'static [Self] {
+        match (senses, beams) {
+            (true, true) => &Self::ALL,
+            (true, false) => &Self::ALL[..Self::SENSED],
+            (false, _) => &Self::ALL[..Self::TOLD],
         }
+    }
+
+    /// Does only a robot that senses have it? Layouts show it nevertheless: viewers leave out what a
+    /// recording lacks.
+    pub fn is_of_senses(self) -> bool {
+        self as usize >= Self::TOLD
     }
 
     /// The topic's name in the file.
@@ -123,6 +137,7 @@ impl Topic {
             Self::RuleText => "/scene/rule",
             Self::Estimate => "/estimate",
             Self::Ghost => "/scene/estimate",
+            Self::Scan => "/scan",
         }
     }
 
@@ -144,6 +159,7 @@ impl Topic {
             | Self::Ghost => SceneUpdate::get_schema(),
             Self::Worth => Grid::get_schema(),
             Self::Log => Log::get_schema(),
+            Self::Scan => LaserScan::get_schema(),
             Self::Contact => return contact::schema(),
             Self::Step => return step::schema(),
             Self::Rule => return rule::schema(),

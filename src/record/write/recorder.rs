@@ -150,7 +150,7 @@ impl Recorder {
             mode,
             world: maze.name().to_owned(),
             layout: layout::of_episode(maze),
-            scribe: Scribe::new(maze, &info),
+            scribe: Scribe::new(maze, &info, mode == RecordMode::Beams),
             info,
             outbox: Outbox::default(),
             kept: Vec::new(),
@@ -274,7 +274,7 @@ impl Recorder {
                 file,
                 Extent::Episode(episode),
                 &self.layout,
-                Topic::of_episode(view.sensed.is_some()),
+                Topic::of_episode(view.sensed.is_some(), self.mode == RecordMode::Beams),
             )?;
             self.outbox.episode = Some(file);
         }

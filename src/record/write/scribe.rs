@@ -1,5 +1,9 @@
 //! Who writes down what is seen: turns events into messages, in the order of time.
 
+use std::iter::{Enumerate, Peekable};
+
+use foxglove::messages::LaserScan;
+
 use super::outbox::{For, Outbox};
 use crate::agent::Agent;
 use crate::arena::{Contact, Sample, View};
@@ -15,7 +19,7 @@ use crate::record::topics::rule::RuleRecord;
 use crate::record::topics::step::StepRecord;
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
-use crate::record::topics::{Topic, log, maze, policy, robot, worth};
+use crate::record::topics::{Topic, log, maze, policy, robot, scan, worth};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Maze, Paths};
 
@@ -45,10 +49,18 @@ pub(super) struct Scribe {
     /// The poses of the last move that are written; at first where the episode began.
     way: Vec<Sample>,
     maze_shown: bool,
+    /// Are the beams of the lidar written?
+    beams: bool,
+}
+
+/// What happened during a move and was not written yet, oldest first.
+struct Pending<'a> {
+    hits: Peekable<Enumerate<std::slice::Iter<'a, Contact>>>,
+    scans: Peekable<std::vec::IntoIter<(u64, LaserScan)>>,
 }
 
 impl Scribe {
-    pub fn new(maze: &Maze, info: &RunInfo) -> Self {
+    pub fn new(maze: &Maze, info: &RunInfo, beams: bool) -> Self {
         Self {
             robot: info.robot,
             sensor: info.sensor,
@@ -68,6 +80,7 @@ impl Scribe {
             decided_ns: 0,
             way: Vec::new(),
             maze_shown: false,
+            beams,
         }
     }
 
@@ -107,6 +120,9 @@ impl Scribe {
         self.way.push(now);
         self.show_way(out, 0, view)?;
         self.show_estimate(out, episode, 0, view)?;
+        for (sent_ns, scan) in self.scans(view, true) {
+            out.send(For::Episode, Topic::Scan, sent_ns, &scan)?;
+        }
         let maze = maze::scene(view.maze, time_ns);
         let shown = std::mem::replace(&mut self.maze_shown, true);
         let to = if shown { For::Episode } else { For::Both };
@@ -161,18 +177,52 @@ impl Scribe {
         Ok(())
     }
 
-    /// The way of a step: poses and hits, in the order of time.
+    /// The way of a step: poses, hits and scans, in the order of time.
     fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
         self.follow(step.view.trace);
-        let mut hits = step.view.contacts.iter().enumerate().peekable();
+        let mut pending = Pending {
+            hits: step.view.contacts.iter().enumerate().peekable(),
+            scans: self.scans(&step.view, false).into_iter().peekable(),
+        };
         for from in (0..self.way.len().saturating_sub(1)).step_by(POSES_AHEAD) {
             let now_ns = self.way[from].time_ns;
-            while let Some((number, hit)) = hits.next_if(|(_, hit)| hit.time_ns < now_ns) {
-                self.hit(out, step, number, hit)?;
-            }
+            self.show_before(now_ns, &mut pending, out, step)?;
             self.show_way(out, from, &step.view)?;
         }
-        hits.try_for_each(|(number, hit)| self.hit(out, step, number, hit))
+        self.show_before(u64::MAX, &mut pending, out, step)
+    }
+
+    /// Hits and scans before a moment, in the order of time.
+    fn show_before(
+        &self,
+        until_ns: u64,
+        pending: &mut Pending<'_>,
+        out: &mut Outbox,
+        step: &Step<'_>,
+    ) -> Result<(), RecordError> {
+        loop {
+            let hit_ns = pending.hits.peek().map(|(_, hit)| hit.time_ns);
+            let is_due = |(at_ns, _): &(u64, _)| {
+                *at_ns < until_ns && hit_ns.is_none_or(|hit_ns| *at_ns <= hit_ns)
+            };
+            if let Some((sent_ns, scan)) = pending.scans.next_if(is_due) {
+                out.send(For::Episode, Topic::Scan, sent_ns, &scan)?;
+                continue;
+            }
+            let is_past = |(_, hit): &(usize, &Contact)| hit.time_ns < until_ns;
+            match pending.hits.next_if(is_past) {
+                Some((number, hit)) => self.hit(out, step, number, hit)?,
+                None => return Ok(()),
+            }
+        }
+    }
+
+    /// The scans of a move, if beams are recorded.
+    fn scans(&self, view: &View<'_>, is_begin: bool) -> Vec<(u64, LaserScan)> {
+        match self.beams {
+            true => scan::scans(view, is_begin),
+            false => Vec::new(),
+        }
     }
 
     /// Keeps the poses of a move that are to be written; it begins where the last one ended.
