@@ -13,7 +13,7 @@ pub const MOST_PERCEPTS: usize = 4096;
 /// The rules of a learner condensed for a maze, and put to the test there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Condensed {
-    /// The condensed rules.
+    /// The condensed rules, never more than were learned.
     pub rules: Population,
     /// The percepts of the maze of which the learner knows anything.
     pub percepts: usize,
@@ -33,7 +33,13 @@ impl Condensed {
         }
         let percepts = sensor.at_most_percepts(maze, MOST_PERCEPTS)?;
         let worth = |percept: &_| knowledge.worth(percept, actions);
-        let rules = compact(knowledge.rules()?, &percepts, worth);
+        let learned = knowledge.rules()?;
+        let condensed = compact(learned, &percepts, worth);
+        // Rules that were induced may be fewer, because they vote together.
+        let rules = match condensed.len() > learned.len() {
+            true => learned.clone(),
+            false => condensed,
+        };
         let condensed = Knowledge::Rules(rules.clone());
         let known = percepts.iter().filter(|p| worth(p).greatest().is_some());
         let agrees = |percept: &_| {
@@ -50,5 +56,37 @@ impl Condensed {
             optimal: fault.is_none(),
             rules,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::Method;
+    use crate::trial::{Plan, Trial};
+
+    #[test]
+    fn condensed_rules_are_never_more_than_were_learned_and_choose_the_same() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze5.json");
+        let maze = Maze::load(std::path::Path::new(path)).unwrap();
+        let mut grown = 0;
+        for seed in 1..=12 {
+            let plan = Plan::new(maze.clone());
+            let plan = plan
+                .method(Method::XcscrPlus)
+                .arena(crate::arena::ArenaKind::Grid);
+            let mut trial = Trial::new(plan.episodes(40).seed(seed)).unwrap();
+            let _ = trial.run(&mut ());
+            let knowledge = trial.method().knowledge();
+            let sensor = trial.plan().config.sensor;
+            let condensed = Condensed::new(&knowledge, sensor, &maze, trial.paths()).unwrap();
+            let learned = knowledge.rules().unwrap();
+            assert!(condensed.rules.len() <= learned.len(), "seed {seed}");
+            assert_eq!(condensed.agreeing, condensed.percepts, "seed {seed}");
+            let worth = |percept: &_| knowledge.worth(percept, maze.action_count());
+            let alone = compact(learned, &sensor.percepts(&maze), worth);
+            grown += usize::from(alone.len() > learned.len());
+        }
+        assert!(grown > 0, "control: condensing alone makes more of some");
     }
 }
