@@ -1,6 +1,7 @@
 //! `xcscr rules`: what was learned, to be read.
 
 use std::cmp::Reverse;
+use std::collections::BTreeSet;
 use std::io::Write;
 
 use clap::ValueEnum;
@@ -294,8 +295,14 @@ fn print_foresight(
     out: &mut impl Write,
 ) -> Result<(), Failure> {
     writeln!(out, "\nForeseen:")?;
-    for rule in &foresight.collisions {
-        writeln!(out, "  {}", collision(rule, plan))?;
+    // Rules can differ in bits that no percept has, and read the same.
+    let mut told = BTreeSet::new();
+    let collisions = foresight
+        .collisions
+        .iter()
+        .map(|rule| collision(rule, plan));
+    for line in collisions.filter(|line| told.insert(line.clone())) {
+        writeln!(out, "  {line}")?;
     }
     for ReturnRule { turn, hits, misses } in &foresight.returns {
         let (turn, all) = (turn.index(), hits + misses);

@@ -201,11 +201,19 @@ impl TrainReport {
         let megabytes = recording.bytes as f64 / 1e6;
         let (dir, typed) = (&self.run_dir, disk::typed(&self.folder));
         writeln!(out, "Recorded {files} files, {megabytes:.1} MB, in {dir}.")?;
+        let has_story = recording
+            .files
+            .iter()
+            .any(|file| file.ends_with("story.mcap"));
+        let opened = match has_story {
+            true => "story.mcap",
+            false => "an episode",
+        };
         writeln!(
             out,
             "Watch how it learned, in less than two minutes: the first link of\n  \
                xcscr replay {typed} --serve\n\
-             or open story.mcap in Foxglove or Lichtblick, and import foxglove-layout.json\n\
+             or open {opened} in Foxglove or Lichtblick, and import foxglove-layout.json\n\
              (for run.mcap: foxglove-layout-run.json) from there."
         )?;
         Ok(())
