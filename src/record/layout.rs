@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::record::read::parse::json_tree;
+use super::json::json_tree;
 use crate::record::topics::caption;
 use crate::world::Maze;
 

@@ -6,6 +6,7 @@
 
 mod error;
 mod info;
+mod json;
 pub mod layout;
 mod mode;
 mod read;

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
-use super::parse::json_tree;
 use super::reader::Recording;
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
+use crate::record::json::json_tree;
 use crate::record::layout;
 use crate::record::topics::Topic;
 use crate::world::Maze;

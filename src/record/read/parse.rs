@@ -3,10 +3,6 @@
 use mcap::records::{Record, op};
 use mcap::{McapError, McapResult};
 
-/// The longest JSON text that is held as a tree, which takes up to thirty times as much. Layouts and
-/// messages of ours are far shorter.
-const LONGEST_TREE: usize = 1 << 20;
-
 /// Parses a record. The library takes for granted that an attachment is as long as its own
 /// lengths say, and panics on one that is not; here that is an error.
 pub fn parse_record(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
@@ -28,11 +24,6 @@ fn attachment_header(body: &[u8]) -> Option<usize> {
     };
     let header = after_text(after_text(16)?)?.checked_add(8)?;
     (header.checked_add(4)? <= body.len()).then_some(header)
-}
-
-/// A JSON text as a tree; `None` for what is none, or too long to be held so.
-pub fn json_tree(text: &[u8]) -> Option<serde_json::Value> {
-    (text.len() <= LONGEST_TREE).then(|| serde_json::from_slice(text).ok())?
 }
 
 #[cfg(test)]

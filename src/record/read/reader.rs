@@ -10,10 +10,11 @@ use mcap::{MAGIC, McapError, McapResult, MessageStream, Summary};
 use serde::Serialize;
 use serde::de::IgnoredAny;
 
-use super::parse::{json_tree, parse_record};
+use super::parse::parse_record;
 use crate::disk;
 use crate::record::error::RecordError;
 use crate::record::info::{EVALUATION, KIND};
+use crate::record::json::json_tree;
 
 /// The opcode and the length before each record.
 pub(in crate::record) const HEAD_BYTES: usize = 9;

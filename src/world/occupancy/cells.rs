@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use super::gridding::{Gridded, Gridding};
 use super::{KeptWorld, MapError, Occupancy, OccupancyMap};
 use crate::world::Maze;
 use crate::world::rows::MAX_SIDE;
@@ -33,8 +32,12 @@ pub(super) struct Window {
 }
 
 impl<'a> Cells<'a> {
-    pub fn new(map: &'a OccupancyMap, gridding: &Gridding) -> Result<Self, MapError> {
-        let cell_m = gridding.cell_m.unwrap_or(map.resolution_m);
+    pub fn new(
+        map: &'a OccupancyMap,
+        cell_m: Option<f64>,
+        unknown_is_free: bool,
+    ) -> Result<Self, MapError> {
+        let cell_m = cell_m.unwrap_or(map.resolution_m);
         let cell_px = cell_m / map.resolution_m;
         let fault = |fault: String| Err(MapError::Cell(fault));
         if !CELL_M.contains(&cell_m) {
@@ -58,7 +61,6 @@ impl<'a> Cells<'a> {
                  columns and rows; give a larger --cell"
             ));
         }
-        let unknown_is_free = gridding.unknown_is_free;
         let mut cells = Self {
             map,
             cols,
@@ -211,7 +213,7 @@ impl<'a> Cells<'a> {
     }
 
     /// The maze that was written as this map.
-    pub fn restored(&self, kept: &KeptWorld) -> Result<Gridded, MapError> {
+    pub fn restored(&self, kept: &KeptWorld) -> Result<Maze, MapError> {
         let at = |[col, row]: [u16; 2]| {
             let (col, row) = (usize::from(col), usize::from(row));
             let is_inside = col < self.cols && row < self.rows;
@@ -228,13 +230,7 @@ impl<'a> Cells<'a> {
             rows: [0, self.rows as isize],
         };
         let about = (kept.name.as_str(), kept.moves, kept.wrap);
-        let maze = self.maze(about, start, &goals?, whole)?;
-        Ok(Gridded {
-            maze,
-            corner_px: [0.0, 0.0],
-            cut_off: 0,
-            passages: Vec::new(),
-        })
+        self.maze(about, start, &goals?, whole)
     }
 
     /// Writes a world file and reads it, so that all of its checks hold.

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::Passage;
+use super::passage::Passage;
 use crate::world::WorldError;
 
 /// A map that cannot be used.

@@ -1,7 +1,8 @@
 //! From the pixels of a map to a maze.
 
 use super::cells::Cells;
-use super::passages::{Passage, Passages};
+use super::passage::Passage;
+use super::passages::Passages;
 use super::{MapError, OccupancyMap};
 use crate::world::{Cell, Maze};
 
@@ -42,11 +43,16 @@ impl Gridding {
     /// When the size of a cell does not fit, start or goal lie in a wall, or no goal can be reached
     /// from the start; then the passages are named in which no cell fits.
     pub fn of(&self, map: &OccupancyMap) -> Result<Gridded, MapError> {
-        let cells = Cells::new(map, self)?;
+        let cells = Cells::new(map, self.cell_m, self.unknown_is_free)?;
         let as_written =
             self.start_m.is_none() && self.goal_m.is_none() && cells.is_pixel_by_pixel();
         match &map.kept {
-            Some(kept) if as_written => cells.restored(kept),
+            Some(kept) if as_written => Ok(Gridded {
+                maze: cells.restored(kept)?,
+                corner_px: [0.0, 0.0],
+                cut_off: 0,
+                passages: Vec::new(),
+            }),
             _ => self.placed(cells),
         }
     }

@@ -8,6 +8,7 @@ mod error;
 mod gridding;
 mod header;
 mod image;
+mod passage;
 mod passages;
 mod writing;
 
@@ -16,7 +17,7 @@ use std::path::Path;
 pub use error::MapError;
 pub use gridding::{Gridded, Gridding};
 pub use header::KeptWorld;
-pub use passages::Passage;
+pub use passage::Passage;
 pub use writing::{WrittenMap, written};
 
 use header::Header;
