@@ -368,4 +368,16 @@ fn convert_reads_a_map_from_anywhere_draws_it_and_overwrites_nothing() {
     let back = ["world", "convert", &world, "-o", &file("back.yaml")];
     ended(&xcscr(&back).output().unwrap(), 0, "a world as a map");
     assert!(map.path("back.pgm").is_file());
+    let celled = [&back[..], &["--force", "--cell", "0.5"]].concat();
+    let (_, stderr) = ended(&xcscr(&celled).output().unwrap(), 2, "a world with --cell");
+    assert!(stderr.contains("--cell is for maps"), "{stderr}");
+}
+
+#[test]
+fn a_map_without_a_goal_is_refused_with_the_option_that_gives_one() {
+    let map = Map::drawn(&["   ", "   "]);
+    let refused = plain().of(&map.load().unwrap()).unwrap_err();
+    assert!(matches!(refused, MapError::NoGoal), "{refused}");
+    assert!(refused.to_string().contains("--goal X,Y"), "{refused}");
+    assert!(map.gridded(0.1, None, [0.15, 0.15]).is_ok(), "control");
 }

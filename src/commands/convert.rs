@@ -1,14 +1,14 @@
 //! `xcscr world convert`: ROS 2 maps in, and worlds out as maps.
 
-use std::io::{self, ErrorKind, Write};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use xcscr::disk;
 use xcscr::picture::map_preview;
 use xcscr::world::{Gridded, Gridding, MapError, Maze, OccupancyMap, written};
 
 use super::failure::{Exit, Failure};
+use super::output::OutputFile;
 
 /// The most passages that are named one by one.
 const MOST_LISTED: usize = 5;
@@ -86,11 +86,10 @@ fn ending(file: &Path) -> String {
 
 /// From a map to a world.
 fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let files = [Some(&args.output), args.preview.as_ref()];
-    files
-        .into_iter()
-        .flatten()
-        .try_for_each(|file| require_free(file, args.force))?;
+    let world = OutputFile::free(&args.output, args.force)?;
+    let preview = args.preview.as_deref();
+    let preview = preview.map(|path| OutputFile::free(path, args.force));
+    let preview = preview.transpose()?;
     let map = OccupancyMap::load(&args.input)?;
     let gridding = Gridding {
         cell_m: args.cell,
@@ -101,12 +100,12 @@ fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     };
     print_map(&map, args.unknown, out)?;
     let gridded = gridding.of(&map)?;
-    if let Some(file) = &args.preview {
+    if let Some(file) = preview {
         let png =
             map_preview(&map, &gridded).map_err(|fault| Failure::new(Exit::BadData, fault))?;
-        write(file, &png, args.force)?;
+        file.write(&png)?;
     }
-    write(&args.output, gridded.maze.to_json().as_bytes(), args.force)?;
+    world.write(gridded.maze.to_json().as_bytes())?;
     print_world(&gridded, &args.output, out)
 }
 
@@ -160,7 +159,7 @@ fn print_world(gridded: &Gridded, file: &Path, out: &mut impl Write) -> Result<(
         )?;
     }
     for passage in gridded.passages.iter().take(MOST_LISTED) {
-        writeln!(out, "        no cell fits through {passage}")?;
+        writeln!(out, "        no cell of the grid fits through {passage}")?;
     }
     match gridded.passages.len().saturating_sub(MOST_LISTED) {
         0 => Ok(()),
@@ -170,39 +169,38 @@ fn print_world(gridded: &Gridded, file: &Path, out: &mut impl Write) -> Result<(
 
 /// From a world to a map.
 fn to_map(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
+    refuse_options_of_maps(args)?;
     let image = args.output.with_extension("pgm");
-    for file in [&args.output, &image] {
-        require_free(file, args.force)?;
-    }
+    let files = [&image, &args.output];
+    let [image_file, map_file] = files.map(|path| OutputFile::free(path, args.force));
+    let (image_file, map_file) = (image_file?, map_file?);
     let maze = Maze::load(&args.input)?;
     let name = image.file_name().unwrap_or_default().to_string_lossy();
     let map = written(&maze, &name);
-    write(&image, &map.image, args.force)?;
-    write(&args.output, map.yaml.as_bytes(), args.force)?;
+    image_file.write(&map.image)?;
+    map_file.write(map.yaml.as_bytes())?;
     let (map, image) = (args.output.display(), image.display());
     Ok(writeln!(out, "{map} and {image}: one pixel a cell")?)
 }
 
-fn require_free(file: &Path, force: bool) -> Result<(), Failure> {
-    disk::require_free(file, force).map_err(|cause| unwritten(file, &cause))
-}
-
-/// Writes a file aside, and gives it its name when it is whole.
-fn write(file: &Path, bytes: &[u8], force: bool) -> Result<(), Failure> {
-    let written = disk::aside(file).and_then(|mut aside| {
-        aside.write_all(bytes)?;
-        disk::persist(aside, file, force)
-    });
-    written.map_err(|cause| unwritten(file, &cause))
-}
-
-fn unwritten(file: &Path, cause: &io::Error) -> Failure {
-    let exit = match cause.kind() {
-        ErrorKind::StorageFull | ErrorKind::FileTooLarge => Exit::Io,
-        _ => Exit::CannotCreate,
-    };
-    let (name, way_out) = (file.display(), disk::way_out(cause));
-    Failure::new(exit, format!("cannot write {name}: {cause}{way_out}"))
+/// A world has its cells, start and goal already.
+fn refuse_options_of_maps(args: &ConvertArgs) -> Result<(), Failure> {
+    let given = [
+        ("--cell", args.cell.is_some()),
+        ("--start", args.start.is_some()),
+        ("--goal", args.goal.is_some()),
+        ("--unknown free", args.unknown == Unknown::Free),
+        ("--preview", args.preview.is_some()),
+    ];
+    match given.into_iter().find(|(_, given)| *given) {
+        None => Ok(()),
+        Some((option, _)) => {
+            let input = args.input.display();
+            let message =
+                format!("{option} is for maps, and {input} is a world: leave the option out");
+            Err(Failure::new(Exit::Usage, message))
+        }
+    }
 }
 
 impl From<MapError> for Failure {
@@ -212,7 +210,9 @@ impl From<MapError> for Failure {
             MapError::Unreadable { ref cause, .. } if cause.kind() == ErrorKind::NotFound => {
                 Self::new(Exit::Missing, error.to_string())
             }
-            MapError::Cell(_) | MapError::Point { .. } => Self::new(Exit::Usage, error.to_string()),
+            MapError::Cell(_) | MapError::NoGoal | MapError::Point { .. } => {
+                Self::new(Exit::Usage, error.to_string())
+            }
             _ => Self::new(Exit::BadData, error.to_string()),
         }
     }

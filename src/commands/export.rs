@@ -1,15 +1,15 @@
 //! `xcscr export`: the policy as source code or data.
 
-use std::io::{self, ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::PathBuf;
 
 use clap::builder::TypedValueParser;
-use xcscr::disk;
 use xcscr::export::{Ballot, ExportError, Origin, Target};
 
 use super::choices;
 use super::failure::{Exit, Failure};
 use super::learned::LearnedArgs;
+use super::output::OutputFile;
 
 /// Arguments of `export`.
 #[derive(Debug, clap::Args)]
@@ -33,12 +33,12 @@ fn target() -> impl TypedValueParser<Value = Target> {
 
 /// Writes the policy.
 pub fn run(args: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> {
-    if let Some(file) = &args.output {
-        disk::require_free(file, args.force).map_err(|cause| unwritten(file, &cause))?;
-    }
+    let asked = args.output.as_deref();
+    let file = asked.map(|path| OutputFile::free(path, args.force));
+    let file = file.transpose()?;
     let text = text(args)?;
-    match &args.output {
-        Some(file) => write(file, &text, args.force).map_err(|cause| unwritten(file, &cause)),
+    match file {
+        Some(file) => file.write(text.as_bytes()),
         None => Ok(out.write_all(text.as_bytes())?),
     }
 }
@@ -53,22 +53,6 @@ fn text(args: &ExportArgs) -> Result<String, Failure> {
     let ballot = Ballot::new(&knowledge, width, actions, &sensor.percepts(maze))?;
     let origin = Origin::new(&plan, &knowledge, args.learned.is_a_run());
     Ok(args.target.text(&ballot, &origin))
-}
-
-/// Writes the file aside, and gives it its name when it is whole.
-fn write(file: &Path, text: &str, force: bool) -> io::Result<()> {
-    let mut aside = disk::aside(file)?;
-    aside.write_all(text.as_bytes())?;
-    disk::persist(aside, file, force)
-}
-
-fn unwritten(file: &Path, cause: &io::Error) -> Failure {
-    let exit = match cause.kind() {
-        ErrorKind::StorageFull | ErrorKind::FileTooLarge => Exit::Io,
-        _ => Exit::CannotCreate,
-    };
-    let (name, way_out) = (file.display(), disk::way_out(cause));
-    Failure::new(exit, format!("cannot write {name}: {cause}{way_out}"))
 }
 
 impl From<ExportError> for Failure {

@@ -1,6 +1,5 @@
 //! `xcscr map`: the policy over the maze as a picture, still or moving.
 
-use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use xcscr::disk;
@@ -9,6 +8,7 @@ use xcscr::run::{RunFolder, Source};
 use xcscr::trial::Plan;
 
 use super::failure::{Exit, Failure};
+use super::output::OutputFile;
 
 /// Arguments of `map`.
 #[derive(Debug, clap::Args)]
@@ -39,7 +39,7 @@ enum Kind {
 /// Runs the trial again and draws.
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let kind = Kind::of(&args.output)?;
-    disk::require_free(&args.output, args.force).map_err(|cause| unwritten(args, &cause))?;
+    let file = OutputFile::free(&args.output, args.force)?;
     let (plan, shown) = plan(args)?;
     let scenes = match args.episode.or(shown) {
         _ if args.animate => Scenes::Forming,
@@ -51,23 +51,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         Kind::Svg => film.svg().into_bytes(),
         Kind::Png => film.png()?,
     };
-    write(args, &picture).map_err(|cause| unwritten(args, &cause))
-}
-
-/// Writes the picture aside, and gives it its name when it is whole.
-fn write(args: &MapArgs, picture: &[u8]) -> io::Result<()> {
-    let mut aside = disk::aside(&args.output)?;
-    aside.write_all(picture)?;
-    disk::persist(aside, &args.output, args.force)
-}
-
-fn unwritten(args: &MapArgs, cause: &io::Error) -> Failure {
-    let exit = match cause.kind() {
-        ErrorKind::StorageFull | ErrorKind::FileTooLarge => Exit::Io,
-        _ => Exit::CannotCreate,
-    };
-    let (name, way_out) = (args.output.display(), disk::way_out(cause));
-    Failure::new(exit, format!("cannot write {name}: {cause}{way_out}"))
+    file.write(&picture)
 }
 
 impl Kind {

@@ -12,6 +12,7 @@ mod learned;
 mod live;
 pub mod manual;
 pub mod map;
+mod output;
 mod progress;
 pub mod recover;
 pub mod replay;

@@ -1,26 +1,22 @@
 //! `xcscr replay --story`: how a run learned, in less than two minutes.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use xcscr::disk;
 use xcscr::record::Extent;
 use xcscr::run::{RunFolder, Source, story_again, story_of};
 
-use crate::commands::failure::{Exit, Failure};
+use crate::commands::failure::Failure;
+use crate::commands::output::OutputFile;
 
 /// Tells the story of a run, or of the run that a recording comes from, into a file.
 pub fn run(run: &Path, output: &Path, force: bool) -> Result<(), Failure> {
-    let unwritten = |cause: io::Error| disk_failure(output, &cause);
-    disk::require_free(output, force).map_err(unwritten)?;
+    let file = OutputFile::free(output, force)?;
     let story = match run.is_dir() {
         true => story_of(&RunFolder::open(run))?,
         false => story_again(&Source::of(run)?.plan)?,
     };
-    let mut aside = disk::aside(output).map_err(unwritten)?;
-    aside.write_all(&story).map_err(unwritten)?;
-    disk::persist(aside, output, force).map_err(unwritten)
+    file.write(&story)
 }
 
 /// Files that may lack a story, and those that were told in their place.
@@ -49,13 +45,4 @@ pub fn tell_missing(paths: &[PathBuf], mut files: Vec<PathBuf>) -> Result<WithSt
         told.push(place);
     }
     Ok(WithStories { files, _told: told })
-}
-
-fn disk_failure(output: &Path, cause: &io::Error) -> Failure {
-    let exit = match cause.kind() {
-        io::ErrorKind::StorageFull | io::ErrorKind::FileTooLarge => Exit::Io,
-        _ => Exit::CannotCreate,
-    };
-    let (name, way_out) = (output.display(), disk::way_out(cause));
-    Failure::new(exit, format!("cannot write {name}: {cause}{way_out}"))
 }

@@ -59,10 +59,7 @@ impl Gridding {
 
     /// With start and goal as they were asked for.
     fn placed(&self, mut cells: Cells<'_>) -> Result<Gridded, MapError> {
-        let goal_m = self.goal_m.ok_or_else(|| {
-            let message = "a world needs a goal: add --goal X,Y, in metres of the map's frame";
-            MapError::Cell(message.to_owned())
-        })?;
+        let goal_m = self.goal_m.ok_or(MapError::NoGoal)?;
         let goal = cells.cell_at("goal", goal_m)?;
         let start = self
             .start_m
