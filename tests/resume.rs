@@ -137,8 +137,8 @@ fn stops_and_resumes(method: Method, arena: ArenaKind, mode: RecordMode, times: 
 
 #[test]
 fn every_method_in_both_arenas_resumes_to_the_same_bytes() {
-    for method in Method::ALL {
-        for arena in ArenaKind::ALL {
+    for &method in Method::ALL {
+        for &arena in ArenaKind::ALL {
             stops_and_resumes(method, arena, RecordMode::All, rounds(2, 20));
         }
     }
@@ -147,7 +147,7 @@ fn every_method_in_both_arenas_resumes_to_the_same_bytes() {
 /// Then a learner may have perceived what it could learn nothing of yet.
 #[test]
 fn every_method_resumes_after_episodes_of_one_step() {
-    for method in Method::ALL {
+    for &method in Method::ALL {
         let mut plan = plan("maze4", method, ArenaKind::Grid, 6);
         plan.config.settings.reward.step_threshold_from_maze = false;
         plan.config.settings.reward.step_threshold = 1;
@@ -165,6 +165,38 @@ fn every_method_resumes_after_episodes_of_one_step() {
         };
         let whole = end(6);
         assert!(end(1) == whole && end(2) == whole, "{}", method.name());
+    }
+}
+
+#[test]
+fn a_memory_holds_what_was_learned_and_no_settings() {
+    let settings = |beta, gamma, theta_x, alpha| {
+        let mut settings = Settings::default();
+        settings.xcs.beta = beta;
+        (settings.reward.gamma, settings.reward.theta_x) = (gamma, theta_x);
+        settings.tabular.alpha = alpha;
+        settings
+    };
+    for &method in Method::ALL {
+        let memory = |settings: &Settings, episodes| {
+            let mut plan = plan("maze4", method, ArenaKind::Grid, 6);
+            plan.config.settings = settings.clone();
+            let mut trial = Trial::new(plan).unwrap();
+            for _ in 0..episodes {
+                let _ = trial.run_episode(&mut ());
+            }
+            trial.method().memory()
+        };
+        let [one, other] = [settings(0.1, 0.5, 0.2, 0.3), settings(0.2, 0.6, 0.1, 0.4)];
+        let name = method.name();
+        assert!(
+            memory(&one, 0) == memory(&other, 0),
+            "{name} keeps settings"
+        );
+        assert!(
+            memory(&one, 0) != memory(&one, 3),
+            "control: {name} learned nothing"
+        );
     }
 }
 

@@ -5,7 +5,7 @@ use xcs::PredictionArray;
 use xcs::random::Stream;
 
 /// Chooses actions: with probability p_explr any, otherwise one of the best.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Explorer {
     probability: f64,
     stream: Stream,
@@ -20,9 +20,14 @@ impl Explorer {
         }
     }
 
-    /// Can this explorer, read from a file, stand for one that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self) -> bool {
-        self.probability == fresh.probability
+    /// The stream that it draws from.
+    pub fn stream(&self) -> &Stream {
+        &self.stream
+    }
+
+    /// Draws from another stream from now on.
+    pub fn resume(&mut self, stream: Stream) {
+        self.stream = stream;
     }
 
     /// From now on explores with this probability.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::model::Foresight;
 use super::recall::{CONTEXT_BITS, Map, PERCEPT_BITS, Tracker};
 use xcs::{Action, Percept};
-use xcs::{Population, PredictionArray};
+use xcs::{Population, PredictionArray, Xcs};
 
 /// What was learned: enough to follow the greedy policy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,6 +37,20 @@ pub enum Knowledge {
 }
 
 impl Knowledge {
+    /// What an XCS has learned.
+    pub(super) fn of(xcs: &Xcs) -> Self {
+        let rules = xcs.population().clone();
+        match xcs.params().worth_over_match_set {
+            true => Self::RulesOverMatchSet(rules),
+            false => Self::Rules(rules),
+        }
+    }
+
+    /// Lets an XCS start from the rules; `false` if there are none.
+    pub(super) fn bring_to(&self, xcs: &mut Xcs) -> bool {
+        self.rules().map(|rules| xcs.start_from(rules)).is_some()
+    }
+
     /// The worth of each of `actions` actions under a percept.
     pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
         match self {

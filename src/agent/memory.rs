@@ -3,6 +3,8 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::Agent;
+
 /// Why a learner cannot resume from what was saved.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MemoryError {
@@ -14,20 +16,28 @@ pub enum MemoryError {
     Foreign,
 }
 
-/// The memory of a method.
-pub(super) fn of(method: &impl Serialize) -> Vec<u8> {
-    postcard::to_allocvec(method).expect("a learner is plain data and a vector has room")
+/// The bytes of what learning has changed. Settings are no part of it: whoever resumes has them.
+pub(super) fn of(state: &impl Serialize) -> Vec<u8> {
+    postcard::to_allocvec(state).expect("a learner is plain data and a vector has room")
 }
 
-/// The method whose memory this is, if it could come of the settings.
-pub(super) fn recall<T: DeserializeOwned>(
-    saved: &[u8],
-    belongs: impl FnOnce(&T) -> bool,
-) -> Result<T, MemoryError> {
-    let (method, rest) = postcard::take_from_bytes(saved)
+/// What learning had changed, from its bytes.
+pub(super) fn recall<T: DeserializeOwned>(saved: &[u8]) -> Result<T, MemoryError> {
+    let (state, rest) = postcard::take_from_bytes(saved)
         .map_err(|fault| MemoryError::Unreadable(fault.to_string()))?;
-    if !rest.is_empty() {
-        return Err(MemoryError::Unreadable("it is too long".to_owned()));
+    match rest.is_empty() {
+        true => Ok(state),
+        false => Err(MemoryError::Unreadable("it is too long".to_owned())),
     }
-    Some(method).filter(belongs).ok_or(MemoryError::Foreign)
+}
+
+/// A method that has resumed, if it could take up all of its memory.
+pub(super) fn resumed(
+    method: impl Agent + 'static,
+    fits: bool,
+) -> Result<Box<dyn Agent>, MemoryError> {
+    match fits {
+        true => Ok(Box::new(method)),
+        false => Err(MemoryError::Foreign),
+    }
 }

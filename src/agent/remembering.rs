@@ -1,11 +1,9 @@
 //! The method `xcscr-memory`, around what it recalls.
 
-use serde::{Deserialize, Serialize};
-
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
-use super::recall::mind::Mind;
+use super::recall::learner::Learner;
 use super::{Agent, Choice, Chooser, EndCredit, Params, StepCredit};
 use crate::arena::Outcome;
 use xcs::PredictionArray;
@@ -13,12 +11,11 @@ use xcs::random::Stream;
 use xcs::{Action, Percept};
 
 /// The method `xcscr-memory`.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub struct Recall {
-    mind: Mind,
+    learner: Learner,
     params: Params,
     /// What is perceived now.
-    #[serde(skip)]
     percept: Option<Percept>,
 }
 
@@ -27,37 +24,32 @@ impl Recall {
     /// must have been checked.
     pub fn new(actions: usize, params: Params, stream: Stream) -> Self {
         Self {
-            mind: Mind::new(actions, stream),
+            learner: Learner::new(actions, stream),
             params,
             percept: None,
         }
-    }
-
-    /// Can this method, read from a file, stand for one that began as `fresh`?
-    fn descends_from(&self, fresh: &Self) -> bool {
-        self.params == fresh.params && self.mind.descends_from(&fresh.mind)
     }
 }
 
 impl Agent for Recall {
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
         self.percept = Some(*percept);
-        self.mind.perceive(percept)
+        self.learner.perceive(percept)
     }
 
     /// Explores in whole episodes, fewer and fewer of them; in all others the rules choose, where
     /// any matches.
     fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        match self.mind.explores() || worth.greatest().is_none() {
-            true => Choice::new(self.mind.explore(), Chooser::Planner),
+        match self.learner.explores() || worth.greatest().is_none() {
+            true => Choice::new(self.learner.explore(), Chooser::Planner),
             false => Choice::new(explorer.exploit(worth), Chooser::Rules),
         }
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let percept = self.percept.expect("consider comes before credit");
-        let matching = self.mind.matching(action);
-        self.mind.act(&percept, action);
+        let matching = self.learner.matching(action);
+        self.learner.act(&percept, action);
         StepCredit {
             short_term_reward: self.params.short_term(outcome),
             match_set: matching.match_set,
@@ -68,7 +60,7 @@ impl Agent for Recall {
     }
 
     fn finish(&mut self, reached_goal: bool) -> EndCredit {
-        self.mind.finish(reached_goal);
+        self.learner.finish(reached_goal);
         EndCredit {
             long_term_reward: if reached_goal { self.params.goal } else { 0.0 },
             learning_rate: 1.0,
@@ -82,13 +74,13 @@ impl Agent for Recall {
 
     /// At the beginning of an episode.
     fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.mind.worth_at_first(percept)
+        self.learner.worth_at_first(percept)
     }
 
     fn knowledge(&self) -> Knowledge {
         Knowledge::Remembering {
-            rules: self.mind.rules().clone(),
-            map: self.mind.map().clone(),
+            rules: self.learner.rules().clone(),
+            map: self.learner.map().clone(),
         }
     }
 
@@ -97,18 +89,16 @@ impl Agent for Recall {
     }
 
     fn rule_count(&self) -> usize {
-        self.mind.rules().len()
+        self.learner.rules().len()
     }
 
     fn memory(&self) -> Vec<u8> {
-        memory::of(self)
+        memory::of(&self.learner.kept())
     }
 
     fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
-        let mut method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
-        match method.mind.restore() {
-            true => Ok(Box::new(method)),
-            false => Err(MemoryError::Foreign),
-        }
+        let mut method = self.clone();
+        let fits = method.learner.resume(memory::recall(saved)?);
+        memory::resumed(method, fits)
     }
 }

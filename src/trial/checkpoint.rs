@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::Progress;
 use super::plan::{Config, Plan, PlanError};
-use crate::agent::Explorer;
 use crate::agent::MemoryError;
 use crate::arena::Lasting;
 use crate::world::{Maze, WorldError};
@@ -14,7 +13,7 @@ use xcs::random::Stream;
 /// What the file begins with.
 const MAGIC: &[u8; 8] = b"xcscr\x1a\r\n";
 /// The number of this format.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// Magic, format and length before the content; a checksum after it.
 const HEAD: usize = MAGIC.len() + 4 + 8;
 const TAIL: usize = 4;
@@ -28,7 +27,7 @@ pub struct Checkpoint {
     pub(super) progress: Progress,
     pub(super) method: Vec<u8>,
     pub(super) arena: Lasting,
-    pub(super) explorer: Explorer,
+    pub(super) exploration: Stream,
     pub(super) starts: Stream,
 }
 

@@ -14,11 +14,10 @@ use crate::random::Stream;
 use crate::signal::{Action, MAX_ACTIONS, Percept};
 
 /// XCS: a population and the procedures that cover, predict, update and evolve it.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Xcs {
     pub(super) params: Params,
     pub(super) actions: usize,
-    #[serde(with = "saved")]
     pub(super) population: Population,
     /// t: match sets formed so far, as [`GaClock`] counts them.
     time: u64,
@@ -27,6 +26,17 @@ pub struct Xcs {
     evolves: bool,
     /// Does the mapping adapt, as in XCSAM?
     pub(super) adapts: bool,
+}
+
+/// What learning changes in an [`Xcs`]: all that a file must keep for a learner with the same
+/// parameters to go on to the bit.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Learned {
+    #[serde(with = "saved")]
+    population: Population,
+    time: u64,
+    stream: Stream,
+    evolves: bool,
 }
 
 impl Xcs {
@@ -64,16 +74,32 @@ impl Xcs {
         self
     }
 
-    /// Can this learner, read from a file, stand for one that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self) -> bool {
+    /// What learning has changed so far.
+    pub fn learned(&self) -> Learned {
+        Learned {
+            population: self.population.clone(),
+            time: self.time,
+            stream: self.stream.clone(),
+            evolves: self.evolves,
+        }
+    }
+
+    /// Goes on from what a learner with the same parameters had learned; `false`, and nothing is
+    /// changed, if that cannot have been learned with these parameters.
+    pub fn resume(&mut self, learned: Learned) -> bool {
         let eams = 1.0..=self.eam_at_first();
         let known =
             |rule: &Classifier| rule.action.index() < self.actions && eams.contains(&rule.eam);
-        self.params == fresh.params
-            && (self.actions, self.adapts) == (fresh.actions, fresh.adapts)
-            && self.time <= MOST_STEPS
-            && self.population.micro() <= self.params.population_size
-            && self.population.rules().iter().all(known)
+        let fits = learned.time <= MOST_STEPS
+            && learned.population.micro() <= self.params.population_size
+            && learned.population.rules().iter().all(known);
+        if fits {
+            self.population = learned.population;
+            self.time = learned.time;
+            self.stream = learned.stream;
+            self.evolves = learned.evolves;
+        }
+        fits
     }
 
     /// Discovers rules from lessons by induction instead of by the GA.

@@ -69,7 +69,7 @@ pub use compaction::compact;
 pub use condition::{Condition, ConditionError};
 pub use handles::ClassifierId;
 pub use induction::Induction;
-pub use learner::Xcs;
+pub use learner::{Learned, Xcs};
 pub use lessons::{Lesson, Lessons};
 pub use params::{GaClock, Params, SubsumerTies, UpdateOrder};
 pub use population::{Population, PopulationError};

@@ -6,15 +6,13 @@
 //! 3. [`imprinting`](super::imprinting): after a failure, one of the best policies so far is rehearsed;
 //! 4. [`step_threshold`](super::step_threshold): the time allowed shrinks toward the best policy.
 
-use serde::{Deserialize, Serialize};
-
 use super::imprinting::{self, Imprinting};
 use super::learning_rate::LearningRate;
 use super::short_term_filter::ShortTermFilter;
 use super::step_threshold::StepThreshold;
 
-use super::mind::Mind;
 use super::stack::{RewardStack, Shares};
+use super::step_credit;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::memory::{self, MemoryError};
 use crate::agent::params::Params;
@@ -22,15 +20,15 @@ use crate::agent::{Agent, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
-use xcs::{PredictionArray, Xcs};
+use xcs::{MatchSet, PredictionArray, Xcs};
 
 /// The method `xcscr` (paper, section III and figure 1.c); with all four mechanisms switched off,
 /// the methods `adapted-even` and `adapted-discounted`.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub struct Combined {
-    mind: Mind,
+    xcs: Xcs,
+    match_set: MatchSet,
     params: Params,
-    #[serde(skip)]
     stack: RewardStack,
     /// Length of the shortest success so far; `usize::MAX` before the first.
     shortest: usize,
@@ -48,21 +46,12 @@ impl Combined {
             learning_rate: LearningRate::new(&params, xcs.params().beta),
             imprinting: Imprinting::new(&params, stream),
             step_threshold: StepThreshold::new(&params),
-            mind: Mind::new(xcs),
+            xcs,
+            match_set: MatchSet::default(),
             params,
             stack: RewardStack::default(),
             shortest: usize::MAX,
         }
-    }
-
-    /// Can this method, read from a file, stand for one that began as `fresh`?
-    pub(super) fn descends_from(&self, fresh: &Self) -> bool {
-        self.params == fresh.params
-            && self.mind.descends_from(&fresh.mind)
-            && self.filter == fresh.filter
-            && self.learning_rate == fresh.learning_rate
-            && self.imprinting.descends_from(&fresh.imprinting)
-            && self.step_threshold.descends_from(&fresh.step_threshold)
     }
 
     /// The shares of a reward r_l among the steps of an episode or policy.
@@ -79,21 +68,23 @@ impl Combined {
 
 impl Agent for Combined {
     fn begin(&mut self, evolves: bool) {
-        self.mind.xcs.let_evolve(evolves);
+        self.xcs.let_evolve(evolves);
     }
 
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
-        self.mind.consider(percept)
+        self.xcs.form_match_set(percept, &mut self.match_set);
+        self.xcs.predict(&self.match_set)
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        let set = self.mind.action_set(action);
+        let set = self.match_set.action_set(action);
+        let set = set.expect("consider comes before credit and forms [M]");
         let reward = self.params.short_term(outcome);
-        let credit = self.mind.step_credit(&set, reward);
+        let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let beta = self.learning_rate.after_collision();
-        self.filter.answer(&mut self.mind.xcs, &set, reward, beta);
+        self.filter.answer(&mut self.xcs, &set, reward, beta);
         self.stack
-            .push(&mut self.mind.xcs, set, self.params.stack_evolution);
+            .push(&mut self.xcs, set, self.params.stack_evolution);
         credit
     }
 
@@ -108,7 +99,7 @@ impl Agent for Combined {
         let shares = self.shares(long_term_reward, steps);
         let evolution = self.params.stack_evolution;
         self.stack
-            .unwind(&mut self.mind.xcs, &shares, learning_rate, evolution);
+            .unwind(&mut self.xcs, &shares, learning_rate, evolution);
         let rehearsed = self
             .imprinting
             .after(reached_goal, policy)
@@ -117,7 +108,7 @@ impl Agent for Combined {
             let reward = self.params.long_term(true, policy.len());
             let shares = self.shares(reward, policy.len());
             let beta = self.learning_rate.after(true);
-            imprinting::clone_behaviour(&mut self.mind.xcs, policy, &shares, beta);
+            imprinting::clone_behaviour(&mut self.xcs, policy, &shares, beta);
         }
         if reached_goal {
             self.step_threshold.learn(steps);
@@ -134,27 +125,37 @@ impl Agent for Combined {
     }
 
     fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.mind.xcs.worth(percept)
+        self.xcs.worth(percept)
     }
 
     fn knowledge(&self) -> Knowledge {
-        self.mind.knowledge()
+        Knowledge::of(&self.xcs)
     }
 
     fn bring(&mut self, knowledge: &Knowledge) -> bool {
-        self.mind.bring(knowledge)
+        knowledge.bring_to(&mut self.xcs)
     }
 
     fn rule_count(&self) -> usize {
-        self.mind.xcs.population().len()
+        self.xcs.population().len()
     }
 
     fn memory(&self) -> Vec<u8> {
-        memory::of(self)
+        memory::of(&(
+            self.xcs.learned(),
+            self.shortest,
+            self.imprinting.kept(),
+            self.step_threshold.kept(),
+        ))
     }
 
     fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
-        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
-        Ok(Box::new(method))
+        let mut method = self.clone();
+        let (learned, shortest, policies, threshold) = memory::recall(saved)?;
+        method.shortest = shortest;
+        let fits = method.xcs.resume(learned)
+            && method.imprinting.resume(policies)
+            && method.step_threshold.resume(threshold);
+        memory::resumed(method, fits)
     }
 }

@@ -12,7 +12,7 @@ use xcs::{Action, Percept};
 pub(super) type Policy = Vec<(Percept, Action)>;
 
 /// Keeps the best executed policies, and decides when one of them is rehearsed.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(super) struct Imprinting {
     on: bool,
     theta_x: f64,
@@ -20,6 +20,10 @@ pub(super) struct Imprinting {
     policies: Vec<Policy>,
     stream: Stream,
 }
+
+/// What learning changes in it: \[PS\], and the stream that decides.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Kept(Vec<Policy>, Stream);
 
 impl Imprinting {
     pub fn new(params: &Params, stream: Stream) -> Self {
@@ -31,10 +35,15 @@ impl Imprinting {
         }
     }
 
-    /// Can this mechanism, read from a file, stand for one that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self) -> bool {
-        (self.on, self.theta_x) == (fresh.on, fresh.theta_x)
-            && self.policies.iter().all(|policy| !policy.is_empty())
+    /// What learning has changed so far.
+    pub fn kept(&self) -> Kept {
+        Kept(self.policies.clone(), self.stream.clone())
+    }
+
+    /// Goes on from what was kept; `false` if it is damaged.
+    pub fn resume(&mut self, Kept(policies, stream): Kept) -> bool {
+        (self.policies, self.stream) = (policies, stream);
+        self.policies.iter().all(|policy| !policy.is_empty())
     }
 
     /// Alg. 2: a success updates \[PS\]; a failure names, with probability 1 - theta_x, one of its

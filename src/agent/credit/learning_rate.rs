@@ -1,11 +1,9 @@
 //! The learning-rate switching mechanism (paper, section III-C).
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::params::Params;
 
 /// Chooses the rate with which a collision or the end of an episode is learned.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(super) struct LearningRate {
     success: f64,
     failure: f64,

@@ -3,7 +3,6 @@
 mod combined;
 mod imprinting;
 mod learning_rate;
-pub(super) mod mind;
 mod short_term_filter;
 mod stack;
 mod standard;
@@ -11,3 +10,23 @@ mod step_threshold;
 
 pub use combined::Combined;
 pub use standard::Standard;
+
+use super::StepCredit;
+use xcs::{ActionSet, MatchSet, Xcs};
+
+/// What there is to say of a step whose \[M\] and \[A\] these are, before anything is updated.
+pub(super) fn step_credit(
+    xcs: &Xcs,
+    match_set: &MatchSet,
+    action_set: &ActionSet,
+    short_term_reward: f64,
+) -> StepCredit {
+    let (size, error) = xcs.size_and_error(action_set);
+    StepCredit {
+        fired: xcs.strongest(action_set).map(|rule| rule.condition),
+        short_term_reward,
+        error,
+        match_set: match_set.micro(),
+        action_set: size,
+    }
+}

@@ -1,12 +1,10 @@
 //! The short-term reward filter (Alg. 1).
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::params::Params;
 use xcs::{ActionSet, Xcs};
 
 /// Answers severe short-term rewards at once, and only in the rules that caused them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(super) struct ShortTermFilter {
     on: bool,
     threshold: f64,

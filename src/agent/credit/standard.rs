@@ -1,8 +1,6 @@
 //! Standard XCS and XCSAM: the reward travels back one step at a time, as in Q-learning.
 
-use serde::{Deserialize, Serialize};
-
-use super::mind::Mind;
+use super::step_credit;
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::memory::{self, MemoryError};
@@ -10,24 +8,22 @@ use crate::agent::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::{Agent, Choice, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::{Action, Percept};
-use xcs::{ActionSet, PredictionArray, Xcs};
+use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
 
 /// The methods `xcs` and, around a learner with an adaptive mapping, `xcsam`: the previous \[A\]
 /// is updated with its reward plus gamma times the greatest worth of the present percept; the last
 /// \[A\] of an episode with its reward alone.
 ///
 /// [`XcsPayment`] says which rewards these are, [`StepLimitUpdate`] what the step limit means.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub struct Standard {
-    mind: Mind,
+    xcs: Xcs,
+    match_set: MatchSet,
     params: Params,
     /// The greatest worth of the present percept.
-    #[serde(skip)]
     greatest: f64,
-    #[serde(skip)]
     previous: Option<Waiting>,
     /// Steps of this episode so far.
-    #[serde(skip)]
     steps: usize,
 }
 
@@ -45,7 +41,8 @@ impl Standard {
     /// Around a learner; the parameters must have been checked.
     pub fn new(xcs: Xcs, params: Params) -> Self {
         Self {
-            mind: Mind::new(xcs),
+            xcs,
+            match_set: MatchSet::default(),
             params,
             greatest: 0.0,
             previous: None,
@@ -53,16 +50,11 @@ impl Standard {
         }
     }
 
-    /// Can this method, read from a file, stand for one that began as `fresh`?
-    pub(super) fn descends_from(&self, fresh: &Self) -> bool {
-        self.params == fresh.params && self.mind.descends_from(&fresh.mind)
-    }
-
     /// Pays an action set its reward and what followed it.
     fn learn(&mut self, waiting: &Waiting, followed: f64) {
         let Waiting { set, greatest, .. } = waiting;
         let payoff = waiting.reward + followed;
-        let xcs = &mut self.mind.xcs;
+        let xcs = &mut self.xcs;
         xcs.adapt_mapping(set, payoff, *greatest);
         xcs.update(set, payoff, xcs.params().beta);
         xcs.evolve(set);
@@ -71,11 +63,12 @@ impl Standard {
 
 impl Agent for Standard {
     fn begin(&mut self, evolves: bool) {
-        self.mind.xcs.let_evolve(evolves);
+        self.xcs.let_evolve(evolves);
     }
 
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
-        let worth = self.mind.consider(percept);
+        self.xcs.form_match_set(percept, &mut self.match_set);
+        let worth = self.xcs.predict(&self.match_set);
         self.greatest = worth.greatest().unwrap_or(0.0);
         worth
     }
@@ -87,9 +80,10 @@ impl Agent for Standard {
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        let set = self.mind.action_set(action);
+        let set = self.match_set.action_set(action);
+        let set = set.expect("consider comes before credit and forms [M]");
         let reward = self.params.short_term(outcome);
-        let credit = self.mind.step_credit(&set, reward);
+        let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let greatest = self.greatest;
         let paid = match self.params.xcs_payment {
             XcsPayment::All => reward,
@@ -119,7 +113,7 @@ impl Agent for Standard {
         }
         EndCredit {
             long_term_reward,
-            learning_rate: self.mind.xcs.params().beta,
+            learning_rate: self.xcs.params().beta,
             imprinted: false,
         }
     }
@@ -129,27 +123,28 @@ impl Agent for Standard {
     }
 
     fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.mind.xcs.worth(percept)
+        self.xcs.worth(percept)
     }
 
     fn knowledge(&self) -> Knowledge {
-        self.mind.knowledge()
+        Knowledge::of(&self.xcs)
     }
 
     fn bring(&mut self, knowledge: &Knowledge) -> bool {
-        self.mind.bring(knowledge)
+        knowledge.bring_to(&mut self.xcs)
     }
 
     fn rule_count(&self) -> usize {
-        self.mind.xcs.population().len()
+        self.xcs.population().len()
     }
 
     fn memory(&self) -> Vec<u8> {
-        memory::of(self)
+        memory::of(&self.xcs.learned())
     }
 
     fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
-        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
-        Ok(Box::new(method))
+        let mut method = self.clone();
+        let fits = method.xcs.resume(memory::recall(saved)?);
+        memory::resumed(method, fits)
     }
 }

@@ -1,11 +1,9 @@
 //! The learning step-threshold mechanism (Eq. 10).
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::params::Params;
 
 /// The most steps of an episode; shrinks toward the lengths of successful ones.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(super) struct StepThreshold {
     learns: bool,
     rate: f64,
@@ -21,10 +19,16 @@ impl StepThreshold {
         }
     }
 
-    /// Can this mechanism, read from a file, stand for one that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self) -> bool {
-        (self.learns, self.rate) == (fresh.learns, fresh.rate)
-            && (1.0..=fresh.threshold).contains(&self.threshold)
+    /// What learning has changed so far.
+    pub fn kept(&self) -> f64 {
+        self.threshold
+    }
+
+    /// Goes on from what was kept; `false` if it cannot have come from where this began.
+    pub fn resume(&mut self, threshold: f64) -> bool {
+        let fits = (1.0..=self.threshold).contains(&threshold);
+        self.threshold = threshold;
+        fits
     }
 
     /// The whole steps that the threshold allows.

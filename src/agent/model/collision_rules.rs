@@ -12,14 +12,12 @@
 //! other one, turned. Such rules stand for election beside those of each action; where they do not
 //! hold, moves soon prove them wrong.
 
-use serde::{Deserialize, Serialize};
-
 use super::CollisionRule;
 use super::bumps::{Bumps, Tally};
 use xcs::{Action, MAX_ACTIONS, Percept};
 
 /// The rules for all actions.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(in crate::agent) struct CollisionRules {
     count: usize,
     /// The bits of the percept that lie in a ring around the robot; 0 if none do.
@@ -54,10 +52,16 @@ impl CollisionRules {
         }
     }
 
-    /// Can these rules, read from a file, stand for some that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self) -> bool {
+    /// What learning has changed so far.
+    pub fn kept(&self) -> (&[Bumps; MAX_ACTIONS], &Bumps) {
+        (&self.actions, &self.turned)
+    }
+
+    /// Goes on from what was kept; `false` if there is no room in the counts.
+    pub fn resume(&mut self, (actions, turned): ([Bumps; MAX_ACTIONS], Bumps)) -> bool {
+        (self.actions, self.turned) = (actions, turned);
         let mut all = self.actions.iter().chain([&self.turned]);
-        (self.count, self.ring) == (fresh.count, fresh.ring) && all.all(Bumps::is_sound)
+        all.all(Bumps::is_sound)
     }
 
     /// Learns that an action bumped or moved; true if that may change a forecast.

@@ -3,8 +3,6 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use serde::{Deserialize, Serialize};
-
 use super::collision_rules::CollisionRules;
 use super::known::Known;
 use super::return_rules::ReturnRules;
@@ -31,7 +29,7 @@ const BELIEVED: f64 = 0.5;
 /// Searches forward from the present percept, in the belief that an untried action leads straight
 /// to the goal unless a collision or a way back is foretold. The way that is found is followed
 /// until there is news.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(in crate::agent) struct Exploration {
     actions: usize,
     /// What an untried action is believed to be worth above the floor, and one that bumps.
@@ -45,9 +43,7 @@ pub(in crate::agent) struct Exploration {
     version: u64,
     /// By percept: the version in which nothing promised more than what is known.
     content: Vec<u64>,
-    #[serde(skip)]
     forecasts: Forecasts,
-    #[serde(skip)]
     search: Search,
 }
 
@@ -92,10 +88,14 @@ impl Exploration {
         }
     }
 
-    /// Can this mechanism, read from a file, stand for one that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self) -> bool {
-        let numbers = |it: &Self| (it.goal, it.collision, it.step, it.certainty, it.actions);
-        numbers(self) == numbers(fresh) && self.way.is_empty()
+    /// What learning has changed between two episodes: the version, and what is content.
+    pub fn kept(&self) -> (u64, &[u64]) {
+        (self.version, &self.content)
+    }
+
+    /// Goes on from what was kept.
+    pub fn resume(&mut self, (version, content): (u64, Vec<u64>)) {
+        (self.version, self.content) = (version, content);
     }
 
     /// Something was learned that may change a promise.

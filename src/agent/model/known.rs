@@ -3,8 +3,6 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use serde::{Deserialize, Serialize};
-
 use super::transitions::Transitions;
 use crate::agent::params::Params;
 use xcs::Lesson;
@@ -26,7 +24,7 @@ const MOST_UPDATES: usize = 1_000_000;
 /// Values are counted from that of walking for ever, `step / (1 - gamma)`. So counted, a value is
 /// `gamma` to the power of the steps to the goal, times a constant: it stays exact thousands of
 /// steps away, and 0 means that no way is known.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(in crate::agent) struct Known {
     actions: usize,
     gamma: f64,
@@ -36,10 +34,8 @@ pub(in crate::agent) struct Known {
     /// By percept: the pairs that were followed by it.
     before: Vec<Vec<(usize, Action)>>,
     /// Percepts whose value is to be updated, the greatest first.
-    #[serde(skip)]
     queue: BinaryHeap<(u64, Reverse<usize>)>,
     /// Percepts of which the lesson may have changed.
-    #[serde(skip)]
     touched: Vec<usize>,
 }
 
@@ -56,12 +52,21 @@ impl Known {
         }
     }
 
-    /// Can these values, read from a file, stand for some that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self, memory: &Transitions) -> bool {
+    /// What learning has changed so far: the values, and what came before each percept.
+    pub fn kept(&self) -> (&[f64], &[Vec<(usize, Action)>]) {
+        (&self.values, &self.before)
+    }
+
+    /// Goes on from what was kept; `false` if it is not about the percepts of the memory.
+    pub fn resume(
+        &mut self,
+        (values, before): (Vec<f64>, Vec<Vec<(usize, Action)>>),
+        memory: &Transitions,
+    ) -> bool {
+        (self.values, self.before) = (values, before);
         let met = memory.percepts().len();
         let mut pairs = self.before.iter().flatten();
-        (self.actions, self.gamma, self.step) == (fresh.actions, fresh.gamma, fresh.step)
-            && self.values.len() <= met
+        self.values.len() <= met
             && self.before.len() <= met
             && self
                 .values

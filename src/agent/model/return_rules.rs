@@ -4,8 +4,6 @@
 //! one has to turn, is not told but counted. Where it holds, the way back need not be tried in
 //! every cell.
 
-use serde::{Deserialize, Serialize};
-
 use super::ReturnRule;
 use xcs::{Action, MAX_ACTIONS};
 
@@ -17,12 +15,14 @@ const LEAST_ACCURACY: f64 = 0.9;
 const MOST_COUNTED: u32 = u32::MAX / 4;
 
 /// For each turn from one action to the next, how often it led back.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(in crate::agent) struct ReturnRules {
     actions: usize,
     /// By turn: how often it led back, and how often elsewhere.
-    counts: [[u32; 2]; MAX_ACTIONS],
+    counts: Counts,
 }
+
+type Counts = [[u32; 2]; MAX_ACTIONS];
 
 impl ReturnRules {
     /// Nothing is known of `actions` actions.
@@ -40,10 +40,15 @@ impl ReturnRules {
         }
     }
 
-    /// Can these rules, read from a file, stand for some that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self) -> bool {
-        let mut counts = self.counts.iter().flatten();
-        self.actions == fresh.actions && counts.all(|&count| count <= MOST_COUNTED)
+    /// What learning has changed so far.
+    pub fn kept(&self) -> Counts {
+        self.counts
+    }
+
+    /// Goes on from what was kept; `false` if there is no room in the counts.
+    pub fn resume(&mut self, counts: Counts) -> bool {
+        self.counts = counts;
+        counts.iter().flatten().all(|&count| count <= MOST_COUNTED)
     }
 
     /// Learns whether `next`, taken right after a move by `first`, led back.

@@ -17,10 +17,8 @@ mod params;
 
 pub use params::{Discovery, PlusParams};
 
-use serde::{Deserialize, Serialize};
-
 use super::Params;
-use super::credit::mind::Mind;
+use super::credit::step_credit;
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
@@ -34,18 +32,18 @@ use super::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
-use xcs::{Induction, Lessons, Params as XcsParams, PredictionArray, Xcs};
+use xcs::{Induction, Lessons, MatchSet, Params as XcsParams, PredictionArray, Xcs};
 
 /// The method `xcscr-plus`.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub struct Plus {
-    mind: Mind,
+    xcs: Xcs,
+    match_set: MatchSet,
     params: Params,
     own: PlusParams,
     memory: Transitions,
     known: Known,
     lessons: Lessons,
-    #[serde(skip)]
     induction: Induction,
     collisions: CollisionRules,
     returns: ReturnRules,
@@ -53,13 +51,10 @@ pub struct Plus {
     /// Decides between equally promising ways, and what is rehearsed.
     stream: Stream,
     /// The steps of this episode.
-    #[serde(skip)]
     path: Vec<Taken>,
     /// The percept under consideration, and its number.
-    #[serde(skip)]
     present: Option<(Percept, usize)>,
     /// The next step of exploration; `None` where the rules decide.
-    #[serde(skip)]
     heading: Option<Action>,
 }
 
@@ -87,11 +82,8 @@ impl Plus {
         let ring = if own.turned_rules { ring } else { 0 };
         let known = Known::new(actions, &params);
         Self {
-            mind: Mind::new(Xcs::new(
-                evolution::params(xcs, own.discovery),
-                actions,
-                evolution,
-            )),
+            xcs: Xcs::new(evolution::params(xcs, own.discovery), actions, evolution),
+            match_set: MatchSet::default(),
             memory: Transitions::default(),
             lessons: Lessons::default(),
             induction: Induction::default(),
@@ -108,20 +100,12 @@ impl Plus {
         }
     }
 
-    /// Can this method, read from a file, stand for one that began as `fresh`?
-    fn descends_from(&self, fresh: &Self) -> bool {
+    /// Is each lesson about the percept whose number it has?
+    fn lessons_are_sound(&self) -> bool {
         let percepts = self.memory.percepts();
-        let mut lessons = self.lessons.iter();
-        (&self.params, &self.own) == (&fresh.params, &fresh.own)
-            && self.mind.descends_from(&fresh.mind)
-            && self.memory.is_sound()
-            && self.known.descends_from(&fresh.known, &self.memory)
-            && lessons.all(|(number, lesson)| {
-                percepts.get(number) == Some(&lesson.percept) && lesson.value.is_finite()
-            })
-            && self.collisions.descends_from(&fresh.collisions)
-            && self.returns.descends_from(&fresh.returns)
-            && self.exploration.descends_from(&fresh.exploration)
+        self.lessons.iter().all(|(number, lesson)| {
+            percepts.get(number) == Some(&lesson.percept) && lesson.value.is_finite()
+        })
     }
 
     /// Learns the last step, now that it is known what came after it.
@@ -181,11 +165,7 @@ impl Plus {
         if !self.lessons.have_changed() && self.own.discovery == Discovery::Induction {
             return;
         }
-        let Self {
-            mind: Mind { xcs, .. },
-            lessons,
-            ..
-        } = self;
+        let Self { xcs, lessons, .. } = self;
         match self.own.discovery {
             Discovery::Induction => xcs.induce(&mut self.induction, lessons),
             Discovery::Ga => evolution::rehearse(xcs, lessons, &mut self.stream),
@@ -225,7 +205,9 @@ impl Agent for Plus {
         if self.heading.is_none() {
             self.teach();
         }
-        self.mind.look(percept)
+        self.xcs
+            .match_without_covering(percept, &mut self.match_set);
+        self.xcs.predict(&self.match_set)
     }
 
     /// Where there is nothing to explore the rules choose: one of the actions to which their
@@ -245,7 +227,9 @@ impl Agent for Plus {
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let (percept, _) = self.present.expect("consider comes before credit");
         let reward = self.params.short_term(outcome);
-        let credit = self.mind.step_credit_of(action, reward);
+        let set = self.match_set.action_set(action);
+        let set = set.expect("consider comes before credit and forms [M]");
+        let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let bumped = matches!(outcome, Outcome::Collided { .. });
         if self.own.collision_rules && self.collisions.learn(&percept, action, bumped) {
             self.exploration.wake();
@@ -277,7 +261,7 @@ impl Agent for Plus {
         self.teach();
         EndCredit {
             long_term_reward,
-            learning_rate: self.mind.xcs.params().beta,
+            learning_rate: self.xcs.params().beta,
             imprinted: false,
         }
     }
@@ -287,12 +271,12 @@ impl Agent for Plus {
     }
 
     fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.mind.xcs.worth(percept)
+        self.xcs.worth(percept)
     }
 
     fn knowledge(&self) -> Knowledge {
         Knowledge::Foresighted {
-            rules: self.mind.xcs.population().clone(),
+            rules: self.xcs.population().clone(),
             foresight: Foresight {
                 collisions: self.collisions.rules(),
                 returns: self.returns.rules().collect(),
@@ -315,15 +299,35 @@ impl Agent for Plus {
     }
 
     fn rule_count(&self) -> usize {
-        self.mind.xcs.population().len()
+        self.xcs.population().len()
     }
 
     fn memory(&self) -> Vec<u8> {
-        memory::of(self)
+        memory::of(&(
+            (self.xcs.learned(), &self.stream),
+            (&self.memory, self.known.kept(), &self.lessons),
+            (
+                self.collisions.kept(),
+                self.returns.kept(),
+                self.exploration.kept(),
+            ),
+        ))
     }
 
     fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
-        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
-        Ok(Box::new(method))
+        let mut method = self.clone();
+        let (of_rules, of_model, of_foresight) = memory::recall(saved)?;
+        let (learned, known, collisions, returns, exploration);
+        (learned, method.stream) = of_rules;
+        (method.memory, known, method.lessons) = of_model;
+        (collisions, returns, exploration) = of_foresight;
+        let fits = method.xcs.resume(learned)
+            && method.memory.is_sound()
+            && method.lessons_are_sound()
+            && method.known.resume(known, &method.memory)
+            && method.collisions.resume(collisions)
+            && method.returns.resume(returns);
+        method.exploration.resume(exploration);
+        memory::resumed(method, fits)
     }
 }

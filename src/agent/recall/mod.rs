@@ -17,8 +17,8 @@ mod atlas;
 mod chart;
 mod context;
 mod induction;
+pub(super) mod learner;
 mod lessons;
-pub(super) mod mind;
 mod place;
 mod wander;
 

@@ -10,7 +10,7 @@ use std::mem::discriminant;
 
 use serde::{Deserialize, Serialize};
 
-use table::Table;
+use table::{Rows, Table};
 use traces::Traces;
 
 use super::explorer::Explorer;
@@ -41,8 +41,18 @@ enum Algorithm {
     RMax(Transitions),
 }
 
+impl Algorithm {
+    /// Does its memory, if it has one, name what it should?
+    fn is_sound(&self) -> bool {
+        match self {
+            Self::DynaQ(memory, _) | Self::RMax(memory) => memory.is_sound(),
+            Self::QLearning | Self::SarsaLambda(_) => true,
+        }
+    }
+}
+
 /// The methods `q-learning`, `sarsa-lambda`, `dyna-q` and `r-max`.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub struct Tabular {
     algorithm: Algorithm,
     params: Params,
@@ -96,17 +106,22 @@ impl Tabular {
         }
     }
 
-    /// Can this method, read from a file, stand for one that began as `fresh`?
-    fn descends_from(&self, fresh: &Self) -> bool {
-        let memory_is_sound = match &self.algorithm {
-            Algorithm::DynaQ(memory, _) | Algorithm::RMax(memory) => memory.is_sound(),
-            _ => true,
+    /// Goes on with an algorithm and tables from a file; `None` if they are another algorithm's,
+    /// or damaged.
+    fn going_on(
+        mut self,
+        (algorithm, table, policy): (Algorithm, Rows, Option<Rows>),
+    ) -> Option<Self> {
+        let is_same = discriminant(&self.algorithm) == discriminant(&algorithm);
+        let fits = is_same && algorithm.is_sound();
+        self.algorithm = Some(algorithm).filter(|_| fits)?;
+        let actions = self.table.actions();
+        self.table = Table::with_rows(actions, table)?;
+        self.policy = match policy {
+            Some(rows) => Some(Table::with_rows(actions, rows)?),
+            None => None,
         };
-        let mut tables = self.policy.iter().chain([&self.table]);
-        discriminant(&self.algorithm) == discriminant(&fresh.algorithm)
-            && (&self.params, &self.own) == (&fresh.params, &fresh.own)
-            && memory_is_sound
-            && tables.all(|table| table.descends_from(&fresh.table))
+        Some(self)
     }
 
     /// Learns the pending step, now that it is known what came after it.
@@ -237,11 +252,12 @@ impl Agent for Tabular {
     }
 
     fn memory(&self) -> Vec<u8> {
-        memory::of(self)
+        let policy = self.policy.as_ref().map(Table::rows);
+        memory::of(&(&self.algorithm, self.table.rows(), policy))
     }
 
     fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
-        let method = memory::recall(saved, |it: &Self| it.descends_from(self))?;
-        Ok(Box::new(method))
+        let method = self.clone().going_on(memory::recall(saved)?);
+        Ok(Box::new(method.ok_or(MemoryError::Foreign)?))
     }
 }

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
 use crate::agent::knowledge::Knowledge;
 use crate::agent::model::planner::Values;
 use crate::agent::model::transitions::{Transition, Transitions};
@@ -11,11 +9,14 @@ use xcs::PredictionArray;
 use xcs::{Action, MAX_ACTIONS, Percept};
 
 /// Q: the value of each action in each percept that was met; 0 where nothing was learned.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub(super) struct Table {
     actions: usize,
-    rows: BTreeMap<Percept, [f64; MAX_ACTIONS]>,
+    rows: Rows,
 }
+
+/// The values by percept and action.
+pub(super) type Rows = BTreeMap<Percept, [f64; MAX_ACTIONS]>;
 
 impl Table {
     pub fn new(actions: usize) -> Self {
@@ -25,10 +26,15 @@ impl Table {
         }
     }
 
-    /// Can this table, read from a file, stand for one that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self) -> bool {
-        let mut numbers = self.rows.values().flatten();
-        self.actions == fresh.actions && numbers.all(|number| number.is_finite())
+    /// What learning has changed so far.
+    pub fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
+    /// A table for so many actions with rows from a file; `None` if one is damaged.
+    pub fn with_rows(actions: usize, rows: Rows) -> Option<Self> {
+        let is_sound = rows.values().flatten().all(|number| number.is_finite());
+        is_sound.then_some(Self { actions, rows })
     }
 
     /// The table of planned values.

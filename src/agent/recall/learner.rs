@@ -37,12 +37,11 @@ const NEEDED: f64 = 0.03;
 const TESTS: usize = 300;
 
 /// Charts, what was planned on them, and the rules that were induced.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Mind {
+#[derive(Debug, Clone)]
+pub struct Learner {
     actions: usize,
     atlas: Atlas,
     /// Follows from the atlas.
-    #[serde(skip)]
     map: Map,
     planner: BeliefPlanner,
     rules: Population,
@@ -51,13 +50,21 @@ pub struct Mind {
     episodes: u32,
     /// Has the plan changed since the rules were induced?
     stale: bool,
-    #[serde(skip)]
     tracker: Tracker,
-    #[serde(skip)]
     sketch: Sketch,
     /// The steps of this episode.
-    #[serde(skip)]
     steps: Vec<Seen>,
+}
+
+/// What learning changes, but for what follows from the atlas.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Kept {
+    atlas: Atlas,
+    planner: BeliefPlanner,
+    rules: Population,
+    stream: Stream,
+    episodes: u32,
+    stale: bool,
 }
 
 /// The rules that match what is perceived and remembered now.
@@ -71,8 +78,8 @@ pub struct Matching {
     pub fittest: Option<Classifier>,
 }
 
-impl Mind {
-    /// A mind that knows nothing, for so many actions.
+impl Learner {
+    /// A learner that knows nothing, for so many actions.
     pub fn new(actions: usize, stream: Stream) -> Self {
         Self {
             actions,
@@ -89,19 +96,33 @@ impl Mind {
         }
     }
 
-    /// Can this mind, read from a file, stand for one that began as `fresh`?
-    pub fn descends_from(&self, fresh: &Self) -> bool {
-        let fits = |rule: &Classifier| {
-            rule.condition.width() == CONTEXT_BITS && rule.action.index() < fresh.actions
-        };
-        self.actions == fresh.actions
-            && self.atlas.is_sound(fresh.actions)
-            && self.rules.rules().iter().all(fits)
+    /// What learning has changed so far.
+    pub fn kept(&self) -> Kept {
+        Kept {
+            atlas: self.atlas.clone(),
+            planner: self.planner.clone(),
+            rules: self.rules.clone(),
+            stream: self.stream.clone(),
+            episodes: self.episodes,
+            stale: self.stale,
+        }
     }
 
-    /// Completes a mind that was read from a file; `false` if its plan is not one for its charts.
-    pub fn restore(&mut self) -> bool {
-        self.map = self.atlas.map();
+    /// Goes on from what was kept; `false` if its parts contradict each other.
+    pub fn resume(&mut self, kept: Kept) -> bool {
+        let fits = |rule: &Classifier| {
+            rule.condition.width() == CONTEXT_BITS && rule.action.index() < self.actions
+        };
+        if !kept.atlas.is_sound(self.actions) || !kept.rules.rules().iter().all(fits) {
+            return false;
+        }
+        self.map = kept.atlas.map();
+        self.atlas = kept.atlas;
+        self.planner = kept.planner;
+        self.rules = kept.rules;
+        self.stream = kept.stream;
+        self.episodes = kept.episodes;
+        self.stale = kept.stale;
         self.planner.belongs_to(&self.map.pomdp)
     }
 
