@@ -107,17 +107,17 @@ fn train(plan: Plan, mode: RecordMode) -> Trial {
     trial
 }
 
-#[divan::bench(args = Method::ALL.map(Named), sample_count = 10, sample_size = 1)]
+#[divan::bench(args = Method::ALL.iter().copied().map(Named), sample_count = 10, sample_size = 1)]
 fn trial_on_the_grid(bencher: Bencher, Named(method): Named) {
     bencher.bench(|| train(plan(method, ArenaKind::Grid), RecordMode::None));
 }
 
-#[divan::bench(args = Method::ALL.map(Named), sample_count = 10, sample_size = 1)]
+#[divan::bench(args = Method::ALL.iter().copied().map(Named), sample_count = 10, sample_size = 1)]
 fn trial_in_physics(bencher: Bencher, Named(method): Named) {
     bencher.bench(|| train(plan(method, ArenaKind::Physics), RecordMode::None));
 }
 
-#[divan::bench(args = Method::ALL.map(Named), sample_count = 10, sample_size = 1)]
+#[divan::bench(args = Method::ALL.iter().copied().map(Named), sample_count = 10, sample_size = 1)]
 fn recorded_trial_in_physics(bencher: Bencher, Named(method): Named) {
     bencher.bench(|| train(plan(method, ArenaKind::Physics), RecordMode::All));
 }

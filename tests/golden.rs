@@ -82,9 +82,9 @@ fn digest(world: &str, method: Method, arena: ArenaKind) -> String {
 #[test]
 fn trained_runs_of_all_methods_keep_their_digests_in_three_mazes_and_both_arenas() {
     let mut found = Vec::new();
-    for method in Method::ALL {
+    for &method in Method::ALL {
         for world in ["maze4", "maze5", "maze6"] {
-            for arena in ArenaKind::ALL {
+            for &arena in ArenaKind::ALL {
                 found.push(digest(world, method, arena));
             }
         }

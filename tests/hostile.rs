@@ -235,7 +235,7 @@ fn every_truncation_and_every_changed_byte_of_a_checkpoint_is_detected() {
 #[test]
 fn mutants_of_checkpoints_with_right_check_sums() {
     let mut plans = Vec::new();
-    for method in Method::ALL {
+    for &method in Method::ALL {
         let trial = trained(method, ArenaKind::Grid, 1);
         plans.push(postcard::to_allocvec(&trial.checkpoint()).unwrap());
     }
@@ -517,7 +517,7 @@ fn users(key: &str) -> &'static [Method] {
 
 /// Two episodes in either arena, after which no rule may hold a number that is none.
 fn assert_stays_finite(method: Method, settings: &Settings, what: &str) {
-    for arena in ArenaKind::ALL {
+    for &arena in ArenaKind::ALL {
         let mut plan = plan(method, arena, 2);
         plan.config.settings = settings.clone();
         let mut trial = Trial::new(plan).unwrap();

@@ -29,10 +29,7 @@ fn finished(method: Method, over_match_set: bool) -> Trial {
 
 #[test]
 fn what_was_learned_rates_actions_as_the_learner_does() {
-    for (method, over_match_set) in Method::ALL
-        .into_iter()
-        .flat_map(|m| [(m, false), (m, true)])
-    {
+    for (method, over_match_set) in Method::ALL.iter().flat_map(|&m| [(m, false), (m, true)]) {
         let trial = finished(method, over_match_set);
         let maze = &trial.plan().maze;
         let knowledge = trial.method().knowledge();

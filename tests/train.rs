@@ -166,8 +166,9 @@ fn every_combination_that_makes_sense_runs_and_the_others_say_why_not() {
     settings.reward.step_threshold = 5;
     settings.reward.step_threshold_from_maze = false;
     for (world, is_drivable) in WORLDS {
-        for method in Method::ALL {
-            for (arena, sensor) in ArenaKind::ALL.map(|a| Sensor::ALL.map(|s| (a, s))).concat() {
+        for &method in Method::ALL {
+            let arenas = ArenaKind::ALL.iter();
+            for (&arena, &sensor) in arenas.flat_map(|a| Sensor::ALL.iter().map(move |s| (a, s))) {
                 let plan = Plan::new(maze(world)).method(method).episodes(2);
                 let plan = plan.settings(settings.clone());
                 let result = plan.arena(arena).sensor(sensor).run();
@@ -212,7 +213,7 @@ fn two_episodes(code: i32, world: &str, method: Method, arena: &str, out: &Path)
 #[test]
 fn the_program_takes_every_method_by_its_name() {
     let folder = tempfile::tempdir().unwrap();
-    for (number, method) in Method::ALL.into_iter().enumerate() {
+    for (number, &method) in Method::ALL.iter().enumerate() {
         let out = folder.path().join(method.name());
         let arena = ["grid", "physics"][number % 2];
         two_episodes(0, "maze4", method, arena, &out);
@@ -446,7 +447,7 @@ fn the_report_draws_the_policy_and_says_how_to_watch_it() {
 
 #[test]
 fn seeds_1_to_20_find_a_globally_optimal_policy_in_at_least_12_runs_in_both_arenas() {
-    for arena in ArenaKind::ALL {
+    for &arena in ArenaKind::ALL {
         let found = (1..=20).filter(|&seed| {
             let plan = Plan::new(maze("maze4")).arena(arena).seed(seed);
             let trial = plan.episodes(180).run().unwrap();

@@ -73,9 +73,10 @@ proptest! {
     #[test]
     fn a_saved_learner_goes_on_as_the_one_that_was_never_saved(seed in any::<u64>()) {
         let params = Params { population_size: 150, theta_ga: 5, ..Params::default() };
-        let mut xcs = live(seed, 300, params, |_| {});
-        let text = serde_json::to_string(&xcs).unwrap();
-        let mut restored: Xcs = serde_json::from_str(&text).unwrap();
+        let mut xcs = live(seed, 300, params.clone(), |_| {});
+        let text = serde_json::to_string(&xcs.learned()).unwrap();
+        let mut restored = Xcs::new(params, ACTIONS, Stream::new(0, StreamName::Evolution));
+        prop_assert!(restored.resume(serde_json::from_str(&text).unwrap()));
         let mut fate = Stream::new(seed, StreamName::Start);
         for _ in 0..200 {
             let percept = Percept::from_bits((0..7).map(|_| fate.chance(0.5))).unwrap();

@@ -1,5 +1,7 @@
 //! The methods by their names.
 
+use strum::{IntoStaticStr, VariantArray};
+
 use super::{
     Agent, Combined, Params, Plus, PlusParams, Recall, Sharing, Standard, Tabular, TabularParams,
 };
@@ -8,8 +10,19 @@ use xcs::Xcs;
 use xcs::random::Stream;
 
 /// The reward methods.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    IntoStaticStr,
+    VariantArray,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Method {
     /// Standard XCS.
     Xcs,
@@ -37,35 +50,11 @@ pub enum Method {
 
 impl Method {
     /// All methods, in the order in which they are reported.
-    pub const ALL: [Self; 11] = [
-        Self::Xcs,
-        Self::Xcsam,
-        Self::AdaptedEven,
-        Self::AdaptedDiscounted,
-        Self::Xcscr,
-        Self::XcscrPlus,
-        Self::XcscrMemory,
-        Self::QLearning,
-        Self::SarsaLambda,
-        Self::DynaQ,
-        Self::RMax,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Xcs => "xcs",
-            Self::Xcsam => "xcsam",
-            Self::AdaptedEven => "adapted-even",
-            Self::AdaptedDiscounted => "adapted-discounted",
-            Self::Xcscr => "xcscr",
-            Self::XcscrPlus => "xcscr-plus",
-            Self::XcscrMemory => "xcscr-memory",
-            Self::QLearning => "q-learning",
-            Self::SarsaLambda => "sarsa-lambda",
-            Self::DynaQ => "dyna-q",
-            Self::RMax => "r-max",
-        }
+        self.into()
     }
 
     /// Is it one of those that the paper compares?

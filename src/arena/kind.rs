@@ -1,10 +1,14 @@
 //! The arenas by their names.
 
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 
 /// Which arena a trial runs in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr, VariantArray,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum ArenaKind {
     /// The robot drives in simulated physics.
     Physics,
@@ -14,13 +18,10 @@ pub enum ArenaKind {
 
 impl ArenaKind {
     /// All arenas.
-    pub const ALL: [Self; 2] = [Self::Physics, Self::Grid];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Physics => "physics",
-            Self::Grid => "grid",
-        }
+        self.into()
     }
 }

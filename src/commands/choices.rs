@@ -25,17 +25,17 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
 
 /// Parses a method's name.
 pub fn method() -> impl TypedValueParser<Value = Method> {
-    one_of(&Method::ALL, Method::name)
+    one_of(Method::ALL, Method::name)
 }
 
 /// Parses an arena's name.
 pub fn arena() -> impl TypedValueParser<Value = ArenaKind> {
-    one_of(&ArenaKind::ALL, ArenaKind::name)
+    one_of(ArenaKind::ALL, ArenaKind::name)
 }
 
 /// Parses a sensor's name.
 pub fn sensor() -> impl TypedValueParser<Value = Sensor> {
-    one_of(&Sensor::ALL, Sensor::name)
+    one_of(Sensor::ALL, Sensor::name)
 }
 
 /// Where settings come from.

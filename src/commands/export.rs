@@ -28,7 +28,7 @@ pub struct ExportArgs {
 }
 
 fn target() -> impl TypedValueParser<Value = Target> {
-    choices::one_of(&Target::ALL, Target::name)
+    choices::one_of(Target::ALL, Target::name)
 }
 
 /// Writes the policy.

@@ -55,7 +55,7 @@ pub enum WorldCommand {
 #[derive(Debug, clap::Args)]
 pub struct GenerateArgs {
     /// Winding passages, rooms with doors, random obstacles, or corridors.
-    #[arg(long, value_parser = choices::one_of(&MazeKind::ALL, MazeKind::name))]
+    #[arg(long, value_parser = choices::one_of(MazeKind::ALL, MazeKind::name))]
     kind: MazeKind,
     /// Cells on each side, 5 to 1024.
     #[arg(long, value_name = "N")]
@@ -252,11 +252,11 @@ fn share(text: &str) -> Result<f64, String> {
 impl LookAlike {
     /// What each of the sensors cannot tell apart.
     fn of(maze: &Maze) -> Vec<Self> {
-        let one = |sensor| Self {
+        let one = |&sensor: &Sensor| Self {
             sensor,
             groups: alike(sensor, maze),
         };
-        Sensor::ALL.map(one).into()
+        Sensor::ALL.iter().map(one).collect()
     }
 
     fn print(&self, out: &mut impl Write) -> Result<(), Failure> {

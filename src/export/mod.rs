@@ -13,9 +13,11 @@ mod rust;
 
 pub use ballot::{Ballot, ExportError, Vote};
 pub use origin::Origin;
+use strum::{IntoStaticStr, VariantArray};
 
 /// What a policy can be written as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Target {
     /// A C99 header: a table and a function, without allocation, libm or recursion.
     C99,
@@ -33,25 +35,11 @@ pub enum Target {
 
 impl Target {
     /// All targets.
-    pub const ALL: [Self; 6] = [
-        Self::C99,
-        Self::Rust,
-        Self::Python,
-        Self::Csv,
-        Self::Json,
-        Self::Dot,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::C99 => "c99",
-            Self::Rust => "rust",
-            Self::Python => "python",
-            Self::Csv => "csv",
-            Self::Json => "json",
-            Self::Dot => "dot",
-        }
+        self.into()
     }
 
     /// The whole text of the file.

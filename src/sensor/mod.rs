@@ -16,6 +16,7 @@ use std::collections::HashSet;
 pub use alike::{Alike, alike, alike_among};
 use foldhash::fast::FixedState;
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 pub use words::{Alleles, action_name};
 
 use crate::arena::{ArenaKind, Sensed, View};
@@ -23,8 +24,11 @@ use crate::world::{Cell, Maze};
 use xcs::Percept;
 
 /// How the robot perceives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr, VariantArray,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Sensor {
     /// The eight surrounding cells, clockwise from north, two bits each: free `00`, wall `01`,
     /// goal `11` (the convention of learning classifier systems).
@@ -44,14 +48,7 @@ pub enum Sensor {
 
 impl Sensor {
     /// All sensors.
-    pub const ALL: [Self; 6] = [
-        Self::Neighbours,
-        Self::Position,
-        Self::NeighboursPosition,
-        Self::Lidar,
-        Self::LidarRanges,
-        Self::LidarBeams,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// The percept where none is chosen: in physics what the robot senses itself, on the grid what
     /// the literature of learning classifier systems looks up there.
@@ -64,14 +61,7 @@ impl Sensor {
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Neighbours => "neighbours",
-            Self::Position => "position",
-            Self::NeighboursPosition => "neighbours-position",
-            Self::Lidar => "lidar",
-            Self::LidarRanges => "lidar-ranges",
-            Self::LidarBeams => "lidar-beams",
-        }
+        self.into()
     }
 
     /// Is the percept made of what the robot senses? All others are looked up in the maze, which

@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn nothing_speaks_against_the_shipped_mazes() {
         for world in ["maze4", "maze5", "maze6", "maze4-classic", "woods1"] {
-            for method in Method::ALL {
+            for &method in Method::ALL {
                 let said = said(world, method, Sensor::Neighbours, &[]);
                 assert_eq!(said, [""; 0], "{world}, {}", method.name());
             }

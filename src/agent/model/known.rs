@@ -17,6 +17,9 @@ const GREATEST_DISCOUNT: f64 = 0.999_999;
 /// Values that are updated at once; what is left waits for the next step.
 const MOST_UPDATES: usize = 1_000_000;
 
+/// By percept: the pairs that were followed by it.
+pub(in crate::agent) type Before = Vec<Vec<(usize, Action)>>;
+
 /// The value of each percept under the best policy over what was tried, by prioritised sweeping
 /// (Moore and Atkeson 1993): a change is passed backward, the greatest values first, and touches
 /// only what depends on it.
@@ -31,8 +34,7 @@ pub(in crate::agent) struct Known {
     step: f64,
     /// By the number of the percept.
     values: Vec<f64>,
-    /// By percept: the pairs that were followed by it.
-    before: Vec<Vec<(usize, Action)>>,
+    before: Before,
     /// Percepts whose value is to be updated, the greatest first.
     queue: BinaryHeap<(u64, Reverse<usize>)>,
     /// Percepts of which the lesson may have changed.
@@ -53,16 +55,12 @@ impl Known {
     }
 
     /// What learning has changed so far: the values, and what came before each percept.
-    pub fn kept(&self) -> (&[f64], &[Vec<(usize, Action)>]) {
+    pub fn kept(&self) -> (&[f64], &Before) {
         (&self.values, &self.before)
     }
 
     /// Goes on from what was kept; `false` if it is not about the percepts of the memory.
-    pub fn resume(
-        &mut self,
-        (values, before): (Vec<f64>, Vec<Vec<(usize, Action)>>),
-        memory: &Transitions,
-    ) -> bool {
+    pub fn resume(&mut self, (values, before): (Vec<f64>, Before), memory: &Transitions) -> bool {
         (self.values, self.before) = (values, before);
         let met = memory.percepts().len();
         let mut pairs = self.before.iter().flatten();

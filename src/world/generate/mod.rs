@@ -13,6 +13,7 @@ use std::str::FromStr;
 use self::field::Field;
 use super::maze::Maze;
 use crate::streams::StreamName;
+use strum::{IntoStaticStr, VariantArray};
 use xcs::bounds::{OutOfRange, within};
 use xcs::random::Stream;
 
@@ -20,7 +21,8 @@ use xcs::random::Stream;
 const SIDES: RangeInclusive<u16> = 5..=1024;
 
 /// How a maze is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum MazeKind {
     /// Winding passages with dead ends and a single way between any two cells.
     Dfs,
@@ -34,16 +36,11 @@ pub enum MazeKind {
 
 impl MazeKind {
     /// All kinds.
-    pub const ALL: [Self; 4] = [Self::Dfs, Self::Rooms, Self::Random, Self::Corridors];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// The name on the command line and in names of worlds.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Dfs => "dfs",
-            Self::Rooms => "rooms",
-            Self::Random => "random",
-            Self::Corridors => "corridors",
-        }
+        self.into()
     }
 }
 
@@ -98,9 +95,9 @@ impl FromStr for Recipe {
         let mut parts = text.split('-');
         let mut next = || parts.next().ok_or(NoRecipe);
         let (kind, size, seed) = (next()?, next()?, next()?);
-        let kind = MazeKind::ALL.into_iter().find(|one| one.name() == kind);
+        let kind = MazeKind::ALL.iter().find(|one| one.name() == kind);
         let recipe = Self {
-            kind: kind.ok_or(NoRecipe)?,
+            kind: *kind.ok_or(NoRecipe)?,
             size: size.parse().map_err(|_| NoRecipe)?,
             seed: seed.parse().map_err(|_| NoRecipe)?,
         };
@@ -119,7 +116,7 @@ mod tests {
     use crate::world::Paths;
 
     fn recipe() -> impl Strategy<Value = Recipe> {
-        let kind = prop::sample::select(&MazeKind::ALL[..]);
+        let kind = prop::sample::select(MazeKind::ALL);
         (kind, 5_u16..40, any::<u64>()).prop_map(|(kind, size, seed)| Recipe { kind, size, seed })
     }
 
