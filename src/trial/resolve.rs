@@ -1,11 +1,11 @@
 //! Where settings come from: default, then file, then the command line.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use toml::{Table, Value};
 
 use super::settings::Settings;
+use super::settings_error::{Origin, SettingsError};
 use super::toml_text::shortened;
 use crate::world::Maze;
 use xcs::bounds::OutOfRange;
@@ -13,83 +13,6 @@ use xcs::bounds::OutOfRange;
 /// The setting that a maze decides, unless it is set, and the one that says whether it does.
 pub const STEP_THRESHOLD: &str = "reward.step_threshold";
 pub const FROM_MAZE: &str = "reward.step_threshold_from_maze";
-
-/// Where the value of a setting came from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Origin {
-    /// Nobody set it.
-    Default,
-    /// A settings file, by its name.
-    File(String),
-    /// `--set` on the command line.
-    Set,
-    /// Nobody set it, and the default is not enough for the maze.
-    Maze,
-}
-
-impl fmt::Display for Origin {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Default => f.write_str("default"),
-            Self::File(name) => f.write_str(name),
-            Self::Set => f.write_str("--set"),
-            Self::Maze => f.write_str("the maze"),
-        }
-    }
-}
-
-/// Why settings cannot be used.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SettingsError {
-    /// The file is no TOML.
-    #[error("{origin} is not valid TOML: {fault}")]
-    Syntax {
-        /// Which file.
-        origin: Origin,
-        /// What the TOML parser says, with line and column.
-        fault: String,
-    },
-    /// `--set` without an equals sign.
-    #[error("`--set {0}` is not a setting: write `--set section.key=value`")]
-    NoValue(String),
-    /// There is no such setting.
-    #[error("{origin}: there is no setting `{key}`{}", did_you_mean(.suggestion))]
-    Unknown {
-        /// The key that was given.
-        key: String,
-        /// Where.
-        origin: Origin,
-        /// A setting with a similar name.
-        suggestion: Option<String>,
-    },
-    /// The value is of the wrong type.
-    #[error("{origin}: `{key}` is {given}, but must be {wanted}")]
-    Type {
-        /// The setting.
-        key: String,
-        /// Where.
-        origin: Origin,
-        /// The value that was given.
-        given: String,
-        /// What it must be.
-        wanted: String,
-    },
-    /// The value lies outside of its range.
-    #[error("{origin}: {fault}")]
-    Range {
-        /// Where.
-        origin: Origin,
-        /// Which setting, and its range.
-        fault: OutOfRange,
-    },
-}
-
-fn did_you_mean(suggestion: &Option<String>) -> String {
-    let hint = "; `xcscr config show --resolved` lists all".to_owned();
-    suggestion
-        .as_ref()
-        .map_or(hint, |key| format!("; did you mean `{key}`?"))
-}
 
 /// Settings, and where each one came from.
 #[derive(Debug, Clone, PartialEq)]
