@@ -7,7 +7,7 @@ use xcscr::agent::{Agent, Chooser, Discovery, Frozen, Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Config, Plan, Settings, Trial};
+use xcscr::trial::{Config, Evaluation, Plan, Settings, Trial};
 use xcscr::world::Maze;
 
 /// What the rules decided: the percept, the action, and the condition of the rule that fired.
@@ -117,6 +117,41 @@ fn few_rules_suffice_at_any_time() {
                 decisions.most_rules
             );
         }
+    }
+}
+
+#[test]
+fn an_optimum_that_was_found_in_maze4_is_not_lost_again_in_99_of_100_trials() {
+    let settings = Settings::default();
+    let never_lost = (1..=100).filter(|&seed| {
+        let (trial, _) = trained("maze4", seed, &settings);
+        trial.progress().optimal_share_after_first() == Some(1.0)
+    });
+    let kept = never_lost.count();
+    assert!(kept >= 99, "{kept} of 100");
+}
+
+/// Does the greedy policy of the fittest `number` rules take a shortest path?
+fn suffice(trial: &Trial, number: usize) -> bool {
+    let mut rules = rules(trial).rules().to_vec();
+    rules.sort_by(|a, b| b.fitness.total_cmp(&a.fitness));
+    rules.truncate(number);
+    let rules = Knowledge::Rules(Population::try_from(rules).unwrap());
+    let found = Evaluation::run(trial.plan(), &rules, 10).unwrap();
+    found.is_optimal()
+}
+
+#[test]
+fn control_cut_down_to_its_eight_fittest_rules_it_mostly_finds_no_shortest_path() {
+    for (maze, most) in [("maze4", 9), ("maze5", 1), ("maze6", 9)] {
+        let settings = Settings::default();
+        let trials: Vec<_> = (1..=20)
+            .map(|seed| trained(maze, seed, &settings).0)
+            .collect();
+        let whole = trials.iter().filter(|trial| suffice(trial, 100)).count();
+        let cut = trials.iter().filter(|trial| suffice(trial, 8)).count();
+        assert_eq!(whole, 20, "{maze}: with all rules");
+        assert!(cut <= most, "{maze}: {cut} with eight rules");
     }
 }
 

@@ -16,12 +16,18 @@ use super::CollisionRule;
 use super::bumps::{Bumps, Tally};
 use xcs::{Action, MAX_ACTIONS, Percept};
 
+/// A collision that is foretold with more certainty than this is believed outright: far from the
+/// goal, even a small doubt would promise more than all that is known.
+const BELIEVED: f64 = 0.5;
+
 /// The rules for all actions.
 #[derive(Debug, Clone)]
 pub(in crate::agent) struct CollisionRules {
     count: usize,
     /// The bits of the percept that lie in a ring around the robot; 0 if none do.
     ring: usize,
+    /// The power to which a forecast is raised before it is believed.
+    certainty: u32,
     /// Rules for one action each.
     actions: [Bumps; MAX_ACTIONS],
     /// Rules for every action, on the percept turned as far as the action is from the first one.
@@ -30,10 +36,11 @@ pub(in crate::agent) struct CollisionRules {
 
 impl CollisionRules {
     /// Nothing is known of `actions` actions in percepts whose first `ring` bits form a ring.
-    pub fn new(actions: usize, ring: usize) -> Self {
+    pub fn new(actions: usize, ring: usize, certainty: u32) -> Self {
         Self {
             count: actions,
             ring,
+            certainty,
             actions: Default::default(),
             turned: Bumps::default(),
         }
@@ -71,8 +78,14 @@ impl CollisionRules {
         self.ring > 0 && self.turned.learn(&turned, bumped) || own
     }
 
+    /// How firmly it is believed that an action bumps in a percept, 0 to 1.
+    pub fn belief(&self, percept: &Percept, action: Action) -> f64 {
+        let bump = self.forecast(percept, action).powi(self.certainty as i32);
+        if bump > BELIEVED { 1.0 } else { bump }
+    }
+
     /// How likely an action bumps in a percept, 0 to 1, by the vote of the candidates.
-    pub fn forecast(&self, percept: &Percept, action: Action) -> f64 {
+    fn forecast(&self, percept: &Percept, action: Action) -> f64 {
         let own = &self.actions[action.index()];
         let best = own.most_hits().max(self.turned.most_hits());
         let [own_bump, own_all] = own.votes(percept, best);
@@ -124,7 +137,7 @@ mod tests {
     use super::*;
 
     fn rules() -> CollisionRules {
-        CollisionRules::new(4, 8)
+        CollisionRules::new(4, 8, 1)
     }
 
     fn action(number: usize) -> Action {
@@ -199,7 +212,7 @@ mod tests {
         let mut first = rules();
         SEEN.iter()
             .for_each(|(percept, bumped)| learn(&mut first, percept, *bumped));
-        let mut next = CollisionRules::new(4, 0);
+        let mut next = CollisionRules::new(4, 0, 1);
         next.bring(&first.rules());
         assert!(forecast(&next, "01010000", 0) > 0.7, "its own rules come");
         assert_eq!(forecast(&next, "00010000", 1), 0.0);

@@ -5,7 +5,6 @@ use std::collections::BinaryHeap;
 
 use super::collision_rules::CollisionRules;
 use super::known::Known;
-use super::return_rules::ReturnRules;
 use super::transitions::Transitions;
 use crate::agent::params::Params;
 use xcs::random::Stream;
@@ -19,12 +18,7 @@ pub(in crate::agent) struct Model<'a> {
     pub memory: &'a Transitions,
     pub known: &'a Known,
     pub collisions: &'a CollisionRules,
-    pub returns: &'a ReturnRules,
 }
-
-/// A collision that is foretold with more certainty than this is not tried: far from the goal, even
-/// a small doubt would promise more than all that is known.
-const BELIEVED: f64 = 0.5;
 
 /// Searches forward from the present percept, in the belief that an untried action leads straight
 /// to the goal unless a collision or a way back is foretold. The way that is found is followed
@@ -32,11 +26,11 @@ const BELIEVED: f64 = 0.5;
 #[derive(Debug, Clone)]
 pub(in crate::agent) struct Exploration {
     actions: usize,
-    /// What an untried action is believed to be worth above the floor, and one that bumps.
+    /// What an untried action is believed to be worth above the floor, and one that bumps; that is
+    /// never worth trying.
     goal: f64,
     collision: f64,
     step: f64,
-    certainty: i32,
     /// What is left of the way, the next step last.
     way: Vec<(usize, Action)>,
     /// Counts what was learned that may change a promise, from 1.
@@ -55,10 +49,10 @@ struct Forecasts(Vec<(u64, [f64; MAX_ACTIONS])>);
 #[derive(Debug, Clone, Default)]
 struct Search {
     number: u32,
-    open: BinaryHeap<(u64, Reverse<usize>, bool)>,
+    open: BinaryHeap<(u64, Reverse<usize>)>,
     /// By percept: how it was reached.
     reached: Vec<Reached>,
-    ends: Vec<(usize, Option<Action>)>,
+    ends: Vec<(usize, Action)>,
 }
 
 /// How a percept was reached.
@@ -73,13 +67,12 @@ struct Reached {
 }
 
 impl Exploration {
-    pub fn new(actions: usize, params: &Params, floor: f64, certainty: u32) -> Self {
+    pub fn new(actions: usize, params: &Params, floor: f64) -> Self {
         Self {
             actions,
             goal: params.goal - floor,
-            collision: params.collision - floor,
+            collision: (params.collision - floor).min(0.0),
             step: params.step,
-            certainty: certainty as i32,
             way: Vec::new(),
             version: 1,
             content: Vec::new(),
@@ -146,16 +139,9 @@ impl Exploration {
     fn find(&mut self, from: usize, model: &Model<'_>, stream: &mut Stream) {
         let mut best = model.known.value(from) * (1.0 + NEGLIGIBLE);
         self.search.begin(from, model.memory.percepts().len());
-        while let Some((factor, percept, believed)) = self.search.pop() {
+        while let Some((factor, percept)) = self.search.pop() {
             if factor * self.goal < best {
                 break;
-            }
-            if believed {
-                self.search.offer(
-                    factor * model.known.value(percept),
-                    (percept, None),
-                    &mut best,
-                );
             }
             let worths = self.believed_worths(percept, model);
             for action in Action::all(self.actions) {
@@ -163,19 +149,19 @@ impl Exploration {
                 if outcomes.tries() > 0 {
                     if let Some((next, share)) = outcomes.likeliest_move(percept, self.step) {
                         let factor = factor * share * model.known.gamma();
-                        self.search.push(factor, next, believed, (percept, action));
+                        self.search.push(factor, next, (percept, action));
                     }
-                } else if let Some(next) = way_back(model, percept, action) {
+                } else if let Some(next) = model.known.way_back(model.memory, percept, action) {
                     let factor = factor * model.known.gamma();
-                    self.search.push(factor, next, true, (percept, action));
+                    self.search.push(factor, next, (percept, action));
                 } else {
                     let worth = factor * worths[action.index()];
-                    self.search.offer(worth, (percept, Some(action)), &mut best);
+                    self.search.offer(worth, (percept, action), &mut best);
                 }
             }
         }
         if let Some(&(last, action)) = stream.choose(&self.search.ends) {
-            self.way.extend(action.map(|action| (last, action)));
+            self.way.push((last, action));
             self.search.trace(last, &mut self.way);
         }
     }
@@ -188,29 +174,13 @@ impl Exploration {
         if *version != model.collisions.version() {
             *version = model.collisions.version();
             for action in Action::all(self.actions) {
-                let forecast = model
-                    .collisions
-                    .forecast(&model.memory.percepts()[percept], action);
-                let bump = forecast.powi(self.certainty);
-                worths[action.index()] = match bump > BELIEVED {
-                    true => self.collision.min(0.0),
-                    false => (1.0 - bump) * self.goal + bump * self.collision,
-                };
+                let percept = &model.memory.percepts()[percept];
+                let bump = model.collisions.belief(percept, action);
+                worths[action.index()] = (1.0 - bump) * self.goal + bump * self.collision;
             }
         }
         *worths
     }
-}
-
-/// The percept to which an untried action is believed to lead back.
-fn way_back(model: &Model<'_>, percept: usize, action: Action) -> Option<usize> {
-    let mut before = model.known.before(percept).iter().rev();
-    let leads_back = |&&(from, there): &&(usize, Action)| {
-        from != percept
-            && model.returns.undoing(there).any(|back| back == action)
-            && model.memory.outcomes(from, there).only_next() == Some(percept)
-    };
-    before.find(leads_back).map(|&(from, _)| from)
 }
 
 impl Search {
@@ -224,23 +194,23 @@ impl Search {
             before: None,
             factor: 1.0,
         };
-        self.open.push((1_f64.to_bits(), Reverse(from), false));
+        self.open.push((1_f64.to_bits(), Reverse(from)));
     }
 
-    /// The reached percept with the greatest factor, and whether a step to it is only believed.
-    fn pop(&mut self) -> Option<(f64, usize, bool)> {
+    /// The reached percept with the greatest factor.
+    fn pop(&mut self) -> Option<(f64, usize)> {
         loop {
-            let (bits, Reverse(percept), believed) = self.open.pop()?;
+            let (bits, Reverse(percept)) = self.open.pop()?;
             let factor = f64::from_bits(bits);
             if self.reached[percept].factor == factor {
                 // Settled: no later entry has this factor.
-                return Some((factor, percept, believed));
+                return Some((factor, percept));
             }
         }
     }
 
     /// A step leads to a percept.
-    fn push(&mut self, factor: f64, to: usize, believed: bool, step: (usize, Action)) {
+    fn push(&mut self, factor: f64, to: usize, step: (usize, Action)) {
         let reached = &mut self.reached[to];
         if reached.search == self.number && reached.factor >= factor {
             return;
@@ -250,11 +220,11 @@ impl Search {
             before: Some(step),
             factor,
         };
-        self.open.push((factor.to_bits(), Reverse(to), believed));
+        self.open.push((factor.to_bits(), Reverse(to)));
     }
 
     /// A way may end here, with this worth; ways of equal worth are collected.
-    fn offer(&mut self, worth: f64, end: (usize, Option<Action>), best: &mut f64) {
+    fn offer(&mut self, worth: f64, end: (usize, Action), best: &mut f64) {
         if worth > *best {
             *best = worth;
             self.ends.clear();

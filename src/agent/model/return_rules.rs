@@ -5,6 +5,7 @@
 //! every cell.
 
 use super::ReturnRule;
+use super::transitions::Transitions;
 use xcs::{Action, MAX_ACTIONS};
 
 /// A rule is believed from so many successes on ...
@@ -22,7 +23,7 @@ pub(in crate::agent) struct ReturnRules {
     counts: Counts,
 }
 
-type Counts = [[u32; 2]; MAX_ACTIONS];
+pub(in crate::agent) type Counts = [[u32; 2]; MAX_ACTIONS];
 
 impl ReturnRules {
     /// Nothing is known of `actions` actions.
@@ -51,27 +52,52 @@ impl ReturnRules {
         counts.iter().flatten().all(|&count| count <= MOST_COUNTED)
     }
 
-    /// Learns whether `next`, taken right after a move by `first`, led back.
-    pub fn learn(&mut self, first: Action, next: Action, back: bool) {
-        let turn = (next.index() + self.actions - first.index()) % self.actions;
-        self.counts[turn][usize::from(!back)] += 1;
+    /// Learns whether `next`, taken right after a move by `first`, led back; true if that changes
+    /// what is believed.
+    pub fn learn(&mut self, first: Action, next: Action, back: bool) -> bool {
+        let count = &mut self.counts[turn(first, next, self.actions)];
+        let before = is_believed(*count);
+        count[usize::from(!back)] += 1;
+        is_believed(*count) != before
     }
 
-    /// The actions that are believed to undo a move by `first`.
-    pub fn undoing(&self, first: Action) -> impl Iterator<Item = Action> {
-        let undone_by =
-            move |rule: ReturnRule| Action::new((first.index() + rule.turn.index()) % self.actions);
-        self.rules().filter_map(undone_by)
+    /// Is a move by `first` believed to be undone by `next`?
+    pub fn undoes(&self, first: Action, next: Action) -> bool {
+        is_believed(self.counts[turn(first, next, self.actions)])
+    }
+
+    /// The percept to which an action is foretold to lead back; `before` are the pairs that were
+    /// followed by the present one.
+    pub fn way_back(
+        &self,
+        memory: &Transitions,
+        before: &[(usize, Action)],
+        (percept, action): (usize, Action),
+    ) -> Option<usize> {
+        let mut before = before.iter().rev();
+        let leads_back = |&&(from, there): &&(usize, Action)| {
+            from != percept
+                && self.undoes(there, action)
+                && memory.outcomes(from, there).only_next() == Some(percept)
+        };
+        before.find(leads_back).map(|&(from, _)| from)
     }
 
     /// The rules that are believed.
     pub fn rules(&self) -> impl Iterator<Item = ReturnRule> {
         let turns = Action::all(self.actions).zip(&self.counts);
-        let rules = turns.map(|(turn, &[hits, misses])| ReturnRule { turn, hits, misses });
-        rules.filter(|&ReturnRule { hits, misses, .. }| {
-            hits >= LEAST_HITS && f64::from(hits) >= LEAST_ACCURACY * f64::from(hits + misses)
-        })
+        let believed = turns.filter(|&(_, &count)| is_believed(count));
+        believed.map(|(turn, &[hits, misses])| ReturnRule { turn, hits, misses })
     }
+}
+
+/// How far one has to turn from one of `actions` actions to the next.
+fn turn(first: Action, next: Action, actions: usize) -> usize {
+    (next.index() + actions - first.index()) % actions
+}
+
+fn is_believed([hits, misses]: [u32; 2]) -> bool {
+    hits >= LEAST_HITS && f64::from(hits) >= LEAST_ACCURACY * f64::from(hits + misses)
 }
 
 #[cfg(test)]
@@ -80,7 +106,8 @@ mod tests {
 
     fn undoing(rules: &ReturnRules, first: usize) -> Vec<usize> {
         let first = Action::new(first).unwrap();
-        rules.undoing(first).map(Action::index).collect()
+        let undoing = Action::all(4).filter(|&next| rules.undoes(first, next));
+        undoing.map(Action::index).collect()
     }
 
     fn learn(rules: &mut ReturnRules, [first, next]: [usize; 2], back: bool) {

@@ -50,6 +50,11 @@ impl Outcomes {
         }
     }
 
+    /// The percepts that followed.
+    pub fn nexts(&self) -> impl Iterator<Item = usize> {
+        self.0.iter().filter_map(|outcome| outcome.next)
+    }
+
     /// Where the pair most often led from `percept`, and in which share of its tries; `None` when
     /// it stayed there, ended in a goal, or cost more than a `step`.
     pub fn likeliest_move(&self, percept: usize, step: f64) -> Option<(usize, f64)> {

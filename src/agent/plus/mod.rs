@@ -26,7 +26,6 @@ use super::model::Foresight;
 use super::model::collision_rules::CollisionRules;
 use super::model::exploration::{Exploration, Model};
 use super::model::known::Known;
-use super::model::return_rules::ReturnRules;
 use super::model::transitions::{Transition, Transitions};
 use super::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use crate::arena::Outcome;
@@ -46,7 +45,6 @@ pub struct Plus {
     lessons: Lessons,
     induction: Induction,
     collisions: CollisionRules,
-    returns: ReturnRules,
     exploration: Exploration,
     /// Decides between equally promising ways, and what is rehearsed.
     stream: Stream,
@@ -87,9 +85,8 @@ impl Plus {
             memory: Transitions::default(),
             lessons: Lessons::default(),
             induction: Induction::default(),
-            collisions: CollisionRules::new(actions, ring),
-            returns: ReturnRules::new(actions),
-            exploration: Exploration::new(actions, &params, known.floor(), own.certainty),
+            collisions: CollisionRules::new(actions, ring, own.certainty),
+            exploration: Exploration::new(actions, &params, known.floor()),
             known,
             stream: planning,
             path: Vec::new(),
@@ -153,7 +150,10 @@ impl Plus {
         };
         if self.own.return_rules && first.percept != second.percept && !second.bumped {
             let back = next == Some(first.percept);
-            self.returns.learn(first.action, second.action, back);
+            let turn = [first.action, second.action];
+            if self.known.learn_return(&self.memory, turn, back) {
+                self.exploration.wake();
+            }
         }
     }
 
@@ -178,7 +178,6 @@ impl Plus {
             memory: &self.memory,
             known: &self.known,
             collisions: &self.collisions,
-            returns: &self.returns,
         };
         match self.own.planned_exploration {
             true => self.exploration.next(number, &model, &mut self.stream),
@@ -279,7 +278,7 @@ impl Agent for Plus {
             rules: self.xcs.population().clone(),
             foresight: Foresight {
                 collisions: self.collisions.rules(),
-                returns: self.returns.rules().collect(),
+                returns: self.known.returns().rules().collect(),
             },
         }
     }
@@ -293,7 +292,7 @@ impl Agent for Plus {
             self.collisions.bring(&foresight.collisions);
         }
         if self.own.return_rules {
-            self.returns.bring(&foresight.returns);
+            self.known.bring(&foresight.returns);
         }
         true
     }
@@ -306,27 +305,22 @@ impl Agent for Plus {
         memory::of(&(
             (self.xcs.learned(), &self.stream),
             (&self.memory, self.known.kept(), &self.lessons),
-            (
-                self.collisions.kept(),
-                self.returns.kept(),
-                self.exploration.kept(),
-            ),
+            (self.collisions.kept(), self.exploration.kept()),
         ))
     }
 
     fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
         let mut method = self.clone();
-        let (of_rules, of_model, of_foresight) = memory::recall(saved)?;
-        let (learned, known, collisions, returns, exploration);
+        let (of_rules, of_model, of_exploration) = memory::recall(saved)?;
+        let (learned, known, collisions, exploration);
         (learned, method.stream) = of_rules;
         (method.memory, known, method.lessons) = of_model;
-        (collisions, returns, exploration) = of_foresight;
+        (collisions, exploration) = of_exploration;
         let fits = method.xcs.resume(learned)
             && method.memory.is_sound()
             && method.lessons_are_sound()
             && method.known.resume(known, &method.memory)
-            && method.collisions.resume(collisions)
-            && method.returns.resume(returns);
+            && method.collisions.resume(collisions);
         method.exploration.resume(exploration);
         memory::resumed(method, fits)
     }
