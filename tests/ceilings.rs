@@ -12,13 +12,22 @@ const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
 fn twenty(method: Method, maze: &str, settings: &Settings) -> Vec<Progress> {
     let path = format!("{}/worlds/{maze}.json", env!("CARGO_MANIFEST_DIR"));
     let maze = Maze::load(path.as_ref()).unwrap();
+    twenty_in(&maze, (Sensor::Neighbours, 60), method, settings)
+}
+
+fn twenty_in(
+    maze: &Maze,
+    (sensor, episodes): (Sensor, u32),
+    method: Method,
+    settings: &Settings,
+) -> Vec<Progress> {
     let progress = |seed| {
         let config = Config {
             version: String::new(),
             method,
             arena: ArenaKind::Grid,
-            sensor: Sensor::Neighbours,
-            episodes: 60,
+            sensor,
+            episodes,
             seed,
             settings: settings.clone(),
             initial: None,
@@ -105,4 +114,30 @@ fn without_planned_exploration_xcscr_plus_often_fails() {
     let trials = twenty(Method::XcscrPlus, "maze5", &settings);
     let found = trials.iter().filter(|one| one.optimal).count();
     assert!(found <= 10, "{found} of 20 were optimal all the same");
+}
+
+/// A room of 5 x 5 cells with eight moves and random starts.
+const ROOM: &str = r########"{ "moves": 8, "rows": [
+    "#######", "#.....#", "#.....#", "#...G.#", "#.....#", "#.....#", "#######"
+] }"########;
+
+#[test]
+fn in_an_open_room_with_random_starts_xcscr_plus_ties_with_r_max_of_the_same_foresight() {
+    let maze = Maze::from_json(ROOM.as_bytes(), "room.json").unwrap();
+    let twenty = |method, settings: &Settings| {
+        twenty_in(&maze, (Sensor::NeighboursPosition, 200), method, settings)
+    };
+    let ours = twenty(Method::XcscrPlus, &Settings::default());
+    let mut settings = r_max_on_what_is_known();
+    let without = twenty(Method::RMax, &settings);
+    settings.tabular.foresight = true;
+    let with = twenty(Method::RMax, &settings);
+    for (who, trials) in [("ours", &ours), ("with", &with), ("without", &without)] {
+        let optimal = trials.iter().filter(|one| one.optimal).count();
+        assert_eq!(optimal, 20, "{who}");
+    }
+    let [ours, with, without] = [ours, with, without].map(|trials| median_steps(&trials));
+    let steps = format!("{ours} steps; R-max {with}, without foresight {without}");
+    assert!(10 * ours <= 12 * with, "{steps}");
+    assert!(2 * without > 3 * with, "control: {steps}");
 }

@@ -93,6 +93,13 @@ impl Method {
             let imprinting = stream(StreamName::Imprinting);
             Box::new(Combined::new(learner(), reward, imprinting))
         };
+        let (foresight, certainty) = (tabular.foresight, plus.certainty);
+        let rival = |tabular: Tabular| -> Box<dyn Agent> {
+            match foresight {
+                true => Box::new(tabular.with_foresight(ring, certainty)),
+                false => Box::new(tabular),
+            }
+        };
         match self {
             Self::Xcs => Box::new(Standard::new(learner(), reward)),
             Self::Xcsam => Box::new(Standard::new(learner().with_adaptive_mapping(), reward)),
@@ -108,9 +115,9 @@ impl Method {
             Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
             Self::DynaQ => {
                 let replay = stream(StreamName::Replay);
-                Box::new(Tabular::dyna_q(actions, reward, tabular, replay))
+                rival(Tabular::dyna_q(actions, reward, tabular, replay))
             }
-            Self::RMax => Box::new(Tabular::r_max(actions, reward, tabular)),
+            Self::RMax => rival(Tabular::r_max(actions, reward, tabular)),
         }
     }
 }

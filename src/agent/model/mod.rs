@@ -1,6 +1,6 @@
 //! What is foreseen: remembered transitions, rules that foretell, and plans made of them.
 
-mod bumps;
+pub(super) mod bumps;
 pub(super) mod collision_rules;
 pub(super) mod exploration;
 mod foresight;

@@ -21,8 +21,20 @@ impl Values {
     }
 }
 
+/// What is believed of a pair that is not known.
+#[derive(Debug, Clone, Copy)]
+pub enum Belief {
+    /// What it is worth.
+    Worth(f64),
+    /// The reward, and the number of the percept that follows.
+    LeadsTo(f64, usize),
+}
+
+/// A pair whose value follows from those of others.
+type Open = (usize, Action, Option<(f64, usize)>);
+
 /// How values are planned: pairs that were tried `known_after` times by what followed them, all
-/// others by what they are believed to be worth.
+/// others by what is believed of them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Planner {
     pub actions: usize,
@@ -31,16 +43,19 @@ pub struct Planner {
 }
 
 impl Planner {
-    /// Plans anew, where a pair that is not known is believed to be worth `unknown`.
-    pub fn plan(&self, memory: &Transitions, unknown: f64) -> Values {
+    /// Plans anew, with what is believed of pairs that are not known.
+    pub fn plan(&self, memory: &Transitions, believed: impl Fn(usize, Action) -> Belief) -> Values {
         let mut values = Values(vec![[0.0; MAX_ACTIONS]; memory.percepts().len()]);
         let mut open = Vec::new();
         for percept in 0..memory.percepts().len() {
             for action in Action::all(self.actions) {
                 if memory.outcomes(percept, action).tries() >= self.known_after {
-                    open.push((percept, action));
-                } else {
-                    values.0[percept][action.index()] = unknown;
+                    open.push((percept, action, None));
+                    continue;
+                }
+                match believed(percept, action) {
+                    Belief::Worth(worth) => values.0[percept][action.index()] = worth,
+                    Belief::LeadsTo(reward, to) => open.push((percept, action, Some((reward, to)))),
                 }
             }
         }
@@ -54,12 +69,17 @@ impl Planner {
         values
     }
 
-    /// Updates every known pair by what followed it (Bellman's equation); gives the greatest change.
-    fn sweep(&self, memory: &Transitions, open: &[(usize, Action)], values: &mut Values) -> f64 {
+    /// Updates every pair by what followed it (Bellman's equation), or is believed to follow; gives
+    /// the greatest change.
+    fn sweep(&self, memory: &Transitions, open: &[Open], values: &mut Values) -> f64 {
         let mut change: f64 = 0.0;
-        for &(percept, action) in open {
+        for &(percept, action, believed) in open {
+            let value = |reward, next| reward + self.gamma * self.after(values, next);
             let outcomes = memory.outcomes(percept, action);
-            let value = outcomes.mean(|o| o.reward + self.gamma * self.after(values, o.next));
+            let value = match believed {
+                Some((reward, to)) => value(reward, Some(to)),
+                None => outcomes.mean(|o| value(o.reward, o.next)),
+            };
             let old = &mut values.0[percept][action.index()];
             change = change.max((value - *old).abs());
             *old = value;

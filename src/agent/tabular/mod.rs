@@ -1,5 +1,6 @@
 //! Tabular rivals on the same percepts, so that every claim about rules has its control.
 
+mod foretelling;
 mod params;
 mod table;
 mod traces;
@@ -10,13 +11,14 @@ use std::mem::discriminant;
 
 use serde::{Deserialize, Serialize};
 
+use foretelling::{Foretelling, Kept};
 use table::{Rows, Table};
 use traces::Traces;
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
-use super::model::planner::Planner;
+use super::model::planner::{Belief, Planner};
 use super::model::transitions::{Transition, Transitions};
 use super::params::Params;
 use super::{Agent, Choice, Chooser, EndCredit, StepCredit};
@@ -42,12 +44,17 @@ enum Algorithm {
 }
 
 impl Algorithm {
+    /// What is remembered, by algorithms with a model.
+    fn memory(&self) -> Option<&Transitions> {
+        match self {
+            Self::DynaQ(memory, _) | Self::RMax(memory) => Some(memory),
+            Self::QLearning | Self::SarsaLambda(_) => None,
+        }
+    }
+
     /// Does its memory, if it has one, name what it should?
     fn is_sound(&self) -> bool {
-        match self {
-            Self::DynaQ(memory, _) | Self::RMax(memory) => memory.is_sound(),
-            Self::QLearning | Self::SarsaLambda(_) => true,
-        }
+        self.memory().is_none_or(Transitions::is_sound)
     }
 }
 
@@ -58,12 +65,23 @@ pub struct Tabular {
     params: Params,
     own: TabularParams,
     table: Table,
+    /// What foretells collisions and ways back, in methods with a model.
+    foretelling: Option<Foretelling>,
     /// What the greedy policy follows, where that is not `table`.
     policy: Option<Table>,
     /// The percept under consideration.
     percept: Option<Percept>,
-    /// The last step, before it is known what came after it.
-    pending: Option<(Percept, Action, f64)>,
+    /// The last step.
+    pending: Option<Pending>,
+}
+
+/// A step before it is known what came after it.
+#[derive(Debug, Clone, Copy)]
+struct Pending {
+    percept: Percept,
+    action: Action,
+    reward: f64,
+    bumped: bool,
 }
 
 impl Tabular {
@@ -100,17 +118,25 @@ impl Tabular {
             params,
             own,
             table: Table::new(actions),
+            foretelling: None,
             policy: None,
             percept: None,
             pending: None,
         }
     }
 
-    /// Goes on with an algorithm and tables from a file; `None` if they are another algorithm's,
-    /// or damaged.
+    /// The same with the foresight of `xcscr-plus`, for percepts whose first `ring` bits lie in a
+    /// ring around the robot; `certainty` is `plus.certainty`.
+    pub fn with_foresight(mut self, ring: usize, certainty: u32) -> Self {
+        self.foretelling = Some(Foretelling::new(self.table.actions(), ring, certainty));
+        self
+    }
+
+    /// Goes on with an algorithm, tables and foresight from a file; `None` if they are another
+    /// algorithm's, or damaged.
     fn going_on(
         mut self,
-        (algorithm, table, policy): (Algorithm, Rows, Option<Rows>),
+        (algorithm, table, policy, foretelling): (Algorithm, Rows, Option<Rows>, Option<Kept>),
     ) -> Option<Self> {
         let is_same = discriminant(&self.algorithm) == discriminant(&algorithm);
         let fits = is_same && algorithm.is_sound();
@@ -121,12 +147,23 @@ impl Tabular {
             Some(rows) => Some(Table::with_rows(actions, rows)?),
             None => None,
         };
-        Some(self)
+        let met = self.algorithm.memory().map_or(0, |it| it.percepts().len());
+        let resumed = match (&mut self.foretelling, foretelling) {
+            (Some(own), Some(kept)) => own.resume(kept, met),
+            (own, kept) => own.is_none() && kept.is_none(),
+        };
+        resumed.then_some(self)
     }
 
     /// Learns the pending step, now that it is known what came after it.
     fn learn(&mut self, next: Option<Percept>, next_action: Option<Action>) {
-        let Some((percept, action, reward)) = self.pending.take() else {
+        let Some(Pending {
+            percept,
+            action,
+            reward,
+            bumped,
+        }) = self.pending.take()
+        else {
             return;
         };
         let step = Transition {
@@ -142,18 +179,42 @@ impl Tabular {
                 let decay = self.own.lambda * gamma;
                 traces.learn(&mut self.table, &step, next_action, [alpha, gamma, decay]);
             }
-            Algorithm::DynaQ(memory, stream) => {
+            Algorithm::DynaQ(memory, _) => {
                 memory.learn(&step, 1);
-                self.table.q_update(&step, alpha, gamma);
-                for _ in 0..self.own.replays {
-                    if let Some(recalled) = memory.recall(stream) {
-                        self.table.q_update(&recalled, alpha, gamma);
-                    }
+                if let Some(foretelling) = &mut self.foretelling {
+                    foretelling.learn(memory, &step, bumped);
                 }
+                self.table.q_update(&step, alpha, gamma);
+                self.replay();
             }
             Algorithm::RMax(memory) => {
-                if memory.learn(&step, self.own.known_after) {
+                let mut news = memory.learn(&step, self.own.known_after);
+                if let Some(foretelling) = &mut self.foretelling {
+                    news |= foretelling.learn(memory, &step, bumped);
+                }
+                if news {
                     self.plan();
+                }
+            }
+        }
+    }
+
+    /// Dyna-Q: learns remembered transitions again, and with each what is foretold where it began.
+    fn replay(&mut self) {
+        let Algorithm::DynaQ(memory, stream) = &mut self.algorithm else {
+            return;
+        };
+        let (alpha, gamma) = (self.own.alpha, self.params.gamma);
+        let actions = self.table.actions();
+        for _ in 0..self.own.replays {
+            let Some(recalled) = memory.recall(stream) else {
+                return;
+            };
+            self.table.q_update(&recalled, alpha, gamma);
+            if let Some(foretelling) = &self.foretelling {
+                let number = memory.meet(&recalled.percept);
+                for step in foretelling.foretold(memory, number, actions, &self.params) {
+                    self.table.q_update(&step, alpha, gamma);
                 }
             }
         }
@@ -171,7 +232,11 @@ impl Tabular {
             gamma: self.params.gamma,
         };
         let table = |unknown: f64| {
-            let values = planner.plan(memory, unknown);
+            let believed = |percept, action| match &self.foretelling {
+                Some(it) => it.belief(memory, (percept, action), &self.params, unknown),
+                None => Belief::Worth(unknown),
+            };
+            let values = planner.plan(memory, believed);
             Table::from_values(memory, &values, actions)
         };
         self.policy = (!self.own.optimistic_policy).then(|| table(UNTRIED));
@@ -208,7 +273,16 @@ impl Agent for Tabular {
             self.learn(Some(percept), Some(action));
         }
         let short_term_reward = self.params.short_term(outcome);
-        self.pending = Some((percept, action, short_term_reward));
+        let bumped = matches!(outcome, Outcome::Collided { .. });
+        if let Some(foretelling) = &mut self.foretelling {
+            foretelling.learn_bump(&percept, action, bumped);
+        }
+        self.pending = Some(Pending {
+            percept,
+            action,
+            reward: short_term_reward,
+            bumped,
+        });
         StepCredit {
             short_term_reward,
             ..StepCredit::default()
@@ -221,10 +295,13 @@ impl Agent for Tabular {
         if reached_goal {
             self.pending
                 .iter_mut()
-                .for_each(|(.., reward)| *reward += long_term_reward);
+                .for_each(|last| last.reward += long_term_reward);
             self.learn(None, None);
         }
         self.pending = None;
+        if let Some(foretelling) = &mut self.foretelling {
+            foretelling.begin();
+        }
         if let Algorithm::SarsaLambda(traces) = &mut self.algorithm {
             traces.clear();
         }
@@ -253,7 +330,8 @@ impl Agent for Tabular {
 
     fn memory(&self) -> Vec<u8> {
         let policy = self.policy.as_ref().map(Table::rows);
-        memory::of(&(&self.algorithm, self.table.rows(), policy))
+        let foretelling = self.foretelling.as_ref().map(Foretelling::kept);
+        memory::of(&(&self.algorithm, self.table.rows(), policy, foretelling))
     }
 
     fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {

@@ -20,5 +20,7 @@ settings! {
         /// Does R-max's greedy policy follow its optimistic values, under which what is unknown is
         /// best? If not, it is planned on what is known.
         optimistic_policy: bool = true;
+        /// Do R-max and Dyna-Q foretell collisions and ways back, as `xcscr-plus` does by default?
+        foresight: bool = false;
     }
 }
