@@ -4,10 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use super::bounds::Bounds;
 use super::plan::Plan;
-use crate::agent::{Explorer, Frozen, Knowledge};
-use crate::arena::{GridArena, SlippingArena};
+use crate::agent::{Agent, Explorer, Frozen, Knowledge};
+use crate::arena::{GridArena, Outcome, SlippingArena};
 use crate::episode;
+use crate::sensor::Sensor;
 use crate::streams::StreamName;
+use crate::world::{Cell, Maze};
+use xcs::Action;
 use xcs::random::Stream;
 
 /// Episodes that a mean is taken over where moves slip.
@@ -73,5 +76,115 @@ impl GreedySteps {
             .then(|| Bounds::of_belief(maze, config.sensor))
             .flatten()?;
         Some(self.mean / bound)
+    }
+}
+
+/// Steps that are followed from one start, over all ways that ties leave open.
+const MOST_FOLLOWED: u32 = 10_000;
+
+/// Mean steps of the greedy policy over all starts, where moves are exact: of several best actions
+/// each counts with the same share, so that no luck is in it. `None` if from some start it knows no
+/// action, does not arrive, or leaves too much open.
+pub(super) fn expected_steps(plan: &Plan, knowledge: &Knowledge) -> Option<f64> {
+    let Plan { maze, config } = plan;
+    let limit = config.settings.reward.step_threshold;
+    let policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
+    let starts = maze.start_cells();
+    let steps = starts
+        .iter()
+        .map(|&start| steps_from(maze, config.sensor, &policy, start));
+    let all: f64 = steps.sum::<Option<f64>>()?;
+    Some(all / starts.len() as f64)
+}
+
+/// The same from one start.
+fn steps_from(maze: &Maze, sensor: Sensor, policy: &Frozen, start: Cell) -> Option<f64> {
+    let mut steps = 0.0;
+    let mut left = MOST_FOLLOWED;
+    let mut open = vec![(policy.clone(), start, 1.0)];
+    while let Some((mut policy, cell, share)) = open.pop() {
+        if maze.is_goal(cell) {
+            continue;
+        }
+        left = left.checked_sub(1)?;
+        steps += share;
+        let worth = policy.consider(&sensor.perceive_at(maze, cell));
+        worth.greatest()?;
+        let best: Vec<Action> = worth.best_actions().collect();
+        let share = share / best.len() as f64;
+        for &other in &best[1..] {
+            let mut policy = policy.clone();
+            let next = take(maze, &mut policy, cell, other);
+            open.push((policy, next, share));
+        }
+        let next = take(maze, &mut policy, cell, best[0]);
+        open.push((policy, next, share));
+    }
+    Some(steps)
+}
+
+/// Takes an action; gives the cell in which that ends.
+fn take(maze: &Maze, policy: &mut Frozen, cell: Cell, action: Action) -> Cell {
+    let direction = maze.direction(action);
+    let next = direction.and_then(|direction| maze.step(cell, direction));
+    let outcome = match next {
+        None => Outcome::Collided { impulse_ns: None },
+        Some(next) if maze.is_goal(next) => Outcome::ReachedGoal,
+        Some(_) => Outcome::Moved,
+    };
+    policy.credit(action, outcome);
+    next.unwrap_or(cell)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arena::ArenaKind;
+
+    /// Mean steps along a corridor of three cells to the goal at its end, from all of them, where
+    /// the first two cells look east or, in some of `ties`, both ways alike.
+    fn in_a_corridor(ties: [bool; 2]) -> Option<f64> {
+        let world = r#######"{ "rows": ["######", "#...G#", "######"] }"#######;
+        let maze = Maze::from_json(world.as_bytes(), "corridor.json").unwrap();
+        let plan = Plan::new(maze)
+            .arena(ArenaKind::Grid)
+            .sensor(Sensor::Position);
+        let maze = &plan.maze;
+        let rows = maze.free_cells().map(|cell| {
+            let west = match ties.get(usize::from(cell.col) - 1) {
+                Some(true) => 1.0,
+                _ => 0.0,
+            };
+            let row = [0.0, 1.0, 0.0, west].map(Some).to_vec();
+            (Sensor::Position.perceive_at(maze, cell), row)
+        });
+        expected_steps(&plan, &Knowledge::Table(rows.collect()))
+    }
+
+    #[test]
+    fn at_a_tie_every_way_counts_with_its_share() {
+        assert_eq!(in_a_corridor([false, false]), Some(2.0));
+        // From the second cell: 2 steps or, by way of the first, 4 or 6 or ...
+        assert_eq!(in_a_corridor([false, true]), None);
+    }
+
+    #[test]
+    fn control_a_tie_of_ways_that_are_equally_short_changes_nothing() {
+        let world = r#####"{ "rows": ["####", "#S.#", "#.G#", "####"] }"#####;
+        let maze = Maze::from_json(world.as_bytes(), "square.json").unwrap();
+        let plan = Plan::new(maze)
+            .arena(ArenaKind::Grid)
+            .sensor(Sensor::Position);
+        let rows = plan.maze.free_cells().map(|cell| {
+            let row = [0.0, 1.0, 1.0, 0.0].map(Some).to_vec();
+            let row = match (cell.row, cell.col) {
+                (1, 2) => [0.0, 0.0, 1.0, 0.0].map(Some).to_vec(),
+                (2, 1) => [0.0, 1.0, 0.0, 0.0].map(Some).to_vec(),
+                _ => row,
+            };
+            (Sensor::Position.perceive_at(&plan.maze, cell), row)
+        });
+        let table = Knowledge::Table(rows.collect());
+        assert_eq!(expected_steps(&plan, &table), Some(2.0));
     }
 }
