@@ -67,10 +67,13 @@ mod tests {
 
     #[test]
     fn condensed_rules_are_never_more_than_were_learned_and_choose_the_same() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze5.json");
-        let maze = Maze::load(std::path::Path::new(path)).unwrap();
         let mut grown = 0;
-        for seed in 1..=12 {
+        let trials = ["maze4", "maze5", "maze6"]
+            .into_iter()
+            .flat_map(|maze| (1..=12).map(move |seed| (maze, seed)));
+        for (maze, seed) in trials {
+            let path = format!("{}/worlds/{maze}.json", env!("CARGO_MANIFEST_DIR"));
+            let maze = Maze::load(path.as_ref()).unwrap();
             let plan = Plan::new(maze.clone());
             let plan = plan
                 .method(Method::XcscrPlus)
