@@ -251,3 +251,80 @@ fn a_study_compares_worlds_to_learn_in_beforehand_and_switches() {
     assert_eq!(table.matches("after=maze4").count(), 6, "{table}");
     assert_eq!(table.matches("neighbours-position").count(), 12, "{table}");
 }
+
+#[test]
+fn why_tells_who_votes_what_would_change_it_and_how_the_rule_came_to_be() {
+    let desk = Desk::new("xcscr-plus");
+    let told = desk.fine(&["rules", "run", "--why", "1,1"]);
+    assert!(told.starts_with("maze4, neighbours, cell 1,1\n"), "{told}");
+    assert!(
+        told.contains("perceives   north wall, north-east wall, east free"),
+        "{told}"
+    );
+    assert!(told.contains("goes        east   (worth: east "), "{told}");
+    assert!(
+        told.contains("100 %"),
+        "one rule has the whole vote: {told}"
+    );
+    assert!(
+        told.contains("has been among the rules since episode "),
+        "{told}"
+    );
+    // A lone file of rules knows no episodes.
+    let lone = [
+        "rules",
+        "run/rules.json",
+        "--world",
+        world("maze4"),
+        "--sensor",
+        "neighbours",
+    ];
+    let lone = desk.fine(&[&lone[..], &["--why", "1,1"]].concat());
+    assert!(
+        told.starts_with(&lone) && !lone.contains("episode"),
+        "{lone}"
+    );
+    // What is said to lead elsewhere does: in the cell that is named, the robot goes that way.
+    let mut named = 0;
+    for cell in ["1,4", "2,4", "3,4", "4,4", "5,5", "4,6"] {
+        let told = desk.fine(&["rules", "run", "--why", cell]);
+        for line in told.lines().filter(|line| line.contains("(as in cell ")) {
+            let (way, rest) = line.trim().split_once(' ').unwrap();
+            let (_, there) = rest.trim_end_matches(')').rsplit_once(' ').unwrap();
+            let there = desk.fine(&["rules", "run", "--why", there]);
+            assert!(
+                there.contains(&format!("goes        {way} ")),
+                "{line}: {there}"
+            );
+            named += 1;
+        }
+    }
+    assert!(named > 0, "no cell of this world is named");
+    for (cell, fault) in [
+        ("0,0", "there is no free cell 0,0"),
+        ("6,6", "6,6 is a goal"),
+    ] {
+        let (code, message) = desk.refused(&["rules", "run", "--why", cell]);
+        assert!(code == Some(2) && message.contains(fault), "{message}");
+    }
+}
+
+#[test]
+fn diff_shows_the_rules_that_only_one_has_and_where_they_part() {
+    let desk = Desk::new("xcscr-plus");
+    let same = desk.fine(&["rules", "run", "--diff", "run"]);
+    assert!(
+        same.contains("They go the same way in every cell."),
+        "{same}"
+    );
+    assert!(!same.contains("Only in"), "{same}");
+    desk.fine(&[&train("xcscr-plus", "maze4", "other")[..], &["--seed", "2"]].concat());
+    let differ = desk.fine(&["rules", "run", "--diff", "other"]);
+    assert!(differ.contains("Only in the first:"), "{differ}");
+    desk.fine(&train("q-learning", "maze4", "table"));
+    let (code, message) = desk.refused(&["rules", "run", "--diff", "table"]);
+    assert!(
+        code == Some(65) && message.contains("it has no rules"),
+        "{message}"
+    );
+}

@@ -32,6 +32,11 @@ impl LearnedArgs {
         self.run.is_dir()
     }
 
+    /// Is it a run as it was, so that running it again gives the same?
+    pub fn can_be_repeated(&self) -> bool {
+        self.is_a_run() && self.world.is_none() && self.sensor.is_none()
+    }
+
     /// The plan of the run, and what was learned. A lone file of rules does not tell where it was
     /// learned: in `arena`, or else in physics.
     pub fn load(&self, arena: Option<ArenaKind>) -> Result<(Plan, Knowledge), Failure> {

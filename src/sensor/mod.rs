@@ -6,6 +6,7 @@
 //! nothing else. On the grid they are what a perfect lidar would show.
 
 mod alike;
+mod changes;
 mod lidar;
 mod neighbours;
 mod position;

@@ -5,12 +5,14 @@ mod checkpoint;
 mod condensed;
 mod evaluation;
 mod greedy;
+mod history;
 mod plan;
 mod resolve;
 mod settings;
 mod settings_error;
 mod toml_text;
 mod warning;
+mod why;
 
 use std::ops::{ControlFlow, RangeInclusive};
 
@@ -21,6 +23,7 @@ pub use checkpoint::{Checkpoint, CheckpointError, is_sealed, seal, unseal};
 pub use condensed::{Condensed, MOST_PERCEPTS};
 pub use evaluation::Evaluation;
 pub use greedy::GreedySteps;
+pub use history::{Lesson, RuleHistory};
 pub use plan::{Config, Plan, PlanError};
 pub use resolve::Resolved;
 pub(crate) use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar};
@@ -29,6 +32,7 @@ pub use settings_error::{Origin, SettingsError};
 pub use toml_text::MOST_TOML_BYTES;
 pub(crate) use toml_text::shortened;
 pub use warning::Warning;
+pub use why::{Change, Vote, Why};
 
 use crate::agent::{Agent, Chosen, Explorer};
 use crate::arena::Arena;

@@ -1,8 +1,12 @@
 //! `xcscr rules`: what was learned, to be read.
 
+mod diff;
+mod why;
+
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 use std::io::Write;
+use std::path::PathBuf;
 
 use clap::ValueEnum;
 use serde::Serialize;
@@ -25,6 +29,13 @@ pub struct RulesArgs {
     /// Only the rules that match what the robot perceives in this cell.
     #[arg(long, value_name = "COL,ROW", value_parser = cell)]
     cell: Option<Cell>,
+    /// Why the robot goes where it goes in this cell: the rules that vote, what would have to be
+    /// different, and the episodes that made the strongest rule what it is.
+    #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["cell", "compact", "json", "csv"])]
+    why: Option<Cell>,
+    /// The rules that only one of the two has, and the cells in which they go different ways.
+    #[arg(long, value_name = "RUN|RULES", conflicts_with_all = ["why", "cell", "compact", "json", "csv"])]
+    diff: Option<PathBuf>,
     /// Order of the rules: largest first, except by error and action.
     #[arg(long, value_name = "BY", default_value = "covers")]
     sort: Order,
@@ -66,6 +77,22 @@ fn cell(text: &str) -> Result<Cell, String> {
 /// Prints the rules.
 pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
     let (plan, knowledge) = load(&args.learned)?;
+    if let Some(cell) = args.why {
+        perceived(&plan, cell)?;
+        if plan.maze.is_goal(cell) {
+            let message = format!("{},{} is a goal: an episode ends there", cell.col, cell.row);
+            return Err(Failure::new(Exit::Usage, message));
+        }
+        return why::print(
+            (&plan, &knowledge),
+            cell,
+            args.learned.can_be_repeated(),
+            out,
+        );
+    }
+    if let Some(other) = &args.diff {
+        return diff::print((&plan, &knowledge), other, args.sort, out);
+    }
     let here = args.cell.map(|cell| perceived(&plan, cell)).transpose()?;
     let condensed = args
         .compact
@@ -96,15 +123,23 @@ pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
 /// What was learned, if it is rules about the world of the plan.
 fn load(learned: &LearnedArgs) -> Result<(Plan, Knowledge), Failure> {
     let (plan, knowledge) = learned.load(None)?;
-    let Plan { maze, config } = &plan;
+    checked(&plan, &knowledge)?;
+    Ok((plan, knowledge))
+}
+
+/// Accepts rules about the world of the plan.
+fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
+    let Plan { maze, config } = plan;
     knowledge
         .check(config.sensor.width(maze), maze.action_count())
         .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
-    if knowledge.rules().is_none() {
-        let message = "what was learned is a table of a tabular method; it has no rules";
-        return Err(Failure::new(Exit::BadData, message));
+    match knowledge.rules() {
+        Some(_) => Ok(()),
+        None => {
+            let message = "what was learned is a table of a tabular method; it has no rules";
+            Err(Failure::new(Exit::BadData, message))
+        }
     }
-    Ok((plan, knowledge))
 }
 
 fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Condensed, Failure> {

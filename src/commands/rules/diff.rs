@@ -1,0 +1,115 @@
+//! `xcscr rules --diff`: what two learners know that the other one does not.
+
+use std::io::Write;
+use std::path::Path;
+
+use xcscr::agent::Knowledge;
+use xcscr::sensor::action_name;
+use xcscr::trial::Plan;
+use xcscr::world::Cell;
+use xcscr::xcs::{Action, Classifier, Condition};
+
+use super::{Order, checked, rows, table};
+use crate::commands::choices;
+use crate::commands::failure::Failure;
+
+/// The most rules of either that are shown.
+const MOST_RULES: usize = 20;
+/// The most cells that are named one by one.
+const MOST_CELLS: usize = 20;
+
+/// Prints the rules that only one of the two has, and the cells in which they go different ways.
+pub fn print(
+    (plan, first): (&Plan, &Knowledge),
+    other: &Path,
+    order: Order,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let second = choices::read_rules(other)?;
+    checked(plan, &second)?;
+    let [first_only, second_only] = [only_in(first, &second), only_in(&second, first)];
+    let both = first.len() - first_only.len();
+    let (world, sensor) = (plan.maze.name(), plan.config.sensor.name());
+    let (one, two) = (first.len(), second.len());
+    writeln!(
+        out,
+        "{world}, {sensor}: {one} and {two} rules, {both} of them in both"
+    )?;
+    let parts = [
+        ("first", first, first_only),
+        ("second", &second, second_only),
+    ];
+    for (which, knowledge, rules) in parts {
+        if rules.is_empty() {
+            continue;
+        }
+        let mut rows = rows(&rules, (plan, knowledge), None, order);
+        let more = rows.len().saturating_sub(MOST_RULES);
+        rows.truncate(MOST_RULES);
+        let text = table(&rows).text();
+        writeln!(out, "\nOnly in the {which}:\n\n{}", text.trim_end())?;
+        if more > 0 {
+            writeln!(out, "and {more} more")?;
+        }
+    }
+    print_ways(plan, first, &second, out)
+}
+
+/// The rules that the other has not.
+fn only_in(knowledge: &Knowledge, other: &Knowledge) -> Vec<Classifier> {
+    let rules = |knowledge: &Knowledge| knowledge.rules().map_or(vec![], |r| r.rules().to_vec());
+    let key = |rule: &Classifier| (rule.condition, rule.action);
+    let known: Vec<(Condition, Action)> = rules(other).iter().map(key).collect();
+    let mut own = rules(knowledge);
+    own.retain(|rule| !known.contains(&key(rule)));
+    own
+}
+
+/// The cells in which the best actions differ.
+fn print_ways(
+    plan: &Plan,
+    first: &Knowledge,
+    second: &Knowledge,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let cells = plan
+        .maze
+        .free_cells()
+        .filter(|&cell| !plan.maze.is_goal(cell));
+    let ways = cells.map(|cell| {
+        (
+            cell,
+            [first, second].map(|knowledge| way(plan, knowledge, cell)),
+        )
+    });
+    let differing: Vec<_> = ways.filter(|(_, [one, two])| one != two).collect();
+    match differing.len() {
+        0 => writeln!(out, "\nThey go the same way in every cell.")?,
+        1 => writeln!(out, "\nThey go different ways in 1 cell:")?,
+        count => writeln!(out, "\nThey go different ways in {count} cells:")?,
+    }
+    for (Cell { col, row }, [one, two]) in differing.iter().take(MOST_CELLS) {
+        writeln!(
+            out,
+            "  {:<8} the first {one}, the second {two}",
+            format!("{col},{row}")
+        )?;
+    }
+    match differing.len().saturating_sub(MOST_CELLS) {
+        0 => Ok(()),
+        more => Ok(writeln!(out, "  and {more} more")?),
+    }
+}
+
+/// The best actions in a cell, in words.
+fn way(plan: &Plan, knowledge: &Knowledge, cell: Cell) -> String {
+    let percept = plan.config.sensor.perceive_at(&plan.maze, cell);
+    let worth = knowledge.worth(&percept, plan.maze.action_count());
+    if worth.greatest().is_none() {
+        return "nowhere".to_owned();
+    }
+    let best = worth
+        .best_actions()
+        .map(|action| action_name(&plan.maze, action));
+    best.collect::<Vec<_>>().join(" or ")
+}

@@ -1,0 +1,178 @@
+//! `xcscr rules --why`: why the rules choose what they choose in a cell.
+
+use std::io::Write;
+
+use xcscr::episode::Ending;
+use xcscr::sensor::action_name;
+use xcscr::study::Table;
+use xcscr::trial::{Change, Plan, RuleHistory, Vote, Why};
+use xcscr::world::Cell;
+use xcscr::xcs::{Action, Classifier};
+
+use super::words;
+use crate::commands::failure::Failure;
+use xcscr::agent::Knowledge;
+
+/// The most rules that are shown for one action.
+const MOST_VOTES: usize = 5;
+/// The most episodes that are told of a rule's history.
+const MOST_LESSONS: usize = 5;
+
+/// Tells why, in words; `is_run`: can the run be repeated, so that its history can be told?
+pub fn print(
+    (plan, knowledge): (&Plan, &Knowledge),
+    cell: Cell,
+    is_run: bool,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let Plan { maze, config } = plan;
+    let why = Why::at(plan, knowledge, cell);
+    let (world, sensor) = (maze.name(), config.sensor);
+    writeln!(
+        out,
+        "{world}, {}, cell {},{}",
+        sensor.name(),
+        cell.col,
+        cell.row
+    )?;
+    let perceived = sensor.words(maze, &|at| Some(why.percept.bit(at)));
+    writeln!(out, "  perceives   {perceived}")?;
+    writeln!(out, "  goes        {}", choice(plan, &why))?;
+    print_votes((plan, knowledge), &why, out)?;
+    print_changes(&why, plan, out)?;
+    match why.decisive() {
+        Some(rule) if is_run => print_history(rule, plan, knowledge, out),
+        _ => Ok(()),
+    }
+}
+
+/// Where it goes, and what that and all else is worth.
+fn choice(plan: &Plan, why: &Why) -> String {
+    let name = |action| action_name(&plan.maze, action);
+    let best: Vec<String> = why.worth.best_actions().map(name).collect();
+    let all = Action::all(plan.maze.action_count());
+    let mut known: Vec<(f64, Action)> = all
+        .filter_map(|action| Some((why.worth.get(action)?, action)))
+        .collect();
+    known.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let rated = known
+        .iter()
+        .map(|&(worth, action)| format!("{} {worth:.1}", name(action)));
+    let rated: Vec<String> = rated.collect();
+    match rated.is_empty() {
+        true => "anywhere, because no rule matches".to_owned(),
+        false => format!("{}   (worth: {})", best.join(" or "), rated.join(", ")),
+    }
+}
+
+/// The strongest of the rules that match.
+fn print_votes(
+    (plan, knowledge): (&Plan, &Knowledge),
+    why: &Why,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let mut table = Table::new(["if", "go", "worth", "share", "error", "num", "exp"]);
+    let mut more = Vec::new();
+    for votes in why.votes.chunk_by(|a, b| a.rule.action == b.rule.action) {
+        let (shown, rest) = votes.split_at(votes.len().min(MOST_VOTES));
+        table
+            .rows
+            .extend(shown.iter().map(|vote| row(vote, plan, knowledge)));
+        if let [vote, ..] = rest {
+            let name = action_name(&plan.maze, vote.rule.action);
+            more.push(format!("{} for {name}", rest.len()));
+        }
+    }
+    if table.rows.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "\nRules that match, and their share in the worth of their action:"
+    )?;
+    writeln!(out, "\n{}", table.text().trim_end())?;
+    match more.is_empty() {
+        true => Ok(()),
+        false => Ok(writeln!(
+            out,
+            "and with smaller shares {}",
+            more.join(", ")
+        )?),
+    }
+}
+
+fn row(vote: &Vote, plan: &Plan, knowledge: &Knowledge) -> Vec<String> {
+    let rule = &vote.rule;
+    vec![
+        words(rule, plan, knowledge),
+        action_name(&plan.maze, rule.action),
+        format!("{:.1}", rule.prediction),
+        format!("{:.0} %", 100.0 * vote.share),
+        format!("{:.1}", rule.error),
+        rule.numerosity.to_string(),
+        rule.experience.to_string(),
+    ]
+}
+
+fn print_changes(why: &Why, plan: &Plan, out: &mut impl Write) -> Result<(), Failure> {
+    writeln!(out, "\nIt would go")?;
+    for Change {
+        action,
+        words,
+        cell,
+    } in &why.changes
+    {
+        let place = match cell {
+            Some(Cell { col, row }) => format!(" (as in cell {col},{row})"),
+            None => " (nowhere in this world)".to_owned(),
+        };
+        let name = action_name(&plan.maze, *action);
+        writeln!(out, "  {name:<11} with {}{place}", words.join(", "))?;
+    }
+    match why.changes.is_empty() {
+        true => Ok(writeln!(
+            out,
+            "  nowhere else, whatever one or two cells around were"
+        )?),
+        false => Ok(()),
+    }
+}
+
+fn print_history(
+    rule: &Classifier,
+    plan: &Plan,
+    knowledge: &Knowledge,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let words = words(rule, plan, knowledge);
+    let name = action_name(&plan.maze, rule.action);
+    let Some(history) = RuleHistory::of(plan, rule.condition, rule.action)? else {
+        return Ok(());
+    };
+    let RuleHistory { since, lessons } = history;
+    writeln!(
+        out,
+        "\n\"{words}: {name}\" has been among the rules since episode {since}."
+    )?;
+    let mut most = lessons;
+    most.sort_by(|a, b| b.moved().total_cmp(&a.moved()));
+    most.truncate(MOST_LESSONS);
+    most.sort_by_key(|lesson| lesson.episode.episode);
+    writeln!(out, "The episodes that changed it most:")?;
+    for lesson in most {
+        let (episode, steps) = (lesson.episode.episode, lesson.episode.steps);
+        let ending = match lesson.episode.ending {
+            Ending::Goal => "goal",
+            Ending::StepLimit => "step limit",
+        };
+        let after = lesson.after;
+        let before = lesson
+            .before
+            .map_or("new".to_owned(), |worth| format!("{worth:.1}"));
+        writeln!(
+            out,
+            "  episode {episode:<5} worth {before} -> {after:.1}   ({ending} after {steps} steps)"
+        )?;
+    }
+    Ok(())
+}

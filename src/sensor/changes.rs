@@ -1,0 +1,46 @@
+//! Percepts that differ from another in what lies around the robot.
+
+use super::{Sensor, neighbours};
+use xcs::Percept;
+
+impl Sensor {
+    /// The percepts in which one of the eight cells around is free instead of barred, or a wall
+    /// instead of free; none for percepts that do not begin with these cells.
+    pub fn changed_surroundings(self, percept: &Percept) -> Vec<Percept> {
+        match self {
+            Self::Neighbours | Self::NeighboursPosition | Self::Lidar => {
+                let cells = 0..neighbours::WIDTH / 2;
+                cells.map(|cell| turned_over(percept, cell)).collect()
+            }
+            Self::Position | Self::LidarRanges | Self::LidarBeams => Vec::new(),
+        }
+    }
+}
+
+/// The percept with another state of one cell: free `00` instead of barred, wall `01` instead of free.
+fn turned_over(percept: &Percept, cell: usize) -> Percept {
+    let (goal, barred) = (2 * cell, 2 * cell + 1);
+    let bits = (0..percept.width()).map(|at| match at {
+        _ if at == goal => false,
+        _ if at == barred => !percept.bit(barred),
+        _ => percept.bit(at),
+    });
+    Percept::from_bits(bits).expect("a percept has room for its own width")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_of_the_eight_cells_is_opened_or_walled() {
+        let percept: Percept = "0111000000000000".parse().unwrap();
+        let changed = Sensor::Neighbours.changed_surroundings(&percept);
+        let texts: Vec<String> = changed.iter().map(Percept::to_string).collect();
+        assert_eq!(texts.len(), 8);
+        assert_eq!(texts[0], "0011000000000000", "the wall in the north opens");
+        assert_eq!(texts[1], "0100000000000000", "free instead of the goal");
+        assert_eq!(texts[2], "0111010000000000", "a wall in the east");
+        assert!(Sensor::Position.changed_surroundings(&percept).is_empty());
+    }
+}

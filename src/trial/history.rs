@@ -1,0 +1,101 @@
+//! How a rule came to be what it is.
+
+use std::ops::ControlFlow;
+
+use super::Trial;
+use super::plan::{Plan, PlanError};
+use crate::agent::Knowledge;
+use crate::episode::{Episode, Learned, Observer};
+use xcs::{Action, Classifier, Condition, Population};
+
+/// A rule over the episodes of a run.
+#[derive(Debug, Clone)]
+pub struct RuleHistory {
+    /// The episode at whose end it was in \[P\] for the first time and has been ever since.
+    pub since: u32,
+    /// The episodes that changed its prediction, in order.
+    pub lessons: Vec<Lesson>,
+}
+
+/// An episode that changed what a rule predicts.
+#[derive(Debug, Clone, Copy)]
+pub struct Lesson {
+    /// The episode, as it ended.
+    pub episode: Episode,
+    /// What the rule predicted before; `None` if it was not in \[P\].
+    pub before: Option<f64>,
+    /// What it predicts afterwards.
+    pub after: f64,
+}
+
+impl Lesson {
+    /// How far the prediction moved; that of a new rule as far as it lies from 0.
+    pub fn moved(&self) -> f64 {
+        (self.after - self.before.unwrap_or(0.0)).abs()
+    }
+}
+
+impl RuleHistory {
+    /// Runs the trial again and watches the rule of this condition and action; `None` if it is not
+    /// there in the end.
+    ///
+    /// # Errors
+    /// When the plan cannot be run.
+    pub fn of(
+        plan: &Plan,
+        condition: Condition,
+        action: Action,
+    ) -> Result<Option<Self>, PlanError> {
+        let mut watch = Watch {
+            condition,
+            action,
+            present: None,
+            history: None,
+        };
+        // Nothing ends the trial early.
+        let _ = Trial::new(plan.clone())?.run(&mut watch);
+        Ok(watch.history)
+    }
+}
+
+/// Looks for one rule after each episode.
+struct Watch {
+    condition: Condition,
+    action: Action,
+    /// What it predicted last, while it is in \[P\].
+    present: Option<f64>,
+    history: Option<RuleHistory>,
+}
+
+impl Watch {
+    fn prediction(&self, knowledge: &Knowledge) -> Option<f64> {
+        let rules = knowledge.rules().map_or(&[][..], Population::rules);
+        let is_it =
+            |rule: &&Classifier| (rule.condition, rule.action) == (self.condition, self.action);
+        rules.iter().find(is_it).map(|rule| rule.prediction)
+    }
+}
+
+impl Observer for Watch {
+    fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
+        let before = self.present;
+        self.present = self.prediction(&learned.method.knowledge());
+        let Some(after) = self.present else {
+            self.history = None;
+            return ControlFlow::Continue(());
+        };
+        let history = self.history.get_or_insert_with(|| RuleHistory {
+            since: episode.episode,
+            lessons: Vec::new(),
+        });
+        if before != Some(after) {
+            let episode = *episode;
+            history.lessons.push(Lesson {
+                episode,
+                before,
+                after,
+            });
+        }
+        ControlFlow::Continue(())
+    }
+}
