@@ -128,3 +128,21 @@ fn a_study_warns_once_for_each_world_and_the_preset_of_the_paper_keeps_its_step_
     assert_eq!(arms("\"step_threshold\": 60,"), 12);
     assert_eq!(arms("\"step_threshold_from_maze\": false"), 12);
 }
+
+#[test]
+fn cells_that_look_alike_are_not_searched_for_in_vast_worlds_by_info_which_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("vast.json");
+    let world = file.to_str().unwrap();
+    let told = |size: &str| {
+        let args = ["world", "generate", "--kind", "rooms", "--size", size];
+        fs::write(&file, expect(0, &args).0).unwrap();
+        let (text, _) = expect(0, &["world", "info", world]);
+        let (described, _) = expect(0, &["world", "info", world, "--json"]);
+        let unknown = json(described.as_bytes())["look_alike"].is_null();
+        (text.contains("look alike  not searched"), unknown)
+    };
+    assert_eq!(told("129"), (true, true));
+    // Control: the largest that are.
+    assert_eq!(told("128"), (false, false));
+}

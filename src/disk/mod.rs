@@ -42,6 +42,13 @@ pub fn room_for(bytes: u64) -> u64 {
     bytes.saturating_mul(10).saturating_add(64 << 20)
 }
 
+/// How much an input of so many packed bytes may unpack to, in all, though never at once: more than
+/// the recording of a robot in a hall without landmarks, which unpacks to 120 times its size, and
+/// little enough that a small file is read in a moment.
+pub fn most_unpacked(bytes: u64) -> u64 {
+    bytes.saturating_mul(200).saturating_add(16 << 20)
+}
+
 /// Reads a file of at most so many bytes. A larger one is refused before any of it is read.
 ///
 /// # Errors

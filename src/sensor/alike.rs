@@ -41,9 +41,16 @@ pub fn alike_among(
     }
     let mut numbers: HashMap<Percept, usize, FixedState> = HashMap::default();
     let mut groups: Vec<Alike> = Vec::new();
+    // In a hall, most cells look like the one before.
+    let mut before: Option<(Percept, usize)> = None;
     for cell in cells.filter(|&cell| !maze.is_goal(cell)) {
         let percept = sensor.perceive_at(maze, cell);
-        let number = *numbers.entry(percept).or_insert(groups.len());
+        let known = before.filter(|(other, _)| *other == percept);
+        let number = known.map_or_else(
+            || *numbers.entry(percept).or_insert(groups.len()),
+            |(_, number)| number,
+        );
+        before = Some((percept, number));
         if number == groups.len() {
             groups.push(Alike::of(percept, maze.action_count()));
         }

@@ -9,18 +9,21 @@ use crate::arena::{GridArena, Outcome, SlippingArena};
 use crate::episode;
 use crate::sensor::Sensor;
 use crate::streams::StreamName;
-use crate::world::{Cell, Maze};
+use crate::world::{Cell, Maze, Starts};
 use xcs::Action;
 use xcs::random::Stream;
 
 /// Episodes that a mean is taken over where moves slip.
 const RUNS: usize = 500;
+/// The most starts that episodes are run from: those of larger worlds would take longer than the
+/// trial.
+const MOST_STARTS: usize = 1_000;
 
 /// Steps of the greedy policy with everything frozen, counted on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GreedySteps {
-    /// Mean steps over all starts; an episode that is given up at the step-threshold counts with
-    /// that. Where moves slip, over 500 episodes or more, as many from each start.
+    /// Mean steps over all starts, of more than a thousand over so many that are evenly spread; an
+    /// episode that is given up at the step-threshold counts with that. Where moves slip, over 500 episodes or more, as many from each start.
     pub mean: f64,
     /// Episodes that reached a goal.
     pub arrivals: u32,
@@ -29,7 +32,7 @@ pub struct GreedySteps {
 }
 
 impl GreedySteps {
-    /// Runs the greedy policy that follows from `knowledge` from every start. The plan must have been
+    /// Runs the greedy policy that follows from `knowledge` from these starts. The plan must have been
     /// checked, and the knowledge be that of its world. Ties are broken by chance.
     pub fn of(plan: &Plan, knowledge: &Knowledge) -> Self {
         let Plan { maze, config } = plan;
@@ -40,7 +43,7 @@ impl GreedySteps {
         let limit = settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
         let mut greedy = Explorer::new(0.0, stream(StreamName::Exploration));
-        let starts = maze.start_cells();
+        let starts = spread(&Starts::new(maze), maze);
         let rounds = match settings.arena.slip > 0.0 {
             true => RUNS.div_ceil(starts.len()),
             false => 1,
@@ -77,6 +80,16 @@ impl GreedySteps {
             .flatten()?;
         Some(self.mean / bound)
     }
+}
+
+/// All starts, or some of them in even distances.
+fn spread(starts: &Starts, maze: &Maze) -> Vec<Cell> {
+    let count = starts.count();
+    let taken = count.min(MOST_STARTS);
+    let numbers = (0..taken).map(|number| number * count / taken);
+    numbers
+        .filter_map(|number| starts.nth(maze, number))
+        .collect()
 }
 
 /// Steps that are followed from one start, over all ways that ties leave open.
@@ -186,5 +199,26 @@ mod tests {
         });
         let table = Knowledge::Table(rows.collect());
         assert_eq!(expected_steps(&plan, &table), Some(2.0));
+    }
+
+    #[test]
+    fn all_starts_are_taken_of_a_small_world_and_a_thousand_of_a_large_one() {
+        let side = 40;
+        let open = format!("#{}#", ".".repeat(side));
+        let wall = "#".repeat(side + 2);
+        for (rows, taken) in [(20, 20 * side - 1), (30, MOST_STARTS)] {
+            let mut rows = vec![open.clone(); rows];
+            rows[0].replace_range(1..2, "G");
+            let rows = [vec![wall.clone()], rows, vec![wall.clone()]].concat();
+            let text = format!(r#"{{"rows": {rows:?}}}"#);
+            let maze = Maze::from_json(text.as_bytes(), "open.json").unwrap();
+            let cells = spread(&Starts::new(&maze), &maze);
+            assert_eq!(cells.len(), taken);
+            if taken < MOST_STARTS {
+                assert_eq!(cells, maze.start_cells());
+            }
+            assert!(cells.windows(2).all(|pair| pair[0].row <= pair[1].row));
+            assert_eq!(usize::from(cells[taken - 1].row), rows.len() - 2);
+        }
     }
 }

@@ -56,9 +56,8 @@ fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
 }
 
 /// Only cells that an optimal policy comes through matter, and only to who forgets how it got there.
-/// In a vast maze they are not compared: that would take longer than its first episodes.
 fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
-    if config.method == Method::XcscrMemory || maze.is_vast() {
+    if config.method == Method::XcscrMemory {
         return None;
     }
     let sensor = config.sensor;
@@ -209,6 +208,16 @@ mod tests {
         assert!(
             slippery.len() == 1 && slippery[0].contains("5,2 4,5"),
             "{slippery:?}"
+        );
+    }
+
+    #[test]
+    fn vast_mazes_are_searched_too() {
+        assert!(maze("dfs-150-1").is_vast());
+        let said = said("dfs-150-1", Method::QLearning, Sensor::Neighbours, &[]);
+        assert!(
+            said.len() == 1 && said[0].contains("more such groups"),
+            "{said:?}"
         );
     }
 

@@ -48,7 +48,7 @@ impl Maze {
     /// [`WorldError::Invalid`] for the first fault of the text: no JSON object, unknown, repeated
     /// or missing keys, wrong types, values out of range, ragged or empty rows, unknown letters,
     /// no goal, more than one start, an open border, a start from which no goal can be reached,
-    /// or too large (over 64 MiB, or 4096 columns or rows).
+    /// or too large (over 64 MiB, or 2048 columns or rows).
     ///
     /// # Example
     /// ```

@@ -11,7 +11,7 @@ use xcs::Action;
 
 /// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the worth of
 /// every cell recorded.
-const MOST_SHOWN: usize = 1 << 16;
+const MOST_SHOWN: usize = 1 << 14;
 
 /// A cell of the maze; row 0 is the northern border, column 0 the western one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

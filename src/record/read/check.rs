@@ -21,6 +21,9 @@ const ATTACHED: [&str; 2] = ["world.json", "config.json"];
 /// What that of a whole run or a story carries beside.
 const ATTACHED_TO_RUN: [&str; 1] = ["foxglove-layout.json"];
 
+/// The most faults that are listed: a small file can hold hundreds of thousands.
+const MOST_LISTED: usize = 1_000;
+
 /// Something that is wrong with a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
@@ -153,6 +156,10 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
                 return findings.push(finding(FindingKind::Unreadable, error.to_string()));
             }
         };
+        if findings.len() >= MOST_LISTED {
+            let what = format!("more is wrong than these {} things", findings.len());
+            return findings.push(finding(FindingKind::Message, what));
+        }
         let (topic, now_ns) = (message.topic(), message.time_ns);
         *counts.entry(topic.to_owned()).or_default() += 1;
         if now_ns < before_ns {

@@ -290,16 +290,9 @@ pub(in crate::record) fn longest_record(bytes: u64) -> usize {
     usize::try_from(disk::room_for(bytes) / 4).unwrap_or(usize::MAX)
 }
 
-/// How much all chunks of a file of so many bytes may unpack to, one after the other: more than twice
-/// as much as the recording of a robot that runs against a wall for ever, which unpacks to 16 times
-/// its size, and little enough that a small file is read in a moment.
-pub(in crate::record) fn most_unpacked(bytes: u64) -> u64 {
-    bytes.saturating_mul(40).saturating_add(16 << 20)
-}
-
 /// Refuses a file that unpacks to much more than it holds, before any of it is unpacked.
 fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
-    let most = most_unpacked(bytes.len() as u64);
+    let most = disk::most_unpacked(bytes.len() as u64);
     let sizes = Records::of(bytes).filter_map(|(_, opcode, body)| unpacked_size(opcode, body));
     let unpacked = sizes.fold(0, u64::saturating_add);
     match unpacked <= most {

@@ -8,10 +8,9 @@ use mcap::records::{AttachmentHeader, MessageHeader, Record};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapResult, Summary};
 
+use crate::disk;
 use crate::record::read::parse::parse_record;
-use crate::record::read::reader::{
-    HEAD_BYTES, Records, longest_record, most_unpacked, unpacked_size,
-};
+use crate::record::read::reader::{HEAD_BYTES, Records, longest_record, unpacked_size};
 use crate::record::write::log_file::{Sink, writer};
 
 /// What was saved, and what was not.
@@ -55,7 +54,7 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
     }
     let mut has_end = false;
     // What is saved is packed anew, perhaps tighter, and must be believed when it is read back.
-    let mut room = most_unpacked(bytes.len() as u64) / 2;
+    let mut room = disk::most_unpacked(bytes.len() as u64) / 2;
     let mut records = Records::of(bytes);
     for (at, opcode, body) in records.by_ref() {
         let size = HEAD_BYTES + body.len();

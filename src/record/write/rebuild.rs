@@ -12,7 +12,7 @@ use super::log_file::OpenFile;
 use crate::disk;
 use crate::record::error::RecordError;
 use crate::record::read::parse::parse_record;
-use crate::record::read::reader::{longest_record, most_unpacked};
+use crate::record::read::reader::longest_record;
 use crate::record::topics::Topic;
 
 /// Sends the first `messages` messages of `source` to `file` and closes chunks where the source
@@ -37,7 +37,7 @@ pub fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<(), Rec
         topics: BTreeMap::new(),
         left: messages,
     };
-    let (mut unpacked, most) = (0, most_unpacked(bytes));
+    let (mut unpacked, most) = (0, disk::most_unpacked(bytes));
     while copy.left > 0 {
         match reader.next_event().transpose().map_err(damaged)? {
             Some(LinearReadEvent::ReadRequest(wanted)) => {

@@ -5,18 +5,20 @@ use toml::Table;
 use super::file::{Document, NOTHING};
 use super::overrides::Overrides;
 use super::variants::{product, told, variants};
-use super::{Arm, MOST_ARMS, Protocol, StudyFile, Variant};
+use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
 use crate::arena::ArenaKind;
 use crate::study::error::StudyError;
 use crate::trial::{PlanError, Resolved, Settings};
-use crate::world::Maze;
+use crate::world::{Maze, Recipe};
+use xcs::bounds::within;
 
 pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, StudyError> {
     let document = &file.document;
     let arenas = overrides
         .arena
         .map_or(document.arenas.clone(), |arena| vec![arena]);
+    check_worlds(file)?;
     check_number(file, document.worlds.len() * arenas.len())?;
     let worlds = file.worlds()?;
     let afters = file.earlier_worlds()?;
@@ -37,6 +39,16 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
         Ok(()) => Ok(protocol),
         Err(fault) => Err(StudyError::file(&file.origin, &fault)),
     }
+}
+
+/// Refuses too many worlds before any of them is made.
+fn check_worlds(file: &StudyFile) -> Result<(), StudyError> {
+    let names = || file.document.worlds.iter().chain(&file.document.after);
+    within("worlds", names().count(), 0..=MOST_WORLDS).map_err(PlanError::from)?;
+    let recipes = names().filter_map(|name| name.parse::<Recipe>().ok());
+    let cells = recipes.map(|recipe| usize::from(recipe.size).pow(2)).sum();
+    within("cells of all generated worlds", cells, 0..=MOST_GENERATED).map_err(PlanError::from)?;
+    Ok(())
 }
 
 /// Refuses a study of too many combinations; the sweep alone can make billions of them.

@@ -26,9 +26,12 @@ use xcs::bounds::{OutOfRange, within};
 use xcs::random::replicate_seed;
 
 /// More combinations than these fill the memory with settings before the first trial begins.
-const MOST_ARMS: usize = 10_000;
+const MOST_ARMS: usize = 2_500;
+/// The most worlds; and the most cells in all of those that are generated, whose names are short.
+const MOST_WORLDS: usize = 1_000;
+const MOST_GENERATED: usize = 1 << 22;
 /// What is left to do is kept as a list.
-const MOST_TRIALS: usize = 10_000_000;
+const MOST_TRIALS: usize = 4_000_000;
 
 /// The values that a sweep gives to settings, by their full names.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -217,6 +220,11 @@ impl Protocol {
     fn check_numbers(&self) -> Result<(), OutOfRange> {
         within("trials", self.trials, 1..=1_000_000)?;
         within("episodes", self.episodes, 1..=1_000_000)?;
+        within(
+            "worlds",
+            self.worlds.len() + self.earlier.len(),
+            0..=MOST_WORLDS,
+        )?;
         within("combinations", self.arms.len(), 0..=MOST_ARMS)?;
         within("trials of all combinations", self.len(), 0..=MOST_TRIALS)
     }

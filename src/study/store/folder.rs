@@ -395,13 +395,14 @@ fn insert(records: &mut BTreeMap<usize, TrialRecord>, record: TrialRecord) -> Re
 }
 
 fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> {
-    let study = RawValue::from_string(protocol.to_json()).expect("JSON is valid JSON");
+    let text = protocol.to_json();
     let file = PlanFile {
-        plan: protocol.id(),
-        study,
+        plan: id_of(&text),
+        study: RawValue::from_string(text).expect("JSON is valid JSON"),
     };
-    let text = serde_json::to_string_pretty(&file).expect("plain data becomes JSON");
-    write_whole(&folder.join(PLAN), format!("{text}\n").as_bytes())
+    let mut text = serde_json::to_string_pretty(&file).expect("plain data becomes JSON");
+    text.push('\n');
+    write_whole(&folder.join(PLAN), text.as_bytes())
 }
 
 /// Writes a file so that it is there either whole or not at all; see [`disk::replace`].

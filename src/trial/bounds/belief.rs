@@ -10,8 +10,11 @@ use xcs::Action;
 /// States in ascending order, all of which look alike; one can come several times.
 type Set = Vec<u32>;
 
-/// Sets of cells that are weighed at most.
-const MOST_WEIGHED: usize = 3_000_000;
+/// The most work: states that are moved by one action each, in all sets that are weighed. Beyond, it
+/// would take more than a moment.
+const MOST_MOVES: usize = 10_000_000;
+/// The most states in the sets whose costs are kept.
+const MOST_KEPT: usize = 2_000_000;
 
 /// Mean steps over the starts; `None` when there are too many sets to weigh.
 pub fn steps(pomdp: &Pomdp, starts: &[u32], seen: &[f64]) -> Option<f64> {
@@ -20,13 +23,16 @@ pub fn steps(pomdp: &Pomdp, starts: &[u32], seen: &[f64]) -> Option<f64> {
         pomdp,
         seen,
         costs: BTreeMap::new(),
-        weighed: 0,
+        moves: 0,
+        kept: 0,
     };
     loop {
         let mut visited = BTreeSet::new();
         let mut changed = false;
         for first in &firsts {
-            changed |= search.improve(first, &mut visited)?;
+            if !visited.contains(first) {
+                changed |= search.improve(first, &mut visited)?;
+            }
         }
         if !changed {
             break;
@@ -50,7 +56,8 @@ struct Search<'a> {
     /// By state: what it costs when it is seen, which is never more than what it costs.
     seen: &'a [f64],
     costs: BTreeMap<Set, f64>,
-    weighed: usize,
+    moves: usize,
+    kept: usize,
 }
 
 impl Search<'_> {
@@ -63,24 +70,47 @@ impl Search<'_> {
     }
 
     /// Improves the costs of all sets that the best actions lead to, the last ones first; true if
-    /// one changed.
-    fn improve(&mut self, set: &Set, visited: &mut BTreeSet<Set>) -> Option<bool> {
-        if !visited.insert(set.clone()) {
-            return Some(false);
+    /// one changed, `None` when it is too much work.
+    fn improve(&mut self, first: &Set, visited: &mut BTreeSet<Set>) -> Option<bool> {
+        let mut changed = false;
+        // A list instead of recursion, which corridors would let grow beyond the stack. Each set
+        // comes with those that follow it and are still to be improved before it.
+        let mut open = vec![self.visit(first, visited)?];
+        while let Some((_, after)) = open.last_mut() {
+            if let Some(next) = after.pop() {
+                if !visited.contains(&next) {
+                    let next = self.visit(&next, visited)?;
+                    open.push(next);
+                }
+            } else if let Some((set, _)) = open.pop() {
+                changed |= self.settle(set);
+            }
         }
-        self.weighed += 1;
-        if self.weighed > MOST_WEIGHED || visited.len() > 20_000 {
+        Some(changed)
+    }
+
+    /// Begins with a set: the sets that its best action leads to, the first of them last.
+    fn visit(&mut self, set: &Set, visited: &mut BTreeSet<Set>) -> Option<(Set, Vec<Set>)> {
+        visited.insert(set.clone());
+        // It is weighed now, and once more when those after it are settled.
+        self.moves += 2 * set.len() * self.pomdp.actions();
+        if self.moves > MOST_MOVES || self.kept > MOST_KEPT {
             return None;
         }
-        let (_, after) = self.best(set);
-        let mut changed = false;
-        for next in &after {
-            changed |= self.improve(next, visited)?;
+        let (_, mut after) = self.best(set);
+        after.reverse();
+        Some((set.clone(), after))
+    }
+
+    /// Gives a set its cost; true if it had another one.
+    fn settle(&mut self, set: Set) -> bool {
+        let (cost, _) = self.best(&set);
+        let changed = (cost - self.cost(&set)).abs() > 1e-9;
+        let size = set.len();
+        if self.costs.insert(set, cost).is_none() {
+            self.kept += size;
         }
-        let (cost, _) = self.best(set);
-        changed |= (cost - self.cost(set)).abs() > 1e-9;
-        self.costs.insert(set.clone(), cost);
-        Some(changed)
+        changed
     }
 
     /// The least cost of an action, and the sets that it leads to.

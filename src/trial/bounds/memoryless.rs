@@ -8,6 +8,9 @@ use xcs::Action;
 
 /// Partial policies that are looked at, at most.
 const MOST_POLICIES: usize = 100_000;
+/// The most work: states, each time that all of them are looked at once with one action. Beyond, it
+/// would take more than a moment.
+const MOST_LOOKS: usize = 1_000_000_000;
 
 /// Mean steps of the best policy over the starts, without slips. When there are too many policies
 /// to rule all others out, `error` says how much better than the best one found they may be.
@@ -17,14 +20,20 @@ pub fn steps(pomdp: &Pomdp, starts: &[u32]) -> Estimate {
         starts,
         before: before(pomdp),
         least: f64::from(MOST_STEPS),
-        left: MOST_POLICIES,
+        left: MOST_POLICIES.min(MOST_LOOKS / per_policy(pomdp)),
         skipped: f64::from(MOST_STEPS),
     };
-    search.branch(&mut vec![None; pomdp.states()]);
+    search.branch(&mut vec![None; pomdp.looks()]);
     Estimate {
         steps: search.least,
         error: (search.least - search.skipped).max(0.0),
     }
+}
+
+/// The work for a partial policy, which is tried with every action, and searched for what to decide.
+fn per_policy(pomdp: &Pomdp) -> usize {
+    let looks = pomdp.looks() + pomdp.actions() + 1;
+    (pomdp.states() * pomdp.actions() * looks).max(1)
 }
 
 /// By state: the states and actions that lead there; the goal comes last.

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::agent::pomdp::{Belief, BeliefPlanner, GOAL, Pomdp, moved};
 use crate::sensor::Sensor;
 use crate::streams::StreamName;
-use crate::world::{Cell, Maze};
+use crate::world::{Cell, Maze, Paths};
 use xcs::Action;
 use xcs::random::Stream;
 
@@ -19,6 +19,12 @@ const MOST_STEPS: u32 = 100;
 const PLANNED: usize = 100;
 /// Episodes that an estimate is the mean of.
 const RUNS: usize = 5_000;
+/// The most cells of a world that an estimate is made for; beyond, planning takes minutes.
+const MOST_PLANNED: usize = 400;
+/// The most cells of a world that beliefs and policies are weighed for.
+const MOST_WEIGHED: usize = 1 << 16;
+/// What it costs where no way leads to a goal.
+const NEVER: f64 = 65_535.0;
 
 /// Mean steps to a goal over all starts, at best.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -28,10 +34,11 @@ pub struct Bounds {
     /// The cell is known throughout. Exact.
     pub full: f64,
     /// The world is known, and what was perceived and done since the start, but not the start.
-    /// `None` when there are too many sets of cells to weigh.
+    /// `None` when there are too many sets of cells to weigh, or where moves slip too many cells.
     pub belief: Option<Estimate>,
     /// Only the present percept is known: the best of the policies that have one action for each
-    /// percept, its episodes given up after `MOST_STEPS` steps. `None` when moves slip.
+    /// percept, its episodes given up after 100 steps. `None` when moves slip, or in a world of too
+    /// many cells.
     pub memoryless: Option<Estimate>,
 }
 
@@ -55,17 +62,27 @@ impl Bounds {
     /// `slip`. At slip 0 they are exact; otherwise the belief bound is what a plan takes that was
     /// made by real-time dynamic programming, on average over 5,000 imagined episodes.
     pub fn new(maze: &Maze, sensor: Sensor, slip: f64) -> Self {
+        let paths = Paths::with_slip(maze, slip);
+        let steps = |cell| paths.expected_steps(maze, cell).unwrap_or(NEVER);
+        let full = maze.starts().map(steps).sum::<f64>() / maze.starts().count() as f64;
+        if cells(maze).count() > MOST_WEIGHED {
+            return Self {
+                slip,
+                full,
+                belief: None,
+                memoryless: None,
+            };
+        }
         let (pomdp, starts) = known(maze, sensor, slip);
-        let seen = pomdp.costs_when_seen(f64::from(u16::MAX));
-        let all: f64 = starts.iter().map(|&start| seen[start as usize]).sum();
+        let seen: Vec<f64> = cells(maze).map(steps).collect();
         let exact = slip == 0.0;
         let belief = match exact {
             true => belief::steps(&pomdp, &starts, &seen).map(Estimate::exact),
-            false => Some(estimate(&pomdp, &starts)),
+            false => (seen.len() <= MOST_PLANNED).then(|| estimate(&pomdp, &starts)),
         };
         Self {
             slip,
-            full: all / starts.len() as f64,
+            full,
             belief,
             memoryless: exact.then(|| memoryless::steps(&pomdp, &starts)),
         }
@@ -73,18 +90,29 @@ impl Bounds {
 
     /// The belief bound alone, at slip 0.
     pub fn of_belief(maze: &Maze, sensor: Sensor) -> Option<f64> {
+        let paths = Paths::new(maze);
+        let steps = |cell| paths.expected_steps(maze, cell).unwrap_or(NEVER);
+        if let Some(start) = maze.start() {
+            // Who begins in a known cell and makes exact moves always knows the cell.
+            return Some(steps(start));
+        }
+        if cells(maze).count() > MOST_WEIGHED {
+            return None;
+        }
         let (pomdp, starts) = known(maze, sensor, 0.0);
-        let seen = pomdp.costs_when_seen(f64::from(u16::MAX));
+        let seen: Vec<f64> = cells(maze).map(steps).collect();
         belief::steps(&pomdp, &starts, &seen)
     }
 }
 
+/// The free cells that are no goal.
+fn cells(maze: &Maze) -> impl Iterator<Item = Cell> + '_ {
+    maze.free_cells().filter(|&cell| !maze.is_goal(cell))
+}
+
 /// A world for one who knows it, and the states in which an episode can start.
 fn known(maze: &Maze, sensor: Sensor, slip: f64) -> (Pomdp, Vec<u32>) {
-    let cells: Vec<Cell> = maze
-        .free_cells()
-        .filter(|&cell| !maze.is_goal(cell))
-        .collect();
+    let cells: Vec<Cell> = cells(maze).collect();
     let place = |cell: &Cell| (cell.row, cell.col);
     let state = |cell: Cell| {
         let at = cells.binary_search_by_key(&place(&cell), place);

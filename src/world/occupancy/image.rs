@@ -177,6 +177,13 @@ fn of_png(bytes: &[u8]) -> Result<Image, String> {
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
     check_size(width, height)?;
     let size = reader.output_buffer_size().ok_or("it is too large")?;
+    // It is there up to four times on its way to a world.
+    let most = disk::room_for(bytes.len() as u64) / 4;
+    if size as u64 > most {
+        return Err(format!(
+            "it unpacks to {size} bytes, but at most {most} are believed of a file of its size"
+        ));
+    }
     let mut samples = vec![0; size];
     let frame = reader
         .next_frame(&mut samples)

@@ -62,6 +62,11 @@ impl Pomdp {
         self.looks.len()
     }
 
+    /// The number of percepts.
+    pub fn looks(&self) -> usize {
+        self.percepts.len()
+    }
+
     /// The number of actions.
     pub fn actions(&self) -> usize {
         self.actions
