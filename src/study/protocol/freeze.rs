@@ -212,7 +212,7 @@ mod tests {
         let keys = ["xcs.beta", "xcs.mu", "xcs.chi", "xcs.delta", "xcs.alpha"];
         let lines = keys.map(|key| format!("\"{key}\" = [{values}]\n"));
         let fault = protocol(&format!("[sweep]\n{}", lines.concat()), &[]).unwrap_err();
-        let words = "it makes 40000000000 combinations, but at most 10000 are possible";
+        let words = "it makes 40000000000 combinations, but at most 2500 are possible";
         assert!(fault.to_string().contains(words), "{fault}");
     }
 
