@@ -36,11 +36,23 @@ SCHEMAS = {
     "/scene/caption": "foxglove.SceneUpdate",
     "/rule": "xcscr.Rule",
     "/scene/rule": "foxglove.SceneUpdate",
+    "/scene/percept": "foxglove.SceneUpdate",
+    "/scene/worth": "foxglove.SceneUpdate",
+    "/ended": "xcscr.Ended",
     "/estimate": "xcscr.Estimate",
     "/scene/estimate": "foxglove.SceneUpdate",
     "/scan": "foxglove.LaserScan",
 }
-ONLY_IN_EPISODES = {"/tf", "/scene/robot", "/contact", "/curve", "/rule", "/scene/rule"}
+ONLY_IN_EPISODES = {
+    "/tf",
+    "/scene/robot",
+    "/contact",
+    "/curve",
+    "/rule",
+    "/scene/rule",
+    "/scene/percept",
+}
+ONLY_IN_RUN = {"/ended"}
 # What a robot that senses believes, and what its beams measured, which is recorded on demand.
 ONLY_IF_SENSED = {"/estimate", "/scene/estimate"}
 ON_DEMAND = {"/scan"}
@@ -139,7 +151,7 @@ def read(path):
     topics = {channel.topic for channel in summary.channels.values()}
     senses = run["arena"] == "physics" and run["sensor"].startswith("lidar")
     is_run = run["episode"] == "run"
-    left_out = (ONLY_IN_EPISODES | ONLY_IF_SENSED) if is_run else set()
+    left_out = (ONLY_IN_EPISODES | ONLY_IF_SENSED) if is_run else ONLY_IN_RUN
     wanted = set(SCHEMAS) - ON_DEMAND - left_out - (set() if senses else ONLY_IF_SENSED)
     topics -= ON_DEMAND if senses and not is_run else set()
     expect(topics == wanted, f"topics differ: {sorted(topics ^ wanted)}")

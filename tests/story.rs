@@ -195,7 +195,7 @@ fn an_evaluation_is_recorded_watched_and_verified_as_a_run_is() {
     let messages = shown.messages().map(|message| message.unwrap());
     let policy = messages.into_iter().find(|m| m.topic() == "/scene/policy");
     let arrows = SceneUpdate::decode(policy.unwrap().data.as_slice()).unwrap();
-    assert!(!arrows.entities[0].arrows.is_empty());
+    assert!(!arrows.entities[0].triangles.is_empty());
     let (code, stdout, stderr) = outcome(&["replay", beside.to_str().unwrap(), "--verify"]);
     assert_eq!(code, Some(0), "{stdout}{stderr}");
     assert!(
@@ -273,4 +273,54 @@ fn a_training_ends_with_a_legend_a_curve_and_on_failure_with_what_to_try() {
             .find(|line| line.starts_with("  steps per episode"));
         assert!(curve.unwrap().contains('█'), "{text}");
     }
+}
+
+/// Opened as they are, the robot of one run would jump to where that of the other is.
+#[test]
+fn two_runs_are_compared_side_by_side_in_one_recording_in_which_nothing_interleaves() {
+    let folder = tempfile::tempdir().unwrap();
+    let few = ["--episodes", "4"];
+    let one = train(folder.path(), "one", &few);
+    let two = train(
+        folder.path(),
+        "two",
+        &[&few[..], &["--seed", "2", "--arena", "grid"]].concat(),
+    );
+    let file = folder.path().join("both.mcap");
+    let [one, two, to] = [&one, &two, &file].map(|path| path.to_str().unwrap());
+    let (code, _, stderr) = outcome(&["replay", one, two, "--compare", "-o", to]);
+    assert_eq!(code, Some(0), "{stderr}");
+    let both = Recording::open(&file).unwrap();
+    let mut before_ns = 0;
+    let mut ends = BTreeSet::new();
+    for message in both.messages().map(|message| message.unwrap()) {
+        assert!(message.time_ns >= before_ns, "{}", message.topic());
+        before_ns = message.time_ns;
+        let (side, topic) = message.topic()[1..].split_once('/').unwrap();
+        assert!(["a", "b"].contains(&side), "{}", message.topic());
+        if topic.starts_with("scene/") {
+            let scene = SceneUpdate::decode(message.data.as_slice()).unwrap();
+            let frames = scene.entities.iter().map(|entity| &entity.frame_id);
+            for frame in frames {
+                assert!(frame.starts_with(&format!("{side}/")), "{topic}: {frame}");
+            }
+        } else if topic == "curve" {
+            // The whole curve, from the first moment on.
+            let curve = message.json().unwrap();
+            assert_eq!(curve["episode"], serde_json::json!([1, 2, 3, 4]));
+            ends.insert(side.to_owned());
+        }
+    }
+    assert_eq!(ends.len(), 2);
+    let layout = both.attachment("foxglove-layout.json").unwrap();
+    let known: BTreeSet<String> = both.topics().into_iter().map(|topic| topic.name).collect();
+    for path in xcscr::record::layout::paths(layout) {
+        // Only what a robot that senses believes may be missing.
+        let is_known = known.contains(&path.topic) || path.topic.ends_with("/scene/estimate");
+        assert!(is_known, "{path}");
+    }
+    let (code, _, stderr) = outcome(&["replay", one, "--compare", "-o", to]);
+    assert_eq!(code, Some(2), "{stderr}");
+    let (code, _, stderr) = outcome(&["replay", one, two, "--compare", "-o", to]);
+    assert_eq!(code, Some(73), "a file was replaced: {stderr}");
 }

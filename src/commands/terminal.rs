@@ -2,11 +2,57 @@
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 
 /// Tells the user something, on a line of stderr. A closed stderr is no reason to fail.
 pub fn say(line: &str) {
     let _ = writeln!(io::stderr(), "{}", escaped(line));
+}
+
+/// Does the terminal on stdout show links (OSC 8)? Those that are known to; `FORCE_HYPERLINK=1`
+/// says so of any, `FORCE_HYPERLINK=0` of none.
+pub fn shows_links() -> bool {
+    let set = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
+    if let Some(forced) = set("FORCE_HYPERLINK") {
+        return forced != "0";
+    }
+    const PROGRAMS: [&str; 6] = [
+        "iTerm.app",
+        "WezTerm",
+        "vscode",
+        "ghostty",
+        "Hyper",
+        "Tabby",
+    ];
+    const TERMS: [&str; 5] = [
+        "xterm-kitty",
+        "xterm-ghostty",
+        "alacritty",
+        "foot",
+        "wezterm",
+    ];
+    const SIGNS: [&str; 4] = [
+        "KITTY_WINDOW_ID",
+        "WT_SESSION",
+        "KONSOLE_VERSION",
+        "DOMTERM",
+    ];
+    let is_one_of = |name, of: &[&str]| set(name).is_some_and(|it| of.contains(&it.as_str()));
+    let vte = set("VTE_VERSION").and_then(|version| version.parse::<u32>().ok());
+    io::stdout().is_terminal()
+        && (is_one_of("TERM_PROGRAM", &PROGRAMS)
+            || is_one_of("TERM", &TERMS)
+            || vte.is_some_and(|version| version >= 5000)
+            || SIGNS.iter().any(|name| set(name).is_some()))
+}
+
+/// Prints words on stdout that open an address (OSC 8). The address is one of our own making, whose
+/// letters are ASCII and command nothing.
+pub fn print_link(words: &str, address: &str) -> io::Result<()> {
+    let mut out = io::stdout();
+    let (words, address) = (escaped(words), escaped(address));
+    write!(out, "\u{1b}]8;;{address}\u{1b}\\{words}\u{1b}]8;;\u{1b}\\")?;
+    out.flush()
 }
 
 /// Text on its way to the terminal, in which whatever commands a terminal is shown as `\u001b`.

@@ -20,7 +20,7 @@ pub enum Ending {
 }
 
 /// One step: what was perceived, chosen and done, and what came of it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Step<'a> {
     /// The episode's number, from 1.
     pub episode: u32,
@@ -44,6 +44,8 @@ pub struct Step<'a> {
     pub credit: StepCredit,
     /// What can be seen after it.
     pub view: View<'a>,
+    /// The learner, after it.
+    pub method: &'a dyn Agent,
 }
 
 impl Step<'_> {

@@ -44,6 +44,7 @@ pub fn run(
             outcome,
             credit,
             view,
+            method: &*method,
         };
         tally.add(&step);
         observer.stepped(&step);

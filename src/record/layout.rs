@@ -3,11 +3,21 @@
 use serde_json::{Value, json};
 
 use super::json::json_tree;
+
 use crate::record::topics::caption;
 use crate::world::Maze;
 
 const EPISODE: &str = include_str!("../../assets/foxglove-layout.json");
 const RUN: &str = include_str!("../../assets/foxglove-layout-run.json");
+const COMPARISON: &str = include_str!("../../assets/foxglove-layout-compare.json");
+
+/// What the sides of a comparison are called.
+pub(super) const SIDES: [&str; 2] = ["a", "b"];
+
+/// Mazes with more columns or rows than this have a second camera, which follows the robot ...
+const NEAR: u16 = 12;
+/// ... from so many cells away.
+const FOLLOW: f64 = 9.0;
 
 /// The layout for the files of single episodes, as compact JSON.
 pub fn of_episode(maze: &Maze) -> String {
@@ -19,6 +29,21 @@ pub fn of_run(maze: &Maze) -> String {
     fitted(RUN, maze)
 }
 
+/// The layout for two stories side by side, as compact JSON: their mazes and headings.
+pub fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
+    let mut layout: Value =
+        serde_json::from_str(COMPARISON).expect("the layouts in assets are JSON");
+    for (side, (maze, heading)) in SIDES.iter().zip(mazes.into_iter().zip(headings)) {
+        let panel = &mut layout["configById"][format!("3D!{side}")];
+        aim(&mut panel["cameraState"], maze);
+        let title = format!("{}: {heading}", side.to_uppercase());
+        for key in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
+            panel[key] = json!(title);
+        }
+    }
+    layout.to_string()
+}
+
 /// Looks at the maze's middle from where all of it is seen, and has a curve for each action.
 fn fitted(layout: &str, maze: &Maze) -> String {
     let mut layout: Value = serde_json::from_str(layout).expect("the layouts in assets are JSON");
@@ -26,13 +51,41 @@ fn fitted(layout: &str, maze: &Maze) -> String {
         if id.starts_with("3D!") {
             aim(&mut panel["cameraState"], maze);
         } else if id == "Plot!worth" {
-            // Of a whole run, only what the start of each episode is worth.
+            // Of a whole run, only what actions are worth in the start cell.
             let of_starts = panel["xAxisVal"] == "custom";
-            let steps = if of_starts { "/step{step==1}" } else { "/step" };
-            panel["paths"] = worth_paths(maze, steps);
+            let worth = if of_starts {
+                "/episode.start_worth"
+            } else {
+                "/step.worth"
+            };
+            panel["paths"] = worth_paths(maze, worth);
         }
     }
+    let follows = !layout["configById"]["StateTransitions!steps"].is_null();
+    if follows && maze.width().max(maze.height()) > NEAR {
+        follow(&mut layout, maze);
+    }
     layout.to_string()
+}
+
+/// Adds a camera that follows the robot, beside the one that shows the whole maze.
+fn follow(layout: &mut Value, maze: &Maze) {
+    let mut panel = layout["configById"]["3D!main"].clone();
+    panel["followTf"] = json!("robot");
+    panel["followMode"] = json!("follow-position");
+    panel["cameraState"]["distance"] = json!(FOLLOW * maze.cell_size_m());
+    panel["cameraState"]["targetOffset"] = json!([0, 0, 0]);
+    for key in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
+        panel[key] = json!("Around the robot");
+    }
+    layout["configById"]["3D!follow"] = panel;
+    let left = &mut layout["layout"]["first"]["first"];
+    *left = json!({
+        "direction": "row",
+        "splitPercentage": 58,
+        "first": left.take(),
+        "second": "3D!follow",
+    });
 }
 
 /// Puts the camera where a panel a little wider than high shows the whole maze and its caption.
@@ -42,25 +95,32 @@ fn aim(camera: &mut Value, maze: &Maze) {
         f64::from(maze.width()) * unit,
         f64::from(maze.height()) * unit + caption::height_m(maze),
     );
-    // Half the field of view is 22.5 degrees; tilted by 35 degrees, the near edge comes closer
-    // by 0.29 of the height and looks 0.82 as high.
-    let distance = (1.1 * wide + 0.29 * high).max(1.28 * high);
+    // Half the field of view is 22.5 degrees, of which the maze fills nine tenths: K is the tangent.
+    // The camera is tilted by 30 degrees, with C and S as cosine and sine, and looks at the point
+    // from which the southern edge and the caption appear equally far.
+    const K: f64 = 0.375;
+    const C: f64 = 0.866;
+    const S: f64 = 0.5;
+    let distance = high * (C * C - K * K * S * S) / (2.0 * C * K);
+    // A panel is at least 1.3 times as wide as high.
+    let distance = distance.max(wide / (2.0 * 1.3 * K) + high * S * C / 2.0);
+    let middle = K * distance / (C + K * S);
     camera["distance"] = json!((distance * 1000.0).round() / 1000.0);
-    camera["targetOffset"] = json!([wide / 2.0, high / 2.0, 0.0]);
+    camera["targetOffset"] = json!([wide / 2.0, (middle * 1000.0).round() / 1000.0, 0.0]);
     camera["near"] = json!(0.02 * unit);
     camera["far"] = json!((20.0 * distance).ceil());
 }
 
-/// A path for the worth of each action in these messages.
-fn worth_paths(maze: &Maze, steps: &str) -> Value {
+/// A path for the worth of each action.
+fn worth_paths(maze: &Maze, worth: &str) -> Value {
     const COLORS: [&str; 8] = [
-        "#1f77e0", "#ff8c1a", "#17a673", "#c23ee8", "#e0322f", "#7a5c3e", "#12b5c9", "#8a8f99",
+        "#4e98e2", "#f5774d", "#5cd6a9", "#a395e2", "#f7df71", "#61cbff", "#cad660", "#8a8f99",
     ];
     let paths = maze.moves().directions().iter().zip(COLORS).enumerate();
     paths
         .map(|(action, (direction, color))| {
             json!({
-                "value": format!("{steps}.worth[{action}]"),
+                "value": format!("{worth}[{action}]"),
                 "label": direction.name(),
                 "color": color,
                 "enabled": true,

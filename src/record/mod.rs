@@ -24,6 +24,6 @@ pub use repair::{Recovery, recover};
 #[cfg(feature = "live")]
 pub use serve::live;
 pub use serve::{gate, server};
-pub use story::{Chapter, Teller, chapters};
+pub use story::{Chapter, Comparison, Teller, chapters, compare_stories};
 pub use topics::Topic;
 pub use write::{RecordSummary, Recorder, RecorderMemory, Tap};

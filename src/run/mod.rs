@@ -24,10 +24,12 @@ mod facts;
 mod folder;
 mod session;
 mod source;
+mod comparison;
 mod story;
 mod verify;
 mod way_on;
 
+pub use comparison::comparison_of;
 pub use error::{RunError, RunFolderError};
 pub use evaluation::{clear_evaluation, record_evaluation};
 pub use folder::RunFolder;

@@ -1,6 +1,8 @@
 //! The story of a run, made of its recordings alone.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
 
 use super::error::RunError;
 use super::evaluation::record_evaluation;
@@ -8,7 +10,7 @@ use super::facts::run_info;
 use super::folder::RunFolder;
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
-use crate::record::{Extent, RecordMode, Recorder, Teller, chapters};
+use crate::record::{Chapter, Extent, RecordMode, Recorder, Teller, Topic, chapters};
 use crate::trial::{Plan, Trial};
 
 /// Tells the story of a run: `story.mcap` as bytes. The same run gives the same bytes.
@@ -18,12 +20,7 @@ use crate::trial::{Plan, Trial};
 /// # Errors
 /// When the folder is not that of a finished run, or a recording in it is damaged.
 pub fn story_of(folder: &RunFolder) -> Result<Vec<u8>, RunError> {
-    let plan = folder.plan()?;
-    let knowledge = folder.knowledge()?;
-    match has_every_episode(folder.path(), plan.config.episodes) {
-        true => tell(folder.path(), &plan, &knowledge),
-        false => story_again(&plan),
-    }
+    Material::of(folder)?.tell()
 }
 
 /// Tells the story of a trial, which is run for that.
@@ -31,33 +28,123 @@ pub fn story_of(folder: &RunFolder) -> Result<Vec<u8>, RunError> {
 /// # Errors
 /// When the plan is refused, or a temporary file cannot be written.
 pub fn story_again(plan: &Plan) -> Result<Vec<u8>, RunError> {
-    let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
-    let mut trial = Trial::new(plan.clone())?;
-    let (maze, info) = (&trial.plan().maze, run_info(trial.plan()));
-    let mut recorder = Recorder::create(folder.path(), maze, info, RecordMode::All)?;
-    // A break comes from the recorder, whose error `finish` gives out.
-    let _ = trial.run(&mut recorder);
-    recorder.finish(trial.method())?;
-    tell(folder.path(), trial.plan(), &trial.method().knowledge())
+    Material::again(plan)?.tell()
+}
+
+/// Tells the story of the recordings in `folder`, all of which are there.
+pub(super) fn tell(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Vec<u8>, RunError> {
+    Material::in_folder(folder, plan, knowledge)?.tell()
+}
+
+/// What a story is made of.
+pub(super) struct Material {
+    plan: Plan,
+    folder: PathBuf,
+    chapters: Vec<Chapter>,
+    drive: Recording,
+    /// What goes away with this: the folder of a trial that was run again.
+    _aside: Option<TempDir>,
+}
+
+impl Material {
+    /// That of a finished run.
+    pub fn of(folder: &RunFolder) -> Result<Self, RunError> {
+        let plan = folder.plan()?;
+        let knowledge = folder.knowledge()?;
+        match has_every_episode(folder.path(), plan.config.episodes) {
+            true => Self::in_folder(folder.path(), &plan, &knowledge),
+            false => Self::again(&plan),
+        }
+    }
+
+    /// That of a trial, which is run for that.
+    pub fn again(plan: &Plan) -> Result<Self, RunError> {
+        let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
+        let mut trial = Trial::new(plan.clone())?;
+        let (maze, info) = (&trial.plan().maze, run_info(trial.plan()));
+        let mut recorder = Recorder::create(folder.path(), maze, info, RecordMode::All)?;
+        // A break comes from the recorder, whose error `finish` gives out.
+        let _ = trial.run(&mut recorder);
+        recorder.finish(trial.method())?;
+        let knowledge = trial.method().knowledge();
+        let material = Self::in_folder(folder.path(), trial.plan(), &knowledge)?;
+        Ok(Self {
+            _aside: Some(folder),
+            ..material
+        })
+    }
+
+    fn in_folder(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Self, RunError> {
+        let plan = plan.clone().settled();
+        let chapters = chapters(&Recording::open(&folder.join(Extent::Run.file_name()))?)?;
+        let aside = tempfile::tempdir().map_err(RunError::Temporary)?;
+        record_evaluation(&plan, knowledge, 1, aside.path())?;
+        let drive = Recording::open(&aside.path().join(Extent::Episode(1).file_name()))?;
+        Ok(Self {
+            plan,
+            folder: folder.to_owned(),
+            chapters,
+            drive,
+            _aside: None,
+        })
+    }
+
+    /// Who tells it.
+    pub fn teller(&self) -> Teller<'_> {
+        Teller::new(
+            &self.plan.maze,
+            run_info(&self.plan),
+            self.plan.config.senses(),
+        )
+    }
+
+    /// How many chapters there are before the drive.
+    pub fn chapters(&self) -> usize {
+        self.chapters.len()
+    }
+
+    /// Tells chapter `number`, from 0; nothing beyond the last one.
+    pub fn tell_chapter(&self, number: usize, teller: &mut Teller<'_>) -> Result<(), RunError> {
+        match self.chapters.get(number) {
+            Some(chapter) => Ok(teller.chapter(chapter, &self.episode(chapter.episode)?)?),
+            None => Ok(()),
+        }
+    }
+
+    /// Tells what was learned.
+    pub fn tell_drive(&self, teller: &mut Teller<'_>) -> Result<(), RunError> {
+        let (episodes, curve) = (self.plan.config.episodes, self.whole_curve()?);
+        Ok(teller.drive(episodes, curve, &self.drive)?)
+    }
+
+    /// The learning curve of all episodes, as `/curve` has it.
+    pub fn whole_curve(&self) -> Result<Vec<u8>, RunError> {
+        let mut last = Vec::new();
+        for message in self.episode(self.plan.config.episodes)?.messages() {
+            let message = message?;
+            if message.topic() == Topic::Curve.name() {
+                last = message.data.to_vec();
+            }
+        }
+        Ok(last)
+    }
+
+    fn episode(&self, number: u32) -> Result<Recording, RunError> {
+        let file = Extent::Episode(number).file_name();
+        Ok(Recording::open(&self.folder.join(file))?)
+    }
+
+    fn tell(&self) -> Result<Vec<u8>, RunError> {
+        let mut teller = self.teller();
+        for number in 0..self.chapters() {
+            self.tell_chapter(number, &mut teller)?;
+        }
+        self.tell_drive(&mut teller)?;
+        Ok(teller.finish()?)
+    }
 }
 
 fn has_every_episode(folder: &Path, episodes: u32) -> bool {
     let mut extents = (1..=episodes).map(Extent::Episode).chain([Extent::Run]);
     extents.all(|extent| folder.join(extent.file_name()).is_file())
-}
-
-/// Tells the story of the recordings in `folder`, all of which are there.
-pub(super) fn tell(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Vec<u8>, RunError> {
-    let open = |extent: Extent| Recording::open(&folder.join(extent.file_name()));
-    let plan = &plan.clone().settled();
-    let senses = plan.config.senses();
-    let mut teller = Teller::new(&plan.maze, &run_info(plan), senses)?;
-    for chapter in chapters(&open(Extent::Run)?)? {
-        teller.chapter(&chapter, &open(Extent::Episode(chapter.episode))?)?;
-    }
-    let aside = tempfile::tempdir().map_err(RunError::Temporary)?;
-    record_evaluation(plan, knowledge, 1, aside.path())?;
-    let drive = aside.path().join(Extent::Episode(1).file_name());
-    teller.drive(plan.config.episodes, &Recording::open(&drive)?)?;
-    Ok(teller.finish()?)
 }

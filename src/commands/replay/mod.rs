@@ -1,6 +1,7 @@
 //! `xcscr replay`: what a recording shows, in words or in a viewer, and whether a new run gives
 //! the same bytes.
 
+mod browser;
 mod serve;
 mod story;
 mod stream;
@@ -13,9 +14,11 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use xcscr::record::reader::{Recording, TopicInfo};
+use xcscr::run::comparison_of;
 
 use super::failure::{Exit, Failure};
 use super::live::{LIVE_PORT, LiveArgs};
+use super::output::OutputFile;
 use super::source::recordings;
 
 /// Arguments of `replay`.
@@ -33,12 +36,18 @@ pub struct ReplayArgs {
     /// Write the story of one run, which shows in less than two minutes how it learned.
     #[arg(long, requires = "output", conflicts_with_all = ["verify", "serve", "live", "json"])]
     story: bool,
-    /// The file to write the story to (.mcap).
-    #[arg(short, long, value_name = "FILE", requires = "story")]
+    /// Serve the stories of two runs side by side, or write them to a file.
+    #[arg(long, conflicts_with_all = ["verify", "story", "live", "json"])]
+    compare: bool,
+    /// The file to write a story or a comparison to (.mcap).
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Replace that file if it exists.
-    #[arg(long, requires = "story")]
+    #[arg(long, requires = "output")]
     force: bool,
+    /// Open the first link in the browser.
+    #[arg(long)]
+    open: bool,
     #[command(flatten)]
     live: LiveArgs,
     /// The port for `--serve` and `--live` [default: any that is free, 8765].
@@ -51,14 +60,18 @@ pub struct ReplayArgs {
 
 /// Shows, serves, streams or verifies recordings.
 pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+    if args.compare {
+        return compare(args, out);
+    }
     if let Some(output) = &args.output {
         return match &args.recordings[..] {
-            [run] => story::run(run, output, args.force),
-            _ => Err(Failure::new(
-                Exit::Usage,
-                "a story is that of one run".to_owned(),
-            )),
+            [run] if args.story => story::run(run, output, args.force),
+            [_] => Err(usage("`--output` is for `--story` and `--compare`")),
+            _ => Err(usage("a story is that of one run")),
         };
+    }
+    if args.open && !args.serve {
+        return Err(usage("`--open` is for `--serve` and `--compare`"));
     }
     let mut files = Vec::new();
     for path in &args.recordings {
@@ -70,13 +83,48 @@ pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
         verify::run(&files, args.json, out)
     } else if args.serve {
         let shown = story::tell_missing(&args.recordings, files)?;
-        let port = args.port.unwrap_or(0);
-        serve::run(&shown.files, port, &args.live.allow_origin, out)
+        serve::run(serve::offers(&shown.files)?, &args.service(), out)
     } else if args.json {
         show_json(&files, out)
     } else {
         args.recordings.iter().try_for_each(|path| show(path, out))
     }
+}
+
+impl ReplayArgs {
+    fn service(&self) -> serve::Service<'_> {
+        serve::Service {
+            port: self.port.unwrap_or(0),
+            origins: &self.live.allow_origin,
+            open: self.open,
+        }
+    }
+}
+
+/// Two runs side by side, into a file or to a viewer.
+fn compare(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let [a, b] = &args.recordings[..] else {
+        return Err(usage("`--compare` takes two runs"));
+    };
+    if let Some(output) = &args.output {
+        let file = OutputFile::free(output, args.force)?;
+        return file.write(&comparison_of([a, b])?.bytes);
+    }
+    let comparison = comparison_of([a, b])?;
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("comparison.mcap");
+    std::fs::write(&file, &comparison.bytes)?;
+    let [of_a, of_b] = &comparison.headings;
+    let offer = serve::Offer {
+        what: format!("A: {of_a}\nB: {of_b}"),
+        layout: comparison.layout,
+        files: vec![file],
+    };
+    serve::run(vec![offer], &args.service(), out)
+}
+
+fn usage(what: &str) -> Failure {
+    Failure::new(Exit::Usage, what.to_owned())
 }
 
 /// What a recording says of itself.

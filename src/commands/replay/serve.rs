@@ -1,6 +1,6 @@
 //! `xcscr replay --serve`: links that open recordings in a viewer.
 
-use std::io::Write;
+use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,34 +13,75 @@ use xcscr::record::server::{Content, Server, foxglove_link, lichtblick_link};
 use xcscr::run::Source;
 use xcscr::trial::Plan;
 
+use super::browser;
 use crate::commands::failure::{Exit, Failure};
+use crate::commands::terminal;
 
 /// A link opens at most so many files; the others can be dragged into the viewer.
 const MOST_LINKED: usize = 10;
 
+/// How recordings are served.
+pub struct Service<'a> {
+    /// The port; 0 for any that is free.
+    pub port: u16,
+    /// Whose pages may read them, beside those of the two viewers.
+    pub origins: &'a [Origin],
+    /// Is the first link opened?
+    pub open: bool,
+}
+
+/// Recordings that a link opens together.
+pub struct Offer {
+    /// What they show, in words.
+    pub what: String,
+    /// The layout that fits them.
+    pub layout: String,
+    /// The recordings.
+    pub files: Vec<PathBuf>,
+}
+
 /// Serves until Ctrl-C.
-pub fn run(
-    files: &[PathBuf],
-    port: u16,
-    origins: &[Origin],
-    out: &mut impl Write,
-) -> Result<(), Failure> {
-    let groups = sorted(files)?;
+pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut impl Write) -> Result<(), Failure> {
+    let port = service.port;
     let mut server = Server::bind(port).map_err(|cause| {
         let message = format!("cannot listen on port {port}: {cause}; choose another `--port`");
         Failure::new(Exit::Io, message)
     })?;
-    origins.iter().for_each(|origin| server.allow(origin));
+    service
+        .origins
+        .iter()
+        .for_each(|origin| server.allow(origin));
     let stopped = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&stopped))?;
     }
-    for group in &groups {
-        print_links(&mut server, group, out)?;
+    let mut first = None;
+    for offer in offers {
+        let link = print_links(&mut server, offer, out)?;
+        first.get_or_insert(link);
     }
     writeln!(out, "Serving on {}; Ctrl-C ends it.", server.origin())?;
     out.flush()?;
-    Ok(server.run(|| stopped.load(Ordering::Relaxed))?)
+    if let Some(link) = first.filter(|_| service.open) {
+        browser::open(&link);
+    }
+    server.run(|| stopped.load(Ordering::Relaxed))?;
+    // A terminal shows `^C`: what comes next begins on a line of its own.
+    if io::stdout().is_terminal() {
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// What a viewer is offered of these recordings, stories first.
+pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
+    let groups = sorted(files)?.into_iter();
+    let offers = groups.map(|group| Offer {
+        what: group.name(),
+        layout: group.layout(),
+        files: group.files,
+    });
+    Ok(offers.collect())
 }
 
 /// Recordings of one run that one layout fits: those of two runs would interleave in a viewer.
@@ -103,21 +144,34 @@ fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
     Ok(groups)
 }
 
-fn print_links(server: &mut Server, group: &Group, out: &mut impl Write) -> Result<(), Failure> {
-    let layout = server.add("foxglove-layout.json", Content::Text(group.layout()));
+/// Prints the links of an offer; the first one.
+fn print_links(server: &mut Server, offer: Offer, out: &mut impl Write) -> Result<String, Failure> {
+    let layout = server.add("foxglove-layout.json", Content::Text(offer.layout));
     let mut links = Vec::new();
-    for file in &group.files {
+    for file in &offer.files {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         links.push(server.add(&name, Content::File(file.clone())));
     }
-    let what = group.name();
+    let what = offer.what;
     let linked = &links[links.len().saturating_sub(MOST_LINKED)..];
     match (links.len(), linked.len()) {
         (all, some) if some < all => writeln!(out, "{what} (the last {some} of {all})")?,
         _ => writeln!(out, "{what}")?,
     }
-    writeln!(out, "  Lichtblick  {}", lichtblick_link(linked, &layout))?;
-    writeln!(out, "  Foxglove    {}", foxglove_link(linked))?;
-    writeln!(out, "  layout      {layout}")?;
-    Ok(())
+    let first = lichtblick_link(linked, &layout);
+    print_link("Lichtblick", &first, out)?;
+    print_link("Foxglove", &foxglove_link(linked), out)?;
+    print_link("layout", &layout, out)?;
+    Ok(first)
+}
+
+/// Prints an address: as a link behind short words where the terminal can, so that 80 columns hold.
+fn print_link(name: &str, address: &str, out: &mut impl Write) -> Result<(), Failure> {
+    if !terminal::shows_links() {
+        return Ok(writeln!(out, "  {name:10}  {address}")?);
+    }
+    write!(out, "  {name:10}  ")?;
+    out.flush()?;
+    terminal::print_link("click here to open it", address)?;
+    Ok(writeln!(out)?)
 }

@@ -12,10 +12,8 @@ use crate::record::layout;
 use crate::record::topics::Topic;
 use crate::world::Maze;
 
-/// Gaps between messages with poses up to this long are normal: the grid moves once a second.
-const GRID_GAP_NS: u64 = 1_000_000_000;
-/// The same for a robot that drives: each message shows half a second of its way.
-const DRIVE_GAP_NS: u64 = 600_000_000;
+/// Gaps between messages with poses up to this long are normal: each shows a second of the way.
+const LONGEST_GAP_NS: u64 = 1_000_000_000;
 /// What every recording carries.
 const ATTACHED: [&str; 2] = ["world.json", "config.json"];
 /// What that of a whole run or a story carries beside.
@@ -148,7 +146,6 @@ fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
 fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
     let (mut before_ns, mut posed_ns) = (0, None);
     let mut counts: BTreeMap<String, u64> = BTreeMap::new();
-    let gap_ns = longest_gap_ns(recording);
     for message in recording.messages() {
         let message = match message {
             Ok(message) => message,
@@ -173,21 +170,13 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
         }
         if topic == Topic::Transforms.name() {
             let before = posed_ns.replace(now_ns);
-            if let Some(before) = before.filter(|&before| now_ns > before + gap_ns) {
+            if let Some(before) = before.filter(|&before| now_ns > before + LONGEST_GAP_NS) {
                 let what = format!("no pose on /tf from {before} ns to {now_ns} ns");
                 findings.push(finding(FindingKind::Gap, what));
             }
         }
     }
     check_index(recording, &counts, findings);
-}
-
-fn longest_gap_ns(recording: &Recording) -> u64 {
-    let arena = recording.metadata("run").and_then(|run| run.get("arena"));
-    match arena.map(String::as_str) {
-        Some("grid") => GRID_GAP_NS,
-        _ => DRIVE_GAP_NS,
-    }
 }
 
 /// The index must count the messages that there are.

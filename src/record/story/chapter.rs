@@ -4,12 +4,13 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use foxglove::Decode;
-use foxglove::messages::{ArrowPrimitive, SceneUpdate};
+use foxglove::messages::{Point3, SceneUpdate};
 use serde::Deserialize;
 
 use crate::record::error::RecordError;
 use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::Topic;
+use crate::record::topics::policy::DART_CORNERS;
 
 /// How many episodes are shown because the policy changed most in them.
 const MOST_CHANGES: usize = 3;
@@ -112,8 +113,9 @@ impl Policy {
     fn see(&mut self, run: &Recording, message: &Message) -> Result<(), RecordError> {
         let scene = SceneUpdate::decode(message.data.as_slice())
             .map_err(|fault| run.damaged(fault.to_string()))?;
-        let arrows = scene.entities.iter().flat_map(|entity| &entity.arrows);
-        let arrows: BTreeSet<_> = arrows.map(pose_bits).collect();
+        let painted = scene.entities.iter().flat_map(|entity| &entity.triangles);
+        let arrows = painted.flat_map(|list| list.points.chunks_exact(DART_CORNERS));
+        let arrows: BTreeSet<_> = arrows.map(corner_bits).collect();
         let only_in = |a: &BTreeSet<_>, b| a.difference(b).count();
         self.changed = only_in(&arrows, &self.arrows).max(only_in(&self.arrows, &arrows));
         self.arrows = arrows;
@@ -121,14 +123,10 @@ impl Policy {
     }
 }
 
-/// Where an arrow is, and where it points.
-fn pose_bits(arrow: &ArrowPrimitive) -> [u64; 4] {
-    let pose = arrow.pose.unwrap_or_default();
-    let (at, turn) = (
-        pose.position.unwrap_or_default(),
-        pose.orientation.unwrap_or_default(),
-    );
-    [at.x, at.y, turn.z, turn.w].map(f64::to_bits)
+/// Where an arrow is, and where it points: its tip and its left corner.
+fn corner_bits(dart: &[Point3]) -> [u64; 4] {
+    let (tip, left) = (dart[0], dart[1]);
+    [tip.x, tip.y, left.x, left.y].map(f64::to_bits)
 }
 
 fn chosen(told: &[Told]) -> Vec<Chapter> {

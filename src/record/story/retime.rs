@@ -61,6 +61,8 @@ pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, Stri
         | Topic::Trail
         | Topic::Caption
         | Topic::RuleText
+        | Topic::Percept
+        | Topic::Landscape
         | Topic::Ghost => {
             let mut scene: SceneUpdate = decoded(data)?;
             for entity in &mut scene.entities {
@@ -88,6 +90,7 @@ pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, Stri
         | Topic::Rule
         | Topic::Episode
         | Topic::Curve
+        | Topic::Ended
         | Topic::Estimate => Ok(data.to_vec()),
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use foxglove::messages::{FrameTransform, FrameTransforms};
-use mcap::McapError;
+use mcap::{McapError, McapResult};
 use serde::Deserialize;
 
 use super::chapter::Chapter;
@@ -28,10 +28,15 @@ const INSTANT_NS: u64 = 1_000_000;
 /// For how long the last drive may be shown.
 const DRIVE_NS: u64 = 20_000_000_000;
 
-/// Writes a story into memory: a few hundred kilobytes.
+/// A message of the story: its time, topic and bytes.
+pub(super) type Told = (u64, Topic, Vec<u8>);
+
+/// Tells a story into memory: a few megabytes.
 pub struct Teller<'a> {
-    log: LogFile<Vec<u8>>,
+    told: Vec<Told>,
     maze: &'a Maze,
+    info: RunInfo,
+    senses: bool,
     heading: String,
     now_ns: u64,
     /// Where each frame was last.
@@ -50,28 +55,17 @@ struct Figures {
 
 impl<'a> Teller<'a> {
     /// A story that is to begin; `senses`: is the robot not told where it is?
-    ///
-    /// # Errors
-    /// None that has been seen: there is room in memory.
-    pub fn new(maze: &'a Maze, info: &RunInfo, senses: bool) -> Result<Self, RecordError> {
-        let begin = || {
-            let mut log = LogFile::new(Vec::new())?;
-            let metadata = info.metadata(maze.name(), RecordMode::All, Extent::Story);
-            log.metadata("run", metadata)?;
-            log.attach("world.json", 0, &info.world_json)?;
-            log.attach("config.json", 0, &info.config_json)?;
-            log.attach("foxglove-layout.json", 0, &layout::of_episode(maze))?;
-            log.declare(Topic::of_episode(senses, false))?;
-            Ok(log)
-        };
-        Ok(Self {
-            log: begin().map_err(unwritten)?,
+    pub fn new(maze: &'a Maze, info: RunInfo, senses: bool) -> Self {
+        Self {
+            told: Vec::new(),
             maze,
             heading: info.heading(maze.name()),
+            info,
+            senses,
             now_ns: 0,
             frames: BTreeMap::new(),
             is_begun: false,
-        })
+        }
     }
 
     /// Shows an episode.
@@ -85,23 +79,32 @@ impl<'a> Teller<'a> {
             1 => "1 arrow changed".to_owned(),
             changed => format!("{changed} arrows changed"),
         };
-        self.close(&chapter.title(), &format!("{}; {arrows}", result(&figures)))
+        self.close(&chapter.title(), &format!("{}; {arrows}", result(&figures)));
+        Ok(())
     }
 
-    /// Shows what was learned: an episode that neither learns nor explores.
+    /// Shows what was learned: an episode that neither learns nor explores, beside the whole learning
+    /// `curve`, as `/curve` has it.
     ///
     /// # Errors
     /// When its recording is damaged.
-    pub fn drive(&mut self, episodes: u32, drive: &Recording) -> Result<(), RecordError> {
+    pub fn drive(
+        &mut self,
+        episodes: u32,
+        curve: Vec<u8>,
+        drive: &Recording,
+    ) -> Result<(), RecordError> {
         let title = format!("After {episodes} episodes: greedy, exploration off");
         // Of all topics, only the learning curve is about what came before.
+        self.told.push((self.now_ns, Topic::Curve, curve));
         let figures = self.play(&title, drive, DRIVE_NS, &[Topic::Curve])?;
         let fewest = match figures.shortest {
             Some(fewest) if figures.steps == Some(fewest) => ", as few as possible".to_owned(),
             Some(fewest) => format!(" ({fewest} would do)"),
             None => String::new(),
         };
-        self.close(&title, &format!("{}{fewest}", result(&figures)))
+        self.close(&title, &format!("{}{fewest}", result(&figures)));
+        Ok(())
     }
 
     /// The story, as the bytes of a file.
@@ -109,7 +112,52 @@ impl<'a> Teller<'a> {
     /// # Errors
     /// None that has been seen: there is room in memory.
     pub fn finish(self) -> Result<Vec<u8>, RecordError> {
-        self.log.finish().map_err(unwritten)
+        self.written().map_err(unwritten)
+    }
+
+    fn written(&self) -> McapResult<Vec<u8>> {
+        let (maze, info) = (self.maze, &self.info);
+        let mut log = LogFile::new(Vec::new())?;
+        let metadata = info.metadata(maze.name(), RecordMode::All, Extent::Story);
+        log.metadata("run", metadata)?;
+        log.attach("world.json", 0, &info.world_json)?;
+        log.attach("config.json", 0, &info.config_json)?;
+        log.attach("foxglove-layout.json", 0, &layout::of_episode(maze))?;
+        log.declare(self.topics())?;
+        for (time_ns, topic, data) in &self.told {
+            log.message(*topic, *time_ns, data)?;
+        }
+        log.finish()
+    }
+
+    /// The topics that the story has.
+    pub(super) fn topics(&self) -> &'static [Topic] {
+        Topic::of_episode(self.senses, false)
+    }
+
+    /// What was told so far.
+    pub(super) fn told(&self) -> &[Told] {
+        &self.told
+    }
+
+    /// World, method and seed.
+    pub(super) fn heading(&self) -> &str {
+        &self.heading
+    }
+
+    /// The maze of the run.
+    pub(super) fn maze(&self) -> &Maze {
+        self.maze
+    }
+
+    /// Lets the story that is behind the other stand as it is until both go on.
+    pub fn catch_up(&mut self, other: &mut Self) {
+        let end_ns = self.now_ns.max(other.now_ns);
+        for story in [self, other] {
+            if story.now_ns < end_ns {
+                story.hold_until(end_ns);
+            }
+        }
     }
 
     /// Plays an episode without some of its topics; what it came to.
@@ -135,7 +183,7 @@ impl<'a> Teller<'a> {
             speed if speed > 1.05 => format!("shown {speed:.1} times as fast"),
             _ => String::new(),
         };
-        self.say(title, &remark)?;
+        self.say(title, &remark);
         let damaged = |fault: String| episode.damaged(fault);
         let mut figures = Err(damaged("it has no /episode".to_owned()));
         for message in &messages {
@@ -144,13 +192,13 @@ impl<'a> Teller<'a> {
                 continue;
             };
             let data = retimed(topic, &message.data, &tempo).map_err(damaged)?;
-            self.write(topic, tempo.at(message.time_ns), &data)?;
             if topic == Topic::Transforms {
                 self.follow(&data).map_err(damaged)?;
             } else if topic == Topic::Episode {
                 let read = serde_json::from_slice(&message.data);
                 figures = read.map_err(|fault| damaged(fault.to_string()));
             }
+            self.told.push((tempo.at(message.time_ns), topic, data));
         }
         self.is_begun = true;
         self.now_ns = tempo.end_ns();
@@ -176,23 +224,27 @@ impl<'a> Teller<'a> {
     }
 
     /// Says what came of a chapter, while nothing moves.
-    fn close(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
-        self.say(title, remark)?;
+    fn close(&mut self, title: &str, remark: &str) {
+        self.say(title, remark);
         let line = log::told(&format!("{title}: {remark}"), self.now_ns);
-        self.write(Topic::Log, self.now_ns, &encoded(&line))?;
-        let end_ns = self.now_ns + PAUSE_NS;
-        let holds = (0..).map(|n| n * HOLD_NS).take_while(|&at| at < PAUSE_NS);
-        let holds = holds.chain([PAUSE_NS - INSTANT_NS]);
+        self.told.push((self.now_ns, Topic::Log, encoded(&line)));
+        self.hold_until(self.now_ns + PAUSE_NS);
+    }
+
+    /// Shows all frames where they were, until a moment.
+    fn hold_until(&mut self, end_ns: u64) {
         let begin_ns = self.now_ns;
-        for after_ns in holds {
-            self.hold(begin_ns + after_ns)?;
+        let holds = (0..).map(|n| begin_ns + n * HOLD_NS);
+        let holds = holds.take_while(|&at_ns| at_ns + INSTANT_NS < end_ns);
+        let holds: Vec<u64> = holds.chain([end_ns - INSTANT_NS]).collect();
+        for at_ns in holds.into_iter().filter(|&at_ns| at_ns >= begin_ns) {
+            self.hold(at_ns);
         }
         self.now_ns = end_ns;
-        Ok(())
     }
 
     /// Shows all frames where they were.
-    fn hold(&mut self, time_ns: u64) -> Result<(), RecordError> {
+    fn hold(&mut self, time_ns: u64) {
         let stay = |frame: &FrameTransform| FrameTransform {
             timestamp: Some(timestamp(time_ns)),
             ..frame.clone()
@@ -200,21 +252,18 @@ impl<'a> Teller<'a> {
         let message = FrameTransforms {
             transforms: self.frames.values().map(stay).collect(),
         };
-        self.write(Topic::Transforms, time_ns, &encoded(&message))
+        self.told
+            .push((time_ns, Topic::Transforms, encoded(&message)));
     }
 
-    fn say(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
+    fn say(&mut self, title: &str, remark: &str) {
         let caption = Caption {
             title: title.to_owned(),
             remark: remark.to_owned(),
             heading: self.heading.clone(),
         };
         let scene = encoded(&caption.scene(self.maze, self.now_ns));
-        self.write(Topic::Caption, self.now_ns, &scene)
-    }
-
-    fn write(&mut self, topic: Topic, time_ns: u64, data: &[u8]) -> Result<(), RecordError> {
-        self.log.message(topic, time_ns, data).map_err(unwritten)
+        self.told.push((self.now_ns, Topic::Caption, scene));
     }
 }
 
@@ -228,7 +277,7 @@ fn result(figures: &Figures) -> String {
     format!("{how} after {steps} steps, {hits} collisions")
 }
 
-fn unwritten(cause: McapError) -> RecordError {
+pub(super) fn unwritten(cause: McapError) -> RecordError {
     RecordError::Write {
         path: PathBuf::from(Extent::Story.file_name()),
         cause: cause.to_string(),

@@ -2,16 +2,19 @@
 
 use foxglove::messages::{SceneUpdate, TextPrimitive};
 
-use super::scene::{WORLD, entity, place, update, words};
+use super::rounded;
+use super::scene::{WORLD, color, entity, place, update};
 use crate::world::Maze;
 
 const TITLE: u32 = 0xffffff;
 const REMARK: u32 = 0xf4b740;
 const HEADING: u32 = 0x9aa5b8;
 /// The height of a title as a share of the maze's longer side.
-const SIZE: f64 = 0.05;
-/// How wide a letter is, as a share of its height; text that would not fit is made smaller.
-const LETTER: f64 = 0.55;
+const SIZE: f64 = 0.062;
+/// How wide a letter is, as a share of its height; text wider than this share of the maze is made
+/// smaller.
+const LETTER: f64 = 0.6;
+const WIDEST: f64 = 1.35;
 
 /// Three lines above each other.
 #[derive(Debug, Clone, Default)]
@@ -29,9 +32,9 @@ impl Caption {
     pub fn scene(&self, maze: &Maze, time_ns: u64) -> SceneUpdate {
         let mut lines = entity("caption", WORLD, time_ns);
         let all = [
-            (&self.heading, 3.6, 0.6, HEADING),
-            (&self.title, 2.2, 1.0, TITLE),
-            (&self.remark, 0.9, 0.75, REMARK),
+            (&self.heading, 3.9, 0.7, HEADING),
+            (&self.title, 2.45, 1.0, TITLE),
+            (&self.remark, 1.05, 0.8, REMARK),
         ];
         let shown = all.into_iter().filter(|(text, ..)| !text.is_empty());
         lines.texts = shown
@@ -43,7 +46,7 @@ impl Caption {
 
 /// How far a caption reaches north of the maze, in metres.
 pub(in crate::record) fn height_m(maze: &Maze) -> f64 {
-    4.0 * title_height_m(maze)
+    4.6 * title_height_m(maze)
 }
 
 fn title_height_m(maze: &Maze) -> f64 {
@@ -58,7 +61,14 @@ fn line(maze: &Maze, text: &str, up: f64, share: f64, rgb: u32) -> TextPrimitive
         f64::from(maze.width()) * unit,
         f64::from(maze.height()) * unit,
     );
-    let fits = wide / (LETTER * text.chars().count() as f64);
+    let fits = WIDEST * wide / (LETTER * text.chars().count() as f64);
     let at = place(wide / 2.0, high + up * title, 0.0);
-    words(at, fits.min(share * title), rgb, text)
+    TextPrimitive {
+        pose: at,
+        billboard: true,
+        font_size: rounded(fits.min(share * title)),
+        scale_invariant: false,
+        color: color(rgb, 1.0),
+        text: text.to_owned(),
+    }
 }

@@ -1,11 +1,13 @@
 //! `/episode`: that an episode runs, at its start; its figures, at its end.
 
 use foxglove::Schema;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::decimal;
 use super::schema::{Kind, object};
+use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode};
+use xcs::{Classifier, PredictionArray};
 
 /// What the policy would do now, seen from where the episode started.
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -18,19 +20,34 @@ pub(in crate::record) struct Outlook {
     /// The fewest steps that anyone needs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shortest: Option<u32>,
+    /// What each action is worth in the start cell; null: unknown.
+    #[serde(serialize_with = "decimals")]
+    pub start_worth: PredictionArray,
+}
+
+/// Numbers as JSON messages carry them.
+pub(super) fn decimals<S: Serializer>(
+    worth: &PredictionArray,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(worth.as_slice().iter().map(|one| one.map(decimal)))
 }
 
 /// The figures of an episode.
 #[derive(Debug, Serialize)]
 pub(in crate::record) struct EpisodeRecord {
     episode: u32,
-    ended: u32,
     outcome: Ending,
+    state: u8,
+    result: u8,
+    policy: u8,
     steps: u32,
     collisions: u32,
     explored: u32,
     reward: f64,
     rules: usize,
+    #[serde(flatten)]
+    population: Option<Population>,
     step_threshold: u32,
     learning_rate: f64,
     imprinted: bool,
@@ -38,17 +55,60 @@ pub(in crate::record) struct EpisodeRecord {
     outlook: Outlook,
 }
 
+/// What the rules of \[P\] are like; means over its micro-classifiers.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(in crate::record) struct Population {
+    micro: u32,
+    generality: f64,
+    mean_error: f64,
+}
+
+impl Population {
+    /// The figures of what was learned; `None` of a table, and without rules.
+    pub fn of(knowledge: &Knowledge) -> Option<Self> {
+        let rules = knowledge.rules().filter(|rules| !rules.is_empty())?;
+        let mean = |of: fn(&Classifier) -> f64| {
+            let all = rules.rules().iter();
+            let sum: f64 = all.map(|rule| f64::from(rule.numerosity) * of(rule)).sum();
+            decimal(sum / f64::from(rules.micro().max(1)))
+        };
+        Some(Self {
+            micro: rules.micro(),
+            generality: mean(|rule| {
+                let (demands, width) = (rule.condition.specificity(), rule.condition.width());
+                1.0 - demands as f64 / width.max(1) as f64
+            }),
+            mean_error: mean(|rule| rule.error),
+        })
+    }
+}
+
+/// Numbers of what an episode came to, and of what the greedy policy is.
+const STATES: [(u8, &str); 3] = [(0, "running"), (1, "step limit"), (3, "goal")];
+const POLICIES: [(u8, &str); 2] = [(1, "not optimal"), (3, "optimal")];
+
+fn policy_number(optimal: bool) -> u8 {
+    if optimal { 3 } else { 1 }
+}
+
 impl EpisodeRecord {
-    pub fn new(episode: &Episode, outlook: Outlook) -> Self {
+    pub fn new(episode: &Episode, population: Option<Population>, outlook: Outlook) -> Self {
+        let result = match episode.ending {
+            Ending::StepLimit => 1,
+            Ending::Goal => 3,
+        };
         Self {
             episode: episode.episode,
-            ended: episode.episode,
             outcome: episode.ending,
+            state: result,
+            result,
+            policy: policy_number(outlook.optimal),
             steps: episode.steps,
             collisions: episode.collisions,
             explored: episode.explored,
             reward: decimal(episode.reward),
             rules: episode.rules,
+            population,
             step_threshold: episode.step_threshold,
             learning_rate: decimal(episode.learning_rate),
             imprinted: episode.imprinted,
@@ -57,11 +117,41 @@ impl EpisodeRecord {
     }
 }
 
+/// An episode is over.
+#[derive(Debug, Serialize)]
+pub(in crate::record) struct Ended {
+    episode: u32,
+    learning_rate: f64,
+}
+
+impl Ended {
+    pub fn new(episode: &Episode) -> Self {
+        Self {
+            episode: episode.episode,
+            learning_rate: decimal(episode.learning_rate),
+        }
+    }
+}
+
+pub(super) fn schema_of_ended() -> Schema {
+    let fields = [
+        ("episode", Kind::Count, "from 1"),
+        (
+            "learning_rate",
+            Kind::Number,
+            "with which its end was learned",
+        ),
+    ];
+    object("xcscr.Ended", &fields)
+}
+
 /// An episode that runs; what its end will tell is left out.
 #[derive(Debug, Serialize)]
 pub(in crate::record) struct Running {
     episode: u32,
     outcome: &'static str,
+    state: u8,
+    policy: u8,
     optimal: bool,
 }
 
@@ -71,6 +161,8 @@ impl Running {
         Self {
             episode,
             outcome: "running",
+            state: 0,
+            policy: policy_number(optimal),
             optimal,
         }
     }
@@ -79,17 +171,30 @@ impl Running {
 pub(super) fn schema() -> Schema {
     let fields = [
         ("episode", Kind::Count, "from 1"),
-        ("ended", Kind::Count, "the same, once it is over"),
         (
             "outcome",
             Kind::Text,
             "running, goal, or step-limit; the rest is told at the end",
         ),
+        ("state", Kind::Named(&STATES), "the outcome as a number"),
+        (
+            "result",
+            Kind::Named(&STATES),
+            "the same once it is over, and nothing before",
+        ),
+        ("policy", Kind::Named(&POLICIES), "optimal, as a number"),
         ("steps", Kind::Count, "steps taken"),
         ("collisions", Kind::Count, "steps that hit a wall"),
         ("explored", Kind::Count, "steps chosen by chance"),
         ("reward", Kind::Number, "sum of all rewards"),
         ("rules", Kind::Count, "macro-classifiers in [P]"),
+        ("micro", Kind::Count, "micro-classifiers in [P]"),
+        (
+            "generality",
+            Kind::Number,
+            "share of don't-cares in the conditions of [P], mean",
+        ),
+        ("mean_error", Kind::Number, "prediction error in [P], mean"),
         (
             "step_threshold",
             Kind::Count,
@@ -111,6 +216,11 @@ pub(super) fn schema() -> Schema {
             "shortest",
             Kind::Count,
             "steps of the shortest path from this start",
+        ),
+        (
+            "start_worth",
+            Kind::Numbers,
+            "of each action in the start cell, clockwise from north; null: unknown",
         ),
     ];
     object("xcscr.Episode", &fields)

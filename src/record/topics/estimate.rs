@@ -6,7 +6,7 @@ use foxglove::messages::{CylinderPrimitive, Pose, SceneUpdate};
 use nalgebra::{Complex, Matrix3, UnitComplex};
 use serde::Serialize;
 
-use super::scene::{ESTIMATE, WORLD, color, entity, heading, place, update, vector};
+use super::scene::{ESTIMATE, color, entity, heading, place, update, vector};
 use super::schema::{Kind, object};
 use super::{decimal, rounded};
 use crate::arena::{Sample, Sensed};
@@ -117,17 +117,17 @@ pub(super) fn schema() -> Schema {
 
 /// An ellipse around the believed position, and a ghost of the robot where it believes to be.
 pub(in crate::record) fn scene(sensed: &Sensed<'_>, radius_m: f64, time_ns: u64) -> SceneUpdate {
-    let mut ellipse = entity("ellipse", WORLD, time_ns);
+    let mut ellipse = entity("ellipse", ESTIMATE, time_ns);
     ellipse.cylinders = sensed
         .estimates
         .last()
         .map(|estimate| {
-            let at = estimate.robot_in_world.translation;
+            let ahead = estimate.robot_in_world.rotation;
             let (long, short, direction) = axes(&estimate.covariance);
             CylinderPrimitive {
                 pose: Some(Pose {
-                    position: Some(vector(at.x, at.y, 2.0 * FLAT_M)),
-                    orientation: Some(heading(direction)),
+                    position: Some(vector(0.0, 0.0, 2.0 * FLAT_M)),
+                    orientation: Some(heading(ahead.inverse() * direction)),
                 }),
                 size: Some(vector(
                     2.0 * DEVIATIONS * long,

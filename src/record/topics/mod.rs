@@ -10,6 +10,7 @@ pub(super) mod episode;
 pub(super) mod estimate;
 pub(super) mod log;
 pub(super) mod maze;
+pub(super) mod percept;
 pub(super) mod policy;
 pub(super) mod robot;
 pub(super) mod rule;
@@ -29,15 +30,15 @@ use foxglove::{Encode, Schema};
 /// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Topic {
-    /// `/tf`: where the robot is, 20 times a second, half a second in each message.
+    /// `/tf`: where the robot is, as many poses as it takes, up to a second in each message.
     Transforms,
     /// `/scene/maze`: floor, walls, start and goals, once.
     Maze,
     /// `/scene/robot`: what the robot looks like, once; `/tf` moves it.
     Robot,
-    /// `/scene/policy`: the best action of each cell, when an episode was learned.
+    /// `/scene/policy`: the best actions of each cell, as they are learned.
     Policy,
-    /// `/worth`: the greatest worth of each cell as a heat map, when an episode was learned.
+    /// `/worth`: the greatest worth of each cell as a heat map, as it is learned.
     Worth,
     /// `/scene/trail`: the way that the robot took in this episode, after each step.
     Trail,
@@ -57,17 +58,24 @@ pub enum Topic {
     Rule,
     /// `/scene/rule`: the same over the robot.
     RuleText,
+    /// `/scene/percept`: what the robot perceives of the cells around it, when it decides.
+    Percept,
+    /// `/scene/worth`: what cells are worth as columns, when an episode was learned.
+    Landscape,
     /// `/estimate`: where a robot that only senses believes to be, and how much it is mistaken.
     Estimate,
     /// `/scene/estimate`: the same as a picture.
     Ghost,
     /// `/scan`: what the beams of the lidar measured, if they are recorded.
     Scan,
+    /// `/ended`: the number of an episode that is over. Viewers that plot figures by episode want
+    /// the number on another topic than the figures.
+    Ended,
 }
 
 impl Topic {
     /// Every topic, in the order of their declaration.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 20] = [
         Self::Transforms,
         Self::Maze,
         Self::Robot,
@@ -82,16 +90,21 @@ impl Topic {
         Self::Caption,
         Self::Rule,
         Self::RuleText,
+        Self::Percept,
+        Self::Landscape,
         Self::Estimate,
         Self::Ghost,
         Self::Scan,
+        Self::Ended,
     ];
     /// How many topics, the first ones, an episode has of a robot that is told where it is.
-    const TOLD: usize = 14;
+    const TOLD: usize = 16;
     /// The same of one that senses, but whose beams are not recorded.
-    const SENSED: usize = 16;
+    const SENSED: usize = 18;
+    /// The same with its beams.
+    const SCANNED: usize = 19;
     /// The topics of `run.mcap`: what happens once per step or more rarely.
-    pub const OF_RUN: [Self; 8] = [
+    pub const OF_RUN: [Self; 10] = [
         Self::Maze,
         Self::Policy,
         Self::Worth,
@@ -100,13 +113,15 @@ impl Topic {
         Self::Episode,
         Self::Log,
         Self::Caption,
+        Self::Landscape,
+        Self::Ended,
     ];
 
     /// The topics of an episode's file; more when the robot senses where it is, and when the beams
     /// of its lidar are recorded.
     pub fn of_episode(senses: bool, beams: bool) -> &'static [Self] {
         match (senses, beams) {
-            (true, true) => &Self::ALL,
+            (true, true) => &Self::ALL[..Self::SCANNED],
             (true, false) => &Self::ALL[..Self::SENSED],
             (false, _) => &Self::ALL[..Self::TOLD],
         }
@@ -115,7 +130,7 @@ impl Topic {
     /// Does only a robot that senses have it? Layouts show it nevertheless: viewers leave out what a
     /// recording lacks.
     pub fn is_of_senses(self) -> bool {
-        self as usize >= Self::TOLD
+        (Self::TOLD..Self::SCANNED).contains(&(self as usize))
     }
 
     /// The topic's name in the file.
@@ -135,9 +150,12 @@ impl Topic {
             Self::Caption => "/scene/caption",
             Self::Rule => "/rule",
             Self::RuleText => "/scene/rule",
+            Self::Percept => "/scene/percept",
+            Self::Landscape => "/scene/worth",
             Self::Estimate => "/estimate",
             Self::Ghost => "/scene/estimate",
             Self::Scan => "/scan",
+            Self::Ended => "/ended",
         }
     }
 
@@ -156,6 +174,8 @@ impl Topic {
             | Self::Trail
             | Self::Caption
             | Self::RuleText
+            | Self::Percept
+            | Self::Landscape
             | Self::Ghost => SceneUpdate::get_schema(),
             Self::Worth => Grid::get_schema(),
             Self::Log => Log::get_schema(),
@@ -165,6 +185,7 @@ impl Topic {
             Self::Rule => return rule::schema(),
             Self::Episode => return episode::schema(),
             Self::Curve => return curve::schema(),
+            Self::Ended => return episode::schema_of_ended(),
             Self::Estimate => return estimate::schema(),
         };
         well_known.expect("well-known messages have a schema")
@@ -178,6 +199,7 @@ impl Topic {
             | Self::Rule
             | Self::Episode
             | Self::Curve
+            | Self::Ended
             | Self::Estimate => "json",
             _ => "protobuf",
         }

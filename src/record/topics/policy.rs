@@ -1,74 +1,115 @@
 //! `/scene/policy`: the best actions of each cell, coloured by the rank of their worth among all
 //! cells (the paper's figure 5): a scale that tells cells apart however far the goal is.
+//!
+//! `/scene/worth`: the same ranks as columns, a landscape that a viewer can switch on.
 
-use foxglove::messages::{ArrowPrimitive, Color, Pose, SceneUpdate};
-use nalgebra::{Complex, UnitComplex};
+use std::collections::BTreeMap;
+
+use foxglove::messages::{Color, Point3, SceneUpdate, TriangleListPrimitive};
+use nalgebra::{Point2, Vector2};
 
 use super::rounded;
-use super::scene::{WORLD, color, entity, heading, update, vector};
+use super::scene::{WORLD, color, cube, entity, place, point, update, vector};
 use crate::episode::PolicyMap;
 use crate::world::{Cell, Direction, Maze};
 
 /// The colours of the least worth, of the median and of the greatest: red, yellow, green.
-const SCALE: [u32; 3] = [0xe0322f, 0xf2b632, 0x1f9d55];
-/// Where an arrow begins and how long its two parts are, in cells: from beside the robot, which
-/// stands in the middle of a cell, to the border.
-const TAIL: f64 = 0.29;
-const SHAFT: f64 = 0.06;
-const HEAD: f64 = 0.14;
+const SCALE: [u32; 3] = [0xd92b2b, 0xf2a900, 0x128a43];
+/// Ranks are told apart in so many steps, each a list of triangles in one colour.
+const SHADES: f64 = 8.0;
+/// An arrow is a dart on the floor, on which the robot drives. Its corners, ahead and to the left of
+/// a cell's middle, in cells: tip, left, notch, right.
+const DART: [[f64; 2]; DART_CORNERS] = [[0.47, 0.0], [0.13, 0.19], [0.22, 0.0], [0.13, -0.19]];
+/// Points of an arrow, of which the first is its tip.
+pub(in crate::record) const DART_CORNERS: usize = 4;
+/// The two triangles of a dart, by its corners.
+const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
+/// How high the floor's paint lies, in cells.
+const PAINT: f64 = 0.02;
+/// The greatest height of a column, in cells, and how wide it is.
+const COLUMN: [f64; 2] = [1.2, 0.7];
 
-/// An arrow for each best action of each cell that knows one; several on ties.
-pub(in crate::record) fn scene(policy: &PolicyMap, maze: &Maze, time_ns: u64) -> SceneUpdate {
-    let ranks = policy.ranks();
-    let mut arrows = entity("policy", WORLD, time_ns);
-    for ((cell, worth), rank) in policy.cells().zip(ranks) {
+/// A dart for each best action of each cell that knows one; several on ties.
+pub(in crate::record) fn painted(policy: &PolicyMap, maze: &Maze) -> Vec<TriangleListPrimitive> {
+    let mut darts: BTreeMap<u8, Vec<Point3>> = BTreeMap::new();
+    for ((cell, worth), rank) in policy.cells().zip(policy.ranks()) {
         let best = worth.best_actions();
-        let best = best.filter_map(|action| maze.direction(action));
-        let colour = shade(rank.unwrap_or(0.0));
-        arrows
-            .arrows
-            .extend(best.map(|direction| arrow(maze, *cell, direction, colour)));
+        let mut best = best.filter_map(|action| maze.direction(action)).peekable();
+        if best.peek().is_some() {
+            let corners = darts.entry(shade(rank)).or_default();
+            corners.extend(best.flat_map(|direction| dart(maze, *cell, direction)));
+        }
     }
-    update(vec![arrows])
+    let darts = darts.into_iter();
+    darts
+        .map(|(shade, corners)| triangles(shade, corners))
+        .collect()
 }
 
-/// No policy yet.
-pub(in crate::record) fn empty(time_ns: u64) -> SceneUpdate {
-    update(vec![entity("policy", WORLD, time_ns)])
+/// These arrows on the floor; none while nothing is known.
+pub(in crate::record) fn scene(painted: &[TriangleListPrimitive], time_ns: u64) -> SceneUpdate {
+    let mut policy = entity("policy", WORLD, time_ns);
+    policy.triangles = painted.to_vec();
+    update(vec![policy])
 }
 
-/// The greatest magnitude of what the best actions are worth; above 0.
-pub(super) fn greatest_magnitude(policy: &PolicyMap) -> f64 {
-    let best = policy.cells().filter_map(|(_, worth)| worth.greatest());
-    best.map(f64::abs).fold(f64::MIN_POSITIVE, f64::max)
+/// A column for each cell that knows what it is worth, as high as that ranks among all cells.
+pub(in crate::record) fn landscape(
+    policy: Option<&PolicyMap>,
+    maze: &Maze,
+    time_ns: u64,
+) -> SceneUpdate {
+    let unit = maze.cell_size_m();
+    let mut columns = entity("landscape", WORLD, time_ns);
+    let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
+    columns.cubes = ranked
+        .filter_map(|((cell, _), rank)| {
+            let (at, high) = (maze.centre_m(*cell), COLUMN[0] * (0.05 + rank?) * unit);
+            let size = vector(COLUMN[1] * unit, COLUMN[1] * unit, high);
+            Some(cube(
+                place(at.x, at.y, high / 2.0),
+                size,
+                colour(shade(rank), 0.85),
+            ))
+        })
+        .collect();
+    update(vec![columns])
 }
 
-/// An arrow at the border of a cell.
-fn arrow(maze: &Maze, cell: Cell, direction: Direction, colour: Option<Color>) -> ArrowPrimitive {
+/// The corners of an arrow from the middle of a cell to its border.
+fn dart(maze: &Maze, cell: Cell, direction: Direction) -> [Point3; DART_CORNERS] {
     let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
     let (east, south) = direction.offset();
-    let ahead = UnitComplex::new_normalize(Complex::new(f64::from(east), f64::from(-south)));
-    let tail = TAIL * unit;
-    ArrowPrimitive {
-        pose: Some(Pose {
-            position: Some(vector(
-                at.x + tail * ahead.re,
-                at.y + tail * ahead.im,
-                0.07 * unit,
-            )),
-            orientation: Some(heading(ahead)),
-        }),
-        shaft_length: rounded(SHAFT * unit),
-        shaft_diameter: rounded(0.12 * unit),
-        head_length: rounded(HEAD * unit),
-        head_diameter: rounded(0.3 * unit),
-        color: colour,
+    let ahead = Vector2::new(f64::from(east), f64::from(-south)).normalize();
+    let left = Vector2::new(-ahead.y, ahead.x);
+    DART.map(|[forth, aside]| {
+        let corner: Point2<f64> = at + (ahead * forth + left * aside) * unit;
+        point(corner, PAINT * unit)
+    })
+}
+
+fn triangles(shade: u8, corners: Vec<Point3>) -> TriangleListPrimitive {
+    let darts = 0..corners.len() as u32 / 4;
+    TriangleListPrimitive {
+        pose: place(0.0, 0.0, 0.0),
+        points: corners,
+        color: colour(shade, 1.0),
+        colors: Vec::new(),
+        indices: darts
+            .flat_map(|dart| TRIANGLES.map(|corner| 4 * dart + corner))
+            .collect(),
     }
 }
 
-/// The colour of a rank, from 0 (worst) to 1 (best).
-fn shade(rank: f64) -> Option<Color> {
+/// The step of a rank from 0 (worst) to 1 (best).
+fn shade(rank: Option<f64>) -> u8 {
+    (rank.unwrap_or(0.0) * SHADES).round() as u8
+}
+
+/// The colour of a step.
+fn colour(shade: u8, opacity: f64) -> Option<Color> {
     let [worst, middle, best] = SCALE.map(|rgb| color(rgb, 1.0).unwrap_or_default());
+    let rank = f64::from(shade) / SHADES;
     let (from, to, share) = match rank < 0.5 {
         true => (worst, middle, 2.0 * rank),
         false => (middle, best, 2.0 * rank - 1.0),
@@ -78,6 +119,6 @@ fn shade(rank: f64) -> Option<Color> {
         r: blend(from.r, to.r),
         g: blend(from.g, to.g),
         b: blend(from.b, to.b),
-        a: 1.0,
+        a: rounded(opacity),
     })
 }

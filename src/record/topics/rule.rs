@@ -11,27 +11,46 @@ use crate::agent::{Chooser, PERCEPT_BITS, memory_words};
 use crate::episode::Step;
 use crate::sensor::{Sensor, action_name};
 use crate::world::Maze;
-use xcs::{Action, Condition};
+use xcs::{Action, Condition, Percept};
 
 /// Colours of what rules or a table chose, and of what explores.
 const CHOSEN: u32 = 0xffffff;
 const EXPLORED: u32 = 0xf4b740;
-/// More letters than this do not stand over the robot.
-const MOST_LETTERS: usize = 56;
+/// Letters of a line over the robot, and how many lines of demands may stand there.
+const LETTERS: usize = 26;
+const LINES: usize = 2;
+/// How high a letter is, as a share of a cell and of the longer side of a maze: the larger holds.
+const LETTER: [f64; 2] = [0.23, 0.028];
+/// Numbers of the directions.
+const HEADINGS: [(u8, &str); 8] = [
+    (0, "north"),
+    (1, "east"),
+    (3, "south"),
+    (5, "west"),
+    (2, "north-east"),
+    (4, "south-east"),
+    (6, "south-west"),
+    (7, "north-west"),
+];
 
 /// Why an action is taken.
 #[derive(Debug, Serialize)]
 pub(in crate::record) struct RuleRecord {
     episode: u32,
     step: u32,
-    action: String,
-    chosen_by: &'static str,
-    explored: bool,
-    seen: String,
     rule: String,
     runner_up: String,
+    chosen_by: &'static str,
+    explored: bool,
+    action: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heading: Option<u8>,
+    seen: String,
+    percept: Percept,
     #[serde(skip)]
     because: String,
+    #[serde(skip)]
+    choice: String,
 }
 
 impl RuleRecord {
@@ -45,6 +64,12 @@ impl RuleRecord {
             step: step.step,
             chosen_by: step.chooser.name(),
             explored: step.explored,
+            heading: HEADINGS
+                .iter()
+                .find(|(_, name)| *name == action)
+                .map(|(n, _)| *n),
+            percept: step.percept,
+            choice: format!("-> {}", worth(step, step.action)),
             seen: sensor.words(maze, &|at| Some(step.percept.bit(at))),
             rule: format!("{because} -> {}{}", worth(step, step.action), support(step)),
             runner_up: runner_up(step).map_or_else(String::new, |other| worth(step, other)),
@@ -56,32 +81,42 @@ impl RuleRecord {
     /// The same over the robot, to be read from anywhere.
     pub fn scene(&self, maze: &Maze, time_ns: u64) -> SceneUpdate {
         let side = f64::from(maze.width().max(maze.height())) * maze.cell_size_m();
-        let height = (0.17 * maze.cell_size_m()).max(0.018 * side);
+        let height = (LETTER[0] * maze.cell_size_m()).max(LETTER[1] * side);
         let rgb = if self.explored { EXPLORED } else { CHOSEN };
-        let why = in_short(&self.because);
+        let lines = in_short(&self.because).into_iter().rev();
+        let lines = [self.choice.clone()].into_iter().chain(lines);
         let mut words = entity("rule", ROBOT, time_ns);
-        words.texts = vec![
-            over(4.9 * height, height, rgb, &why),
-            over(3.6 * height, height, rgb, &format!("-> {}", self.action)),
-        ];
+        // The camera looks down steeply: what stands upright is half as high for it.
+        let upwards = (0..).map(|line| (3.6 + 2.5 * f64::from(line)) * height);
+        words.texts = lines
+            .zip(upwards)
+            .map(|(line, up)| over(up, height, rgb, &line))
+            .collect();
         update(vec![words])
     }
 }
 
-/// As many demands as fit over the robot; those that say the least come last.
-fn in_short(because: &str) -> String {
+/// As many demands as fit over the robot, line by line; those that say the least come last.
+fn in_short(because: &str) -> Vec<String> {
     let demands = because.split(", ");
     let (weak, strong): (Vec<&str>, _) = demands.partition(|demand| demand.ends_with("no goal"));
-    let mut short = String::new();
+    let mut lines = vec![String::new()];
     for demand in [strong, weak].concat() {
-        if short.len() + demand.len() > MOST_LETTERS {
-            short.push_str(", ...");
-            break;
+        let has_room = lines
+            .last()
+            .is_some_and(|line| line.len() + demand.len() <= LETTERS);
+        let is_full = lines.len() == LINES;
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => demand.clone_into(line),
+            Some(line) if has_room => *line = format!("{line}, {demand}"),
+            Some(line) if is_full => {
+                line.push_str(", ...");
+                break;
+            }
+            _ => lines.push(demand.to_owned()),
         }
-        let comma = if short.is_empty() { "" } else { ", " };
-        short = format!("{short}{comma}{demand}");
     }
-    short
+    lines
 }
 
 /// What decided: the condition of a rule in words, or who did without one.
@@ -159,9 +194,11 @@ pub(super) fn schema() -> Schema {
         ("episode", Kind::Count, "from 1"),
         ("step", Kind::Count, "from 1 in each episode"),
         ("action", Kind::Text, "direction chosen"),
+        ("heading", Kind::Named(&HEADINGS), "the action as a number"),
         ("chosen_by", Kind::Text, "rules, table, planner, chance"),
         ("explored", Kind::Bool, "chosen to explore?"),
         ("seen", Kind::Text, "what is perceived, in words"),
+        ("percept", Kind::Text, "the same as bits"),
         (
             "rule",
             Kind::Text,
@@ -184,12 +221,15 @@ mod tests {
     fn what_stands_over_the_robot_is_short_and_begins_with_what_says_most() {
         assert_eq!(
             in_short("north no goal, east free"),
-            "east free, north no goal"
+            ["east free, north no goal"]
         );
-        assert_eq!(in_short("explores by chance"), "explores by chance");
+        assert_eq!(in_short("explores by chance"), ["explores by chance"]);
         let long =
             "north wall, north-east wall, east free, south-east free, south-west wall, west wall";
-        let wanted = "north wall, north-east wall, east free, south-east free, ...";
+        let wanted = [
+            "north wall, north-east wall",
+            "east free, south-east free, ...",
+        ];
         assert_eq!(in_short(long), wanted);
     }
 }

@@ -12,7 +12,7 @@ use super::rounded;
 pub(super) const WORLD: &str = "world";
 /// The robot's frame: origin on the floor below its middle, x ahead, y to the left.
 pub(super) const ROBOT: &str = "robot";
-/// The same frame where the robot believes it to be.
+/// The same frame where the robot believes it to be, seen from where it is.
 pub(super) const ESTIMATE: &str = "estimate";
 
 /// A time of the simulation clock.

@@ -14,17 +14,27 @@ pub(super) enum Kind {
     Number,
     Text,
     Numbers,
+    /// A number that stands for a name. Viewers colour states by such numbers, in this order: blue,
+    /// orange, yellow, green, cyan, purple; words get colours that mean nothing.
+    Named(&'static [(u8, &'static str)]),
 }
 
 impl Kind {
-    fn text(self) -> &'static str {
-        match self {
+    fn text(self) -> String {
+        let text = match self {
             Self::Bool => r#""type":"boolean""#,
             Self::Count => r#""type":"integer""#,
             Self::Number => r#""type":"number""#,
             Self::Text => r#""type":"string""#,
             Self::Numbers => r#""type":"array","items":{"type":"number"}"#,
-        }
+            Self::Named(names) => {
+                let names = names.iter();
+                let names = names.map(|(n, name)| format!(r#"{{"const":{n},"title":"{name}"}}"#));
+                let names: Vec<String> = names.collect();
+                return format!(r#""type":"integer","oneOf":[{}]"#, names.join(","));
+            }
+        };
+        text.to_owned()
     }
 }
 

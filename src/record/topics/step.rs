@@ -3,11 +3,11 @@
 use foxglove::Schema;
 use serde::{Serialize, Serializer};
 
-use super::decimal;
 use super::schema::{Kind, object};
+use super::{decimal, episode};
 use crate::arena::Outcome;
 use crate::episode::Step;
-use xcs::Percept;
+use xcs::{Percept, PredictionArray};
 
 /// What was perceived and chosen, and what came of it.
 #[derive(Debug, Serialize)]
@@ -24,9 +24,11 @@ pub(in crate::record) struct StepRecord<'a> {
     chosen_by: &'static str,
     rule: String,
     outcome: &'static str,
+    result: u8,
+    left: f64,
     reward: f64,
     #[serde(serialize_with = "decimals")]
-    worth: &'a [Option<f64>],
+    worth: &'a PredictionArray,
     error: f64,
     match_set: u32,
     action_set: u32,
@@ -49,9 +51,11 @@ impl<'a> StepRecord<'a> {
             explored: step.explored,
             chosen_by: step.chooser.name(),
             rule: step.fired().map_or_else(String::new, String::from),
-            outcome: outcome_name(step.outcome),
+            outcome: outcome(step.outcome).1,
+            result: outcome(step.outcome).0,
+            left: left(step),
             reward: decimal(step.credit.short_term_reward),
-            worth: step.worth.as_slice(),
+            worth: &step.worth,
             error: decimal(step.credit.error),
             match_set: step.credit.match_set,
             action_set: step.credit.action_set,
@@ -59,18 +63,31 @@ impl<'a> StepRecord<'a> {
     }
 }
 
-fn decimals<S: Serializer>(worth: &&[Option<f64>], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(worth.iter().map(|one| one.map(decimal)))
+fn decimals<S: Serializer>(worth: &&PredictionArray, serializer: S) -> Result<S::Ok, S::Error> {
+    episode::decimals(worth, serializer)
 }
 
-/// The outcome's name in files.
-fn outcome_name(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Moved => "moved",
-        Outcome::Collided { .. } => "collided",
-        Outcome::Stalled => "stalled",
-        Outcome::ReachedGoal => "reached-goal",
-    }
+/// Numbers and names of outcomes in files.
+const OUTCOMES: [(u8, &str); 4] = [
+    (0, "moved"),
+    (1, "collided"),
+    (2, "stalled"),
+    (3, "reached-goal"),
+];
+
+fn outcome(outcome: Outcome) -> (u8, &'static str) {
+    OUTCOMES[match outcome {
+        Outcome::Moved => 0,
+        Outcome::Collided { .. } => 1,
+        Outcome::Stalled => 2,
+        Outcome::ReachedGoal => 3,
+    }]
+}
+
+/// The share of the step-threshold that is left.
+fn left(step: &Step<'_>) -> f64 {
+    let most = step.method.step_threshold().max(1);
+    decimal(1.0 - f64::from(step.step.min(most)) / f64::from(most))
 }
 
 pub(super) fn schema() -> Schema {
@@ -93,6 +110,12 @@ pub(super) fn schema() -> Schema {
             "outcome",
             Kind::Text,
             "moved, collided, stalled, reached-goal",
+        ),
+        ("result", Kind::Named(&OUTCOMES), "the outcome as a number"),
+        (
+            "left",
+            Kind::Number,
+            "share of the step-threshold that is left",
         ),
         ("reward", Kind::Number, "short-term reward"),
         (

@@ -1,15 +1,26 @@
 //! `/scene/trail`: the way that the robot took in this episode, and where it hit a wall.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use foxglove::messages::{CylinderPrimitive, LinePrimitive, Point3, SceneUpdate, line_primitive};
+use nalgebra::Point2;
 
 use super::scene::{WORLD, color, entity, place, point, update, vector};
 use crate::arena::{Contact, Sample, View};
 use crate::world::{Cell, Maze};
 
-const INK: u32 = 0xa43df0;
 const HIT: u32 = 0xe0322f;
+/// Colours of the way from standing still to full speed ...
+const SPEEDS: [u32; 3] = [0x3a1d8a, 0xa82bd0, 0xff6bd6];
+/// ... which is so many cells a second.
+const FAST: f64 = 1.3;
+/// Where it explored, the way is dashed: so long are a dash and a gap, in cells.
+const DASH: f64 = 0.12;
+/// So many pieces of the way are shown as they were driven. What came before them is shown as lines
+/// between the cells, whose number does not grow with the steps.
+const MOST_PIECES: usize = 640;
+/// Ends of pieces lie on a grid so fine, in cells: what nobody sees need not be stored.
+const GRID: f64 = 1.0 / 64.0;
 /// An impulse whose mark is as large as any, in N s: that of a robot at full speed.
 const HARD_NS: f64 = 8.0;
 /// Marks of an episode; later hits are told by the other topics only.
@@ -18,17 +29,20 @@ const MOST_HITS: usize = 64;
 /// a long way must not fill the disk with copies of itself.
 const SHORT: usize = 128;
 
-/// The way so far: a point for each cell that was visited, where the robot first stood in it, and
-/// a line for each border that was crossed. It grows with the maze, not with the steps.
+/// The way so far.
 #[derive(Debug)]
 pub(in crate::record) struct Trail {
-    /// By cell index: the number of its point.
+    /// By cell index: the number of the point where the robot first stood in it.
     visited: BTreeMap<usize, u32>,
     points: Vec<Point3>,
     /// The borders that were crossed, by cell index and direction.
     crossed: BTreeSet<usize>,
-    /// Two point numbers for each line.
+    /// Two point numbers for each border.
     lines: Vec<u32>,
+    /// The way as it was driven: its speed, as an index into the colours, and both ends.
+    pieces: VecDeque<(usize, [Point3; 2])>,
+    /// Are there pieces that are no longer shown?
+    is_cut: bool,
     unit_m: f64,
     at: Option<Cell>,
     steps: usize,
@@ -43,6 +57,8 @@ impl Trail {
             points: Vec::new(),
             crossed: BTreeSet::new(),
             lines: Vec::new(),
+            pieces: VecDeque::new(),
+            is_cut: false,
             unit_m: maze.cell_size_m(),
             at: None,
             steps: 0,
@@ -52,14 +68,8 @@ impl Trail {
 
     /// Starts anew where the robot stands.
     pub fn restart(&mut self, view: &View<'_>) {
-        self.visited.clear();
-        self.crossed.clear();
-        self.points.clear();
-        self.lines.clear();
-        self.hits.clear();
-        self.steps = 0;
-        self.at = None;
-        self.step(view);
+        *self = Self::new(view.maze);
+        self.step(view, &[], false);
     }
 
     /// Marks where the robot hit a wall, the larger the harder.
@@ -69,7 +79,7 @@ impl Trail {
         }
         let at = contact.point_in_world;
         let share = (contact.impulse_ns / HARD_NS).clamp(0.3, 1.0);
-        let wide = 0.3 * self.unit_m * share;
+        let wide = 0.36 * self.unit_m * share;
         self.hits.push(CylinderPrimitive {
             pose: place(at.x, at.y, 0.26 * self.unit_m),
             size: Some(vector(wide, wide, 0.02 * self.unit_m)),
@@ -79,9 +89,10 @@ impl Trail {
         });
     }
 
-    /// Goes on to where the robot stands.
-    pub fn step(&mut self, view: &View<'_>) {
+    /// Goes on along these poses to where the robot stands.
+    pub fn step(&mut self, view: &View<'_>, poses: &[Sample], explored: bool) {
         self.steps += 1;
+        self.drive(poses, explored);
         let (from, to) = (self.at, view.cell);
         let number = self.visit(view.maze.index(to), &view.now());
         self.at = Some(to);
@@ -95,6 +106,45 @@ impl Trail {
         if self.crossed.insert(border) {
             self.lines.extend([before, number]);
         }
+    }
+
+    /// Adds the way between poses.
+    fn drive(&mut self, poses: &[Sample], explored: bool) {
+        let mut driven_m = 0.0;
+        for pair in poses.windows(2) {
+            let [from, to] =
+                [0, 1].map(|at| Point2::from(pair[at].robot_in_world.translation.vector));
+            let length_m = (to - from).norm();
+            if length_m < 0.01 * self.unit_m {
+                continue;
+            }
+            let seconds = (pair[1].time_ns - pair[0].time_ns) as f64 / 1e9;
+            let share = length_m / seconds.max(1e-3) / (FAST * self.unit_m);
+            let shade = ((share * SPEEDS.len() as f64) as usize).min(SPEEDS.len() - 1);
+            let dash_m = if explored {
+                DASH * self.unit_m
+            } else {
+                f64::MAX
+            };
+            for [begin, end] in dashes(driven_m, length_m, dash_m) {
+                let ends = [begin, end].map(|at| from + (to - from) * (at / length_m));
+                let ends = ends.map(|at| self.on_grid(at));
+                self.pieces.push_back((shade, ends));
+            }
+            driven_m += length_m;
+        }
+        let surplus = self.pieces.len().saturating_sub(MOST_PIECES);
+        self.is_cut |= surplus > 0;
+        self.pieces.drain(..surplus);
+    }
+
+    fn on_grid(&self, at: Point2<f64>) -> Point3 {
+        let grid_m = GRID * self.unit_m;
+        let on_grid = |along_m: f64| (along_m / grid_m).round() * grid_m;
+        point(
+            Point2::new(on_grid(at.x), on_grid(at.y)),
+            0.035 * self.unit_m,
+        )
     }
 
     /// The number of a cell's point, which is made if this is the first visit.
@@ -115,21 +165,53 @@ impl Trail {
     /// The trail as a scene.
     pub fn scene(&self, time_ns: u64) -> SceneUpdate {
         let mut trail = entity("trail", WORLD, time_ns);
-        if !self.lines.is_empty() {
-            trail.lines = vec![LinePrimitive {
-                r#type: line_primitive::Type::LineList as i32,
-                pose: place(0.0, 0.0, 0.0),
-                thickness: super::rounded(0.07 * self.unit_m),
-                scale_invariant: false,
-                points: self.points.clone(),
-                color: color(INK, 1.0),
-                colors: Vec::new(),
-                indices: self.lines.clone(),
-            }];
+        if self.is_cut && !self.lines.is_empty() {
+            let points = self.points.clone();
+            trail
+                .lines
+                .push(self.line(0.04, SPEEDS[1], points, self.lines.clone()));
+        }
+        for (shade, &rgb) in SPEEDS.iter().enumerate() {
+            let of_shade = self.pieces.iter().filter(|(at, _)| *at == shade);
+            let ends: Vec<Point3> = of_shade.flat_map(|(_, ends)| *ends).collect();
+            if !ends.is_empty() {
+                trail.lines.push(self.line(0.055, rgb, ends, Vec::new()));
+            }
         }
         let mut hits = entity("hits", WORLD, time_ns);
         hits.cylinders.clone_from(&self.hits);
         update(vec![trail, hits])
+    }
+
+    /// Lines between pairs of points, so thick in cells.
+    fn line(&self, thick: f64, rgb: u32, points: Vec<Point3>, indices: Vec<u32>) -> LinePrimitive {
+        LinePrimitive {
+            r#type: line_primitive::Type::LineList as i32,
+            pose: place(0.0, 0.0, 0.0),
+            thickness: super::rounded(thick * self.unit_m),
+            scale_invariant: false,
+            points,
+            color: color(rgb, 1.0),
+            colors: Vec::new(),
+            indices,
+        }
+    }
+}
+
+/// The parts of a stretch of this length that are drawn, when so much was driven before it.
+fn dashes(driven_m: f64, length_m: f64, dash_m: f64) -> Vec<[f64; 2]> {
+    let mut parts = Vec::new();
+    let mut number = (driven_m / dash_m).floor();
+    loop {
+        let begin = (number * dash_m - driven_m).max(0.0);
+        if begin >= length_m {
+            return parts;
+        }
+        let end = ((number + 1.0) * dash_m - driven_m).min(length_m);
+        if number % 2.0 == 0.0 && end > begin {
+            parts.push([begin, end]);
+        }
+        number += 1.0;
     }
 }
 
@@ -155,4 +237,18 @@ fn border(maze: &Maze, a: Cell, b: Cell) -> usize {
         _ => 3,
     };
     4 * maze.index(first) + kind
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_that_explores_is_dashed_evenly_and_any_other_is_whole() {
+        assert_eq!(dashes(0.5, 2.0, f64::MAX), [[0.0, 2.0]]);
+        assert_eq!(dashes(0.0, 2.5, 0.5), [[0.0, 0.5], [1.0, 1.5], [2.0, 2.5]]);
+        // A dash goes on across two stretches.
+        assert_eq!(dashes(0.25, 1.0, 0.5), [[0.0, 0.25], [0.75, 1.0]]);
+        assert_eq!(dashes(0.75, 0.125, 0.5), [[0.0; 2]; 0]);
+    }
 }

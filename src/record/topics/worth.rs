@@ -1,9 +1,10 @@
 //! `/worth`: the greatest worth of each cell as a heat map.
 
+use std::collections::BTreeMap;
+
 use foxglove::bytes::Bytes;
 use foxglove::messages::{Grid, PackedElementField, Vector2, packed_element_field::NumericType};
 
-use super::policy::greatest_magnitude;
 use super::rounded;
 use super::scene::{WORLD, place, timestamp};
 use crate::episode::PolicyMap;
@@ -11,7 +12,8 @@ use crate::world::{Cell, Maze};
 
 /// Bytes per cell: four of colour, then the worth as a `f32`.
 const CELL_BYTES: u32 = 8;
-/// Red below 0, blue above; the opacity tells how much.
+/// Red below 0, blue above; the opacity tells the rank among all cells, so that cells far from the
+/// goal differ, too.
 const BAD: [u8; 3] = [0xf0, 0x6a, 0x70];
 const GOOD: [u8; 3] = [0x5a, 0xa9, 0xff];
 
@@ -20,12 +22,16 @@ pub(in crate::record) fn grid(policy: &PolicyMap, maze: &Maze, time_ns: u64) -> 
     if maze.is_vast() {
         return empty(maze, time_ns);
     }
-    let most = greatest_magnitude(policy);
+    let ranked = policy.cells().map(|(cell, _)| *cell).zip(policy.ranks());
+    let ranks: BTreeMap<Cell, f64> = ranked
+        .filter_map(|(cell, rank)| Some((cell, rank?)))
+        .collect();
     let mut data = Vec::new();
     for row in (0..maze.height()).rev() {
         for col in 0..maze.width() {
-            let worth = policy.worth(Cell { col, row });
-            data.extend(packed(worth.and_then(|w| w.greatest()), most));
+            let cell = Cell { col, row };
+            let worth = policy.worth(cell).and_then(|worth| worth.greatest());
+            data.extend(packed(worth.zip(ranks.get(&cell).copied())));
         }
     }
     framed(maze, time_ns, data)
@@ -37,17 +43,18 @@ pub(in crate::record) fn empty(maze: &Maze, time_ns: u64) -> Grid {
         true => 1,
         false => usize::from(maze.width()) * usize::from(maze.height()),
     };
-    framed(maze, time_ns, packed(None, 1.0).repeat(cells))
+    framed(maze, time_ns, packed(None).repeat(cells))
 }
 
-/// Colour and worth of a cell.
-fn packed(worth: Option<f64>, most: f64) -> [u8; CELL_BYTES as usize] {
-    let Some(worth) = worth else {
+/// Colour and worth of a cell, from its worth and rank.
+fn packed(known: Option<(f64, f64)>) -> [u8; CELL_BYTES as usize] {
+    let Some((worth, rank)) = known else {
         let [a, b, c, d] = f32::NAN.to_le_bytes();
         return [0, 0, 0, 0, a, b, c, d];
     };
     let [r, g, b] = if worth < 0.0 { BAD } else { GOOD };
-    let opacity = (230.0 * (worth.abs() / most).min(1.0)).round() as u8;
+    let share = if worth < 0.0 { 1.0 - rank } else { rank };
+    let opacity = (20.0 + 180.0 * share).round() as u8;
     let [w, x, y, z] = (rounded(worth) as f32).to_le_bytes();
     [r, g, b, opacity, w, x, y, z]
 }

@@ -5,6 +5,7 @@ pub(super) mod outbox;
 mod rebuild;
 mod recorder;
 pub(super) mod scribe;
+mod way;
 
 pub use outbox::Tap;
 pub use recorder::{RecordSummary, Recorder, RecorderMemory};

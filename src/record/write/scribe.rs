@@ -2,31 +2,31 @@
 
 use std::iter::{Enumerate, Peekable};
 
-use foxglove::messages::LaserScan;
+use foxglove::messages::{LaserScan, TriangleListPrimitive};
 
 use super::outbox::{For, Outbox};
+use super::way::Way;
 use crate::agent::Agent;
-use crate::arena::{Contact, Sample, View};
+use crate::arena::{Contact, Estimate, View};
 use crate::episode::{Episode, FaultFinder, Learned, PolicyMap, Step};
 use crate::record::error::RecordError;
 use crate::record::info::{RobotShape, RunInfo};
 use crate::record::topics::caption::Caption;
 use crate::record::topics::contact::ContactRecord;
 use crate::record::topics::curve::Curve;
-use crate::record::topics::episode::{EpisodeRecord, Outlook, Running};
+use crate::record::topics::episode::{Ended, EpisodeRecord, Outlook, Population, Running};
 use crate::record::topics::estimate::{self, EstimateRecord};
 use crate::record::topics::rule::RuleRecord;
 use crate::record::topics::step::StepRecord;
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
-use crate::record::topics::{Topic, log, maze, policy, robot, scan, worth};
+use crate::record::topics::{Topic, log, maze, percept, policy, robot, scan, worth};
 use crate::sensor::Sensor;
 use crate::world::{Cell, Maze, Paths};
+use xcs::PredictionArray;
 
-/// Poses are written at most every 50 ms, and where a move ends.
-const POSE_PERIOD_NS: u64 = 50_000_000;
-/// A message on `/tf` shows where the robot is and so many poses after that.
-const POSES_AHEAD: usize = 10;
+/// What was learned is asked of so many cells in a step, on average.
+const CELLS_A_STEP: u32 = 64;
 
 /// Keeps what messages need beyond the event that they report.
 pub(super) struct Scribe {
@@ -43,12 +43,15 @@ pub(super) struct Scribe {
     start: Option<Cell>,
     /// What was learned up to the last episode.
     policy: Option<PolicyMap>,
+    /// The arrows that were shown last.
+    painted: Vec<TriangleListPrimitive>,
     was_optimal: bool,
     /// When the robot could decide last: at the end of the last move.
     decided_ns: u64,
-    /// The poses of the last move that are written; at first where the episode began.
-    way: Vec<Sample>,
+    way: Way,
     maze_shown: bool,
+    /// After every how many steps all cells are asked what was learned; never in a vast maze.
+    asks_every: Option<u32>,
     /// Are the beams of the lidar written?
     beams: bool,
 }
@@ -76,10 +79,16 @@ impl Scribe {
             faults: FaultFinder::default(),
             start: None,
             policy: None,
+            painted: Vec::new(),
             was_optimal: false,
             decided_ns: 0,
-            way: Vec::new(),
+            way: Way::new(maze.cell_size_m()),
             maze_shown: false,
+            asks_every: (!maze.is_vast()).then(|| {
+                (maze.free_cells().count() as u32)
+                    .div_ceil(CELLS_A_STEP)
+                    .max(1)
+            }),
             beams,
         }
     }
@@ -116,9 +125,9 @@ impl Scribe {
         self.decided_ns = time_ns;
         self.start = Some(view.cell);
         self.trail.restart(view);
-        self.way.clear();
-        self.way.push(now);
-        self.show_way(out, 0, view)?;
+        self.way.restart(now);
+        let frames = self.transforms.along(&[now], belief(view, time_ns));
+        out.send(For::Episode, Topic::Transforms, time_ns, frames)?;
         self.show_estimate(out, episode, 0, view)?;
         for (sent_ns, scan) in self.scans(view, true) {
             out.send(For::Episode, Topic::Scan, sent_ns, &scan)?;
@@ -130,6 +139,7 @@ impl Scribe {
         let robot = robot::scene(&self.robot, time_ns);
         out.send(For::Episode, Topic::Robot, time_ns, &robot)?;
         self.show_policy(out, For::Episode, view.maze, time_ns)?;
+        self.show_landscape(out, For::Episode, view.maze, time_ns)?;
         self.show_trail(out, For::Episode, time_ns)?;
         out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
         let clear = ContactRecord::clear(episode, 0);
@@ -155,6 +165,9 @@ impl Scribe {
         out.send_json(For::Episode, Topic::Rule, self.decided_ns, &rule)?;
         let over_robot = rule.scene(step.view.maze, self.decided_ns);
         out.send(For::Episode, Topic::RuleText, self.decided_ns, &over_robot)?;
+        let (maze, at_ns) = (step.view.maze, self.decided_ns);
+        let halo = percept::scene(self.sensor, maze, step.cell, &step.percept, at_ns);
+        out.send(For::Episode, Topic::Percept, at_ns, &halo)?;
         self.moved(out, step)?;
         let record = StepRecord::new(step);
         out.send_json(For::Both, Topic::Step, end_ns, &record)?;
@@ -169,25 +182,52 @@ impl Scribe {
             .contacts
             .iter()
             .for_each(|hit| self.trail.hit(hit));
-        self.trail.step(&step.view);
+        self.trail.step(&step.view, self.way.poses(), step.explored);
         if self.trail.is_due() {
             self.show_trail(out, For::Episode, end_ns)?;
         }
         self.decided_ns = end_ns;
-        Ok(())
+        self.learned_a_step(out, step, end_ns)
+    }
+
+    /// What was learned by a step, if it can be seen; in large mazes only now and then, because
+    /// every cell has to be asked.
+    fn learned_a_step(
+        &mut self,
+        out: &mut Outbox,
+        step: &Step<'_>,
+        time_ns: u64,
+    ) -> Result<(), RecordError> {
+        let is_heard = out.episode.is_some() || out.tap.is_some();
+        let Some(rarely) = self.asks_every.filter(|_| is_heard) else {
+            return Ok(());
+        };
+        if !step.step.is_multiple_of(rarely) {
+            return Ok(());
+        }
+        let maze = step.view.maze;
+        let policy = PolicyMap::of(step.method, self.sensor, maze);
+        let painted = policy::painted(&policy, maze);
+        self.policy = Some(policy);
+        match painted == self.painted {
+            true => Ok(()),
+            false => self.show_policy(out, For::Episode, maze, time_ns),
+        }
     }
 
     /// The way of a step: poses, hits and scans, in the order of time.
     fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
-        self.follow(step.view.trace);
+        self.way.follow(step.view.trace);
         let mut pending = Pending {
             hits: step.view.contacts.iter().enumerate().peekable(),
             scans: self.scans(&step.view, false).into_iter().peekable(),
         };
-        for from in (0..self.way.len().saturating_sub(1)).step_by(POSES_AHEAD) {
-            let now_ns = self.way[from].time_ns;
-            self.show_before(now_ns, &mut pending, out, step)?;
-            self.show_way(out, from, &step.view)?;
+        for stretch in self.way.stretches() {
+            self.show_before(stretch[0].time_ns, &mut pending, out, step)?;
+            let frames = self
+                .transforms
+                .along(stretch, belief(&step.view, stretch[0].time_ns));
+            out.send(For::Episode, Topic::Transforms, stretch[0].time_ns, frames)?;
         }
         self.show_before(u64::MAX, &mut pending, out, step)
     }
@@ -222,21 +262,6 @@ impl Scribe {
         match self.beams {
             true => scan::scans(view, is_begin),
             false => Vec::new(),
-        }
-    }
-
-    /// Keeps the poses of a move that are to be written; it begins where the last one ended.
-    fn follow(&mut self, trace: &[Sample]) {
-        self.way.drain(..self.way.len().saturating_sub(1));
-        let end_ns = trace.last().map(|sample| sample.time_ns);
-        for sample in trace {
-            let ahead_ns = match self.way.last() {
-                Some(before) => sample.time_ns.saturating_sub(before.time_ns),
-                None => POSE_PERIOD_NS,
-            };
-            if ahead_ns >= POSE_PERIOD_NS || ahead_ns > 0 && Some(sample.time_ns) == end_ns {
-                self.way.push(*sample);
-            }
         }
     }
 
@@ -277,13 +302,17 @@ impl Scribe {
         self.policy = Some(policy);
         self.curve.push(episode);
         self.show_policy(out, For::Both, maze, time_ns)?;
+        self.show_landscape(out, For::Run, maze, time_ns)?;
         self.show_trail(out, For::Both, time_ns)?;
         out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
         // Nothing new, but viewers draw a state only up to its last message.
         let clear = ContactRecord::clear(episode.episode, episode.steps);
         out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
-        let record = EpisodeRecord::new(episode, outlook);
+        let population = Population::of(&learned.method.knowledge());
+        let record = EpisodeRecord::new(episode, population, outlook);
         out.send_json(For::Both, Topic::Episode, time_ns, &record)?;
+        let ended = Ended::new(episode);
+        out.send_json(For::Run, Topic::Ended, time_ns, &ended)?;
         let said = log::ended(episode, time_ns);
         out.send(For::Both, Topic::Log, time_ns, &said)?;
         if std::mem::replace(&mut self.was_optimal, outlook.optimal) != outlook.optimal {
@@ -302,28 +331,13 @@ impl Scribe {
         } = *learned;
         let maze = view.maze;
         let fault = self.faults.find(method, sensor, maze, &self.paths);
+        let worth = self.start.and_then(|cell| policy.worth(cell).copied());
         Outlook {
+            start_worth: worth.unwrap_or_else(|| PredictionArray::new(0)),
             optimal: fault.is_none(),
             greedy_steps: self.start.and_then(|cell| policy.greedy_steps(maze, cell)),
             shortest: self.start.and_then(|cell| self.paths.distance(maze, cell)),
         }
-    }
-
-    /// Where the robot is at pose `from` of its way, and what comes next.
-    fn show_way(
-        &mut self,
-        out: &mut Outbox,
-        from: usize,
-        view: &View<'_>,
-    ) -> Result<(), RecordError> {
-        let end = self.way.len().min(from + POSES_AHEAD + 1);
-        let time_ns = self.way[from].time_ns;
-        let belief = view.sensed.and_then(|sensed| {
-            let at = view.trace.iter().position(|s| s.time_ns == time_ns)?;
-            sensed.estimates.get(at)
-        });
-        let frames = self.transforms.along(&self.way[from..end], belief);
-        out.send(For::Episode, Topic::Transforms, time_ns, frames)
     }
 
     /// What a robot that senses believes at the end of an action.
@@ -349,21 +363,40 @@ impl Scribe {
         out.send(to, Topic::Trail, time_ns, &self.trail.scene(time_ns))
     }
 
-    fn show_policy(
+    fn show_landscape(
         &self,
         out: &mut Outbox,
         to: For,
         maze: &Maze,
         time_ns: u64,
     ) -> Result<(), RecordError> {
-        let (arrows, heat) = match &self.policy {
+        let columns = policy::landscape(self.policy.as_ref(), maze, time_ns);
+        out.send(to, Topic::Landscape, time_ns, &columns)
+    }
+
+    fn show_policy(
+        &mut self,
+        out: &mut Outbox,
+        to: For,
+        maze: &Maze,
+        time_ns: u64,
+    ) -> Result<(), RecordError> {
+        let (painted, heat) = match &self.policy {
             Some(known) => (
-                policy::scene(known, maze, time_ns),
+                policy::painted(known, maze),
                 worth::grid(known, maze, time_ns),
             ),
-            None => (policy::empty(time_ns), worth::empty(maze, time_ns)),
+            None => (Vec::new(), worth::empty(maze, time_ns)),
         };
+        let arrows = policy::scene(&painted, time_ns);
+        self.painted = painted;
         out.send(to, Topic::Policy, time_ns, &arrows)?;
         out.send(to, Topic::Worth, time_ns, &heat)
     }
+}
+
+/// What a robot that senses believed at a moment of what is seen.
+fn belief<'a>(view: &View<'a>, time_ns: u64) -> Option<&'a Estimate> {
+    let at = view.trace.iter().position(|s| s.time_ns == time_ns)?;
+    view.sensed?.estimates.get(at)
 }

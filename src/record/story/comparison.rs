@@ -1,0 +1,112 @@
+//! Two stories side by side, in one recording: topics and frames of the first below `/a`, those of
+//! the second below `/b`.
+
+use std::collections::BTreeMap;
+
+use foxglove::messages::{FrameTransforms, Grid, SceneUpdate};
+use mcap::McapResult;
+use mcap::records::MessageHeader;
+
+use super::retime::{decoded, encoded};
+use super::teller::{Teller, Told, unwritten};
+use crate::record::error::RecordError;
+use crate::record::layout::{self, SIDES};
+use crate::record::topics::Topic;
+use crate::record::write::log_file::writer;
+
+/// Two stories in one recording.
+#[derive(Debug)]
+pub struct Comparison {
+    /// The recording.
+    pub bytes: Vec<u8>,
+    /// A layout that shows both sides.
+    pub layout: String,
+    /// World, method and seed of each side.
+    pub headings: [String; 2],
+}
+
+/// Puts two stories side by side. `curves` are the whole learning curves, as `/curve` has them,
+/// which are shown from the first moment on instead of those up to each episode.
+///
+/// # Errors
+/// None that has been seen: stories can be read, and there is room in memory.
+pub fn compare_stories(
+    stories: [&Teller<'_>; 2],
+    curves: [Vec<u8>; 2],
+) -> Result<Comparison, RecordError> {
+    let layout = layout::of_comparison(stories.map(Teller::maze), stories.map(Teller::heading));
+    let bytes = merged(stories, &curves, &layout).map_err(unwritten)?;
+    Ok(Comparison {
+        bytes,
+        layout,
+        headings: stories.map(|story| story.heading().to_owned()),
+    })
+}
+
+fn merged(stories: [&Teller<'_>; 2], curves: &[Vec<u8>; 2], layout: &str) -> McapResult<Vec<u8>> {
+    let mut out = writer(Vec::new())?;
+    out.attach(&mcap::Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: "foxglove-layout.json".to_owned(),
+        media_type: "application/json".to_owned(),
+        data: layout.as_bytes().into(),
+    })?;
+    let mut channels = BTreeMap::new();
+    for (side, story) in stories.iter().enumerate() {
+        for &topic in story.topics() {
+            let schema = topic.schema();
+            let id = out.add_schema(&schema.name, &schema.encoding, &schema.data)?;
+            let name = format!("/{}{}", SIDES[side], topic.name());
+            let encoding = topic.message_encoding();
+            let channel = out.add_channel(id, &name, encoding, &BTreeMap::new())?;
+            channels.insert((side, topic as usize), channel);
+        }
+    }
+    let of_side = |side: usize| stories[side].told().iter().map(move |told| (side, told));
+    let mut all: Vec<(usize, &Told)> = of_side(0).chain(of_side(1)).collect();
+    all.sort_by_key(|(_, (time_ns, ..))| *time_ns);
+    for (side, (time_ns, topic, data)) in all {
+        let header = MessageHeader {
+            channel_id: channels[&(side, *topic as usize)],
+            sequence: 0,
+            log_time: *time_ns,
+            publish_time: *time_ns,
+        };
+        let data = match topic {
+            Topic::Curve => curves[side].clone(),
+            topic => below(SIDES[side], *topic, data),
+        };
+        out.write_to_known_channel(&header, &data)?;
+    }
+    out.finish()?;
+    Ok(out.into_inner().into_inner())
+}
+
+/// The message with frames of the side's own; what is in no frame stays as it is.
+fn below(side: &str, topic: Topic, data: &[u8]) -> Vec<u8> {
+    let put = |frame: &mut String| *frame = format!("{side}/{frame}");
+    let moved = match topic {
+        Topic::Transforms => decoded(data).map(|mut frames: FrameTransforms| {
+            for frame in &mut frames.transforms {
+                put(&mut frame.parent_frame_id);
+                put(&mut frame.child_frame_id);
+            }
+            encoded(&frames)
+        }),
+        Topic::Worth => decoded(data).map(|mut grid: Grid| {
+            put(&mut grid.frame_id);
+            encoded(&grid)
+        }),
+        topic if topic.name().starts_with("/scene/") => {
+            decoded(data).map(|mut scene: SceneUpdate| {
+                let frames = scene.entities.iter_mut();
+                frames.for_each(|entity| put(&mut entity.frame_id));
+                encoded(&scene)
+            })
+        }
+        _ => return data.to_vec(),
+    };
+    // A story holds only what could be decoded.
+    moved.unwrap_or_else(|_| data.to_vec())
+}

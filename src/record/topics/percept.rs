@@ -1,0 +1,82 @@
+//! `/scene/percept`: what the robot perceives of the eight cells around it, as frames around them.
+
+use foxglove::messages::{LinePrimitive, Point3, SceneUpdate, line_primitive};
+use nalgebra::{Point2, Vector2};
+
+use super::rounded;
+use super::scene::{WORLD, color, entity, place, point, update};
+use crate::sensor::Sensor;
+use crate::world::{Cell, Direction, Maze};
+use xcs::Percept;
+
+/// Colours of cells that are perceived as free, as a wall and as the goal.
+const KINDS: [u32; 3] = [0x0a6fc2, 0xff8c1a, 0x22e06a];
+/// How far a frame is from the middle of its cell, in cells; above all walls.
+const HALF: f64 = 0.42;
+const HEIGHT: f64 = 0.28;
+/// How thick its lines are, in cells.
+const THICK: f64 = 0.045;
+
+/// The frames around the cell in which the robot decides; none if it perceives no cells around.
+pub(in crate::record) fn scene(
+    sensor: Sensor,
+    maze: &Maze,
+    cell: Cell,
+    percept: &Percept,
+    time_ns: u64,
+) -> SceneUpdate {
+    let mut halo = entity("percept", WORLD, time_ns);
+    if sensor.begins_with_neighbours() {
+        let kinds = KINDS.iter().enumerate();
+        let frames = kinds.map(|(kind, &rgb)| (rgb, corners(maze, percept, kind)));
+        let shown = frames.filter(|(_, corners)| !corners.is_empty());
+        halo.lines = shown
+            .map(|(rgb, corners)| frames_of(maze, cell, rgb, corners))
+            .collect();
+    }
+    update(vec![halo])
+}
+
+/// The corners of the frames of all cells of a kind, four for each, seen from the robot's cell: so
+/// they are the same wherever it is, and compress well.
+fn corners(maze: &Maze, percept: &Percept, kind: usize) -> Vec<Point3> {
+    let unit = maze.cell_size_m();
+    let around = Direction::CLOCKWISE.iter().enumerate();
+    let of_kind = around.filter(|&(number, _)| perceived(percept, number) == kind);
+    let framed = of_kind.flat_map(|(_, direction)| {
+        let (east, south) = direction.offset();
+        let middle = Point2::new(f64::from(east), f64::from(-south)) * unit;
+        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| {
+            let corner = middle + Vector2::new(x, y) * (HALF * unit);
+            point(corner, HEIGHT * unit)
+        })
+    });
+    framed.collect()
+}
+
+/// What the bits of cell `number` say: free, wall or goal, as an index into their colours.
+fn perceived(percept: &Percept, number: usize) -> usize {
+    match (percept.bit(2 * number), percept.bit(2 * number + 1)) {
+        (true, _) => 2,
+        (false, true) => 1,
+        (false, false) => 0,
+    }
+}
+
+fn frames_of(maze: &Maze, cell: Cell, rgb: u32, corners: Vec<Point3>) -> LinePrimitive {
+    let at = maze.centre_m(cell);
+    let frames = 0..corners.len() as u32 / 4;
+    let edges = [0, 1, 1, 2, 2, 3, 3, 0];
+    LinePrimitive {
+        r#type: line_primitive::Type::LineList as i32,
+        pose: place(at.x, at.y, 0.0),
+        thickness: rounded(THICK * maze.cell_size_m()),
+        scale_invariant: false,
+        points: corners,
+        color: color(rgb, 0.9),
+        colors: Vec::new(),
+        indices: frames
+            .flat_map(|frame| edges.map(|corner| 4 * frame + corner))
+            .collect(),
+    }
+}

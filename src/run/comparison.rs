@@ -1,0 +1,36 @@
+//! Two runs side by side, as one recording.
+
+use std::path::Path;
+
+use super::error::RunError;
+use super::folder::RunFolder;
+use super::source::Source;
+use super::story::Material;
+use crate::record::{Comparison, compare_stories};
+
+/// Puts the stories of two runs side by side: chapter by chapter, each pair at the same time, then
+/// the drives of what was learned. A path is the folder of a run or a recording of it.
+///
+/// # Errors
+/// When a path is no finished run, or a recording is damaged.
+pub fn comparison_of(paths: [&Path; 2]) -> Result<Comparison, RunError> {
+    let [a, b] = [material(paths[0])?, material(paths[1])?];
+    let (mut of_a, mut of_b) = (a.teller(), b.teller());
+    for number in 0..a.chapters().max(b.chapters()) {
+        a.tell_chapter(number, &mut of_a)?;
+        b.tell_chapter(number, &mut of_b)?;
+        of_a.catch_up(&mut of_b);
+    }
+    a.tell_drive(&mut of_a)?;
+    b.tell_drive(&mut of_b)?;
+    of_a.catch_up(&mut of_b);
+    let curves = [a.whole_curve()?, b.whole_curve()?];
+    Ok(compare_stories([&of_a, &of_b], curves)?)
+}
+
+fn material(path: &Path) -> Result<Material, RunError> {
+    match path.is_dir() {
+        true => Material::of(&RunFolder::open(path)),
+        false => Material::again(&Source::of(path)?.plan),
+    }
+}
