@@ -132,6 +132,7 @@ fn info_tells_size_paths_and_cells_that_look_alike() {
     look alike  (lidar) 1,1  4,1: one move is best in all
     look alike  (lidar-ranges) none
     look alike  (lidar-beams) none
+    look alike  (lidar-position) none
     ");
 }
 

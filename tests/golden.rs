@@ -1,4 +1,4 @@
-//! Digests of trained runs: all methods, three mazes, both arenas.
+//! Digests of trained runs: all methods, three mazes, both arenas; and some of a robot that senses.
 //!
 //! Each digest covers what was learned (the text of `rules.json`), the figures of every episode,
 //! and time and pose after every step, all with their last bit. A change here means that the same seed gives other
@@ -57,13 +57,13 @@ impl Observer for Digest {
     }
 }
 
-fn digest(world: &str, method: Method, arena: ArenaKind) -> String {
+fn digest(world: &str, method: Method, arena: ArenaKind, sensor: Sensor) -> String {
     let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
     let config = Config {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         method,
         arena,
-        sensor: Sensor::Neighbours,
+        sensor,
         episodes: 60,
         seed: 1,
         settings: Settings::default(),
@@ -76,7 +76,11 @@ fn digest(world: &str, method: Method, arena: ArenaKind) -> String {
     let rules = serde_json::to_string_pretty(&trial.method().knowledge()).unwrap();
     digest.add(rules.as_bytes());
     let (method, arena) = (method.name(), arena.name());
-    format!("{world} {method} {arena} {:016x}", digest.0.finish())
+    let words = match sensor {
+        Sensor::Neighbours => arena.to_owned(),
+        sensed => format!("{arena} {}", sensed.name()),
+    };
+    format!("{world} {method} {words} {:016x}", digest.0.finish())
 }
 
 #[test]
@@ -85,9 +89,19 @@ fn trained_runs_of_all_methods_keep_their_digests_in_three_mazes_and_both_arenas
     for &method in Method::ALL {
         for world in ["maze4", "maze5", "maze6"] {
             for &arena in ArenaKind::ALL {
-                found.push(digest(world, method, arena));
+                found.push(digest(world, method, arena, Sensor::Neighbours));
             }
         }
     }
+    insta::assert_snapshot!(found.join("\n"));
+}
+
+#[test]
+fn a_robot_that_only_senses_keeps_its_digests_on_dry_and_on_slippery_floor() {
+    let methods = [Method::Xcscr, Method::XcscrPlus, Method::QLearning];
+    let worlds = ["maze4", "maze5", "maze6", "maze5-wet"];
+    let rows = worlds.map(|world| methods.map(|method| (world, method)));
+    let digest = |(world, method)| digest(world, method, ArenaKind::Physics, Sensor::Lidar);
+    let found: Vec<String> = rows.concat().into_iter().map(digest).collect();
     insta::assert_snapshot!(found.join("\n"));
 }

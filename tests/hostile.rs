@@ -102,7 +102,7 @@ fn trained(method: Method, arena: ArenaKind, episodes: u32) -> Trial {
 
 #[test]
 fn mutants_of_worlds() {
-    let texts = ["maze4", "maze6", "maze4-classic"].map(|name| world(name).to_json());
+    let texts = ["maze4", "maze6", "maze4-classic", "maze5-wet"].map(|name| world(name).to_json());
     let sound: Vec<&[u8]> = texts.iter().map(String::as_bytes).collect();
     let taken = feed("worlds", &sound, rounds(100_000, 1_000_000), |text| {
         let maze = Maze::from_json(text, "mutant.json");

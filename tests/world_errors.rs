@@ -82,6 +82,31 @@ fn rows_that_make_no_maze_are_refused_at_the_cell() {
 }
 
 #[test]
+fn a_floor_that_does_not_fit_the_rows_is_refused_at_the_cell() {
+    let other = |value: &str| with(&format!("\"floor\": {value}"));
+    let floor = |rows: &[&str]| other(&format!("{rows:?}"));
+    let cases = [
+        ("a floor of the wrong type", other("\"ice\"")),
+        ("a row of a floor of the wrong type", other("[\"#..#\", 3]")),
+        ("too few rows", floor(&["####", "#3.#"])),
+        ("too many rows", floor(&["####", "#3.#", "####", "####"])),
+        ("a row that is too short", floor(&["####", "#3#", "####"])),
+        ("an unknown letter", floor(&["####", "#x.#", "####"])),
+        (
+            "a letter of several bytes",
+            floor(&["####", "#é.#", "####"]),
+        ),
+        ("no friction at all", floor(&["####", "#0.#", "####"])),
+        (
+            "a wall where there is none",
+            floor(&["####", "##3#", "####"]),
+        ),
+        ("friction below a wall", floor(&["####", "#.3#", "#3##"])),
+    ];
+    insta::assert_snapshot!(refusals(&cases));
+}
+
+#[test]
 fn wrong_keys_and_values_are_refused_at_the_word() {
     let cases = [
         ("a size of zero", with(r#""cell_size_m": 0"#)),

@@ -5,9 +5,10 @@ use xcscr::streams::StreamName;
 use xcscr::world::{Cell, Maze, Paths};
 use xcscr::xcs::random::Stream;
 
-const WORLDS: [&[u8]; 3] = [
+const WORLDS: [&[u8]; 4] = [
     include_bytes!("../worlds/maze4.json"),
     include_bytes!("../worlds/maze4-classic.json"),
+    include_bytes!("../worlds/maze5-wet.json"),
     include_bytes!("../worlds/woods1.json"),
 ];
 
@@ -25,6 +26,18 @@ fn rows(stream: &mut Stream, width: usize, height: usize, fixed_start: bool) -> 
     rows
 }
 
+/// The floor of these rows: a free cell in four is slippery.
+fn floor<S: AsRef<str>>(stream: &mut Stream, rows: &[S]) -> Vec<String> {
+    let mut letter = |wall: char| match wall {
+        '#' => '#',
+        _ if stream.chance(0.25) => ['1', '3', '9'][stream.below(3)],
+        _ => '.',
+    };
+    let rows = rows.iter().map(AsRef::as_ref);
+    rows.map(|row: &str| row.chars().map(&mut letter).collect())
+        .collect()
+}
+
 /// A random maze; about every second attempt at one gives a world without fault.
 fn maze(seed: u64) -> Maze {
     let mut stream = Stream::new(seed, StreamName::World);
@@ -38,8 +51,9 @@ fn maze(seed: u64) -> Maze {
             .collect();
         let (moves, wrap) = (4 + 4 * stream.below(2), stream.chance(0.5));
         let size = 0.1 + 9.9 * stream.unit();
+        let floor = floor(&mut stream, &rows);
         let text = format!(
-            r#"{{"cell_size_m": {size}, "moves": {moves}, "wrap": {wrap}, "rows": {rows:?}}}"#
+            r#"{{"cell_size_m": {size}, "moves": {moves}, "wrap": {wrap}, "rows": {rows:?}, "floor": {floor:?}}}"#
         );
         if let Ok(maze) = Maze::from_json(text.as_bytes(), "random.json") {
             return maze;

@@ -195,6 +195,10 @@ impl Description {
         )?;
         writeln!(out, "moves       {}", facts.moves)?;
         writeln!(out, "free cells  {}", facts.free_cells)?;
+        for floor in &facts.floors {
+            let (friction, cells) = (floor.friction, floor.cells);
+            writeln!(out, "floor       friction {friction} in {cells} cells")?;
+        }
         writeln!(out, "start       {start}")?;
         writeln!(out, "goals       {}", places(&facts.goals))?;
         writeln!(out, "shortest    {}", shortest(facts))?;

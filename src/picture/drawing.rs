@@ -11,6 +11,7 @@ const FAINT: Colour = Colour::hex(0x5d6675);
 const GRID: Colour = Colour::hex(0xd9dee6);
 const WALL: Colour = Colour::hex(0x3d4757);
 const VISITED: Colour = Colour::hex(0xd3d8e0);
+const SLIPPERY: Colour = Colour::hex(0xe0f0fb);
 const START: Colour = Colour::hex(0xf4b740);
 const GOAL: Colour = Colour::hex(0x7fdca0);
 const PATH: Colour = Colour::hex(0x9cc3f5);
@@ -108,7 +109,11 @@ impl<'a> Plane<'a> {
         let mut shapes = Vec::new();
         for cell in self.maze.free_cells() {
             let was_here = moment.visited.contains(&cell);
-            let fill = if was_here { VISITED } else { PAPER };
+            let fill = match () {
+                () if was_here => VISITED,
+                () if self.maze.friction(cell).is_some() => SLIPPERY,
+                () => PAPER,
+            };
             shapes.push(self.tile(cell, 0.5, fill));
         }
         shapes.extend(self.marks());

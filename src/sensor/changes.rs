@@ -8,7 +8,7 @@ impl Sensor {
     /// instead of free; none for percepts that do not begin with these cells.
     pub fn changed_surroundings(self, percept: &Percept) -> Vec<Percept> {
         match self {
-            Self::Neighbours | Self::NeighboursPosition | Self::Lidar => {
+            Self::Neighbours | Self::NeighboursPosition | Self::Lidar | Self::LidarPosition => {
                 let cells = 0..neighbours::WIDTH / 2;
                 cells.map(|cell| turned_over(percept, cell)).collect()
             }

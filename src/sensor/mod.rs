@@ -45,6 +45,9 @@ pub enum Sensor {
     LidarRanges,
     /// Sixteen beams: how many free cells each goes through, up to seven.
     LidarBeams,
+    /// The eight surrounding cells as a lidar shows them, then column and row of the cell in which
+    /// the robot believes to stand: it was told where it started, and keeps count by its senses.
+    LidarPosition,
 }
 
 impl Sensor {
@@ -68,7 +71,10 @@ impl Sensor {
     /// Is the percept made of what the robot senses? All others are looked up in the maze, which
     /// is privileged: no robot could.
     pub fn is_sensed(self) -> bool {
-        matches!(self, Self::Lidar | Self::LidarRanges | Self::LidarBeams)
+        match self {
+            Self::Neighbours | Self::Position | Self::NeighboursPosition => false,
+            Self::Lidar | Self::LidarRanges | Self::LidarBeams | Self::LidarPosition => true,
+        }
     }
 
     /// The percept's width in bits, the same everywhere in a maze.
@@ -80,6 +86,7 @@ impl Sensor {
             Self::Lidar => lidar::AROUND,
             Self::LidarRanges => lidar::RANGES,
             Self::LidarBeams => lidar::BEAMS,
+            Self::LidarPosition => lidar::AROUND + position::width(maze),
         }
     }
 
@@ -88,7 +95,7 @@ impl Sensor {
     pub fn ring(self) -> usize {
         match self {
             Self::Neighbours | Self::NeighboursPosition => neighbours::WIDTH,
-            Self::Lidar => lidar::AROUND,
+            Self::Lidar | Self::LidarPosition => lidar::AROUND,
             Self::LidarRanges => lidar::RANGES,
             Self::LidarBeams => lidar::BEAMS,
             Self::Position => 0,
@@ -99,7 +106,7 @@ impl Sensor {
     pub fn begins_with_neighbours(self) -> bool {
         matches!(
             self,
-            Self::Neighbours | Self::NeighboursPosition | Self::Lidar
+            Self::Neighbours | Self::NeighboursPosition | Self::Lidar | Self::LidarPosition
         )
     }
 
@@ -133,7 +140,7 @@ impl Sensor {
     pub fn tells_all_apart(self) -> bool {
         match self {
             Self::Neighbours | Self::Lidar | Self::LidarRanges | Self::LidarBeams => false,
-            Self::Position | Self::NeighboursPosition => true,
+            Self::Position | Self::NeighboursPosition | Self::LidarPosition => true,
         }
     }
 
@@ -142,7 +149,8 @@ impl Sensor {
         let sensed = view.sensed.filter(|_| self.is_sensed());
         match sensed {
             Some(Sensed { surroundings, .. }) => {
-                self.by_lidar(&|east, north| surroundings.is_free(east, north))
+                let is_free = |east, north| surroundings.is_free(east, north);
+                self.by_lidar(&is_free, view.maze, view.cell)
             }
             None => self.perceive_at(view.maze, view.cell),
         }
@@ -156,17 +164,21 @@ impl Sensor {
             Self::NeighboursPosition => {
                 neighbours::percept(maze, cell).followed_by(&position::percept(maze, cell))
             }
-            Self::Lidar | Self::LidarRanges | Self::LidarBeams => {
-                self.by_lidar(&lidar::perfect(maze, cell))
+            Self::Lidar | Self::LidarRanges | Self::LidarBeams | Self::LidarPosition => {
+                self.by_lidar(&lidar::perfect(maze, cell), maze, cell)
             }
         }
     }
 
-    /// What a lidar shows, when it sees that cells are free as `is_free` says.
-    fn by_lidar(self, is_free: lidar::IsFree<'_>) -> Percept {
+    /// What a lidar shows, when it sees that cells are free as `is_free` says, to a robot that
+    /// believes to stand in `cell`.
+    fn by_lidar(self, is_free: lidar::IsFree<'_>, maze: &Maze, cell: Cell) -> Percept {
         match self {
             Self::LidarRanges => lidar::ranges(is_free),
             Self::LidarBeams => lidar::beams(is_free),
+            Self::LidarPosition => {
+                lidar::around(is_free).followed_by(&position::percept(maze, cell))
+            }
             _ => lidar::around(is_free),
         }
     }

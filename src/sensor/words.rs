@@ -44,6 +44,11 @@ impl Sensor {
             Self::Lidar => seen(names, alleles),
             Self::LidarRanges => ranges(names, alleles),
             Self::LidarBeams => beams(names, alleles),
+            Self::LidarPosition => {
+                let mut words = seen(names, alleles);
+                words.extend(place(maze, &behind_ring));
+                words
+            }
         };
         match words.is_empty() {
             true => "anything".to_owned(),

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Trial;
 use super::plan::{Plan, PlanError};
 use crate::agent::{Explorer, Frozen, Knowledge};
+use crate::arena::Arena;
 use crate::episode::{self, BestChoices, Ending, Observer};
 use crate::streams::StreamName;
 use crate::world::{Paths, Starts};
@@ -62,10 +64,34 @@ impl Evaluation {
         observer: &mut dyn Observer,
     ) -> Result<Self, PlanError> {
         plan.check()?;
+        let arena = plan.config.build_arena(&plan.maze)?;
+        Self::in_arena(plan, arena, knowledge, episodes, observer)
+    }
+
+    /// Runs as many episodes with the robot of a trial as the trial left it, with what has broken
+    /// since. The trial goes on as if nothing had happened.
+    ///
+    /// # Errors
+    /// When the trial's plan cannot be run.
+    pub fn after(trial: &Trial, episodes: u32) -> Result<Self, PlanError> {
+        let plan = trial.plan();
+        let mut arena = plan.config.build_arena(&plan.maze)?;
+        arena.continue_from(&trial.arena.lasting());
+        let knowledge = trial.method().knowledge();
+        Self::in_arena(plan, arena, &knowledge, episodes, &mut ())
+    }
+
+    fn in_arena(
+        plan: &Plan,
+        mut arena: Box<dyn Arena>,
+        knowledge: &Knowledge,
+        episodes: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, PlanError> {
         let Plan { maze, config } = &plan.clone().settled();
         knowledge.check(config.sensor.width(maze), maze.action_count())?;
         let paths = Paths::with_slip(maze, config.settings.arena.slip);
-        let mut arena = config.build_arena(maze)?;
+        let began_ns = arena.view().now().time_ns;
         let limit = config.settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
         let mut greedy = Explorer::new(0.0, Stream::new(config.seed, StreamName::Exploration));
@@ -104,7 +130,7 @@ impl Evaluation {
             mean_steps: mean(sums.steps),
             mean_optimal_steps: sums.expected / f64::from(episodes.max(1)),
             collisions: sums.collisions,
-            mean_seconds: mean(arena.view().now().time_ns) / SECOND_NS,
+            mean_seconds: mean(arena.view().now().time_ns - began_ns) / SECOND_NS,
         })
     }
 

@@ -10,7 +10,7 @@ use super::json::{refuse_other_kinds, syntax_fault};
 use super::source::{Source, quoted};
 
 /// The keys of a world file.
-const KEYS: [&str; 5] = ["name", "cell_size_m", "moves", "wrap", "rows"];
+const KEYS: [&str; 6] = ["name", "cell_size_m", "moves", "wrap", "rows", "floor"];
 
 /// The values of a world file as they stand in the text, not yet read.
 #[derive(Default)]

@@ -26,6 +26,10 @@ pub struct Facts {
     pub start: Option<Cell>,
     /// The goals in reading order.
     pub goals: Vec<Cell>,
+    /// The floors that differ from the usual one, the most slippery first; not there in a world
+    /// without.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub floors: Vec<FloorFacts>,
     /// Steps of a shortest path from the fixed start.
     pub optimal_steps: Option<u32>,
     /// How many different shortest paths there are from the fixed start.
@@ -34,6 +38,15 @@ pub struct Facts {
     pub mean_optimal_steps: f64,
     /// The greatest of these lengths.
     pub greatest_optimal_steps: u32,
+}
+
+/// How many cells have a floor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FloorFacts {
+    /// Friction between wheels and floor.
+    pub friction: f64,
+    /// Cells that have it.
+    pub cells: usize,
 }
 
 impl Facts {
@@ -53,10 +66,25 @@ impl Facts {
             free_cells: maze.free_cells().count(),
             start: maze.start(),
             goals: maze.goals().to_vec(),
+            floors: floors(maze),
             optimal_steps: maze.start().and_then(steps),
             optimal_paths: maze.start().map(|start| paths.count_from(maze, start)),
             mean_optimal_steps: sum / lengths().count() as f64,
             greatest_optimal_steps: lengths().max().unwrap_or(0),
         }
     }
+}
+
+/// Counts the cells of each floor.
+fn floors(maze: &Maze) -> Vec<FloorFacts> {
+    let frictions: Vec<f64> = maze
+        .free_cells()
+        .filter_map(|cell| maze.friction(cell))
+        .collect();
+    let tenths = (1..=9).map(|tenths| f64::from(tenths) / 10.0);
+    let count = |friction: f64| FloorFacts {
+        friction,
+        cells: frictions.iter().filter(|&&other| other == friction).count(),
+    };
+    tenths.map(count).filter(|floor| floor.cells > 0).collect()
 }

@@ -7,6 +7,7 @@ use super::checks::{check_border, check_reachable, check_start_and_goal};
 use super::direction::Moves;
 use super::document::Document;
 use super::error::WorldError;
+use super::floor;
 use super::json::{kind, missing_key, wrong_type};
 use super::maze::Maze;
 use super::name;
@@ -48,7 +49,7 @@ impl Maze {
     /// [`WorldError::Invalid`] for the first fault of the text: no JSON object, unknown, repeated
     /// or missing keys, wrong types, values out of range, ragged or empty rows, unknown letters,
     /// no goal, more than one start, an open border, a start from which no goal can be reached,
-    /// or too large (over 64 MiB, or 2048 columns or rows).
+    /// a floor that does not fit the rows, or too large (over 64 MiB, or 2048 columns or rows).
     ///
     /// # Example
     /// ```
@@ -83,19 +84,27 @@ impl Maze {
         self.start
             .iter()
             .for_each(|&start| letters[self.index(start)] = b'S');
-        let rows: Vec<String> = letters
+        let rows = letters
             .chunks(usize::from(self.width))
-            .map(|row| format!("    \"{}\"", String::from_utf8_lossy(row)))
-            .collect();
+            .map(|row| String::from_utf8_lossy(row).into_owned());
+        let floor = self.floor_rows().map_or(String::new(), |rows| {
+            format!(",\n  \"floor\": {}", array(rows.into_iter()))
+        });
         format!(
             "{{\n  \"name\": \"{}\",\n  \"cell_size_m\": {:?},\n  \"moves\": {moves},\n  \
-             \"wrap\": {},\n  \"rows\": [\n{}\n  ]\n}}\n",
+             \"wrap\": {},\n  \"rows\": {}{floor}\n}}\n",
             self.name,
             self.cell_size_m,
             self.wrap,
-            rows.join(",\n"),
+            array(rows),
         )
     }
+}
+
+/// Rows as an array with a line for each.
+fn array(rows: impl Iterator<Item = String>) -> String {
+    let rows: Vec<String> = rows.map(|row| format!("    \"{row}\"")).collect();
+    format!("[\n{}\n  ]", rows.join(",\n"))
 }
 
 fn too_large(origin: &str) -> WorldError {
@@ -133,7 +142,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         .ok_or_else(|| missing_key(source, "rows"))?;
     let mut rows = Rows::parse(source, raw_rows)?;
     check_start_and_goal(source, &rows)?;
-    let maze = Maze {
+    let mut maze = Maze {
         name,
         cell_size_m,
         moves,
@@ -143,8 +152,12 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         walls: std::mem::take(&mut rows.walls).into(),
         start: rows.starts.first().copied(),
         goals: std::mem::take(&mut rows.goals),
+        floor: None,
         distances: Default::default(),
     };
+    if let Some(raw) = document.value("floor") {
+        maze.floor = floor::read(source, raw, &maze)?;
+    }
     if !wrap {
         check_border(source, &maze, &rows)?;
     }

@@ -22,6 +22,10 @@ pub struct Cell {
     pub row: u16,
 }
 
+/// The friction of each cell's floor in tenths, in reading order; 0 for the usual floor. `None`
+/// where all of it is usual.
+pub(super) type Floor = Option<Arc<[u8]>>;
+
 /// A checked maze: its border is closed (or joined), and every start can reach a goal.
 ///
 /// The world frame has its origin in the south-western corner of the border, x to the east, y to
@@ -39,6 +43,7 @@ pub struct Maze {
     pub(super) start: Option<Cell>,
     /// In reading order; never empty.
     pub(super) goals: Vec<Cell>,
+    pub(super) floor: Floor,
     /// Of the shortest paths, once somebody asked for them.
     pub(super) distances: Distances,
 }
@@ -183,5 +188,39 @@ impl Maze {
             col: col as u16,
             row: row as u16,
         })
+    }
+}
+
+impl Maze {
+    /// The friction between wheels and floor of a cell; `None` for the usual floor, whose friction
+    /// the robot's settings have.
+    pub fn friction(&self, cell: Cell) -> Option<f64> {
+        let floor = self.floor.as_ref()?;
+        let inside = cell.col < self.width && cell.row < self.height;
+        let tenths = floor[if inside { self.index(cell) } else { 0 }];
+        (inside && tenths > 0).then(|| f64::from(tenths) / 10.0)
+    }
+
+    /// Is the floor of any cell unusual?
+    pub fn has_floor(&self) -> bool {
+        self.floor.is_some()
+    }
+
+    /// The rows of the floor as a world file has them; `None` where all of it is usual.
+    pub fn floor_rows(&self) -> Option<Vec<String>> {
+        let letter = |(&tenths, &wall): (&u8, &bool)| match (tenths, wall) {
+            (_, true) => '#',
+            (0, false) => '.',
+            (tenths, false) => char::from(b'0' + tenths),
+        };
+        let letters: Vec<char> = self
+            .floor
+            .as_ref()?
+            .iter()
+            .zip(&*self.walls)
+            .map(letter)
+            .collect();
+        let rows = letters.chunks(usize::from(self.width));
+        Some(rows.map(|row| row.iter().collect()).collect())
     }
 }

@@ -8,4 +8,5 @@ pub mod folder;
 pub mod program;
 pub mod scripted;
 pub mod served;
+pub mod tally;
 pub mod trial;

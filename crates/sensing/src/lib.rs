@@ -14,7 +14,7 @@ mod readings;
 mod sensors;
 
 pub use onboard::{Belief, EstimatorParams, Onboard, Surroundings};
-pub use params::{BumperParams, EncoderParams, GyroParams, LidarParams, Robot};
+pub use params::{BumperParams, EncoderParams, FaultParams, GyroParams, LidarParams, Robot};
 pub use readings::{Readings, Return};
 pub use sensors::{Moment, Push, SensorState, Sensors, Streams, Terrain, cast};
 

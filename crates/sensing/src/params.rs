@@ -12,8 +12,11 @@ pub struct Robot {
     pub noise: f64,
     /// Distance between the wheels, in cells.
     pub wheel_base: f64,
-    /// Deviation of what the wheels roll on the floor from what they count, as a share.
-    pub wheel_deviation: f64,
+    /// Deviation of what a wheel rolls on the floor from what it counts, as a share: of the part that
+    /// stays for a whole action ...
+    pub wheel_bias: f64,
+    /// ... and of the part that changes from step to step.
+    pub wheel_noise: f64,
     /// The lidar.
     pub lidar: LidarParams,
     /// The encoders of the wheels.
@@ -24,6 +27,8 @@ pub struct Robot {
     pub bumper: BumperParams,
     /// The filter that estimates the pose.
     pub estimator: EstimatorParams,
+    /// What is broken.
+    pub faults: FaultParams,
 }
 
 settings! {
@@ -120,5 +125,24 @@ settings! {
     pub struct BumperParams {
         /// A push of more than this closes the switch, in N s.
         impulse_ns: f64 = 0.3, in 0.01..=3.0;
+    }
+}
+
+settings! {
+    section "physics.faults";
+
+    /// Sensors that break at some time. The robot does not know of it.
+    pub struct FaultParams {
+        /// The episode from which on they are broken, counted from 1.
+        from_episode: u32 = 1, in 1..=1_000_000;
+        /// The width of the sector ahead from which no beam of the lidar comes back, in degrees.
+        dead_sector_deg: f64 = 0.0, in 0.0..=360.0;
+        /// Does the encoder of the left wheel stand still?
+        stuck_encoder: bool = false;
+        /// How fast the bias of the gyro grows, in rad/s per second. At 0.001 it is 3.4 deg/s after
+        /// a minute.
+        gyro_drift_radps2: f64 = 0.0, in 0.0..=0.1;
+        /// Does the front bumper never close?
+        dead_bumper: bool = false;
     }
 }

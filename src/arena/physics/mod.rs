@@ -14,6 +14,7 @@
 //! Inside of this folder the unit of length is the cell, so that a maze in another scale has the
 //! same course of events to the bit. Metres begin at the trait [`Arena`].
 
+mod care;
 mod contact;
 mod controller;
 mod discretiser;
@@ -33,6 +34,7 @@ mod walls;
 
 use nalgebra::{Point2, Vector2};
 
+pub use care::{Care, CareParams};
 pub use error::PhysicsError;
 pub use params::{Localisation, PhysicsParams};
 pub use snapshot::Snapshot;
@@ -53,7 +55,9 @@ use crate::world::{Cell, Direction, Maze, Moves};
 use xcs::Action;
 use xcs::random::Stream;
 use xcscr_sensing::STEP_S;
-pub use xcscr_sensing::{BumperParams, EncoderParams, EstimatorParams, GyroParams, LidarParams};
+pub use xcscr_sensing::{
+    BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams,
+};
 
 /// Duration of a physics step ([`STEP_S`]) in nanoseconds, for clocks that never drift.
 const STEP_NS: u64 = 50_000_000;
@@ -66,6 +70,8 @@ const MAX_BLOCKS: usize = 262_144;
 pub struct PhysicsArena {
     maze: Maze,
     params: PhysicsParams,
+    /// The same when it drives carefully.
+    careful: PhysicsParams,
     simulation: Simulation,
     /// The engine's first moment, to which every reset returns.
     pristine: State,
@@ -103,6 +109,7 @@ impl PhysicsArena {
             trace: Vec::new(),
             hits: Hits::default(),
             maze,
+            careful: params.careful(),
             params,
             simulation,
         };
@@ -121,11 +128,11 @@ impl PhysicsArena {
         for _ in 0..self.most_steps() {
             let motion = self.motion();
             let seen = self.measure(motion);
-            let Some(command) = maneuver.command(&seen, &self.params) else {
+            let Some(command) = maneuver.command(&seen, self.profile(false)) else {
                 self.believe(&seen);
                 return true;
             };
-            self.drive(command, &motion, bias);
+            self.drive(command, &motion, bias, false);
             if self.step(maneuver.along()) && maneuver.is_stopped_by_walls(&seen) {
                 maneuver.back_off();
             }
@@ -140,13 +147,41 @@ impl PhysicsArena {
         (self.params.time_out_s / STEP_S).round() as u64
     }
 
+    /// How the robot drives that notices that its wheels slip, or does not.
+    fn profile(&self, slips: bool) -> &PhysicsParams {
+        match self.params.care.when {
+            Care::Always => &self.careful,
+            Care::Slipping if slips => &self.careful,
+            Care::Slipping | Care::Never => &self.params,
+        }
+    }
+
     /// Brings a command to the wheels, and their force to the floor.
-    fn drive(&mut self, command: Command, motion: &Motion, bias: [f64; 2]) {
+    fn drive(&mut self, command: Command, motion: &Motion, bias: [f64; 2], slips: bool) {
         let [left, right] = self.noise.wheel_noise();
         let excess = [bias[0] + left, bias[1] + right];
-        self.wheels.follow(command, &self.params);
+        let mut wheels = self.wheels;
+        wheels.follow(command, self.profile(slips));
+        self.wheels = wheels;
+        let friction = self.friction(motion);
         let body = self.simulation.body_mut();
-        self.wheels.push(body, motion, excess, &self.params);
+        self.wheels
+            .push(body, motion, excess, friction, &self.params);
+    }
+
+    /// The friction of the floor below the left and the right wheel.
+    fn friction(&self, motion: &Motion) -> [f64; 2] {
+        let usual = self.params.friction;
+        if !self.maze.has_floor() {
+            return [usual; 2];
+        }
+        let half = self.params.wheel_base_m / 2.0;
+        [half, -half].map(|left| {
+            let wheel = motion.pose * Point2::new(0.0, left);
+            let cell = self.maze.cell_at(wheel * self.maze.cell_size_m());
+            cell.and_then(|cell| self.maze.friction(cell))
+                .unwrap_or(usual)
+        })
     }
 
     /// Lets one step pass. True when a wall pushed against the direction `along`.

@@ -2,9 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::care::CareParams;
 use xcs::bounds::{OutOfRange, Setting, within};
 use xcs::settings;
-use xcscr_sensing::{BumperParams, EncoderParams, EstimatorParams, GyroParams, LidarParams, Robot};
+use xcscr_sensing::{
+    BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, Robot,
+};
 
 /// How the robot knows where it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -42,7 +45,8 @@ settings! {
         radius_m: f64 = 0.3, in 0.1..=0.35;
         /// Distance b between the wheels in m.
         wheel_base_m: f64 = 0.4, in 0.1..=0.7;
-        /// Friction mu between wheel and floor; rubber on concrete by default.
+        /// Friction mu between wheel and floor, where the world's `floor` says nothing else; rubber
+        /// on concrete by default.
         friction: f64 = 0.8, in 0.2..=2.0;
         /// Time constant tau of the motors in s.
         motor_lag_s: f64 = 0.03, in 0.0..=0.1;
@@ -94,6 +98,10 @@ settings! {
         bumper: BumperParams = BumperParams::default();
         /// The filter that estimates the pose.
         estimator: EstimatorParams = EstimatorParams::default();
+        /// Driving carefully.
+        care: CareParams = CareParams::default();
+        /// What breaks.
+        faults: FaultParams = FaultParams::default();
     }
 }
 
@@ -109,6 +117,8 @@ impl PhysicsParams {
             GyroParams::declared(),
             BumperParams::declared(),
             EstimatorParams::declared(),
+            CareParams::declared(),
+            FaultParams::declared(),
         ]
         .concat();
         let is_part = |setting: &Setting| {
@@ -123,7 +133,7 @@ impl PhysicsParams {
     /// Checks what depends on other settings, and the parts.
     fn check_parts(&self) -> Result<(), OutOfRange> {
         let acceleration = self.wheel_acceleration_mps2;
-        let grip = self.grip_mps2();
+        let grip = grip_mps2(self.friction);
         within("physics.wheel_acceleration_mps2", acceleration, 1.0..=grip)?;
         let deceleration = self.deceleration_mps2;
         within(
@@ -135,7 +145,27 @@ impl PhysicsParams {
         self.encoders.check()?;
         self.gyro.check()?;
         self.bumper.check()?;
-        self.estimator.check()
+        self.estimator.check()?;
+        self.care.check()?;
+        self.faults.check()
+    }
+
+    /// The same robot when it drives carefully: gentler in everything, or as gentle as it was.
+    pub(super) fn careful(&self) -> Self {
+        let care = &self.care;
+        let gentler = |usual: f64, careful: f64| usual.min(careful);
+        Self {
+            wheel_acceleration_mps2: gentler(
+                self.wheel_acceleration_mps2,
+                care.wheel_acceleration_mps2,
+            ),
+            deceleration_mps2: gentler(self.deceleration_mps2, care.deceleration_mps2),
+            turn_deceleration_radps2: gentler(
+                self.turn_deceleration_radps2,
+                care.turn_deceleration_radps2,
+            ),
+            ..self.clone()
+        }
     }
 
     /// The robot as its sensors and its own computer need to know it.
@@ -143,19 +173,21 @@ impl PhysicsParams {
         Robot {
             noise: self.noise,
             wheel_base: self.wheel_base_m,
-            wheel_deviation: self.wheel_bias.max(self.wheel_noise),
+            wheel_bias: self.wheel_bias,
+            wheel_noise: self.wheel_noise,
             lidar: self.lidar.clone(),
             encoders: self.encoders.clone(),
             gyro: self.gyro.clone(),
             bumper: self.bumper.clone(),
             estimator: self.estimator.clone(),
+            faults: self.faults.clone(),
         }
     }
+}
 
-    /// The largest acceleration that the wheels can bring to the floor, in m/s^2.
-    pub(super) fn grip_mps2(&self) -> f64 {
-        self.friction * GRAVITY_MPS2
-    }
+/// The largest acceleration that wheels can bring to a floor of this friction, in m/s^2.
+pub(super) fn grip_mps2(friction: f64) -> f64 {
+    friction * GRAVITY_MPS2
 }
 
 #[cfg(test)]

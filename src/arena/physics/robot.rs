@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::STEP_S;
 use super::motion::{Command, Motion};
-use super::params::PhysicsParams;
+use super::params::{PhysicsParams, grip_mps2};
 
 /// The true motion of the robot's body in the engine.
 pub(super) fn true_motion(body: &RigidBody) -> Motion {
@@ -47,12 +47,13 @@ impl Wheels {
     }
 
     /// Pushes the body toward the wheels' speeds. The floor sees each wheel turn too fast by
-    /// the share `excess`, and bears a force within the circle of friction.
+    /// the share `excess`, and bears a force within the circle that its `friction` allows.
     pub(super) fn push(
         &self,
         body: &mut RigidBody,
         motion: &Motion,
         excess: [f64; 2],
+        friction: [f64; 2],
         params: &PhysicsParams,
     ) {
         let [left, right] = [0, 1].map(|i| self.speed[i] * (1.0 + excess[i]));
@@ -61,9 +62,10 @@ impl Wheels {
         let along = mass * (0.5 * (left + right) - motion.forward) / 2.0;
         let twist = inertia * ((right - left) / base - motion.turn_radps) / base;
         let across = -mass * motion.sideways / 2.0;
-        let limit = mass * params.grip_mps2() * STEP_S / 2.0;
-        let [left, right] = [along - twist, along + twist]
-            .map(|along| Vector2::new(along, across).cap_magnitude(limit));
+        let limit = |friction| mass * grip_mps2(friction) * STEP_S / 2.0;
+        let force = |along, friction| Vector2::new(along, across).cap_magnitude(limit(friction));
+        let left = force(along - twist, friction[0]);
+        let right = force(along + twist, friction[1]);
         let impulse = motion.pose.rotation * (left + right);
         body.apply_impulse(Vector::new(impulse.x as f32, impulse.y as f32), true);
         body.apply_torque_impulse(((right.x - left.x) * base / 2.0) as f32, true);

@@ -176,11 +176,12 @@ impl PhysicsArena {
         let bias = self.noise.wheel_bias();
         for _ in 0..self.most_steps() {
             let seen = sensing.motion();
-            let Some(command) = maneuver.command(&seen, &self.params) else {
+            let slips = sensing.onboard.slips();
+            let Some(command) = maneuver.command(&seen, self.profile(slips)) else {
                 return true;
             };
             let motion = self.motion();
-            self.drive(command, &motion, bias);
+            self.drive(command, &motion, bias, slips);
             self.sense_step(sensing, maneuver.along());
             if sensing.is_bumped(maneuver) && maneuver.is_stopped_by_walls(&seen) {
                 maneuver.back_off();

@@ -1,4 +1,4 @@
-//! `/scene/maze`: floor, walls, start and goals.
+//! `/scene/maze`: floor and where it is slippery, walls, start and goals.
 
 use foxglove::messages::{
     CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive, line_primitive,
@@ -10,6 +10,7 @@ use crate::world::{Cell, Maze};
 
 const FLOOR: u32 = 0xeef1f5;
 const FLOOR_LINE: u32 = 0xc3cad6;
+const SLIPPERY: u32 = 0xcfe6f7;
 const WALL: u32 = 0x57657f;
 const START: u32 = 0xf4b740;
 const GOAL: u32 = 0x35c46a;
@@ -22,6 +23,7 @@ const NUMBERED: u16 = 64;
 pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
     let mut lines = entity("floor", WORLD, time_ns);
     lines.cubes = vec![floor(maze)];
+    lines.cubes.extend(slippery(maze));
     lines.lines = vec![floor_lines(maze)];
     let mut walls = entity("walls", WORLD, time_ns);
     let shown = (!maze.is_vast())
@@ -49,6 +51,18 @@ fn floor(maze: &Maze) -> CubePrimitive {
         vector(x, y, thick),
         color(FLOOR, 1.0),
     )
+}
+
+/// The cells whose floor is unusual.
+fn slippery(maze: &Maze) -> impl Iterator<Item = CubePrimitive> + '_ {
+    let shown = (maze.has_floor() && !maze.is_vast()).then(|| maze.free_cells());
+    let unusual = shown.into_iter().flatten();
+    let unusual = unusual.filter(|&cell| maze.friction(cell).is_some());
+    unusual.map(|cell| {
+        let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
+        let size = vector(unit, unit, 0.004 * unit);
+        cube(place(at.x, at.y, 0.001 * unit), size, color(SLIPPERY, 1.0))
+    })
 }
 
 /// The borders of the cells.

@@ -8,7 +8,7 @@ use crate::study::statistics::{
     Interval, Lifetime, Proportion, Survival, bootstrap_interval, quantile,
 };
 use crate::study::store::folder::StudyFolder;
-use crate::study::store::{Figures, TrialRecord};
+use crate::study::store::{Driven, Figures, TrialRecord};
 use xcs::random::Stream;
 
 /// The finished trials of one arm.
@@ -123,6 +123,17 @@ impl<'a> ArmRecords<'a> {
         (!known.is_empty()).then(|| rounded(sum / known.len() as f64))
     }
 
+    /// The trials whose policy reached a goal in every episode that it drove at the end; `None` if
+    /// none did drive.
+    fn driven_always(&self) -> Option<Proportion> {
+        let driven: Vec<Driven> = self.figures.iter().filter_map(|one| one.driven).collect();
+        let always = driven.iter().filter(|one| one.goals == one.episodes);
+        (!driven.is_empty()).then(|| Proportion {
+            successes: always.count() as u64,
+            trials: driven.len() as u64,
+        })
+    }
+
     /// The trials whose policy was optimal after the last episode.
     pub fn retained(&self) -> u64 {
         let retained = self.figures.iter().filter(|one| one.progress.optimal);
@@ -202,6 +213,24 @@ pub struct ArmSummary {
     pub most_greedy_steps: Option<f64>,
     /// Mean of these steps as a multiple of what they are at best; `null` where that is not known.
     pub mean_greedy_ratio: Option<f64>,
+    /// Of the episodes in which the greedy policy drove at the end, the share that reached a goal.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven_goals: Option<f64>,
+    /// Trials of which every one of them did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven_always: Option<u64>,
+    /// Lower 95 % limit of the share of these trials (Wilson).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven_always_low: Option<f64>,
+    /// Upper 95 % limit of their share (Wilson).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven_always_high: Option<f64>,
+    /// The share that did so in as few steps as possible.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven_optimal: Option<f64>,
+    /// Mean steps of these episodes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven_steps: Option<f64>,
     /// The median number of rules that are left of those of the retained trials when they are
     /// condensed; `null` for tables.
     pub median_condensed_rules: Option<f64>,
@@ -224,6 +253,7 @@ impl ArmSummary {
         let survival = Survival::new(&records.lifetimes());
         let iqm = records.iqm_env_steps(seed);
         let condensed = records.condensed_rules();
+        let always = records.driven_always();
         let count = |is: &dyn Fn(&Figures) -> bool| {
             records.figures.iter().filter(|one| is(one)).count() as u64
         };
@@ -253,6 +283,12 @@ impl ArmSummary {
             mean_greedy_steps: records.mean_of(|one| one.greedy_steps),
             most_greedy_steps: records.greedy_steps().reduce(f64::max).map(rounded),
             mean_greedy_ratio: records.mean_of(|one| one.greedy_ratio),
+            driven_goals: records.mean_of(|one| one.driven.map(|d| d.share(d.goals))),
+            driven_always: always.map(|always| always.successes),
+            driven_always_low: always.map(|always| rounded(always.wilson().low)),
+            driven_always_high: always.map(|always| rounded(always.wilson().high)),
+            driven_optimal: records.mean_of(|one| one.driven.map(|d| d.share(d.optimal))),
+            driven_steps: records.mean_of(|one| one.driven.map(|d| d.steps)),
             median_condensed_rules: quantile(&condensed, 0.5),
             most_condensed_rules: condensed
                 .iter()

@@ -35,6 +35,9 @@ struct TrialRow<'a> {
     condensed_rules: Option<usize>,
     greedy_steps: Option<f64>,
     greedy_ratio: Option<f64>,
+    driven_goals: Option<u32>,
+    driven_optimal: Option<u32>,
+    driven_steps: Option<f64>,
     error: &'a str,
 }
 
@@ -42,6 +45,7 @@ impl<'a> TrialRow<'a> {
     fn new(protocol: &'a Protocol, record: &'a TrialRecord) -> Self {
         let arm = protocol.arm(record.trial);
         let figures = record.figures();
+        let driven = figures.and_then(|one| one.driven);
         let progress = figures.map(|Figures { progress, .. }| progress);
         Self {
             world: &arm.world,
@@ -70,6 +74,9 @@ impl<'a> TrialRow<'a> {
             condensed_rules: figures.and_then(|one| one.condensed_rules),
             greedy_steps: figures.and_then(|one| one.greedy_steps).map(rounded),
             greedy_ratio: figures.and_then(|one| one.greedy_ratio).map(rounded),
+            driven_goals: driven.map(|one| one.goals),
+            driven_optimal: driven.map(|one| one.optimal),
+            driven_steps: driven.map(|one| rounded(one.steps)),
             error: record.result.as_ref().err().map_or("", String::as_str),
         }
     }

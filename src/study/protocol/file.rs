@@ -18,7 +18,7 @@ use crate::world::{Maze, Recipe};
 use xcs::bounds::OutOfRange;
 
 /// The keys of a study file.
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 18] = [
     "name",
     "worlds",
     "after",
@@ -27,12 +27,14 @@ const KEYS: [&str; 16] = [
     "sensors",
     "trials",
     "episodes",
+    "drives",
     "seed",
     "settings",
     "world-settings",
     "world-sensors",
     "method-settings",
     "sweep",
+    "variants",
     "sample",
     "without",
 ];
@@ -63,6 +65,9 @@ pub(super) struct Document {
     pub sensors: Option<Vec<Sensor>>,
     pub trials: usize,
     pub episodes: u32,
+    /// Episodes in which the policy of each finished trial is put to the test.
+    #[serde(default)]
+    pub drives: u32,
     #[serde(default = "Document::one")]
     pub seed: u64,
     /// Settings of all trials.
@@ -80,6 +85,9 @@ pub(super) struct Document {
     /// Settings, each with the list of its values: every combination is tried.
     #[serde(default)]
     pub sweep: Table,
+    /// Tables of settings, each of which is tried, with every combination of the swept ones.
+    #[serde(default)]
+    pub variants: Vec<Table>,
     /// How many of these combinations are tried, drawn at random, instead of all.
     #[serde(default)]
     pub sample: Option<usize>,

@@ -30,6 +30,7 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
         seed: overrides.seed.unwrap_or(document.seed),
         trials: overrides.trials.unwrap_or(document.trials),
         episodes: overrides.episodes.unwrap_or(document.episodes),
+        drives: document.drives,
         arms: arms(file, &worlds, &afters, &arenas, overrides)?,
         worlds,
         earlier,
@@ -60,6 +61,7 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
         sensors.map(Vec::len).max().unwrap_or(1),
         document.after.len().max(1),
         document.without.len() + 1,
+        document.variants.len().max(1),
     ];
     let swept = file.sweep()?.into_iter().map(|(_, values)| values.len());
     let swept = swept.fold(1, usize::saturating_mul);

@@ -87,6 +87,10 @@ pub struct Protocol {
     pub trials: usize,
     /// Episodes per trial.
     pub episodes: u32,
+    /// Episodes in which the greedy policy of each finished trial drives the trial's own robot,
+    /// without learning or exploring; 0 for none.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub drives: u32,
     /// The worlds, each with a name of its own.
     #[serde(serialize_with = "write_mazes", deserialize_with = "read_mazes")]
     pub worlds: Vec<Maze>,
@@ -225,6 +229,7 @@ impl Protocol {
             self.worlds.len() + self.earlier.len(),
             0..=MOST_WORLDS,
         )?;
+        within("drives", self.drives, 0..=10_000)?;
         within("combinations", self.arms.len(), 0..=MOST_ARMS)?;
         within("trials of all combinations", self.len(), 0..=MOST_TRIALS)
     }
@@ -265,6 +270,10 @@ impl Protocol {
             )),
         }
     }
+}
+
+fn is_none(number: &u32) -> bool {
+    *number == 0
 }
 
 fn named<'a>(mazes: &'a [Maze], name: &str) -> Option<&'a Maze> {

@@ -11,9 +11,10 @@ macro_rules! classic {
 }
 
 /// The worlds, by name.
-const WORLDS: [(&str, &str); 34] = [
+const WORLDS: [(&str, &str); 35] = [
     ("maze4", include_str!("../../../worlds/maze4.json")),
     ("maze5", include_str!("../../../worlds/maze5.json")),
+    ("maze5-wet", include_str!("../../../worlds/maze5-wet.json")),
     ("maze6", include_str!("../../../worlds/maze6.json")),
     (
         "maze6-classic",
@@ -52,7 +53,7 @@ const WORLDS: [(&str, &str); 34] = [
 ];
 
 /// The studies, by name.
-const STUDIES: [(&str, &str); 8] = [
+const STUDIES: [(&str, &str); 11] = [
     ("paper", include_str!("presets/paper.toml")),
     ("paper-search", include_str!("presets/paper-search.toml")),
     ("ablation", include_str!("presets/ablation.toml")),
@@ -61,6 +62,9 @@ const STUDIES: [(&str, &str); 8] = [
     ("transfer", include_str!("presets/transfer.toml")),
     ("starts", include_str!("presets/starts.toml")),
     ("aliased", include_str!("presets/aliased.toml")),
+    ("sensing", include_str!("presets/sensing.toml")),
+    ("faults", include_str!("presets/faults.toml")),
+    ("arenas", include_str!("presets/arenas.toml")),
 ];
 
 /// The text of a world file that comes with the program.

@@ -8,6 +8,7 @@ use super::file::NOTHING;
 use super::overrides::Overrides;
 use super::{StudyFile, Variant};
 use crate::study::error::StudyError;
+use crate::trial::flatten;
 use xcs::random::Stream;
 
 /// The seed of [`drawn_combinations`]: the same for all seeds of trials, so that a study that is
@@ -19,7 +20,7 @@ const DRAW_STREAM: u64 = 8;
 /// Settings of a sweep, each with its values.
 type Sweep = [(String, Vec<Value>)];
 
-/// All combinations of the swept values, and of the switches to turn off; a single empty one when
+/// All combinations of the swept values, of the listed tables, and of the switches to turn off; a single empty one when
 /// nothing is varied. Each with the settings that make it.
 pub(super) fn variants(
     file: &StudyFile,
@@ -29,10 +30,11 @@ pub(super) fn variants(
     for (key, _) in &sweep {
         refuse_set(file, overrides, key)?;
     }
-    let variants = match file.document.sample {
+    let swept = match file.document.sample {
         None => every_combination(&sweep),
         Some(sample) => drawn_combinations(&sweep, sample),
     };
+    let variants = with_listed(file, overrides, swept)?;
     let switches = &file.document.without;
     if switches.is_empty() {
         return Ok(variants);
@@ -42,7 +44,7 @@ pub(super) fn variants(
         with_switches.push((variant.0.clone(), told(&variant.1, "without", NOTHING)));
         for switch in switches {
             refuse_set(file, overrides, switch)?;
-            refuse_swept(file, &variant.1, switch)?;
+            refuse_swept(file, &variant.1, switch, "without")?;
             let (table, _) = varied(&variant, switch, &Value::Boolean(false));
             with_switches.push((table, told(&variant.1, "without", switch)));
         }
@@ -67,6 +69,28 @@ fn every_combination(sweep: &Sweep) -> Vec<(Table, Variant)> {
             .map(|(variant, value)| varied(variant, key, value))
             .collect()
     })
+}
+
+/// Each of the variants with the settings of each table that the file lists.
+fn with_listed(
+    file: &StudyFile,
+    overrides: &Overrides,
+    variants: Vec<(Table, Variant)>,
+) -> Result<Vec<(Table, Variant)>, StudyError> {
+    if file.document.variants.is_empty() {
+        return Ok(variants);
+    }
+    let mut all = Vec::new();
+    for (variant, listed) in product(&variants, &file.document.variants) {
+        let mut one = variant.clone();
+        for (key, value) in flatten(listed.clone()) {
+            refuse_set(file, overrides, &key)?;
+            refuse_swept(file, &variant.1, &key, "variants")?;
+            one = varied(&one, &key, &value);
+        }
+        all.push(one);
+    }
+    Ok(all)
 }
 
 /// So many different combinations, each with the same chance; all when there are no more.
@@ -101,12 +125,17 @@ fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), 
     Err(StudyError::file(&file.origin, &fault))
 }
 
-/// What is swept cannot be turned off besides.
-fn refuse_swept(file: &StudyFile, variant: &Variant, switch: &str) -> Result<(), StudyError> {
+/// What is swept cannot be set by another key of the file, `besides`.
+fn refuse_swept(
+    file: &StudyFile,
+    variant: &Variant,
+    switch: &str,
+    besides: &str,
+) -> Result<(), StudyError> {
     if !variant.0.contains_key(switch) {
         return Ok(());
     }
-    let fault = format!("`{switch}` stands in `sweep` and in `without`: leave one of them out");
+    let fault = format!("`{switch}` stands in `sweep` and in `{besides}`: leave one of them out");
     Err(StudyError::file(&file.origin, &fault))
 }
 

@@ -14,7 +14,11 @@ pub const LEGEND: &str = "optimal: trials whose greedy policy became globally op
     (Kaplan-Meier; – when they never were). kept: still optimal after the last episode. held: of the \
     episodes after the first optimal one, the mean share after which the policy was optimal. steps: \
     environment steps until then, interquartile mean with bootstrap interval; trials without an \
-    optimum count with all their steps. collisions, rules: means of a trial. condensed: \
+    optimum count with all their steps. driven: of the episodes in which the greedy policy drove the \
+    trial's own robot at the end, those that reached a goal; behind it the 95 % interval of the share \
+    of trials that always did. shortest, driven steps: the episodes that took a shortest path (where \
+    moves slip: chose nothing but best actions), and mean steps. \
+    collisions, rules: means of a trial. condensed: \
     what is left of the rules of retained trials when they are condensed, median and most.";
 
 /// Letters for the settings of a sweep, in the order of their names.
@@ -75,6 +79,10 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
         "p95",
         "steps (IQM)",
         "95 % interval ",
+        "driven",
+        "95 % interval  ",
+        "shortest",
+        "driven steps",
         "collisions",
         "rules",
         "condensed",
@@ -85,7 +93,11 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
     table.rows = rows
         .map(|(arm, one)| row(one, variant(&arm.variant, &letters)))
         .collect();
-    table.without_dull(|name| ["arena", "sensor", "variant", "condensed", "failed"].contains(&name))
+    let none_drove = summaries.iter().all(|one| one.driven_goals.is_none());
+    table.without_dull(|name| match name {
+        "driven" | "95 % interval  " | "shortest" | "driven steps" => none_drove,
+        _ => ["arena", "sensor", "variant", "condensed", "failed"].contains(&name),
+    })
 }
 
 fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
@@ -110,6 +122,13 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
             .map_or("–".to_owned(), |(low, high)| {
                 format!("{low:.0}–{high:.0}")
             }),
+        percent(arm.driven_goals),
+        arm.driven_always_low
+            .zip(arm.driven_always_high)
+            .map_or("–".to_owned(), |(low, high)| percent_range(low, high)),
+        percent(arm.driven_optimal),
+        arm.driven_steps
+            .map_or("–".to_owned(), |steps| format!("{steps:.1}")),
         whole(arm.mean_collisions),
         whole(arm.mean_rules),
         arm.median_condensed_rules

@@ -6,5 +6,5 @@ mod record;
 mod shard;
 
 pub use folder::StudyFolder;
-pub use record::{Figures, TrialRecord};
+pub use record::{Driven, Figures, TrialRecord};
 pub use shard::Shard;

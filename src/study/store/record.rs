@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::{Deserialize, Serialize};
 
 use crate::study::protocol::Protocol;
-use crate::trial::{Condensed, Config, GreedySteps, Plan, Progress, Trial};
+use crate::trial::{Condensed, Config, Evaluation, GreedySteps, Plan, Progress, Trial};
 use crate::world::Maze;
 use xcs::bounds::{OutOfRange, within};
 
@@ -25,6 +25,46 @@ pub struct Figures {
     /// These steps as a multiple of what they are at best.
     #[serde(default)]
     pub greedy_ratio: Option<f64>,
+    /// How the greedy policy drove at the end, where the study asks for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub driven: Option<Driven>,
+}
+
+/// How the greedy policy of a finished trial drove the trial's own robot, with its senses and its
+/// faults, without learning or exploring.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Driven {
+    /// Episodes.
+    pub episodes: u32,
+    /// Those that reached a goal.
+    pub goals: u32,
+    /// Those that did so in as few steps as possible.
+    pub optimal: u32,
+    /// Steps of an episode on average.
+    pub steps: f64,
+}
+
+impl Driven {
+    fn of(trial: &Trial, episodes: u32) -> Result<Self, String> {
+        let driven = Evaluation::after(trial, episodes).map_err(|fault| fault.to_string())?;
+        Ok(Self {
+            episodes,
+            goals: driven.successes,
+            optimal: driven.optimal,
+            steps: driven.mean_steps,
+        })
+    }
+
+    /// Some of the episodes as a share of all.
+    pub fn share(&self, some: u32) -> f64 {
+        f64::from(some) / f64::from(self.episodes.max(1))
+    }
+
+    fn check(&self, limit: f64) -> Result<(), OutOfRange> {
+        within("driven.goals", self.goals, 0..=self.episodes)?;
+        within("driven.optimal", self.optimal, 0..=self.goals)?;
+        within("driven.steps", self.steps, 0.0..=limit)
+    }
 }
 
 impl Figures {
@@ -52,6 +92,7 @@ impl Figures {
             self.greedy_ratio.unwrap_or(1.0),
             0.0..=limit,
         )?;
+        self.driven.map_or(Ok(()), |driven| driven.check(limit))?;
         within(
             "condensed_rules",
             self.condensed_rules.unwrap_or(0),
@@ -74,7 +115,8 @@ impl TrialRecord {
     /// record.
     pub fn of(protocol: &Protocol, trial: usize) -> Self {
         let result = catch_unwind(AssertUnwindSafe(|| {
-            figures(protocol.plan(trial), protocol.earlier_plan(trial))
+            let (plan, earlier) = (protocol.plan(trial), protocol.earlier_plan(trial));
+            figures(plan, earlier, protocol.drives)
         }));
         let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
         Self { trial, result }
@@ -104,7 +146,7 @@ impl TrialRecord {
 }
 
 /// Runs a trial, from what an earlier one has learned if there is one.
-fn figures(mut plan: Plan, earlier: Option<Plan>) -> Result<Figures, String> {
+fn figures(mut plan: Plan, earlier: Option<Plan>, drives: u32) -> Result<Figures, String> {
     if let Some(earlier) = earlier {
         plan.config.initial = Some(finished(earlier)?.method().knowledge());
     }
@@ -119,6 +161,9 @@ fn figures(mut plan: Plan, earlier: Option<Plan>) -> Result<Figures, String> {
         condensed_rules: condensed.map(|condensed| condensed.rules.len()),
         greedy_steps: Some(greedy.mean),
         greedy_ratio: greedy.ratio(trial.plan()),
+        driven: (drives > 0)
+            .then(|| Driven::of(&trial, drives))
+            .transpose()?,
     })
 }
 

@@ -66,6 +66,7 @@ impl Field {
             walls: self.walls.into(),
             start: Some(start),
             goals: vec![goal],
+            floor: None,
             distances: Default::default(),
         }
     }

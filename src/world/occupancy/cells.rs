@@ -230,7 +230,11 @@ impl<'a> Cells<'a> {
             rows: [0, self.rows as isize],
         };
         let about = (kept.name.as_str(), kept.moves, kept.wrap);
-        self.maze(about, start, &goals?, whole)
+        let maze = self.maze(about, start, &goals?, whole)?;
+        match &kept.floor {
+            None => Ok(maze),
+            Some(rows) => with_floor(&maze, rows),
+        }
     }
 
     /// Writes a world file and reads it, so that all of its checks hold.
@@ -267,4 +271,13 @@ impl<'a> Cells<'a> {
             "the converted map",
         )?)
     }
+}
+
+/// The maze with another floor, checked as that of a world file.
+fn with_floor(maze: &Maze, rows: &[String]) -> Result<Maze, MapError> {
+    let mut world: serde_json::Value =
+        serde_json::from_str(&maze.to_json()).expect("a world file is JSON");
+    world["floor"] = rows.into();
+    let text = world.to_string();
+    Ok(Maze::from_json(text.as_bytes(), "the converted map")?)
 }

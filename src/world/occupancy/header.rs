@@ -61,6 +61,9 @@ pub struct KeptWorld {
     pub start: Option<[u16; 2]>,
     /// The goals, by column and row.
     pub goals: Vec<[u16; 2]>,
+    /// The rows of the floor; `None` where all of it is usual.
+    #[serde(default)]
+    pub floor: Option<Vec<String>>,
 }
 
 /// A checked header.

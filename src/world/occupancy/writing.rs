@@ -27,6 +27,7 @@ pub fn written(maze: &Maze, image: &str) -> WrittenMap {
         wrap: maze.wraps(),
         start: maze.start().map(pair),
         goals: maze.goals().iter().copied().map(pair).collect(),
+        floor: maze.floor_rows(),
     };
     let mut yaml = String::new();
     let _ = write!(
@@ -44,6 +45,9 @@ pub fn written(maze: &Maze, image: &str) -> WrittenMap {
             .map_or("null".to_owned(), |start| format!("{start:?}")),
         kept.goals
     );
+    if let Some(floor) = &kept.floor {
+        let _ = writeln!(yaml, "  floor: {floor:?}");
+    }
     let mut pgm = format!("P5\n{} {}\n255\n", maze.width(), maze.height()).into_bytes();
     pgm.extend(
         maze.cells()

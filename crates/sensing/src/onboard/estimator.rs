@@ -3,29 +3,41 @@
 //! It needs no map. All it knows of the world is that walls lie on the lines of the grid, so that
 //! a beam ends on one: the distance to the nearest line is what it corrects by. On such a grid a
 //! filter that is too sure of itself locks in one cell off, and no beam can tell. So it assumes
-//! more noise than there is, and when most beams of a step disagree it trusts itself less
+//! more noise than there is, and where several beams disagree with it, it trusts itself less
 //! ([`EstimatorParams::batch_check`]). Lengths in cells, angles in radians.
 
-use nalgebra::{Complex, Isometry2, Matrix3, Matrix6, UnitComplex, Vector2, Vector6};
+use nalgebra::{Isometry2, Matrix3, SMatrix, SVector, UnitComplex, Vector2};
 use serde::{Deserialize, Serialize};
 
+use super::angle::{cayley, rotation, square};
+use super::assumed::Assumed;
+use super::slip::Slip;
 use crate::{EstimatorParams, Readings, Return, Robot, STEP_S};
 
-/// Places in the state: position, heading, gyro bias, scale of the wheels, scale of the ranges.
+/// Places in the state: position, heading, gyro bias, scale of the wheels, scale of the ranges, and
+/// by how much the wheels roll otherwise in this action.
 const X: usize = 0;
 const Y: usize = 1;
 const HEADING: usize = 2;
 const BIAS: usize = 3;
 const WHEELS: usize = 4;
 const RANGES: usize = 5;
+const ROLL: usize = 6;
+const STATES: usize = 7;
 
 /// A beam along an axis less than this (a cosine) says nothing about lines across that axis.
 const SHALLOW: f64 = 0.25;
 /// What a bump may add to the position, as a deviation.
 const BUMP_SLIDE: f64 = 0.02;
-/// What is added when most beams disagree: deviations of position and heading.
+/// The deviation of the position that is added where beams disagree with it.
 const DOUBT: f64 = 0.08;
-const DOUBT_RAD: f64 = 0.03;
+/// Wheels that speed up or brake may slip: deviation of the way as a share of by how much it differs
+/// from that of the step before.
+const LAG: f64 = 0.6;
+/// So many disagreeing beams more than agreeing ones are too many ...
+const UNBEARABLE: f64 = 2.5;
+/// ... of which this share is kept from step to step.
+const KEPT_STRAIN: f64 = 0.7;
 
 /// The filter's state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,58 +49,25 @@ pub struct Belief {
     wheels: f64,
     /// By what share ranges are longer than they are measured.
     ranges: f64,
-    /// Over position, heading, bias, wheels and ranges.
-    covariance: Matrix6<f64>,
-}
-
-/// How noisy the filter assumes its sensors to be: deviations.
-#[derive(Debug, Clone)]
-struct Assumed {
-    range: f64,
-    range_share: f64,
-    beam_rad: f64,
-    roll_share: f64,
-    turn_share: f64,
-    turn_rad: f64,
-    bias: f64,
-    wheels: f64,
-    ranges: f64,
-    wheel_base: f64,
-}
-
-impl Assumed {
-    /// The data sheets of the sensors at their noise level, times the caution. A thousandth is
-    /// left where there is no noise, because the world is computed with rounding.
-    fn new(robot: &Robot) -> Self {
-        let times = robot.noise * robot.estimator.caution;
-        let of = |deviation: f64, least: f64| (times * deviation).max(least);
-        let Robot {
-            lidar,
-            encoders,
-            gyro,
-            ..
-        } = robot;
-        Self {
-            range: of(lidar.noise_m + lidar.offset_m, 0.002),
-            range_share: of(lidar.noise_share, 0.001),
-            beam_rad: of(lidar.jitter_rad, 0.002),
-            roll_share: of(robot.wheel_deviation, 0.01),
-            turn_share: of(gyro.scale, 0.002),
-            turn_rad: of(gyro.noise_radps * STEP_S, 1e-4),
-            bias: of(gyro.bias_radps, 1e-4),
-            wheels: of(encoders.scale, 0.002),
-            ranges: of(lidar.scale, 0.001),
-            wheel_base: robot.wheel_base,
-        }
-    }
+    /// By what further share the wheels roll farther during this action.
+    roll: f64,
+    last: LastStep,
+    /// Whether the wheels slip.
+    slip: Slip,
+    /// How many more beams have lately disagreed than agreed with the position, along x and y.
+    strain: [f64; 2],
+    /// Over position, heading, bias, wheels, ranges and roll.
+    covariance: SMatrix<f64, STATES, STATES>,
 }
 
 /// How the robot moved in the last step, as far as it knows.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 struct LastStep {
     way: Vector2<f64>,
     turned_rad: f64,
     forward: f64,
+    /// What the wheels counted.
+    rolled: f64,
 }
 
 /// The filter.
@@ -97,7 +76,6 @@ pub(crate) struct Estimator {
     params: EstimatorParams,
     assumed: Assumed,
     belief: Belief,
-    last: LastStep,
 }
 
 /// A beam from where the robot believes that it was sent: its origin, its direction, and its
@@ -136,8 +114,13 @@ impl Estimator {
     /// A filter that knows nothing of its sensors yet, for a robot at the origin.
     pub fn new(robot: &Robot) -> Self {
         let assumed = Assumed::new(robot);
-        let deviations = [0.0, 0.0, 0.0, assumed.bias, assumed.wheels, assumed.ranges];
-        let variances = Vector6::from(deviations.map(|deviation| deviation * deviation));
+        let Assumed {
+            bias,
+            wheels,
+            ranges,
+            ..
+        } = assumed;
+        let variances = [0.0, 0.0, 0.0, bias, wheels, ranges, 0.0].map(square);
         Self {
             params: robot.estimator.clone(),
             belief: Belief {
@@ -145,10 +128,13 @@ impl Estimator {
                 bias: 0.0,
                 wheels: 0.0,
                 ranges: 0.0,
-                covariance: Matrix6::from_diagonal(&variances),
+                roll: 0.0,
+                last: LastStep::default(),
+                slip: Slip::default(),
+                strain: [0.0; 2],
+                covariance: SMatrix::from_diagonal(&SVector::from(variances)),
             },
             assumed,
-            last: LastStep::default(),
         }
     }
 
@@ -162,7 +148,9 @@ impl Estimator {
             covariance[(at, at)] = 1e-4;
         }
         self.belief.pose = pose;
-        self.last = LastStep::default();
+        self.belief.slip = Slip::default();
+        self.belief.strain = [0.0; 2];
+        self.belief.last = LastStep::default();
     }
 
     /// The pose that it believes in.
@@ -177,7 +165,15 @@ impl Estimator {
 
     /// Speed along the heading per second, and turn rate in rad/s.
     pub fn speeds(&self) -> (f64, f64) {
-        (self.last.forward / STEP_S, self.last.turned_rad / STEP_S)
+        (
+            self.belief.last.forward / STEP_S,
+            self.belief.last.turned_rad / STEP_S,
+        )
+    }
+
+    /// Has it noticed lately that the wheels slip?
+    pub fn slips(&self) -> bool {
+        self.belief.slip.is_noticed()
     }
 
     /// The whole state.
@@ -188,19 +184,24 @@ impl Estimator {
     /// Goes back to a state between two actions.
     pub fn set_belief(&mut self, belief: Belief) {
         self.belief = belief;
-        self.last = LastStep::default();
+    }
+
+    /// A new action begins, in which the wheels roll otherwise than before.
+    pub fn begin_action(&mut self) {
+        self.belief.roll = 0.0;
+        let covariance = &mut self.belief.covariance;
+        covariance.row_mut(ROLL).fill(0.0);
+        covariance.column_mut(ROLL).fill(0.0);
+        // Of two wheels the mean counts.
+        covariance[(ROLL, ROLL)] = square(self.assumed.roll_bias) / 2.0;
     }
 
     /// Takes in what the sensors told about a step.
     pub fn step(&mut self, readings: &Readings<'_>) {
         self.predict(readings);
-        if self.params.batch_check && self.most_disagree(readings.beams) {
-            self.doubt();
-        }
+        self.belief.strain = self.belief.strain.map(|strain| KEPT_STRAIN * strain);
         for beam in readings.beams {
-            if let Some(fit) = self.fit(&self.ray(beam)) {
-                self.correct(&fit);
-            }
+            self.take_in(&self.ray(beam));
         }
     }
 
@@ -208,6 +209,7 @@ impl Estimator {
     fn predict(&mut self, readings: &Readings<'_>) {
         let Assumed {
             roll_share,
+            wheel_share,
             turn_share,
             turn_rad,
             wheel_base,
@@ -225,44 +227,66 @@ impl Estimator {
         if bumped {
             rolled /= 2.0;
         }
-        let forward = (1.0 + self.belief.wheels) * rolled;
+        let forward = (1.0 + self.belief.wheels + self.belief.roll) * rolled;
         let half = rotation(turned_rad / 2.0);
         let middle = self.belief.pose.rotation * half;
         let way = middle * Vector2::new(forward, 0.0);
         self.belief.pose.translation.vector += way;
         self.belief.pose.rotation = UnitComplex::new_normalize((middle * half).into_inner());
-        self.last = LastStep {
+        let changed = rolled - self.belief.last.rolled;
+        self.belief.last = LastStep {
             way,
             turned_rad,
             forward,
+            rolled,
         };
 
-        let mut jacobian = Matrix6::identity();
-        jacobian[(X, HEADING)] = -way.y;
-        jacobian[(Y, HEADING)] = way.x;
-        jacobian[(X, WHEELS)] = rolled * middle.re;
-        jacobian[(Y, WHEELS)] = rolled * middle.im;
-        if readings.turned_rad.is_some() {
-            jacobian[(HEADING, BIAS)] = -STEP_S;
-        }
-        let covariance = &mut self.belief.covariance;
-        *covariance = jacobian * *covariance * jacobian.transpose();
         // A wheel that slips turns the robot less than it counts: then the way is wrong by as much.
         let slipped = (by_wheels - turned_rad) * wheel_base / 2.0;
-        let along = square(roll_share * rolled) + square(0.25 * slipped) + 1e-8;
+        let deviation = wheel_share * left.abs().max(right.abs());
+        let touches = readings.bumped.contains(&true);
+        self.belief
+            .slip
+            .step(slipped, deviation, touches, &self.params);
+        let along =
+            square(roll_share * rolled) + square(0.25 * slipped) + square(LAG * changed) + 1e-8;
         let slide = if bumped {
             square(rolled) + square(BUMP_SLIDE)
         } else {
             0.0
         };
         let direction = middle * Vector2::x();
+        // The Jacobian of the motion without its diagonal of ones, times a column or a row.
+        let drift = if readings.turned_rad.is_some() {
+            -STEP_S
+        } else {
+            0.0
+        };
+        let moves = |heading: f64, scale: f64, bias: f64| {
+            [
+                scale * rolled * direction.x - heading * way.y,
+                scale * rolled * direction.y + heading * way.x,
+                drift * bias,
+            ]
+        };
+        let covariance = &mut self.belief.covariance;
+        for at in 0..STATES {
+            let column = covariance.column(at);
+            let moved = moves(column[HEADING], column[WHEELS] + column[ROLL], column[BIAS]);
+            (0..3).for_each(|row| covariance[(row, at)] += moved[row]);
+        }
+        for at in 0..STATES {
+            let row = covariance.row(at);
+            let moved = moves(row[HEADING], row[WHEELS] + row[ROLL], row[BIAS]);
+            (0..3).for_each(|column| covariance[(at, column)] += moved[column]);
+        }
         covariance[(X, X)] += along * square(direction.x) + slide + 1e-8;
         covariance[(Y, Y)] += along * square(direction.y) + slide + 1e-8;
         covariance[(X, Y)] += along * direction.x * direction.y;
         covariance[(Y, X)] += along * direction.x * direction.y;
         let turn = match readings.turned_rad {
             Some(_) => square(turn_share * turned_rad) + square(turn_rad),
-            None => square(roll_share * turned_rad) + square(roll_share * rolled / wheel_base),
+            None => square(wheel_share) * (square(turned_rad) + square(rolled / wheel_base)),
         };
         covariance[(HEADING, HEADING)] += turn;
     }
@@ -271,83 +295,76 @@ impl Estimator {
     pub fn ray(&self, beam: &Return) -> Ray {
         let pose = &self.belief.pose;
         let back = beam.moment - 1.0;
-        let heading = pose.rotation * rotation(back * self.last.turned_rad);
+        let heading = pose.rotation * rotation(back * self.belief.last.turned_rad);
         Ray {
-            origin: pose.translation.vector + back * self.last.way,
+            origin: pose.translation.vector + back * self.belief.last.way,
             direction: heading * beam.bearing * Vector2::x(),
             range: beam.range.map(|range| range * (1.0 + self.belief.ranges)),
         }
     }
 
-    /// Do more than half of the beams that came back, and at least two, end on no line?
-    fn most_disagree(&self, beams: &[Return]) -> bool {
-        let (mut failed, mut came_back) = (0, 0);
-        for beam in beams.iter().filter(|beam| beam.range.is_some()) {
-            let [x, y] = self.fits(&self.ray(beam));
-            let passes = |fit: &Fit| fit.distance() < self.params.gate;
-            came_back += 1;
-            failed += u32::from(![x, y].iter().flatten().any(passes));
-        }
-        failed >= 2 && 2 * failed > came_back
-    }
-
-    /// Trusts the pose less.
-    fn doubt(&mut self) {
-        let covariance = &mut self.belief.covariance;
-        covariance[(X, X)] += square(DOUBT);
-        covariance[(Y, Y)] += square(DOUBT);
-        covariance[(HEADING, HEADING)] += square(DOUBT_RAD);
-    }
-
-    /// The line that a beam ends on; `None` when it ends on none, or could end on two.
-    fn fit(&self, ray: &Ray) -> Option<Fit> {
-        let passes = |fit: &Fit| fit.distance() < self.params.gate;
-        let [x, y] = self.fits(ray).map(|fit| fit.filter(passes));
-        match (x, y) {
-            (Some(_), Some(_)) => None,
-            (one, other) => one.or(other),
-        }
-    }
-
-    /// How a beam fits to the nearest lines across both axes.
-    fn fits(&self, ray: &Ray) -> [Option<Fit>; 2] {
+    /// Corrects by a beam that ends on a line, unless it could end on two.
+    fn take_in(&mut self, ray: &Ray) {
         let Some(range) = ray.range else {
-            return [None; 2];
+            return;
         };
+        let passes = |fit: &Fit| fit.distance() < self.params.gate;
+        let x = self.fit(X, ray, range).filter(passes);
+        let y = self.fit(Y, ray, range).filter(passes);
+        match (x, y) {
+            (Some(_), Some(_)) => {}
+            (Some(fit), None) | (None, Some(fit)) => {
+                let strain = &mut self.belief.strain[fit.axis];
+                *strain = (*strain - 1.0).max(0.0);
+                self.correct(&fit);
+            }
+            // On no line: along its way the robot is not where it believes to be.
+            (None, None) => {
+                let is_along_x = ray.direction.x.abs() > ray.direction.y.abs();
+                self.doubt(if is_along_x { X } else { Y });
+            }
+        }
+    }
+
+    /// A beam disagrees with the position along an axis. One may be an outlier, but several in the
+    /// last steps make the robot trust that position less.
+    fn doubt(&mut self, axis: usize) {
+        let strain = &mut self.belief.strain[axis];
+        *strain += 1.0;
+        if self.params.batch_check && *strain >= UNBEARABLE {
+            *strain = 0.0;
+            self.belief.covariance[(axis, axis)] += square(DOUBT);
+        }
+    }
+
+    /// How a beam fits to the nearest line across an axis.
+    fn fit(&self, axis: usize, ray: &Ray, range: f64) -> Option<Fit> {
+        let along = ray.direction[axis];
+        if along.abs() <= SHALLOW {
+            return None;
+        }
+        let across = ray.direction[1 - axis];
         let measured = range / (1.0 + self.belief.ranges);
         let covariance = &self.belief.covariance;
-        let Assumed {
-            range: least,
-            range_share,
-            beam_rad,
-            ..
-        } = self.assumed;
-        let deviation = least + range_share * range;
-        let direction = [ray.direction.x, ray.direction.y];
-        [X, Y].map(|axis| {
-            let along = direction[axis];
-            if along.abs() <= SHALLOW {
-                return None;
-            }
-            let across = direction[1 - axis];
-            let end = ray.origin[axis] + range * along;
-            let sign = if axis == X { -1.0 } else { 1.0 };
-            let by_heading = sign * range * across;
-            let by_ranges = measured * along;
-            let believed = covariance[(axis, axis)]
-                + square(by_heading) * covariance[(HEADING, HEADING)]
-                + square(by_ranges) * covariance[(RANGES, RANGES)]
-                + 2.0 * by_heading * covariance[(axis, HEADING)]
-                + 2.0 * by_ranges * covariance[(axis, RANGES)]
-                + 2.0 * by_heading * by_ranges * covariance[(HEADING, RANGES)];
-            let measured_badly = square(along * deviation) + square(across * range * beam_rad);
-            Some(Fit {
-                axis,
-                residual: end.round() - end,
-                by_heading,
-                by_ranges,
-                variance: believed + measured_badly,
-            })
+        let deviation = self.assumed.range + self.assumed.range_share * range;
+        let end = ray.origin[axis] + range * along;
+        let sign = if axis == X { -1.0 } else { 1.0 };
+        let by_heading = sign * range * across;
+        let by_ranges = measured * along;
+        let believed = covariance[(axis, axis)]
+            + square(by_heading) * covariance[(HEADING, HEADING)]
+            + square(by_ranges) * covariance[(RANGES, RANGES)]
+            + 2.0 * by_heading * covariance[(axis, HEADING)]
+            + 2.0 * by_ranges * covariance[(axis, RANGES)]
+            + 2.0 * by_heading * by_ranges * covariance[(HEADING, RANGES)];
+        let measured_badly =
+            square(along * deviation) + square(across * range * self.assumed.beam_rad);
+        Some(Fit {
+            axis,
+            residual: end.round() - end,
+            by_heading,
+            by_ranges,
+            variance: believed + measured_badly,
         })
     }
 
@@ -365,22 +382,6 @@ impl Estimator {
         self.belief.bias += change[BIAS];
         self.belief.wheels += change[WHEELS];
         self.belief.ranges += change[RANGES];
+        self.belief.roll += change[ROLL];
     }
-}
-
-fn square(number: f64) -> f64 {
-    number * number
-}
-
-/// The rotation by an angle.
-fn rotation(angle_rad: f64) -> UnitComplex<f64> {
-    let (sine, cosine) = libm::sincos(angle_rad);
-    UnitComplex::new_unchecked(Complex::new(cosine, sine))
-}
-
-/// The rotation by a small angle, without sine and cosine (Cayley's formula).
-fn cayley(angle_rad: f64) -> UnitComplex<f64> {
-    let quarter = angle_rad * angle_rad / 4.0;
-    let over = 1.0 + quarter;
-    UnitComplex::new_unchecked(Complex::new((1.0 - quarter) / over, angle_rad / over))
 }

@@ -4,9 +4,12 @@
 //! xcscr watches over it. The robot is told where it is put down, and gets [`Readings`] from
 //! then on.
 
+mod angle;
+mod assumed;
 mod estimator;
 mod mapper;
 mod params;
+mod slip;
 mod surroundings;
 #[cfg(test)]
 mod tests;
@@ -49,6 +52,7 @@ impl Onboard {
     /// A new action begins: what was seen before is forgotten, for a wrong sight must not last.
     pub fn begin_action(&mut self) {
         self.surroundings.forget(self.cell());
+        self.estimator.begin_action();
     }
 
     /// Takes in what the sensors tell about a step.
@@ -86,6 +90,11 @@ impl Onboard {
     /// Did the front and did the rear bumper close in the last step?
     pub fn bumped(&self) -> [bool; 2] {
         self.bumped
+    }
+
+    /// Has it noticed that its wheels slip, a moment ago or now?
+    pub fn slips(&self) -> bool {
+        self.estimator.slips()
     }
 
     /// Does it see the marker of a goal below itself?

@@ -2,6 +2,7 @@
 
 mod bumper;
 mod encoders;
+mod faults;
 mod gyro;
 mod lidar;
 mod ray;
@@ -10,6 +11,7 @@ use nalgebra::{Isometry2, UnitComplex, Vector2};
 use serde::{Deserialize, Serialize};
 
 use self::encoders::Encoders;
+use self::faults::Faults;
 use self::gyro::Gyro;
 use self::lidar::Lidar;
 pub use self::ray::cast;
@@ -67,6 +69,7 @@ pub struct Sensors {
     encoders: Encoders,
     gyro: Gyro,
     bump_impulse: f64,
+    faults: Faults,
 }
 
 /// Everything in the sensors that changes while they run. What differs from robot to robot, such
@@ -76,6 +79,10 @@ pub struct SensorState {
     lidar: Stream,
     gyro: Stream,
     ticks: [i64; 2],
+    #[serde(default)]
+    resets: u32,
+    #[serde(default)]
+    drift_rad: f64,
 }
 
 impl Sensors {
@@ -87,12 +94,14 @@ impl Sensors {
             encoders: Encoders::new(&robot.encoders, level, streams.encoders),
             gyro: Gyro::new(&robot.gyro, level, streams.gyro),
             bump_impulse: robot.bumper.impulse_ns,
+            faults: Faults::new(&robot.faults),
         }
     }
 
-    /// The robot was lifted and put down at rest.
+    /// The robot was lifted and put down at rest: the next episode begins.
     pub fn reset(&mut self) {
         self.encoders.reset();
+        self.faults.reset();
     }
 
     /// What the sensors tell about a step; `beams` is filled with the beams of the lidar.
@@ -104,13 +113,16 @@ impl Sensors {
     ) -> Readings<'a> {
         let turned_rad = turned(&moment.before, &moment.after);
         self.lidar.scan(terrain, moment, turned_rad, beams);
-        Readings {
+        self.faults.blind(beams);
+        let mut readings = Readings {
             rolled: self.encoders.read(moment.travel),
             turned_rad: self.gyro.read(turned_rad),
             bumped: bumper::read(moment.after.rotation, moment.pushes, self.bump_impulse),
             over_marker: terrain.is_marked(moment.after.translation.vector),
             beams,
-        }
+        };
+        self.faults.distort(&mut readings);
+        readings
     }
 
     /// A copy of the state.
@@ -119,6 +131,8 @@ impl Sensors {
             lidar: self.lidar.stream.clone(),
             gyro: self.gyro.stream.clone(),
             ticks: self.encoders.ticks,
+            resets: self.faults.resets,
+            drift_rad: self.faults.drift_rad,
         }
     }
 
@@ -127,6 +141,8 @@ impl Sensors {
         self.lidar.stream = state.lidar.clone();
         self.gyro.stream = state.gyro.clone();
         self.encoders.ticks = state.ticks;
+        self.faults.resets = state.resets;
+        self.faults.drift_rad = state.drift_rad;
     }
 }
 

@@ -1,0 +1,49 @@
+//! How noisy the filter assumes its sensors to be.
+
+use crate::{Robot, STEP_S};
+
+/// How noisy the filter assumes its sensors to be: deviations.
+#[derive(Debug, Clone)]
+pub(super) struct Assumed {
+    pub range: f64,
+    pub range_share: f64,
+    pub beam_rad: f64,
+    pub roll_share: f64,
+    pub roll_bias: f64,
+    pub wheel_share: f64,
+    pub turn_share: f64,
+    pub turn_rad: f64,
+    pub bias: f64,
+    pub wheels: f64,
+    pub ranges: f64,
+    pub wheel_base: f64,
+}
+
+impl Assumed {
+    /// The data sheets of the sensors at their noise level, times the caution. A thousandth is
+    /// left where there is no noise, because the world is computed with rounding.
+    pub fn new(robot: &Robot) -> Self {
+        let times = robot.noise * robot.estimator.caution;
+        let of = |deviation: f64, least: f64| (times * deviation).max(least);
+        let Robot {
+            lidar,
+            encoders,
+            gyro,
+            ..
+        } = robot;
+        Self {
+            range: of(lidar.noise_m + lidar.offset_m, 0.002),
+            range_share: of(lidar.noise_share, 0.001),
+            beam_rad: of(lidar.jitter_rad, 0.002),
+            roll_share: of(robot.wheel_noise, 0.01),
+            roll_bias: of(robot.wheel_bias, 0.005),
+            wheel_share: of(robot.wheel_bias.max(robot.wheel_noise), 0.01),
+            turn_share: of(gyro.scale, 0.002),
+            turn_rad: of(gyro.noise_radps * STEP_S, 1e-4),
+            bias: of(gyro.bias_radps, 1e-4),
+            wheels: of(encoders.scale, 0.002),
+            ranges: of(lidar.scale, 0.001),
+            wheel_base: robot.wheel_base,
+        }
+    }
+}

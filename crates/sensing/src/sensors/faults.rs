@@ -1,0 +1,128 @@
+//! Sensors that fail: what a broken one tells in place of what it should.
+
+use crate::{FaultParams, Readings, Return, STEP_S};
+
+/// The faults of a robot, and since when it has them. No random number is drawn here: with and
+/// without faults the sensors that still work tell the same.
+#[derive(Debug, Clone)]
+pub(super) struct Faults {
+    params: FaultParams,
+    /// The cosine of half of the dead sector.
+    dead_above: f64,
+    /// How often the robot was put down; once before the first episode.
+    pub(super) resets: u32,
+    /// How far the gyro has drifted, in radians a step.
+    pub(super) drift_rad: f64,
+}
+
+impl Faults {
+    /// The faults that a robot is going to have.
+    pub(super) fn new(params: &FaultParams) -> Self {
+        let half = (params.dead_sector_deg / 2.0).to_radians();
+        Self {
+            dead_above: libm::cos(half),
+            params: params.clone(),
+            resets: 0,
+            drift_rad: 0.0,
+        }
+    }
+
+    /// The next episode begins.
+    pub(super) fn reset(&mut self) {
+        self.resets = self.resets.saturating_add(1);
+    }
+
+    /// Are they there? The arena puts the robot down once before the first episode.
+    pub(super) fn are_there(&self) -> bool {
+        self.resets.saturating_sub(1) >= self.params.from_episode
+    }
+
+    /// The beams of a step, without those of the dead sector.
+    pub(super) fn blind(&self, beams: &mut [Return]) {
+        if self.params.dead_sector_deg == 0.0 || !self.are_there() {
+            return;
+        }
+        let is_dead = |beam: &&mut Return| beam.bearing.re >= self.dead_above;
+        beams
+            .iter_mut()
+            .filter(is_dead)
+            .for_each(|beam| beam.range = None);
+    }
+
+    /// What broken sensors tell instead.
+    pub(super) fn distort(&mut self, readings: &mut Readings<'_>) {
+        if !self.are_there() {
+            return;
+        }
+        self.drift_rad += self.params.gyro_drift_radps2 * STEP_S * STEP_S;
+        readings.turned_rad = readings.turned_rad.map(|told| told + self.drift_rad);
+        if self.params.stuck_encoder {
+            readings.rolled[0] = 0.0;
+        }
+        if self.params.dead_bumper {
+            readings.bumped[0] = false;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Complex, UnitComplex};
+
+    fn beam(x: f64, y: f64) -> Return {
+        Return {
+            moment: 0.5,
+            bearing: UnitComplex::new_unchecked(Complex::new(x, y)),
+            range: Some(1.0),
+        }
+    }
+
+    /// All faults, from the second episode on, in an episode.
+    fn told(episode: u32) -> ([f64; 2], f64, [bool; 2], Vec<bool>) {
+        let mut faults = Faults::new(&FaultParams {
+            from_episode: 2,
+            dead_sector_deg: 90.0,
+            stuck_encoder: true,
+            gyro_drift_radps2: 0.4,
+            dead_bumper: true,
+        });
+        (0..=episode).for_each(|_| faults.reset());
+        let mut beams = [
+            beam(1.0, 0.0),
+            beam(0.6, 0.8),
+            beam(0.8, -0.6),
+            beam(-1.0, 0.0),
+        ];
+        faults.blind(&mut beams);
+        let mut readings = Readings {
+            rolled: [0.1, 0.2],
+            turned_rad: Some(0.0),
+            bumped: [true; 2],
+            over_marker: false,
+            beams: &beams,
+        };
+        faults.distort(&mut readings);
+        let came_back = beams.iter().map(|beam| beam.range.is_some()).collect();
+        (
+            readings.rolled,
+            readings.turned_rad.unwrap(),
+            readings.bumped,
+            came_back,
+        )
+    }
+
+    #[test]
+    fn from_their_episode_on_broken_sensors_tell_something_else() {
+        let (rolled, turned, bumped, came_back) = told(2);
+        assert_eq!((rolled, bumped), ([0.0, 0.2], [false, true]));
+        assert!((turned - 0.001).abs() < 1e-12, "{turned}");
+        assert_eq!(came_back, [false, true, false, true]);
+    }
+
+    #[test]
+    fn before_it_they_tell_what_they_should() {
+        let sound = ([0.1, 0.2], 0.0, [true; 2], vec![true; 4]);
+        assert_eq!(told(1), sound);
+    }
+}

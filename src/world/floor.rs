@@ -1,0 +1,131 @@
+//! The floor: how slippery each cell is, where a world file says so.
+
+use super::document::Elements;
+use super::error::WorldError;
+use super::json::{kind, wrong_type};
+use super::maze::{Cell, Floor, Maze};
+use super::rows::MAX_SIDE;
+use super::source::{Source, quoted};
+
+/// What a floor looks like, for help lines.
+const LETTERS: &str =
+    "the letters of a floor are `#` wall, `.` usual floor, and `1` to `9`, its friction in tenths";
+
+/// Reads the floor of a world whose rows are known.
+pub(super) fn read(source: Source<'_>, raw: &str, maze: &Maze) -> Result<Floor, WorldError> {
+    let refuse = || wrong_type(source, "floor", raw, "an array of strings");
+    if kind(raw) != Some("an array") {
+        return Err(refuse());
+    }
+    let rows: Elements<'_, MAX_SIDE> = serde_json::from_str(raw).map_err(|_| refuse())?;
+    let wanted = usize::from(maze.height());
+    if rows.count != wanted {
+        let title = format!("the floor has {} rows, the world {wanted}", rows.count);
+        let help = "give the floor a row for each of `rows`, or leave `floor` out";
+        return Err(source.fault(source.span(raw), title, "not as many rows", help));
+    }
+    let mut tenths = Vec::with_capacity(maze.walls.len());
+    for (row, raw) in (0..maze.height()).zip(&rows.first) {
+        read_row(source, raw, row, maze, &mut tenths)?;
+    }
+    let is_usual = tenths.iter().all(|&tenth| tenth == 0);
+    Ok((!is_usual).then(|| tenths.into()))
+}
+
+fn read_row(
+    source: Source<'_>,
+    raw: &str,
+    row: u16,
+    maze: &Maze,
+    tenths: &mut Vec<u8>,
+) -> Result<(), WorldError> {
+    let Some(letters) = raw.strip_prefix('"').and_then(|r| r.strip_suffix('"')) else {
+        return Err(wrong_type(
+            source,
+            &format!("floor[{row}]"),
+            raw,
+            "a string",
+        ));
+    };
+    let (found, wanted) = (letters.chars().count(), usize::from(maze.width()));
+    if found != wanted {
+        let title = format!("row {} of the floor has {found} cells", row + 1);
+        let help = format!("each row of `rows` has {wanted}; give the floor as many");
+        return Err(source.fault(source.span(raw), title, "not as wide", help));
+    }
+    for (col, (at, letter)) in (0..maze.width()).zip(letters.char_indices()) {
+        let is_wall = maze.is_wall(Cell { col, row });
+        let tenth = tenths_of(letter, is_wall).map_err(|[title, help]| {
+            let at = source.span(letters).start + at;
+            let span = at..at + letter.len_utf8();
+            source.fault(span, title, "on this cell", help)
+        })?;
+        tenths.push(tenth);
+    }
+    Ok(())
+}
+
+/// What a letter means on a wall or on a free cell; what is wrong with it, and the way out.
+fn tenths_of(letter: char, is_wall: bool) -> Result<u8, [String; 2]> {
+    let fault = |title: String, help: &str| Err([title, help.to_owned()]);
+    match (letter, is_wall) {
+        ('.', _) | ('#', true) => Ok(0),
+        ('1'..='9', false) => Ok(letter as u8 - b'0'),
+        ('#', false) => fault(
+            "the floor has a wall where `rows` has none".to_owned(),
+            "write `.` for the usual floor",
+        ),
+        ('1'..='9', true) => fault(
+            format!("the floor has friction `{letter}` below a wall"),
+            "write `#` or `.` there, or free the cell in `rows`",
+        ),
+        ('0', _) => fault(
+            "a floor without friction cannot be driven on".to_owned(),
+            "the least is `1`, a friction of 0.1",
+        ),
+        _ => {
+            let letter = quoted(&letter.to_string());
+            fault(
+                format!("the floor has the unknown letter {letter}"),
+                LETTERS,
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROWS: [&str; 3] = ["#####", "#S.G#", "#####"];
+
+    fn maze(floor: [&str; 3]) -> Result<Maze, WorldError> {
+        let text = format!(r#"{{ "rows": {ROWS:?}, "floor": {floor:?} }}"#);
+        Maze::from_json(text.as_bytes(), "wet.json")
+    }
+
+    #[test]
+    fn a_digit_is_friction_in_tenths_and_all_else_is_usual() {
+        let maze = maze(["#####", "#.3.#", "....."]).unwrap();
+        let friction = |col, row| maze.friction(Cell { col, row });
+        assert_eq!(friction(2, 1), Some(0.3));
+        assert_eq!([friction(1, 1), friction(0, 0), friction(9, 9)], [None; 3]);
+        assert_eq!(maze.floor_rows().unwrap(), ["#####", "#.3.#", "#####"]);
+    }
+
+    #[test]
+    fn a_floor_that_is_usual_everywhere_is_none() {
+        let text = format!(r#"{{ "rows": {ROWS:?} }}"#);
+        let plain = Maze::from_json(text.as_bytes(), "wet.json").unwrap();
+        let usual = maze(["#####", "#...#", "#####"]).unwrap();
+        assert_eq!(usual, plain);
+        assert!(!usual.to_json().contains("floor"));
+    }
+
+    #[test]
+    fn a_floor_is_written_and_read_again() {
+        let wet = maze(["#####", "#29.#", "#####"]).unwrap();
+        let again = Maze::from_json(wet.to_json().as_bytes(), "again.json").unwrap();
+        assert_eq!(again, wet);
+    }
+}
