@@ -195,7 +195,10 @@ fn learned(method: Method) -> Value {
     let plan = Plan::new(maze).method(method).arena(ArenaKind::Grid);
     let trial = plan.episodes(1).run().unwrap();
     let mut known = serde_json::to_value(trial.method().knowledge()).unwrap();
-    shorten(&mut known);
+    // The parts of a map must be as many as each other.
+    if method != Method::XcscrMemory {
+        shorten(&mut known);
+    }
     known
 }
 
@@ -213,12 +216,17 @@ fn shorten(value: &mut Value) {
 
 #[test]
 fn forged_rules() {
-    let methods = [Method::Xcscr, Method::XcscrPlus, Method::QLearning];
+    let methods = [
+        Method::Xcscr,
+        Method::XcscrPlus,
+        Method::XcscrMemory,
+        Method::QLearning,
+    ];
     let sound = methods.map(learned);
     let percept = "0110110101101101".parse().unwrap();
     let mut dice = dice(14);
     let mut taken = 0;
-    for number in 0..rounds(30_000, 300_000) {
+    for number in 0..rounds(40_000, 400_000) {
         let forged = forge(&sound[number % sound.len()], &mut dice);
         let text = forged.to_string();
         let Ok(known) = serde_json::from_str::<Knowledge>(&text) else {

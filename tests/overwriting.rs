@@ -197,6 +197,57 @@ fn pictures_and_recovered_recordings_want_force_for_a_file_that_exists() {
     }
 }
 
+#[test]
+fn exports_stories_maps_and_manual_pages_want_force_for_a_file_that_exists() {
+    let desk = Desk::new();
+    let run = desk.name("run");
+    let trained = ["train", WORLD, "--episodes", "6", "--quiet", "--out", &run];
+    expect(
+        0,
+        &[&trained[..], &["--arena", "grid", "--method", "r-max"]].concat(),
+    );
+    let out = desk.folder("out", &["p.py", "s.mcap", "m.yaml", "m.pgm", "xcscr.1"]);
+    let [export, story, map] = ["p.py", "s.mcap", "m.yaml"].map(|name| format!("{out}/{name}"));
+    for (args, replaced) in [
+        (
+            &["export", &run, "--target", "python", "-o", &export][..],
+            "p.py",
+        ),
+        (&["replay", &run, "--story", "-o", &story], "s.mcap"),
+        (&["world", "convert", WORLD, "-o", &map], "m.pgm"),
+        (&["man", "--out", &out], "xcscr.1"),
+    ] {
+        refused(args, &desk.path("out"), "--force");
+        expect(0, &[args, &["--force"]].concat());
+        let now = fs::read(desk.path("out").join(replaced)).unwrap();
+        assert_ne!(now, b"mine", "{args:?}");
+    }
+    // The same pages again are no others.
+    expect(0, &["man", "--out", &out]);
+}
+
+#[test]
+fn an_evaluation_is_forced_only_into_the_place_of_an_evaluation() {
+    let desk = Desk::new();
+    let run = desk.name("run");
+    let trained = ["train", WORLD, "--episodes", "1", "--quiet", "--out", &run];
+    expect(0, &[&trained[..], &["--arena", "grid"]].concat());
+    let notes = desk.folder("notes", &["notes.txt"]);
+    let evaluate = ["evaluate", &run, "--episodes", "1", "--record", "--out"];
+    for taken in [&notes, &run] {
+        for more in [&[][..], &["--force"]] {
+            let args = [&evaluate[..], &[taken], more].concat();
+            refused(&args, Path::new(taken), "no run wrote");
+        }
+    }
+    // Control: its own earlier recordings.
+    let own = desk.name("own");
+    let again = [&evaluate[..], &[&own]].concat();
+    expect(0, &again);
+    refused(&again, &desk.path("own"), "--force");
+    expect(0, &[&again[..], &["--force"]].concat());
+}
+
 #[cfg(unix)]
 #[test]
 fn too_many_open_files_are_not_another_process() {

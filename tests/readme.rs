@@ -1,5 +1,7 @@
-//! The README's table of the preset `paper` is that of `assets/results/paper.json`, which is the
-//! `summary.json` of `xcscr study run paper`.
+//! What the README says about the paper's methods follows from `assets/results/`: each file there is
+//! the `summary.json` of a study, `paper.json` and `ablation.json` of the presets with these names,
+//! `paper-physics.json` of `xcscr study run paper --arena physics`, the others of the study files that
+//! lie beside them.
 
 use std::fs;
 use std::path::Path;
@@ -15,6 +17,14 @@ const METHODS: [(&str, [u32; 3]); 4] = [
 
 fn text(name: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap()
+}
+
+fn results(name: &str) -> Value {
+    serde_json::from_str(&text(&format!("assets/results/{name}.json"))).unwrap()
+}
+
+fn arms(summary: &Value) -> &Vec<Value> {
+    summary["arms"].as_array().unwrap()
 }
 
 fn percent(share: &Value) -> String {
@@ -38,10 +48,10 @@ fn cell(arm: &Value) -> String {
 
 #[test]
 fn the_table_of_the_paper_is_that_of_the_results() {
-    let summary: Value = serde_json::from_str(&text("assets/results/paper.json")).unwrap();
+    let summary = results("paper");
     let readme = text("README.md");
     for (method, paper) in METHODS {
-        let arms = summary["arms"].as_array().unwrap().iter();
+        let arms = arms(&summary).iter();
         let cells = arms.filter(|arm| arm["method"] == method).map(cell);
         let cells = cells
             .zip(paper)
@@ -54,11 +64,139 @@ fn the_table_of_the_paper_is_that_of_the_results() {
 #[test]
 fn the_results_are_those_of_the_preset() {
     let preset = text("src/study/protocol/presets/paper.toml");
-    let summary: Value = serde_json::from_str(&text("assets/results/paper.json")).unwrap();
+    let summary = results("paper");
     for key in ["seed", "episodes"] {
         assert!(
             preset.contains(&format!("{key} = {}\n", summary[key])),
             "{key}"
         );
     }
+}
+
+/// Optimal trials with their interval, median first optimal episode, and the steps until then.
+fn default_cell(arm: &Value) -> String {
+    let percent = |name: &str| (100.0 * arm[name].as_f64().unwrap()).round();
+    let whole = |name: &str| format!("{:.0}", arm[name].as_f64().unwrap());
+    let median = arm["median_episode"].as_u64();
+    format!(
+        " {} [{}-{}], {}, {} [{}-{}] |",
+        arm["successes"],
+        percent("wilson_low"),
+        percent("wilson_high"),
+        median.map_or("–".to_owned(), |episode| format!("ep. {episode}")),
+        whole("iqm_env_steps"),
+        whole("iqm_env_steps_low"),
+        whole("iqm_env_steps_high")
+    )
+}
+
+#[test]
+fn the_rows_of_the_default_settings_are_those_of_the_results() {
+    let summary = results("defaults");
+    let readme = text("README.md");
+    let mut methods: Vec<&Value> = arms(&summary).iter().map(|arm| &arm["method"]).collect();
+    methods.dedup();
+    let methods: Vec<&str> = methods[..9]
+        .iter()
+        .map(|name| name.as_str().unwrap())
+        .collect();
+    assert!(
+        methods.contains(&"xcs") && methods.contains(&"xcscr"),
+        "{methods:?}"
+    );
+    for method in methods {
+        let own = arms(&summary).iter().filter(|arm| arm["method"] == method);
+        let row = format!(
+            "| `{method}` |{}",
+            own.map(default_cell).collect::<String>()
+        );
+        assert!(readme.contains(&row), "the README lacks\n{row}");
+    }
+}
+
+#[test]
+fn in_physics_the_paper_s_numbers_are_the_same() {
+    let figures = |name: &str| {
+        let summary = results(name);
+        let of = |arm: &Value| {
+            let keys = ["world", "method", "successes", "retained", "iqm_env_steps"];
+            keys.map(|key| arm[key].clone())
+        };
+        arms(&summary).iter().map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(figures("paper"), figures("paper-physics"));
+    let told = "With `--arena physics` the twelve numbers, and the steps, are the same";
+    assert!(text("README.md").contains(told));
+}
+
+#[test]
+fn what_the_readme_says_of_xcsam_is_in_the_results() {
+    let summary = results("paper-xcsam");
+    let found: Vec<String> = arms(&summary)
+        .iter()
+        .map(|arm| arm["successes"].to_string())
+        .collect();
+    let told = format!("in {} of 100 trials", found.join(", "));
+    assert!(text("README.md").contains(&told), "the README lacks {told}");
+}
+
+const MECHANISMS: [&str; 4] = [
+    "imprinting",
+    "learning_rate_switching",
+    "short_term_filter",
+    "learning_step_threshold",
+];
+
+fn has(arm: &Value, mechanism: &str) -> bool {
+    let variant = arm["variant"].as_str().unwrap();
+    variant.contains(&format!("reward.{mechanism}=true"))
+}
+
+/// By mechanism, the points that it adds in a maze on average over all combinations of the others, and
+/// when it is added last.
+fn effects(summary: &Value, world: &str) -> Vec<(f64, f64)> {
+    let arms = || arms(summary).iter().filter(|arm| arm["world"] == world);
+    let points = |arm: &Value| arm["successes"].as_f64().unwrap();
+    let full = arms().find(|arm| MECHANISMS.iter().all(|name| has(arm, name)));
+    let effect = |name: &&str| {
+        let sum = |on| {
+            let some = arms().filter(|arm| has(arm, name) == on);
+            some.map(points).sum::<f64>()
+        };
+        let others = |arm: &&Value| {
+            let is_right = |other: &&str| has(arm, other) == (other != name);
+            MECHANISMS.iter().all(is_right)
+        };
+        let without = arms().find(others).unwrap();
+        (
+            (sum(true) - sum(false)) / 8.0,
+            points(full.unwrap()) - points(without),
+        )
+    };
+    MECHANISMS.iter().map(effect).collect()
+}
+
+#[test]
+fn what_the_mechanisms_contribute_is_in_the_results() {
+    let summary = results("ablation");
+    assert_eq!(arms(&summary).len(), 48);
+    let by_maze = ["maze4", "maze5", "maze6"].map(|maze| effects(&summary, maze));
+    let span = |figures: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = figures.fold((f64::MAX, f64::MIN), |(low, high), figure| {
+            (low.min(figure), high.max(figure))
+        });
+        format!("{:.0} to {:.0}", low.round(), high.round())
+    };
+    let three = by_maze.iter().flat_map(|maze| &maze[..3]);
+    let added = span(&mut three.map(|effect| effect.0));
+    let last = by_maze[1..].iter().flat_map(|maze| &maze[..3]);
+    let last = span(&mut last.map(|effect| effect.1));
+    let readme = text("README.md").replace('\n', " ");
+    for told in [
+        format!("short-term filter add {added} points each"),
+        format!("is still worth {last} points in Maze5 and Maze6"),
+    ] {
+        assert!(readme.contains(&told), "the README lacks {told}");
+    }
+    assert!(by_maze.iter().all(|maze| maze[3].0.abs() < 2.0));
 }

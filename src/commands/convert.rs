@@ -1,6 +1,6 @@
 //! `xcscr world convert`: ROS 2 maps in, and worlds out as maps.
 
-use std::io::{ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
@@ -203,12 +203,23 @@ fn refuse_options_of_maps(args: &ConvertArgs) -> Result<(), Failure> {
     }
 }
 
+/// Does it lie at the file system, and not at what a file holds?
+fn is_of_the_system(cause: &io::Error) -> bool {
+    !matches!(
+        cause.kind(),
+        ErrorKind::FileTooLarge | ErrorKind::InvalidData
+    )
+}
+
 impl From<MapError> for Failure {
     fn from(error: MapError) -> Self {
         match error {
             MapError::World(error) => error.into(),
             MapError::Unreadable { ref cause, .. } if cause.kind() == ErrorKind::NotFound => {
                 Self::new(Exit::Missing, error.to_string())
+            }
+            MapError::Unreadable { ref cause, .. } if is_of_the_system(cause) => {
+                Self::new(Exit::Io, error.to_string())
             }
             MapError::Cell(_) | MapError::NoGoal | MapError::Point { .. } => {
                 Self::new(Exit::Usage, error.to_string())

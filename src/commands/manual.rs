@@ -1,7 +1,10 @@
 //! `xcscr man`: manual pages.
 
 use std::fs;
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+
+use xcscr::disk;
 
 use super::failure::{Exit, Failure};
 
@@ -11,18 +14,45 @@ pub struct ManArgs {
     /// The folder of the pages, such as ~/.local/share/man/man1.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Replace pages that hold something else, such as those of another version.
+    #[arg(long)]
+    force: bool,
 }
 
 /// Writes a page for `program` and one for each of its commands.
 pub fn run(args: &ManArgs, program: clap::Command) -> Result<(), Failure> {
-    write_pages(&args.out, program).map_err(|cause| {
-        let folder = args.out.display();
-        let message = format!("cannot write manual pages into {folder}: {cause}");
+    write_pages(args, program).map_err(|cause| {
+        let (folder, way_out) = (args.out.display(), disk::way_out(&cause));
+        let message = format!("cannot write manual pages into {folder}: {cause}{way_out}");
         Failure::new(Exit::CannotCreate, message)
     })
 }
 
-fn write_pages(folder: &Path, program: clap::Command) -> std::io::Result<()> {
-    fs::create_dir_all(folder)?;
-    clap_mangen::generate_to(program, folder)
+fn write_pages(args: &ManArgs, program: clap::Command) -> io::Result<()> {
+    // Aside first: the library that makes them looks at nothing that is there.
+    let made = tempfile::tempdir()?;
+    clap_mangen::generate_to(program, made.path())?;
+    fs::create_dir_all(&args.out)?;
+    let pages: Vec<fs::DirEntry> = made.path().read_dir()?.collect::<io::Result<_>>()?;
+    let pages = pages.iter().map(|page| {
+        let file = args.out.join(page.file_name());
+        Ok((file, fs::read(page.path())?))
+    });
+    let pages: Vec<(PathBuf, Vec<u8>)> = pages.collect::<io::Result<_>>()?;
+    for (file, page) in &pages {
+        if !args.force && disk::differs(file, page)? {
+            return Err(taken(file));
+        }
+    }
+    pages.iter().try_for_each(|(file, page)| {
+        let mut aside = disk::aside(file)?;
+        aside.write_all(page)?;
+        disk::persist(aside, file, true)
+    })
+}
+
+fn taken(file: &Path) -> io::Error {
+    let file = file.display();
+    let message = format!("{file} exists and holds something else (replace it with `--force`)");
+    io::Error::new(ErrorKind::AlreadyExists, message)
 }

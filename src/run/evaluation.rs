@@ -62,9 +62,6 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
     if entries.is_empty() {
         return Ok(());
     }
-    if !force {
-        return Err(RunFolderError::Exists(folder.to_owned()));
-    }
     let names = entries.iter().map(fs::DirEntry::file_name);
     let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
     let run = Extent::Run.file_name();
@@ -72,6 +69,9 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
     if !is_evaluation || names.len() < entries.len() || !names.iter().all(|name| is_of_a_run(name))
     {
         return Err(RunFolderError::Foreign(folder.to_owned()));
+    }
+    if !force {
+        return Err(RunFolderError::Exists(folder.to_owned()));
     }
     // That by which it is known as an evaluation goes last.
     names.retain(|name| *name != run);

@@ -50,11 +50,32 @@ pub struct Atlas {
 
 /// Places on charts as states to plan on.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(try_from = "ReadMap")]
 pub struct Map {
     /// What moves do, and what is perceived.
     pub pomdp: Pomdp,
     /// By state: the number of the chart, and the place on it.
     pub places: Vec<(u8, Place)>,
+}
+
+/// A map as it stands in a file, which nobody has looked at.
+#[derive(Deserialize)]
+struct ReadMap {
+    pomdp: Pomdp,
+    places: Vec<(u8, Place)>,
+}
+
+impl TryFrom<ReadMap> for Map {
+    type Error = &'static str;
+
+    fn try_from(read: ReadMap) -> Result<Self, Self::Error> {
+        let ReadMap { pomdp, places } = read;
+        let map = Self { pomdp, places };
+        match map.is_sound(map.pomdp.actions()) {
+            true => Ok(map),
+            false => Err("the map that the rules go by contradicts itself"),
+        }
+    }
 }
 
 impl Map {

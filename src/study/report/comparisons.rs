@@ -219,10 +219,13 @@ pub const LEGEND: &str = "points: how much larger the share of optimal trials is
 pub fn decided(comparisons: &[Comparison]) -> String {
     let count =
         |decides: fn(&Comparison) -> bool| comparisons.iter().filter(|one| decides(one)).count();
+    let number = match comparisons.len() {
+        1 => "Of 1 comparison".to_owned(),
+        number => format!("Of {number} comparisons"),
+    };
     format!(
-        "Of {} comparisons, the data decide {} by the share of optimal trials and {} by the steps to \
+        "{number}, the data decide {} by the share of optimal trials and {} by the steps to \
          the first optimum, at the 5 % level.",
-        comparisons.len(),
         count(Comparison::decides_share),
         count(Comparison::decides_steps)
     )

@@ -157,17 +157,13 @@ pub fn markdown(blocks: &[Block]) -> String {
 /// The blocks for a terminal of 100 columns.
 pub fn terminal(blocks: &[Block]) -> String {
     let part = |block: &Block| match block {
-        Block::Heading(text) => Some(format!("{}\n", text.to_uppercase())),
-        Block::Subheading(text) => Some(format!("{text}\n")),
-        Block::Text(text) => Some(format!("{}\n", wrapped(text, 98))),
-        Block::Table(table) => Some(table.text()),
-        Block::Picture(_) => None,
+        Block::Heading(text) => format!("{}\n", text.to_uppercase()),
+        Block::Subheading(text) => format!("{text}\n"),
+        Block::Text(text) => format!("{}\n", wrapped(text, 98)),
+        Block::Table(table) => table.text(),
+        Block::Picture(Picture { name, caption, .. }) => format!("{name}.svg  {caption}\n"),
     };
-    blocks
-        .iter()
-        .filter_map(part)
-        .collect::<Vec<_>>()
-        .join("\n")
+    blocks.iter().map(part).collect::<Vec<_>>().join("\n")
 }
 
 /// The text in lines of at most `width` characters, broken between words.

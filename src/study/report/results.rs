@@ -164,11 +164,17 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
     };
     let lost: u64 = arms.iter().map(|arm| arm.successes - arm.retained).sum();
     let found: u64 = arms.iter().map(|arm| arm.successes).sum();
+    let kept = match found {
+        0 => "No trial found an optimal policy, so that nothing can be said of who keeps one."
+            .to_owned(),
+        _ => format!(
+            "To find an optimal policy is not to have learned it for good: {lost} of the {found} \
+             trials that found one no longer had it after their last episode."
+        ),
+    };
     format!(
         "The numbers hold for these worlds, percepts and settings, and for {episodes} episodes: what \
-         a trial without an optimum would have found later is not known. To find an optimal policy \
-         is not to have learned it for good: {lost} of the {found} trials that found one no longer \
-         had it after their last episode.{failed}"
+         a trial without an optimum would have found later is not known. {kept}{failed}"
     )
 }
 
