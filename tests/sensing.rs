@@ -9,9 +9,12 @@ mod common;
 use std::path::Path;
 
 use common::tally::{Tally, mean, quantile, script};
+use xcscr::agent::Method;
 use xcscr::arena::{Arena, Care, FaultParams, Localisation, PhysicsArena, PhysicsParams, Snapshot};
+use xcscr::episode::Mistakes;
 use xcscr::sensor::Sensor;
-use xcscr::world::Maze;
+use xcscr::trial::{Evaluation, Plan, Trial};
+use xcscr::world::{Maze, Recipe};
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
 
@@ -250,6 +253,45 @@ fn the_sensed_percept_does_not_come_from_the_map() {
     let perceived = Sensor::Lidar.perceive(&blind.view());
     assert_ne!(perceived, Sensor::Lidar.perceive_at(&maze("maze4"), start));
     assert_eq!(perceived.to_string(), "01".repeat(8), "nothing is seen");
+}
+
+/// Learned by `xcscr-plus` in a world of 20 x 20 rooms, from what the robot senses.
+fn learned_in_rooms(sensor: Sensor) -> Trial {
+    let recipe: Recipe = "rooms-20-1".parse().unwrap();
+    let plan = Plan::new(recipe.maze().unwrap()).method(Method::XcscrPlus);
+    plan.sensor(sensor).episodes(10).run().unwrap()
+}
+
+#[test]
+fn a_world_of_20_x_20_rooms_is_learned_and_driven_on_sensed_percepts_alone() {
+    let trial = learned_in_rooms(Sensor::LidarPosition);
+    assert!(trial.progress().optimal, "{:?}", trial.progress());
+    let driven = Evaluation::after(&trial, 3).unwrap();
+    assert!(driven.is_optimal(), "54 steps each: {driven:?}");
+    let control = learned_in_rooms(Sensor::Lidar);
+    assert!(
+        !control.progress().optimal,
+        "places look alike to the lidar alone"
+    );
+}
+
+#[test]
+fn mistakes_of_the_senses_are_counted_and_there_are_none_without_noise() {
+    let mistakes = |noise, sensor| {
+        let mut plan = Plan::new(maze("maze5"))
+            .method(Method::QLearning)
+            .sensor(sensor);
+        plan.config.settings.physics.noise = noise;
+        plan.episodes(30).run().unwrap().progress().mistakes
+    };
+    let noisy = mistakes(5.0, Sensor::Lidar);
+    assert!(noisy.misread > 0, "{noisy:?}");
+    assert_eq!(mistakes(0.0, Sensor::Lidar), Mistakes::default());
+    assert_eq!(
+        mistakes(5.0, Sensor::Neighbours),
+        Mistakes::default(),
+        "told where it is"
+    );
 }
 
 /// Everything that can be seen of the last action, as text.

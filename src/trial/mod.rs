@@ -36,7 +36,9 @@ pub use why::{Change, Vote, Why};
 
 use crate::agent::{Agent, Chosen, Explorer};
 use crate::arena::Arena;
-use crate::episode::{self, BestChoices, Episode, FaultFinder, Observer, PolicyMap};
+use crate::episode::{
+    self, BestChoices, Episode, FaultFinder, Mistakes, Observer, PolicyMap, Watch,
+};
 use crate::streams::StreamName;
 use crate::world::{Cell, Paths, Starts};
 use xcs::bounds::{OutOfRange, within};
@@ -70,6 +72,9 @@ pub struct Progress {
     /// Who chose those until the greedy policy was first globally optimal.
     #[serde(default)]
     pub chosen_before: Chosen,
+    /// What the senses got wrong; nothing of a robot that does not depend on them.
+    #[serde(default)]
+    pub mistakes: Mistakes,
     /// The most rules after an episode.
     #[serde(default)]
     pub most_rules: usize,
@@ -88,6 +93,7 @@ impl Progress {
         within("episodes", done, 0..=config.episodes)?;
         within("steps", self.steps, u64::from(done)..=longest(done, limit))?;
         within("collisions", self.collisions, 0..=self.steps)?;
+        self.mistakes.check(self.steps)?;
         self.chosen.check(self.steps)?;
         self.chosen_before.check(self.steps)?;
         self.check_optimum(limit)?;
@@ -263,6 +269,7 @@ impl Trial {
         let number = self.progress.episodes + 1;
         self.take_turns(number);
         let mut choices = BestChoices::by(&self.paths);
+        let mut watch = Watch::new(self.plan.config.sensor);
         let (episode, flow) = episode::run(
             number,
             start,
@@ -270,8 +277,9 @@ impl Trial {
             self.plan.config.sensor,
             &mut *self.method,
             &mut self.explorer,
-            &mut (&mut choices, observer),
+            &mut ((&mut choices, &mut watch), observer),
         );
+        self.progress.mistakes.add(watch.found());
         let was_optimal = choices.is_optimal(&episode);
         self.count(&episode, was_optimal);
         (episode, flow)

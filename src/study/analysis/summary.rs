@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::episode::Mistakes;
 use crate::streams::StreamName;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::{
@@ -148,6 +149,14 @@ impl<'a> ArmRecords<'a> {
         (count > 0).then(|| rounded(sum / f64::from(count)))
     }
 
+    /// Steps of all trials with some mistake, as a share of all steps; `None` without such steps.
+    fn share_of_steps(&self, mistakes: impl Fn(&Mistakes) -> u64) -> Option<f64> {
+        let progress = || self.figures.iter().map(|one| &one.progress);
+        let found: u64 = progress().map(|one| mistakes(&one.mistakes)).sum();
+        let steps: u64 = progress().map(|one| one.steps).sum();
+        (found > 0).then(|| rounded(found as f64 / steps.max(1) as f64))
+    }
+
     /// The rounded mean of a figure; `None` without trials.
     fn mean(&self, figure: impl Fn(&Figures) -> f64) -> Option<f64> {
         let sum: f64 = self.figures.iter().map(|one| figure(one)).sum();
@@ -205,6 +214,13 @@ pub struct ArmSummary {
     pub mean_steps: Option<f64>,
     /// Mean collisions of a trial.
     pub mean_collisions: Option<f64>,
+    /// Of all steps, the share before which the robot perceived something else than perfect senses
+    /// would have; not there where none did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub misread_share: Option<f64>,
+    /// The share after which it believed to stand in another cell than it did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub astray_share: Option<f64>,
     /// Mean number of rules at the end.
     pub mean_rules: Option<f64>,
     /// Mean steps of the greedy policy over all starts at the end, over all trials.
@@ -279,6 +295,8 @@ impl ArmSummary {
             iqm_env_steps_high: iqm.map(|iqm| rounded(iqm.high)),
             mean_steps: records.mean(|one| one.progress.steps as f64),
             mean_collisions: records.mean(|one| one.progress.collisions as f64),
+            misread_share: records.share_of_steps(|one| one.misread),
+            astray_share: records.share_of_steps(|one| one.astray),
             mean_rules: records.mean(|one| one.rules as f64),
             mean_greedy_steps: records.mean_of(|one| one.greedy_steps),
             most_greedy_steps: records.greedy_steps().reduce(f64::max).map(rounded),

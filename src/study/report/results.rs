@@ -17,7 +17,9 @@ pub const LEGEND: &str = "optimal: trials whose greedy policy became globally op
     optimum count with all their steps. driven: of the episodes in which the greedy policy drove the \
     trial's own robot at the end, those that reached a goal; behind it the 95 % interval of the share \
     of trials that always did. shortest, driven steps: the episodes that took a shortest path (where \
-    moves slip: chose nothing but best actions), and mean steps. \
+    moves slip: chose nothing but best actions), and mean steps. misread, astray: what makes physics \
+    another task than the grid: of all steps those before which the senses showed something else \
+    than perfect ones would have, and those after which the robot believed in another cell than its own. \
     collisions, rules: means of a trial. condensed: \
     what is left of the rules of retained trials when they are condensed, median and most.";
 
@@ -83,6 +85,8 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
         "95 % interval  ",
         "shortest",
         "driven steps",
+        "misread",
+        "astray",
         "collisions",
         "rules",
         "condensed",
@@ -93,8 +97,12 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
     table.rows = rows
         .map(|(arm, one)| row(one, variant(&arm.variant, &letters)))
         .collect();
+    let none_erred = summaries
+        .iter()
+        .all(|one| one.misread_share.is_none() && one.astray_share.is_none());
     let none_drove = summaries.iter().all(|one| one.driven_goals.is_none());
     table.without_dull(|name| match name {
+        "misread" | "astray" => none_erred,
         "driven" | "95 % interval  " | "shortest" | "driven steps" => none_drove,
         _ => ["arena", "sensor", "variant", "condensed", "failed"].contains(&name),
     })
@@ -129,6 +137,8 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
         percent(arm.driven_optimal),
         arm.driven_steps
             .map_or("–".to_owned(), |steps| format!("{steps:.1}")),
+        per_mille(arm.misread_share),
+        per_mille(arm.astray_share),
         whole(arm.mean_collisions),
         whole(arm.mean_rules),
         arm.median_condensed_rules
@@ -143,6 +153,11 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
 /// A mean without decimals.
 fn whole(mean: Option<f64>) -> String {
     mean.map_or("–".to_owned(), |mean| format!("{mean:.0}"))
+}
+
+/// A share in thousandths.
+fn per_mille(share: Option<f64>) -> String {
+    share.map_or("–".to_owned(), |share| format!("{:.2} ‰", 1000.0 * share))
 }
 
 /// A share in percent.

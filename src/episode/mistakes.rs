@@ -1,0 +1,86 @@
+//! What the senses get wrong, which only an observer can know.
+
+use serde::{Deserialize, Serialize};
+
+use super::observer::{Observer, Step};
+use crate::arena::View;
+use crate::sensor::Sensor;
+use crate::world::Cell;
+use xcs::bounds::{OutOfRange, within};
+
+/// How often a robot that senses was mistaken.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Mistakes {
+    /// Steps before which it perceived something else than perfect senses would have in that cell.
+    pub misread: u64,
+    /// Steps after which it believed to stand in another cell than it did.
+    pub astray: u64,
+}
+
+impl Mistakes {
+    /// Accepts what can have happened in so many steps.
+    ///
+    /// # Errors
+    /// The first number that is too large.
+    pub fn check(&self, steps: u64) -> Result<(), OutOfRange> {
+        within("mistakes.misread", self.misread, 0..=steps)?;
+        within("mistakes.astray", self.astray, 0..=steps)
+    }
+
+    /// Adds those of another stretch of steps.
+    pub fn add(&mut self, other: Self) {
+        self.misread += other.misread;
+        self.astray += other.astray;
+    }
+}
+
+/// Counts the mistakes of one episode.
+#[derive(Debug)]
+pub struct Watch {
+    sensor: Sensor,
+    /// Where the robot truly stood before the step.
+    stood: Option<Cell>,
+    found: Mistakes,
+}
+
+impl Watch {
+    /// Nothing has happened yet.
+    pub fn new(sensor: Sensor) -> Self {
+        Self {
+            sensor,
+            stood: None,
+            found: Mistakes::default(),
+        }
+    }
+
+    /// The mistakes so far.
+    pub fn found(&self) -> Mistakes {
+        self.found
+    }
+}
+
+/// The free cell in which the robot truly stands.
+fn true_cell(view: &View<'_>) -> Option<Cell> {
+    let at_m = view.now().robot_in_world.translation.vector.into();
+    let cell = view.maze.cell_at(at_m);
+    cell.filter(|&cell| !view.maze.is_wall(cell))
+}
+
+impl Observer for Watch {
+    fn began(&mut self, _: u32, view: &View<'_>) {
+        self.stood = view.sensed.and_then(|_| true_cell(view));
+    }
+
+    fn stepped(&mut self, step: &Step<'_>) {
+        let Some(sensed) = step.view.sensed else {
+            return;
+        };
+        let perfect = self
+            .stood
+            .map(|cell| self.sensor.perceive_at(step.view.maze, cell));
+        self.found.misread += u64::from(perfect.is_some_and(|perfect| perfect != step.percept));
+        self.found.astray += u64::from(sensed.lost);
+        self.stood = true_cell(&step.view);
+    }
+}
