@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::direction::{Direction, Moves};
-use super::paths::Distances;
+use super::distances::Distances;
 use xcs::Action;
 
 /// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the worth of

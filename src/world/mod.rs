@@ -2,6 +2,7 @@
 
 mod checks;
 mod direction;
+mod distances;
 mod document;
 mod draw;
 mod error;

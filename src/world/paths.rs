@@ -1,6 +1,6 @@
 //! Shortest paths from every cell to the nearest goal.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::maze::{Cell, Maze};
 use super::slip::Expected;
@@ -12,21 +12,11 @@ const CUT_OFF: u32 = u32::MAX;
 /// counts in mazes larger than the cache.
 const WALL: u32 = u32::MAX - 1;
 
-/// By cell index, computed when they are first asked for and shared by all clones of a maze; or
-/// [`CUT_OFF`] or [`WALL`]. They follow from the rest of the maze, so they tell no two apart.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Distances(OnceLock<Arc<[u32]>>);
-
-impl PartialEq for Distances {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
 /// The length of the shortest path from each cell to the nearest goal; and what is optimal when
 /// actions slip, for which a shortest path is the wrong yardstick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Paths {
+    /// By cell index; or [`CUT_OFF`] or [`WALL`].
     distance: Arc<[u32]>,
     /// `None` when actions do not slip.
     expected: Option<Expected>,
@@ -35,9 +25,8 @@ pub struct Paths {
 impl Paths {
     /// The shortest paths of a maze; the search is made once for a maze and its clones.
     pub fn new(maze: &Maze) -> Self {
-        let distance = maze.distances.0.get_or_init(|| search(maze).into());
         Self {
-            distance: Arc::clone(distance),
+            distance: maze.distances.or_search(|| search(maze)),
             expected: None,
         }
     }
