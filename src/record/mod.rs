@@ -11,6 +11,7 @@ pub mod layout;
 mod mode;
 mod read;
 mod repair;
+mod ros;
 mod serve;
 mod story;
 mod topics;
@@ -21,6 +22,7 @@ pub use info::{Extent, RobotShape, RunInfo};
 pub use mode::{RecordMode, RecordModeError};
 pub use read::{Difference, Finding, FindingKind, check, check_recording, compare, reader};
 pub use repair::{Recovery, recover};
+pub use ros::RosBag;
 #[cfg(feature = "live")]
 pub use serve::live;
 pub use serve::{gate, server};

@@ -25,14 +25,8 @@ pub fn record_evaluation(
     episodes: u32,
     folder: &Path,
 ) -> Result<(Evaluation, RecordSummary), RunError> {
-    let mut plan = plan.clone().settled();
-    plan.config.episodes = episodes;
-    plan.config.initial = None;
-    plan.check()?;
+    let plan = evaluation_plan(plan, knowledge, episodes)?;
     let Plan { maze, config } = &plan;
-    let width = config.sensor.width(maze);
-    let fits = knowledge.check(width, maze.action_count());
-    fits.map_err(PlanError::from)?;
     let info = RunInfo {
         is_evaluation: true,
         ..run_info(&plan)
@@ -43,6 +37,21 @@ pub fn record_evaluation(
     recorder.know(&frozen, maze);
     let evaluation = Evaluation::observed(&plan, knowledge, episodes, &mut recorder)?;
     Ok((evaluation, recorder.finish(&frozen)?))
+}
+
+/// The plan of an evaluation of what was learned, if that is about the world of the plan.
+pub(super) fn evaluation_plan(
+    plan: &Plan,
+    knowledge: &Knowledge,
+    episodes: u32,
+) -> Result<Plan, PlanError> {
+    let mut plan = plan.clone().settled();
+    plan.config.episodes = episodes;
+    plan.config.initial = None;
+    plan.check()?;
+    let Plan { maze, config } = &plan;
+    knowledge.check(config.sensor.width(maze), maze.action_count())?;
+    Ok(plan)
 }
 
 /// Makes room for a recorded evaluation: the folder must be missing or empty; with `force`, the

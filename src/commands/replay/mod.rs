@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use xcscr::record::reader::{Recording, TopicInfo};
-use xcscr::run::comparison_of;
+use xcscr::run::{comparison_of, ros_bag};
 
 use super::failure::{Exit, Failure};
 use super::live::{LIVE_PORT, LiveArgs};
@@ -39,7 +39,10 @@ pub struct ReplayArgs {
     /// Serve the stories of two runs side by side, or write them to a file.
     #[arg(long, conflicts_with_all = ["verify", "story", "live", "json"])]
     compare: bool,
-    /// The file to write a story or a comparison to (.mcap).
+    /// Write a recording, or a whole run, as ROS 2 would have recorded it: /tf, /odom, /scan, /map.
+    #[arg(long, requires = "output", conflicts_with_all = ["verify", "serve", "story", "compare", "live", "json"])]
+    ros: bool,
+    /// The file to write a story, a comparison, or a recording for ROS 2 to (.mcap).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Replace that file if it exists.
@@ -66,8 +69,14 @@ pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     if let Some(output) = &args.output {
         return match &args.recordings[..] {
             [run] if args.story => story::run(run, output, args.force),
-            [_] => Err(usage("`--output` is for `--story` and `--compare`")),
-            _ => Err(usage("a story is that of one run")),
+            [recording] if args.ros => {
+                let file = OutputFile::free(output, args.force)?;
+                file.write(&ros_bag(recording)?)
+            }
+            [_] => Err(usage(
+                "`--output` is for `--story`, `--compare` and `--ros`",
+            )),
+            _ => Err(usage("`--story` and `--ros` take one run or recording")),
         };
     }
     if args.open && !args.serve {

@@ -1,0 +1,271 @@
+//! Messages of ROS 2, field by field as its interface definitions have them.
+
+use foxglove::messages::LaserScan as Scan;
+use nalgebra::{Isometry2, Matrix3};
+use serde::Serialize;
+use serde::ser::{SerializeTuple, Serializer};
+
+use crate::world::Maze;
+
+/// The frame of the world, the robot's own, and where the robot really is.
+const MAP: &str = "map";
+const BASE: &str = "base_link";
+const TRUE_BASE: &str = "base_link_true";
+/// A cell of an occupancy grid that is occupied, in percent.
+const OCCUPIED: i8 = 100;
+
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+struct Time {
+    sec: i32,
+    nanosec: u32,
+}
+
+#[derive(Debug, Serialize)]
+struct Header {
+    stamp: Time,
+    frame_id: &'static str,
+}
+
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+struct Vector3 {
+    x: f64,
+    y: f64,
+    z: f64,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Quaternion {
+    x: f64,
+    y: f64,
+    z: f64,
+    w: f64,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Pose {
+    position: Vector3,
+    orientation: Quaternion,
+}
+
+#[derive(Debug, Serialize)]
+struct TransformStamped {
+    header: Header,
+    child_frame_id: &'static str,
+    transform: Pose,
+}
+
+/// `tf2_msgs/msg/TFMessage`.
+#[derive(Debug, Serialize)]
+pub struct Transforms {
+    transforms: Vec<TransformStamped>,
+}
+
+#[derive(Debug, Serialize)]
+struct PoseWithCovariance {
+    pose: Pose,
+    covariance: Covariance,
+}
+
+#[derive(Debug, Serialize)]
+struct TwistWithCovariance {
+    linear: Vector3,
+    angular: Vector3,
+    covariance: Covariance,
+}
+
+/// `nav_msgs/msg/Odometry`.
+#[derive(Debug, Serialize)]
+pub struct Odometry {
+    header: Header,
+    child_frame_id: &'static str,
+    pose: PoseWithCovariance,
+    twist: TwistWithCovariance,
+}
+
+/// `sensor_msgs/msg/LaserScan`.
+#[derive(Debug, Serialize)]
+pub struct LaserScan {
+    header: Header,
+    angle_min: f32,
+    angle_max: f32,
+    angle_increment: f32,
+    time_increment: f32,
+    scan_time: f32,
+    range_min: f32,
+    range_max: f32,
+    ranges: Vec<f32>,
+    intensities: Vec<f32>,
+}
+
+#[derive(Debug, Serialize)]
+struct MapMetaData {
+    map_load_time: Time,
+    resolution: f32,
+    width: u32,
+    height: u32,
+    origin: Pose,
+}
+
+/// `nav_msgs/msg/OccupancyGrid`.
+#[derive(Debug, Serialize)]
+pub struct OccupancyGrid {
+    header: Header,
+    info: MapMetaData,
+    data: Vec<i8>,
+}
+
+/// Row by row over x, y, z and the rotations about them.
+#[derive(Debug)]
+struct Covariance([f64; 36]);
+
+impl Serialize for Covariance {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut tuple = to.serialize_tuple(self.0.len())?;
+        for number in &self.0 {
+            tuple.serialize_element(number)?;
+        }
+        tuple.end()
+    }
+}
+
+impl Covariance {
+    /// Of x, y and the heading; all else is 0 for a robot on a floor.
+    fn on_floor(of: &Matrix3<f64>) -> Self {
+        const PLACES: [usize; 3] = [0, 1, 5];
+        let mut all = [0.0; 36];
+        for (row, &place) in PLACES.iter().enumerate() {
+            for (column, &other) in PLACES.iter().enumerate() {
+                all[6 * place + other] = of[(row, column)];
+            }
+        }
+        Self(all)
+    }
+}
+
+fn time(time_ns: u64) -> Time {
+    let (seconds, rest) = (time_ns / 1_000_000_000, time_ns % 1_000_000_000);
+    Time {
+        // A trial never lasts 68 years.
+        sec: i32::try_from(seconds).unwrap_or(i32::MAX),
+        nanosec: rest as u32,
+    }
+}
+
+fn header(time_ns: u64, frame_id: &'static str) -> Header {
+    Header {
+        stamp: time(time_ns),
+        frame_id,
+    }
+}
+
+fn pose(pose: &Isometry2<f64>) -> Pose {
+    let half_rad = pose.rotation.angle() / 2.0;
+    let (sine, cosine) = libm::sincos(half_rad);
+    Pose {
+        position: Vector3 {
+            x: pose.translation.x,
+            y: pose.translation.y,
+            z: 0.0,
+        },
+        orientation: Quaternion {
+            x: 0.0,
+            y: 0.0,
+            z: sine,
+            w: cosine,
+        },
+    }
+}
+
+impl Transforms {
+    /// Where the robot believes to be, if it has to believe, and where it is.
+    pub fn new(time_ns: u64, truth: &Isometry2<f64>, belief: Option<&Isometry2<f64>>) -> Self {
+        let frame = |child_frame_id, at| TransformStamped {
+            header: header(time_ns, MAP),
+            child_frame_id,
+            transform: pose(at),
+        };
+        let transforms = match belief {
+            Some(belief) => vec![frame(BASE, belief), frame(TRUE_BASE, truth)],
+            None => vec![frame(BASE, truth)],
+        };
+        Self { transforms }
+    }
+}
+
+impl Odometry {
+    /// A pose with its covariance, and how the robot came there from the last pose, `since_s`
+    /// seconds ago.
+    pub fn new(
+        time_ns: u64,
+        at: &Isometry2<f64>,
+        covariance: &Matrix3<f64>,
+        (last, since_s): (&Isometry2<f64>, f64),
+    ) -> Self {
+        let moved = last.inverse() * at;
+        let along = |speed: [f64; 3]| Vector3 {
+            x: speed[0],
+            y: speed[1],
+            z: speed[2],
+        };
+        let per_second = |way: f64| if since_s > 0.0 { way / since_s } else { 0.0 };
+        let [x, y] = [moved.translation.x, moved.translation.y].map(per_second);
+        Self {
+            header: header(time_ns, MAP),
+            child_frame_id: BASE,
+            pose: PoseWithCovariance {
+                pose: pose(at),
+                covariance: Covariance::on_floor(covariance),
+            },
+            twist: TwistWithCovariance {
+                linear: along([x, y, 0.0]),
+                angular: along([0.0, 0.0, per_second(moved.rotation.angle())]),
+                covariance: Covariance([0.0; 36]),
+            },
+        }
+    }
+}
+
+impl LaserScan {
+    /// The beams of a scan; `range_max_m` is as far as the lidar sees.
+    pub fn new(time_ns: u64, scan: &Scan, range_max_m: f64) -> Self {
+        let gaps = scan.ranges.len().saturating_sub(1).max(1);
+        let increment = (scan.end_angle - scan.start_angle) / gaps as f64;
+        Self {
+            header: header(time_ns, BASE),
+            angle_min: scan.start_angle as f32,
+            angle_max: scan.end_angle as f32,
+            angle_increment: increment as f32,
+            time_increment: 0.0,
+            scan_time: 0.0,
+            range_min: 0.0,
+            range_max: range_max_m as f32,
+            ranges: scan.ranges.iter().map(|&range| range as f32).collect(),
+            intensities: Vec::new(),
+        }
+    }
+}
+
+impl OccupancyGrid {
+    /// The walls of a maze, the southernmost row first.
+    pub fn new(time_ns: u64, maze: &Maze) -> Self {
+        let rows = (0..maze.height()).rev();
+        let cells = rows.flat_map(|row| (0..maze.width()).map(move |col| (col, row)));
+        let data = cells.map(
+            |(col, row)| match maze.is_wall(crate::world::Cell { col, row }) {
+                true => OCCUPIED,
+                false => 0,
+            },
+        );
+        Self {
+            header: header(time_ns, MAP),
+            info: MapMetaData {
+                map_load_time: Time::default(),
+                resolution: maze.cell_size_m() as f32,
+                width: maze.width().into(),
+                height: maze.height().into(),
+                origin: pose(&Isometry2::identity()),
+            },
+            data: data.collect(),
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! The interface definitions of the messages, in the form `ros2msg` of MCAP: each followed by those
+//! that it names.
+
+/// A message type and its definition.
+#[derive(Debug, Clone, Copy)]
+pub struct Interface {
+    pub name: &'static str,
+    pub definition: &'static str,
+}
+
+pub const TRANSFORMS: Interface = Interface {
+    name: "tf2_msgs/msg/TFMessage",
+    definition: include_str!("TFMessage.msg"),
+};
+pub const ODOMETRY: Interface = Interface {
+    name: "nav_msgs/msg/Odometry",
+    definition: include_str!("Odometry.msg"),
+};
+pub const SCAN: Interface = Interface {
+    name: "sensor_msgs/msg/LaserScan",
+    definition: include_str!("LaserScan.msg"),
+};
+pub const GRID: Interface = Interface {
+    name: "nav_msgs/msg/OccupancyGrid",
+    definition: include_str!("OccupancyGrid.msg"),
+};

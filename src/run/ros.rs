@@ -1,0 +1,52 @@
+//! A recording for ROS 2, made by running again what it shows.
+
+use std::path::Path;
+
+use super::error::RunError;
+use super::evaluation::evaluation_plan;
+use super::folder::RunFolder;
+use super::source::Source;
+use crate::agent::Knowledge;
+use crate::record::{Extent, RosBag};
+use crate::trial::{Evaluation, Plan, Trial};
+
+/// What a recording shows, or a whole run, as an MCAP file for ROS 2: `/tf`, `/odom`, `/map`, and
+/// `/scan` of a robot that senses. The same recording gives the same bytes.
+///
+/// # Errors
+/// When the recording cannot be read or run again, or is a story, which is no drive.
+pub fn ros_bag(recording: &Path) -> Result<Vec<u8>, RunError> {
+    if recording.is_dir() {
+        return bag(&RunFolder::open(recording).plan()?, None, None);
+    }
+    let source = Source::of(recording)?;
+    let only = match source.extent {
+        Extent::Episode(episode) => Some(episode),
+        Extent::Run => None,
+        Extent::Story => {
+            return Err(RunError::Recording {
+                file: recording.to_owned(),
+                fault: "a story is no drive; give an episode, run.mcap, or the folder of a run"
+                    .to_owned(),
+            });
+        }
+    };
+    bag(&source.plan, source.evaluated.as_ref(), only)
+}
+
+/// Drives again, and writes one episode or all.
+fn bag(plan: &Plan, evaluated: Option<&Knowledge>, only: Option<u32>) -> Result<Vec<u8>, RunError> {
+    let mut bag = RosBag::new(only, plan.config.settings.physics.lidar.range_m)?;
+    // A break comes from the bag, whose fault `finish` gives out.
+    match evaluated {
+        Some(knowledge) => {
+            let episodes = plan.config.episodes;
+            let plan = evaluation_plan(plan, knowledge, episodes)?;
+            Evaluation::observed(&plan, knowledge, episodes, &mut bag)?;
+        }
+        None => {
+            let _ = Trial::new(plan.clone())?.run(&mut bag);
+        }
+    }
+    Ok(bag.finish()?)
+}
