@@ -34,7 +34,7 @@ fn train_learns_maze4_in_physics_and_says_so_in_json() {
     let report = train(&run, "maze4", &[]);
     for (field, expected) in [
         ("world", "maze4".into()),
-        ("method", "xcscr".into()),
+        ("method", "xcscr-plus".into()),
         ("arena", "physics".into()),
         ("sensor", "lidar".into()),
         ("seed", Value::from(1)),

@@ -66,7 +66,16 @@ fn an_animated_map_shows_the_policy_as_it_forms() {
     let folder = tempfile::tempdir().unwrap();
     let run = train(
         folder.path(),
-        &["--arena", "grid", "--record", "none", "--episodes", "90"],
+        &[
+            "--arena",
+            "grid",
+            "--method",
+            "xcscr",
+            "--record",
+            "none",
+            "--episodes",
+            "90",
+        ],
     );
     let svg = String::from_utf8(map(&run, "a.svg", &["--animate"])).unwrap();
     assert_eq!(
@@ -205,15 +214,15 @@ fn the_links_name_the_files_and_the_layout_of_each_kind() {
     let server = Served::new(&[run.to_str().unwrap()]);
     let text = server.lines.concat();
     assert!(
-        text.contains("Episodes in maze4: xcscr, seed 1 (the last 10 of 12)"),
+        text.contains("Episodes in maze4: xcscr-plus, seed 1 (the last 10 of 12)"),
         "{text}"
     );
     assert!(
-        text.contains("The whole run in maze4: xcscr, seed 1\n"),
+        text.contains("The whole run in maze4: xcscr-plus, seed 1\n"),
         "{text}"
     );
     assert!(
-        text.starts_with("The story of the run in maze4: xcscr, seed 1\n"),
+        text.starts_with("The story of the run in maze4: xcscr-plus, seed 1\n"),
         "{text}"
     );
     let count = |what: &str| text.matches(what).count();
@@ -248,7 +257,7 @@ fn recordings_of_two_mazes_come_with_a_layout_each() {
     let text = server.lines.concat();
     for maze in ["maze4", "maze6"] {
         assert!(
-            text.contains(&format!("Episodes in {maze}: xcscr, seed 1\n")),
+            text.contains(&format!("Episodes in {maze}: xcscr-plus, seed 1\n")),
             "{text}"
         );
     }
@@ -271,7 +280,7 @@ fn recordings_of_two_runs_in_one_maze_never_share_a_link() {
     let server = Served::new(&files.each_ref().map(|file| file.to_str().unwrap()));
     let text = server.lines.concat();
     for seed in [1, 2] {
-        let heading = format!("Episodes in maze4: xcscr, seed {seed}\n");
+        let heading = format!("Episodes in maze4: xcscr-plus, seed {seed}\n");
         assert!(text.contains(&heading), "{text}");
     }
     let links = text.lines().filter(|line| line.contains("ds.url="));

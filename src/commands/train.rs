@@ -32,7 +32,7 @@ pub struct TrainArgs {
     #[arg(required_unless_present = "resume")]
     world: Option<PathBuf>,
     /// The reward method.
-    #[arg(long, default_value = "xcscr", value_parser = choices::method())]
+    #[arg(long, default_value = "xcscr-plus", value_parser = choices::method())]
     method: Method,
     /// Where the robot acts: in simulated physics, or on the bare grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]

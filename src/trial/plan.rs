@@ -115,7 +115,7 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            method: Method::Xcscr,
+            method: Method::XcscrPlus,
             arena: ArenaKind::Physics,
             sensor: Sensor::usual_in(ArenaKind::Physics),
             episodes: 180,
@@ -127,8 +127,8 @@ impl Default for Config {
 }
 
 impl Plan {
-    /// A trial of 180 episodes of `xcscr` in physics, on the percept `lidar`, from seed 1; each method
-    /// below changes one of these choices, and no other.
+    /// A trial of 180 episodes of `xcscr-plus` in physics, on the percept `lidar`, from seed 1; each
+    /// method below changes one of these choices, and no other.
     pub fn new(maze: Maze) -> Self {
         let config = Config::default();
         Self { maze, config }
