@@ -354,7 +354,7 @@ fn the_largest_world_is_trained_in_within_400_megabytes_and_a_larger_one_is_refu
         rows[side - 2].replace_range(side - 2..side - 1, "G");
         fs::write(world, format!(r#"{{"rows": {rows:?}}}"#)).unwrap();
     };
-    hall(2048);
+    hall(1024);
     let args = [
         &[
             "train",
@@ -370,17 +370,17 @@ fn the_largest_world_is_trained_in_within_400_megabytes_and_a_larger_one_is_refu
     .concat();
     let (_, stderr) = ended(&within(ITSELF + LARGEST, &args), 0, "train");
     assert!(
-        stderr.contains("the longest shortest path has 4090"),
+        stderr.contains("the longest shortest path has 2042"),
         "{stderr}"
     );
-    hall(2049);
+    hall(1025);
     let (_, stderr) = ended(
         &within(ITSELF + LARGEST, &["world", "info", world]),
         65,
         "info",
     );
     assert!(
-        stderr.contains("at most 2048 columns and 2048 rows"),
+        stderr.contains("at most 1024 columns and 1024 rows"),
         "{stderr}"
     );
 }
