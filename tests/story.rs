@@ -281,7 +281,11 @@ fn a_training_ends_with_a_legend_a_curve_and_on_failure_with_what_to_try() {
 fn two_runs_are_compared_side_by_side_in_one_recording_in_which_nothing_interleaves() {
     let folder = tempfile::tempdir().unwrap();
     let few = ["--episodes", "4"];
-    let one = train(folder.path(), "one", &few);
+    let one = train(
+        folder.path(),
+        "one",
+        &[&few[..], &["--record", "beams"]].concat(),
+    );
     let two = train(
         folder.path(),
         "two",

@@ -67,8 +67,12 @@ fn merged(stories: [&Teller<'_>; 2], curves: &[Vec<u8>; 2], layout: &str) -> Mca
     let mut all: Vec<(usize, &Told)> = of_side(0).chain(of_side(1)).collect();
     all.sort_by_key(|(_, (time_ns, ..))| *time_ns);
     for (side, (time_ns, topic, data)) in all {
+        // Beams, which one run may have recorded, are left out, as in any story.
+        let Some(&channel_id) = channels.get(&(side, *topic as usize)) else {
+            continue;
+        };
         let header = MessageHeader {
-            channel_id: channels[&(side, *topic as usize)],
+            channel_id,
             sequence: 0,
             log_time: *time_ns,
             publish_time: *time_ns,

@@ -15,6 +15,10 @@ const GHOST: u32 = 0x2f9ce0;
 /// The ellipse holds the true position in 99 of 100 moments, if the robot is as sure as it may be.
 const DEVIATIONS: f64 = 3.03;
 const FLAT_M: f64 = 0.01;
+/// The ghost is so many times as wide as the robot, so that its rim shows on all sides of the robot
+/// where that is not mistaken; the ellipse lies above the robot, so many of its radii high.
+const RIM: f64 = 1.2;
+const ABOVE: f64 = 1.1;
 
 /// What the robot believes at the end of a reset or an action.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -126,7 +130,7 @@ pub(in crate::record) fn scene(sensed: &Sensed<'_>, radius_m: f64, time_ns: u64)
             let (long, short, direction) = axes(&estimate.covariance);
             CylinderPrimitive {
                 pose: Some(Pose {
-                    position: Some(vector(0.0, 0.0, 2.0 * FLAT_M)),
+                    position: Some(vector(0.0, 0.0, ABOVE * radius_m)),
                     orientation: Some(heading(ahead.inverse() * direction)),
                 }),
                 size: Some(vector(
@@ -144,10 +148,10 @@ pub(in crate::record) fn scene(sensed: &Sensed<'_>, radius_m: f64, time_ns: u64)
     let mut ghost = entity("ghost", ESTIMATE, time_ns);
     ghost.cylinders = vec![CylinderPrimitive {
         pose: place(0.0, 0.0, FLAT_M),
-        size: Some(vector(2.0 * radius_m, 2.0 * radius_m, FLAT_M)),
+        size: Some(vector(2.0 * RIM * radius_m, 2.0 * RIM * radius_m, FLAT_M)),
         bottom_scale: 1.0,
         top_scale: rounded(1.0),
-        color: color(GHOST, 0.35),
+        color: color(GHOST, 0.6),
     }];
     update(vec![ellipse, ghost])
 }
