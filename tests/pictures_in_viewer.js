@@ -104,7 +104,7 @@ async function main() {
   train("worlds/maze4.json", "run", "--record", "beams");
   train("worlds/maze4.json", "other", "--method", "q-learning", "--seed", "2");
   fs.writeFileSync(run("rooms.json"), xcscr("world", "generate", "--kind", "rooms", "--size", "20", "--seed", "3"));
-  const rooms = ["--method", "dyna-q", "--sensor", "neighbours-position", "--episodes", "12"];
+  const rooms = ["--arena", "grid", "--method", "r-max", "--sensor", "neighbours-position", "--episodes", "60"];
   train(run("rooms.json"), "large", ...rooms);
 
   const browser = await chromium.launch({
@@ -124,7 +124,7 @@ async function main() {
   await picture(browser, "compare", both.links[0], 100);
   both.child.kill();
   const large = await serve(run("large"), "--serve");
-  await picture(browser, "large", large.links[0], 100);
+  await picture(browser, "large", large.links[0], 60);
   large.child.kill();
   await browser.close();
   fs.rmSync(scratch, { recursive: true });

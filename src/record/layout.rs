@@ -75,6 +75,8 @@ fn follow(layout: &mut Value, maze: &Maze) {
     panel["followMode"] = json!("follow-position");
     panel["cameraState"]["distance"] = json!(FOLLOW * maze.cell_size_m());
     panel["cameraState"]["targetOffset"] = json!([0, 0, 0]);
+    // Its letters are made to be read from where the whole maze is seen.
+    panel["topics"]["/scene/rule"]["visible"] = json!(false);
     for key in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
         panel[key] = json!("Around the robot");
     }
