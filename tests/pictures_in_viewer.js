@@ -124,7 +124,7 @@ async function main() {
   await picture(browser, "compare", both.links[0], 100);
   both.child.kill();
   const large = await serve(run("large"), "--serve");
-  await picture(browser, "large", large.links[0], 60);
+  await picture(browser, "large", large.links[0], 105);
   large.child.kill();
   await browser.close();
   fs.rmSync(scratch, { recursive: true });

@@ -18,6 +18,8 @@ pub(super) const SIDES: [&str; 2] = ["a", "b"];
 const NEAR: u16 = 12;
 /// ... from so many cells away.
 const FOLLOW: f64 = 9.0;
+/// Beside it, the first camera is so many times as far away.
+const BESIDE: f64 = 1.25;
 
 /// The layout for the files of single episodes, as compact JSON.
 pub fn of_episode(maze: &Maze) -> String {
@@ -81,6 +83,9 @@ fn follow(layout: &mut Value, maze: &Maze) {
         panel[key] = json!("Around the robot");
     }
     layout["configById"]["3D!follow"] = panel;
+    // Beside it, there is less room for the whole maze.
+    let whole = &mut layout["configById"]["3D!main"]["cameraState"]["distance"];
+    *whole = json!(whole.as_f64().map(|distance| (BESIDE * distance).ceil()));
     let left = &mut layout["layout"]["first"]["first"];
     *left = json!({
         "direction": "row",
