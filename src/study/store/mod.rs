@@ -1,5 +1,6 @@
 //! What a study keeps on disk: its folder, and a journal of finished trials for each shard.
 
+mod files;
 pub(super) mod folder;
 pub(super) mod journal;
 mod record;

@@ -1,24 +1,24 @@
 //! `xcscr study`: many trials, and what they say.
 
+mod progress;
+mod status;
+
 use std::collections::BTreeSet;
 use std::io::Write;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::{Subcommand, ValueEnum};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use serde::Serialize;
 use xcscr::arena::ArenaKind;
 use xcscr::study::{
-    Arm, Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder, StudyWatcher,
-    TrialRecord, merge_studies, run_study,
+    Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder,
+    merge_studies, run_study,
 };
 
-use super::choices;
-use super::failure::{Exit, Failure};
-use super::interrupt::Interrupt;
-
-const TEMPLATE: &str = "{bar:30} trial {pos}/{len}, {eta} left";
+use crate::commands::choices;
+use crate::commands::failure::{Exit, Failure};
+use crate::commands::interrupt::Interrupt;
+use progress::Progress;
+use status::Status;
 
 /// What to do with studies.
 #[derive(Debug, Subcommand)]
@@ -242,149 +242,6 @@ fn refuse_failed(folder: &StudyFolder) -> Result<(), Failure> {
     let (count, path) = (1 + faults.count(), folder.path().display());
     let message = format!("{count} trials failed, see {path}/trials.csv; the first: {first}");
     Err(Failure::new(Exit::Refuted, message))
-}
-
-/// What is finished of a study, as `study status --json` prints it.
-#[derive(Debug, Serialize)]
-struct Status {
-    study: String,
-    plan: String,
-    trials: usize,
-    finished: usize,
-    failed: Vec<usize>,
-    missing: Vec<usize>,
-    /// How the trials of each arm are called, and how many there are.
-    #[serde(skip)]
-    arms: (Vec<String>, usize),
-    /// The shards that have trials to run.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    shards: Option<Vec<String>>,
-}
-
-impl Status {
-    /// Trials of the study arm by arm, numbered as in trials.csv.
-    fn listed(&self, trials: &[usize]) -> String {
-        let (names, per_arm) = &self.arms;
-        let arms = trials.chunk_by(|a, b| a / per_arm == b / per_arm);
-        let listed = arms.map(|own| {
-            let numbers: Vec<usize> = own.iter().map(|trial| trial % per_arm + 1).collect();
-            format!("{}: {}", names[own[0] / per_arm], ranges(&numbers))
-        });
-        listed.collect::<Vec<_>>().join("; ")
-    }
-
-    fn new(folder: &StudyFolder, shards: Option<usize>) -> Self {
-        let (protocol, missing) = (folder.protocol(), folder.missing());
-        let open = |count| {
-            let shards = Shard::all(count);
-            let open = shards.filter(|shard| missing.iter().any(|trial| shard.holds(*trial)));
-            open.map(|shard| shard.to_string()).collect()
-        };
-        Self {
-            study: protocol.name.clone(),
-            plan: folder.plan().to_owned(),
-            trials: protocol.len(),
-            finished: protocol.len() - missing.len(),
-            failed: folder.failed(),
-            shards: shards.map(open),
-            arms: (protocol.arms.iter().map(name).collect(), protocol.trials),
-            missing,
-        }
-    }
-
-    fn print(&self, json: bool, out: &mut impl Write) -> Result<(), Failure> {
-        if json {
-            return Ok(writeln!(out, "{}", serde_json::to_string_pretty(self)?)?);
-        }
-        let Self {
-            study,
-            plan,
-            trials,
-            finished,
-            ..
-        } = self;
-        writeln!(
-            out,
-            "study {study}, plan {plan}: {finished} of {trials} trials finished"
-        )?;
-        for (name, trials) in [("missing", &self.missing), ("failed", &self.failed)] {
-            if !trials.is_empty() {
-                writeln!(out, "  {name} ({}): {}", trials.len(), self.listed(trials))?;
-            }
-        }
-        if let Some(shards) = &self.shards {
-            writeln!(
-                out,
-                "  shards to run ({}): {}",
-                shards.len(),
-                shards.join(" ")
-            )?;
-        }
-        Ok(())
-    }
-}
-
-/// What the trials of an arm have in common, in words.
-fn name(arm: &Arm) -> String {
-    let words = [
-        &arm.world,
-        arm.method.name(),
-        arm.arena.name(),
-        arm.sensor.name(),
-    ];
-    format!("{} {}", words.join(" "), arm.variant)
-        .trim_end()
-        .to_owned()
-}
-
-/// Ascending numbers as ranges, such as `1-3 7`.
-fn ranges(numbers: &[usize]) -> String {
-    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
-    let run = |run: &[usize]| match run {
-        [first, .., last] => format!("{first}-{last}"),
-        _ => run.iter().map(usize::to_string).collect(),
-    };
-    runs.map(run).collect::<Vec<_>>().join(" ")
-}
-
-/// A progress bar on stderr, when that is a terminal. It wipes itself away at the end. A signal
-/// ends the study after the trials that are running.
-struct Progress {
-    bar: ProgressBar,
-    interrupt: Interrupt,
-}
-
-impl Progress {
-    fn new(quiet: bool, interrupt: Interrupt) -> Self {
-        let target = match quiet {
-            true => ProgressDrawTarget::hidden(),
-            false => ProgressDrawTarget::stderr(),
-        };
-        let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
-        let bar = ProgressBar::with_draw_target(Some(0), target).with_style(style);
-        Self { bar, interrupt }
-    }
-}
-
-impl StudyWatcher for Progress {
-    fn begins(&mut self, trials: usize) {
-        self.bar.set_length(trials as u64);
-        self.bar.reset_eta();
-    }
-
-    fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
-        self.bar.inc(1);
-        match self.interrupt.came() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
-    }
 }
 
 impl From<StudyError> for Failure {

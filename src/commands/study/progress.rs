@@ -1,0 +1,50 @@
+//! How far a study is, while it runs.
+
+use std::ops::ControlFlow;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use xcscr::study::{StudyWatcher, TrialRecord};
+
+use crate::commands::interrupt::Interrupt;
+
+const TEMPLATE: &str = "{bar:30} trial {pos}/{len}, {eta} left";
+
+/// A progress bar on stderr, when that is a terminal. It wipes itself away at the end. A signal
+/// ends the study after the trials that are running.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    interrupt: Interrupt,
+}
+
+impl Progress {
+    pub fn new(quiet: bool, interrupt: Interrupt) -> Self {
+        let target = match quiet {
+            true => ProgressDrawTarget::hidden(),
+            false => ProgressDrawTarget::stderr(),
+        };
+        let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
+        let bar = ProgressBar::with_draw_target(Some(0), target).with_style(style);
+        Self { bar, interrupt }
+    }
+}
+
+impl StudyWatcher for Progress {
+    fn begins(&mut self, trials: usize) {
+        self.bar.set_length(trials as u64);
+        self.bar.reset_eta();
+    }
+
+    fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
+        self.bar.inc(1);
+        match self.interrupt.came() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,111 @@
+//! `xcscr study status`: what is finished of a study.
+
+use std::io::Write;
+
+use serde::Serialize;
+use xcscr::study::{Arm, Shard, StudyFolder};
+
+use crate::commands::failure::Failure;
+
+/// What is finished of a study, as `study status --json` prints it.
+#[derive(Debug, Serialize)]
+pub(super) struct Status {
+    study: String,
+    plan: String,
+    trials: usize,
+    finished: usize,
+    failed: Vec<usize>,
+    missing: Vec<usize>,
+    /// How the trials of each arm are called, and how many there are.
+    #[serde(skip)]
+    arms: (Vec<String>, usize),
+    /// The shards that have trials to run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shards: Option<Vec<String>>,
+}
+
+impl Status {
+    /// Trials of the study arm by arm, numbered as in trials.csv.
+    fn listed(&self, trials: &[usize]) -> String {
+        let (names, per_arm) = &self.arms;
+        let arms = trials.chunk_by(|a, b| a / per_arm == b / per_arm);
+        let listed = arms.map(|own| {
+            let numbers: Vec<usize> = own.iter().map(|trial| trial % per_arm + 1).collect();
+            format!("{}: {}", names[own[0] / per_arm], ranges(&numbers))
+        });
+        listed.collect::<Vec<_>>().join("; ")
+    }
+
+    pub fn new(folder: &StudyFolder, shards: Option<usize>) -> Self {
+        let (protocol, missing) = (folder.protocol(), folder.missing());
+        let open = |count| {
+            let shards = Shard::all(count);
+            let open = shards.filter(|shard| missing.iter().any(|trial| shard.holds(*trial)));
+            open.map(|shard| shard.to_string()).collect()
+        };
+        Self {
+            study: protocol.name.clone(),
+            plan: folder.plan().to_owned(),
+            trials: protocol.len(),
+            finished: protocol.len() - missing.len(),
+            failed: folder.failed(),
+            shards: shards.map(open),
+            arms: (protocol.arms.iter().map(name).collect(), protocol.trials),
+            missing,
+        }
+    }
+
+    pub fn print(&self, json: bool, out: &mut impl Write) -> Result<(), Failure> {
+        if json {
+            return Ok(writeln!(out, "{}", serde_json::to_string_pretty(self)?)?);
+        }
+        let Self {
+            study,
+            plan,
+            trials,
+            finished,
+            ..
+        } = self;
+        writeln!(
+            out,
+            "study {study}, plan {plan}: {finished} of {trials} trials finished"
+        )?;
+        for (name, trials) in [("missing", &self.missing), ("failed", &self.failed)] {
+            if !trials.is_empty() {
+                writeln!(out, "  {name} ({}): {}", trials.len(), self.listed(trials))?;
+            }
+        }
+        if let Some(shards) = &self.shards {
+            writeln!(
+                out,
+                "  shards to run ({}): {}",
+                shards.len(),
+                shards.join(" ")
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// What the trials of an arm have in common, in words.
+fn name(arm: &Arm) -> String {
+    let words = [
+        &arm.world,
+        arm.method.name(),
+        arm.arena.name(),
+        arm.sensor.name(),
+    ];
+    format!("{} {}", words.join(" "), arm.variant)
+        .trim_end()
+        .to_owned()
+}
+
+/// Ascending numbers as ranges, such as `1-3 7`.
+fn ranges(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let run = |run: &[usize]| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        _ => run.iter().map(usize::to_string).collect(),
+    };
+    runs.map(run).collect::<Vec<_>>().join(" ")
+}
