@@ -545,9 +545,16 @@ fn a_trial_of_a_study_is_the_same_as_training_with_its_seed() {
     assert_eq!([row["world"], row["method"]], ["maze4", "xcscr"]);
     let world = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
     let mut train = std::process::Command::cargo_bin("xcscr").unwrap();
-    train
-        .current_dir(desk.0.path())
-        .args(["train", world, "--arena", "grid", "--episodes", "12"]);
+    train.current_dir(desk.0.path()).args([
+        "train",
+        world,
+        "--method",
+        "xcscr",
+        "--arena",
+        "grid",
+        "--episodes",
+        "12",
+    ]);
     train.args(["--seed", row["seed"], "--record", "none", "--json"]);
     let trained: serde_json::Value =
         serde_json::from_slice(&train.output().unwrap().stdout).unwrap();

@@ -13,8 +13,10 @@ mod params;
 mod readings;
 mod sensors;
 
-pub use onboard::{Belief, EstimatorParams, Onboard, Surroundings};
-pub use params::{BumperParams, EncoderParams, FaultParams, GyroParams, LidarParams, Robot};
+pub use onboard::{Belief, Onboard, Surroundings};
+pub use params::{
+    BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, Robot,
+};
 pub use readings::{Readings, Return};
 pub use sensors::{Moment, Push, SensorState, Sensors, Streams, Terrain, cast};
 

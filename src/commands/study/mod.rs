@@ -10,8 +10,8 @@ use std::path::PathBuf;
 use clap::{Subcommand, ValueEnum};
 use xcscr::arena::ArenaKind;
 use xcscr::study::{
-    Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder,
-    merge_studies, run_study,
+    Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder, merge_studies,
+    run_study,
 };
 
 use crate::commands::choices;

@@ -8,7 +8,6 @@ mod angle;
 mod assumed;
 mod estimator;
 mod mapper;
-mod params;
 mod slip;
 mod surroundings;
 #[cfg(test)]
@@ -19,7 +18,6 @@ use nalgebra::{Isometry2, Matrix3, Point2};
 pub use self::estimator::Belief;
 use self::estimator::Estimator;
 use self::mapper::cell_of;
-pub use self::params::EstimatorParams;
 pub use self::surroundings::Surroundings;
 use crate::{Readings, Robot};
 

@@ -3,7 +3,9 @@ use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
 use super::estimator::Estimator;
 use super::mapper;
 use super::*;
-use crate::{BumperParams, EncoderParams, FaultParams, GyroParams, LidarParams, Return};
+use crate::{
+    BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, Return,
+};
 
 /// The robot of the physics arena by default.
 fn robot() -> Robot {
