@@ -373,6 +373,13 @@ fn the_largest_world_is_trained_in_within_400_megabytes_and_a_larger_one_is_refu
         stderr.contains("the longest shortest path has 2042"),
         "{stderr}"
     );
+    // With as many steps as the maze asks for.
+    let all = [&args[..args.len() - 4], &["--out", out, "--force"]].concat();
+    ended(&within(ITSELF + LARGEST, &all), 0, "train");
+    let story = folder.path().join("story.mcap");
+    let told = ["replay", out, "--story", "-o", story.to_str().unwrap()];
+    let (_, stderr) = ended(&within(ITSELF + LARGEST, &told), 65, "a story");
+    assert!(stderr.contains("too many cells for a story"), "{stderr}");
     hall(1025);
     let (_, stderr) = ended(
         &within(ITSELF + LARGEST, &["world", "info", world]),

@@ -101,7 +101,7 @@ const landscape = (layout) => {
 };
 
 async function main() {
-  train("worlds/maze4.json", "run", "--record", "beams");
+  train("worlds/maze4.json", "run", "--method", "xcscr", "--record", "beams");
   train("worlds/maze4.json", "other", "--method", "q-learning", "--seed", "2");
   fs.writeFileSync(run("rooms.json"), xcscr("world", "generate", "--kind", "rooms", "--size", "20", "--seed", "3"));
   const rooms = ["--arena", "grid", "--method", "r-max", "--sensor", "neighbours-position", "--episodes", "60"];

@@ -2,7 +2,7 @@
 """Reads the recordings of a run folder with someone else's code.
 
     pip install mcap mcap-protobuf-support
-    python3 tests/read_recordings.py recordings/maze4-xcscr-physics-s1
+    python3 tests/read_recordings.py recordings/maze4-xcscr-plus-physics-s1
 
 Decodes every message of every file and checks checksums, schemas, topics, the order of time,
 attachments and metadata. Prints one line; ends with code 1 and a message at the first fault.

@@ -165,7 +165,9 @@ impl From<RunError> for Failure {
             RunError::Plan(error) => error.into(),
             RunError::World(error) => error.into(),
             RunError::Record(error) => error.into(),
-            RunError::Recording { .. } => Self::new(Exit::BadData, message),
+            RunError::Recording { .. } | RunError::NoStory { .. } => {
+                Self::new(Exit::BadData, message)
+            }
             RunError::Interrupted { .. } => Self::new(Exit::Interrupted, message),
             RunError::Resumable { cause, .. } => Self::new(Self::from(*cause).exit, message),
             _ => Self::new(Exit::CannotCreate, message),

@@ -205,14 +205,16 @@ impl TrainReport {
             .files
             .iter()
             .any(|file| file.ends_with("story.mcap"));
-        let opened = match has_story {
-            true => "story.mcap",
-            false => "an episode",
+        let (what, opened) = match has_story {
+            true => (
+                "Watch how it learned, in less than two minutes: the first link of",
+                "story.mcap",
+            ),
+            false => ("Watch it:", "an episode"),
         };
         writeln!(
             out,
-            "Watch how it learned, in less than two minutes: the first link of\n  \
-               xcscr replay {typed} --serve\n\
+            "{what}\n  xcscr replay {typed} --serve\n\
              or open {opened} in Foxglove or Lichtblick, and import foxglove-layout.json\n\
              (for run.mcap: foxglove-layout-run.json) from there."
         )?;

@@ -33,6 +33,14 @@ pub enum RunError {
         /// What is wrong with it.
         fault: String,
     },
+    /// A story draws every cell, and the maze has too many.
+    #[error(
+        "{world} has too many cells for a story, which draws each of them; watch an episode of it"
+    )]
+    NoStory {
+        /// The name of the maze.
+        world: String,
+    },
     /// There is no temporary folder.
     #[error("cannot make a temporary folder: {0}")]
     Temporary(io::Error),

@@ -133,7 +133,7 @@ impl Session {
         let knowledge = trial.method().knowledge();
         let saved = folder.save_knowledge(&knowledge).map_err(RunError::from);
         saved.map_err(resumable)?;
-        if mode == RecordMode::All {
+        if mode == RecordMode::All && !trial.plan().maze.is_vast() {
             let told = tell(&folder, &trial, &knowledge).map_err(resumable)?;
             recording.files.push(told.0);
             recording.bytes += told.1;

@@ -36,6 +36,16 @@ pub(super) fn tell(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<
     Material::in_folder(folder, plan, knowledge)?.tell()
 }
 
+/// A story keeps scenes of all cells in memory.
+fn require_few_cells(plan: &Plan) -> Result<(), RunError> {
+    match plan.maze.is_vast() {
+        true => Err(RunError::NoStory {
+            world: plan.maze.name().to_owned(),
+        }),
+        false => Ok(()),
+    }
+}
+
 /// What a story is made of.
 pub(super) struct Material {
     plan: Plan,
@@ -50,6 +60,7 @@ impl Material {
     /// That of a finished run.
     pub fn of(folder: &RunFolder) -> Result<Self, RunError> {
         let plan = folder.plan()?;
+        require_few_cells(&plan)?;
         let knowledge = folder.knowledge()?;
         match has_every_episode(folder.path(), plan.config.episodes) {
             true => Self::in_folder(folder.path(), &plan, &knowledge),
@@ -59,6 +70,7 @@ impl Material {
 
     /// That of a trial, which is run for that.
     pub fn again(plan: &Plan) -> Result<Self, RunError> {
+        require_few_cells(plan)?;
         let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
         let mut trial = Trial::new(plan.clone())?;
         let (maze, info) = (&trial.plan().maze, run_info(trial.plan()));

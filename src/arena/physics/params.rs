@@ -223,7 +223,7 @@ mod tests {
             *broken.pointer_mut(&path).unwrap() = 1e6.into();
             // Whole numbers do not take fractions.
             if defaults.pointer(&path).unwrap().is_u64() {
-                *broken.pointer_mut(&path).unwrap() = 1_000_000.into();
+                *broken.pointer_mut(&path).unwrap() = 1_000_000_001.into();
             }
             let params: PhysicsParams = serde_json::from_value(broken).unwrap();
             let key = params.check().map_err(|error| error.key);

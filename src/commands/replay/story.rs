@@ -35,7 +35,8 @@ pub fn tell_missing(paths: &[PathBuf], mut files: Vec<PathBuf>) -> Result<WithSt
         .filter(|path| path.join("rules.json").is_file())
     {
         let folder = RunFolder::open(path);
-        if path.join(Extent::Story.file_name()).is_file() || folder.is_interrupted() {
+        let has_story = path.join(Extent::Story.file_name()).is_file();
+        if has_story || folder.is_interrupted() || folder.plan()?.maze.is_vast() {
             continue;
         }
         let place = tempfile::tempdir()?;
