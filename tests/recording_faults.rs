@@ -166,8 +166,8 @@ fn a_killed_run_leaves_earlier_episodes_whole_and_whole_chunks_of_the_rest() {
     let run = left("run.mcap.part").unwrap();
     let read = mcap::MessageStream::new(&run).unwrap();
     let whole: Vec<_> = read.map_while(Result::ok).collect();
-    let episodes = whole.iter().filter(|m| m.channel.topic == "/episode");
-    let figures = episodes.map(|m| serde_json::from_slice::<serde_json::Value>(&m.data).unwrap());
-    let ended: Vec<_> = figures.filter_map(|one| one["ended"].as_u64()).collect();
+    let ended = whole.iter().filter(|m| m.channel.topic == "/ended");
+    let told = ended.map(|m| serde_json::from_slice::<serde_json::Value>(&m.data).unwrap());
+    let ended: Vec<_> = told.map(|one| one["episode"].as_u64().unwrap()).collect();
     assert_eq!(ended, [1, 2]);
 }
