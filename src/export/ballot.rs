@@ -59,6 +59,9 @@ pub struct Vote {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ballot {
     votes: Vec<Vote>,
+    /// The same votes, with an index that finds those that match: worth as prediction, weight as
+    /// fitness.
+    index: Population,
     size: Size,
     width: usize,
     actions: usize,
@@ -118,8 +121,10 @@ impl Ballot {
             .collect();
         let mut unlike = None;
         for size in SIZES {
+            let votes = votes(&rules, size);
             let ballot = Self {
-                votes: votes(&rules, size),
+                index: index(&votes),
+                votes,
                 size,
                 width,
                 actions,
@@ -149,15 +154,11 @@ impl Ballot {
     /// The action for a percept; `None` where no rule matches.
     pub fn decide(&self, percept: &Percept) -> Option<Action> {
         let mut sums = vec![(0_u64, 0_u64); self.actions];
-        for vote in self
-            .votes
-            .iter()
-            .filter(|vote| vote.condition.matches(percept))
-        {
+        self.index.for_each_match(percept, |_, vote| {
             let (worth, weight) = &mut sums[vote.action.index()];
-            *worth += u64::from(vote.worth) * u64::from(vote.weight);
-            *weight += u64::from(vote.weight);
-        }
+            *worth += vote.prediction as u64 * vote.fitness as u64;
+            *weight += vote.fitness as u64;
+        });
         let greater = |a: (u64, u64), b: (u64, u64)| {
             u128::from(a.0) * u128::from(b.1) > u128::from(b.0) * u128::from(a.1)
         };
@@ -280,6 +281,19 @@ fn votes(rules: &[Classifier], size: Size) -> Vec<Vote> {
         weight: ((rule.fitness * weight_scale).round() as u32).max(1),
     };
     rules.iter().map(vote).collect()
+}
+
+/// The votes as a population, which finds those that match without looking at each. Whole numbers of
+/// 32 bits stay exact.
+fn index(votes: &[Vote]) -> Population {
+    let rule = |vote: &Vote| Classifier {
+        prediction: f64::from(vote.worth),
+        fitness: f64::from(vote.weight),
+        ..Classifier::new(vote.condition, vote.action, 0, &Params::default())
+    };
+    let rules: Vec<Classifier> = votes.iter().map(rule).collect();
+    let population = Population::try_from(rules);
+    population.expect("rules of a population, or rows of a table, form a population")
 }
 
 /// What the votes are compared on.
