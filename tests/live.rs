@@ -251,7 +251,7 @@ fn ctrl_c_ends_a_replay_that_waits_and_a_training_that_is_watched() {
     let train = ["train", "worlds/maze4.json", "--quiet", "--speed", "0.01"];
     let mut live = Live::new(&[&train[..], &["--out", run.to_str().unwrap()]].concat());
     let mut viewer = Viewer::new(&live, None);
-    viewer.wait_for("/step");
+    viewer.wait_for("/rule");
     signal(&live.child, "INT");
     assert_eq!(live.code(), Some(75), "interrupted, with a checkpoint");
 }

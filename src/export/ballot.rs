@@ -115,10 +115,6 @@ impl Ballot {
     ) -> Result<Self, ExportError> {
         let rules = rules(knowledge, actions)?;
         let percepts = percepts(&rules, width, of_world);
-        let wanted: Vec<(Percept, PredictionArray)> = percepts
-            .into_iter()
-            .map(|percept| (percept, knowledge.worth(&percept, actions)))
-            .collect();
         let mut unlike = None;
         for size in SIZES {
             let votes = votes(&rules, size);
@@ -128,10 +124,13 @@ impl Ballot {
                 size,
                 width,
                 actions,
-                compared: wanted.len(),
+                compared: percepts.len(),
             };
-            let differs = |(percept, worth): &&(Percept, _)| !agrees(ballot.decide(percept), worth);
-            unlike = wanted.iter().find(differs).map(|(percept, _)| *percept);
+            let differs = |percept: &&Percept| {
+                let worth = knowledge.worth(percept, actions);
+                !agrees(ballot.decide(percept), &worth)
+            };
+            unlike = percepts.iter().find(differs).copied();
             if unlike.is_none() && ballot.sums_fit() {
                 return Ok(ballot);
             }
