@@ -16,8 +16,9 @@ use serde::{Deserialize, Serialize};
 pub use grid::GridArena;
 pub use kind::ArenaKind;
 pub use physics::{
-    BumperParams, Care, CareParams, EncoderParams, EstimatorParams, FaultParams, GyroParams,
-    LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams, SensingMemory, Snapshot,
+    BatchArena, BumperParams, Care, CareParams, EncoderParams, EstimatorParams, FaultParams,
+    GyroParams, Lanes, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,
+    SensingMemory, Snapshot,
 };
 pub use sensed::{Beam, Estimate, Sensed};
 pub use slip::{ArenaParams, SlippingArena};

@@ -14,6 +14,7 @@
 //! Inside of this folder the unit of length is the cell, so that a maze in another scale has the
 //! same course of events to the bit. Metres begin at the trait [`Arena`].
 
+mod batch;
 mod care;
 mod contact;
 mod controller;
@@ -33,7 +34,9 @@ mod tests;
 mod walls;
 
 use nalgebra::{Point2, Vector2};
+use rapier2d::prelude::SharedShape;
 
+pub use batch::{BatchArena, Lanes};
 pub use care::{Care, CareParams};
 pub use error::PhysicsError;
 pub use params::{Localisation, PhysicsParams};
@@ -94,11 +97,16 @@ impl PhysicsArena {
     /// eight moves, or too many walls.
     pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
         params.check()?;
-        let blocks = blocks(&maze)?;
+        let walls = simulation::walls(&blocks(&maze)?, maze.height());
+        Ok(Self::among(walls, maze, params, seed))
+    }
+
+    /// The same with walls that were built for the maze, which may be shared, and checked settings.
+    fn among(walls: SharedShape, maze: Maze, params: PhysicsParams, seed: u64) -> Self {
         let start = maze.starts().next();
         let cell = start.unwrap_or(maze.goals()[0]);
         let pose = eastward(centre(&maze, cell));
-        let simulation = Simulation::new(&blocks, maze.height(), pose, &params);
+        let simulation = Simulation::new(walls, pose, &params);
         let mut arena = Self {
             pristine: simulation.state(),
             noise: Noise::new(&params, Stream::new(seed, StreamName::Physics)),
@@ -114,7 +122,7 @@ impl PhysicsArena {
             simulation,
         };
         arena.reset(cell);
-        Ok(arena)
+        arena
     }
 
     /// Has the engine given up the robot, because its motion is no number any more? Never seen.

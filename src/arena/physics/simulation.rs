@@ -44,13 +44,10 @@ pub(super) struct State {
 }
 
 impl Simulation {
-    /// The walls of a maze with `rows` rows, and a robot clear of them.
-    pub(super) fn new(blocks: &[Block], rows: u16, at: Pose, params: &PhysicsParams) -> Self {
+    /// Walls, and a robot clear of them.
+    pub(super) fn new(walls: SharedShape, at: Pose, params: &PhysicsParams) -> Self {
         let mut world = empty_world();
-        // One shape for all walls: separate ones would be solved in the order in which the robot
-        // came near them, and that order is history that a reset and the shortcut do not know.
-        let walls = blocks.iter().map(|block| wall(block, rows)).collect();
-        world.insert_collider(ColliderBuilder::compound(walls), None);
+        world.insert_collider(ColliderBuilder::new(walls), None);
         let body = RigidBodyBuilder::dynamic()
             .pose(at)
             .can_sleep(false)
@@ -141,6 +138,13 @@ impl Simulation {
         self.world.colliders = state.colliders.clone();
         self.pushed = state.pushed;
     }
+}
+
+/// The walls of a maze with `rows` rows, in one shape: separate ones would be solved in the order
+/// in which the robot came near them, and that order is history that a reset and the shortcut do
+/// not know.
+pub(super) fn walls(blocks: &[Block], rows: u16) -> SharedShape {
+    SharedShape::compound(blocks.iter().map(|block| wall(block, rows)).collect())
 }
 
 /// The pose at a point, heading east.

@@ -1,0 +1,114 @@
+//! Many robots in one maze that do not feel each other.
+
+use super::{PhysicsArena, PhysicsError, PhysicsParams, blocks, simulation};
+use crate::arena::{Arena, Outcome, View};
+use crate::world::{Cell, Maze};
+use xcs::Action;
+
+/// Robots in copies of one maze, one to a lane, that act together. Each lane has the bits of a
+/// [`PhysicsArena`] with its seed: the robots share the shape of the walls and nothing else.
+pub struct BatchArena {
+    arenas: Vec<PhysicsArena>,
+    lanes: Lanes,
+}
+
+/// What can be seen of all robots after a reset or an action, in columns; each has one entry per
+/// lane.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Lanes {
+    /// The cell in which the robot believes to stand.
+    pub cells: Vec<Cell>,
+    /// Metres from the west.
+    pub x_m: Vec<f64>,
+    /// Metres from the south.
+    pub y_m: Vec<f64>,
+    /// The heading as `[cosine, sine]` of the angle from east, counter-clockwise.
+    pub headings: Vec<[f64; 2]>,
+    /// Simulation time since the lane began, in nanoseconds.
+    pub times_ns: Vec<u64>,
+    /// What came of the last action; `None` after a reset.
+    pub outcomes: Vec<Option<Outcome>>,
+}
+
+impl BatchArena {
+    /// One lane for each seed, with the robot in the first start cell.
+    ///
+    /// # Errors
+    /// As those of [`PhysicsArena::new`].
+    pub fn new(maze: &Maze, params: &PhysicsParams, seeds: &[u64]) -> Result<Self, PhysicsError> {
+        params.check()?;
+        let walls = simulation::walls(&blocks(maze)?, maze.height());
+        let arena = |&seed| PhysicsArena::among(walls.clone(), maze.clone(), params.clone(), seed);
+        let mut batch = Self {
+            arenas: seeds.iter().map(arena).collect(),
+            lanes: Lanes::new(seeds.len()),
+        };
+        for lane in 0..seeds.len() {
+            batch.note(lane, None);
+        }
+        Ok(batch)
+    }
+
+    /// The number of lanes.
+    pub fn len(&self) -> usize {
+        self.arenas.len()
+    }
+
+    /// Are there no lanes?
+    pub fn is_empty(&self) -> bool {
+        self.arenas.is_empty()
+    }
+
+    /// Puts the robot of a lane at rest into the middle of `start`, a free cell; a lane that does
+    /// not exist has none.
+    pub fn reset(&mut self, lane: usize, start: Cell) {
+        if let Some(arena) = self.arenas.get_mut(lane) {
+            arena.reset(start);
+            self.note(lane, None);
+        }
+    }
+
+    /// Lets each robot act, by the number of its lane. One without an action stays as it is.
+    pub fn act(&mut self, actions: &[Action]) -> &Lanes {
+        for (lane, &action) in actions.iter().enumerate().take(self.len()) {
+            let outcome = self.arenas[lane].act(action);
+            self.note(lane, Some(outcome));
+        }
+        &self.lanes
+    }
+
+    /// What can be seen of all robots now.
+    pub fn lanes(&self) -> &Lanes {
+        &self.lanes
+    }
+
+    /// All that can be seen of one robot: its path, its hits and what it senses.
+    pub fn view(&self, lane: usize) -> Option<View<'_>> {
+        self.arenas.get(lane).map(Arena::view)
+    }
+
+    fn note(&mut self, lane: usize, outcome: Option<Outcome>) {
+        let arena = &self.arenas[lane];
+        let now = arena.view().now();
+        let pose = now.robot_in_world;
+        self.lanes.cells[lane] = arena.cell;
+        self.lanes.x_m[lane] = pose.translation.x;
+        self.lanes.y_m[lane] = pose.translation.y;
+        self.lanes.headings[lane] = [pose.rotation.re, pose.rotation.im];
+        self.lanes.times_ns[lane] = now.time_ns;
+        self.lanes.outcomes[lane] = outcome;
+    }
+}
+
+impl Lanes {
+    fn new(count: usize) -> Self {
+        Self {
+            cells: vec![Cell { col: 0, row: 0 }; count],
+            x_m: vec![0.0; count],
+            y_m: vec![0.0; count],
+            headings: vec![[1.0, 0.0]; count],
+            times_ns: vec![0; count],
+            outcomes: vec![None; count],
+        }
+    }
+}
