@@ -60,6 +60,7 @@
 // In flow order, which is the import order; `tests/layering.rs` watches over it.
 pub mod streams;
 pub mod disk;
+pub mod page;
 pub mod world;
 pub mod arena;
 pub mod sensor;

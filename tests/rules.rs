@@ -328,3 +328,23 @@ fn diff_shows_the_rules_that_only_one_has_and_where_they_part() {
         "{message}"
     );
 }
+
+#[test]
+fn a_page_shows_the_policy_the_rules_and_where_they_lead_in_each_cell() {
+    let desk = Desk::new("xcscr-plus");
+    let page = desk.fine(&["rules", "run", "--format", "html"]);
+    let rules = count(&desk.fine(&["rules", "run", "--format", "json"]));
+    // Maze4 has 26 free cells that are no goals; each table has a heading.
+    assert_eq!(page.matches("<tr>").count(), 1 + rules + 1 + 26, "{page}");
+    let [policy, foreseen] = ["<svg", "the opposite action undoes a move"];
+    assert!(page.contains(policy) && page.contains(foreseen), "{page}");
+    for loaded in ["http", "src=", "href="] {
+        assert!(!page.contains(loaded), "the page names {loaded}");
+    }
+    // A lone file of rules tells no run, and so there is no policy to draw.
+    let lone = ["rules", "run/rules.json", "--world", world("maze4")];
+    let lone = desk.fine(&[&lone[..], &["--sensor", "neighbours", "--format", "html"]].concat());
+    assert!(!lone.contains(policy) && lone.contains(foreseen), "{lone}");
+    let (code, message) = desk.refused(&["rules", "run", "--format", "html", "--csv"]);
+    assert!(code == Some(2) && message.contains("--format"), "{message}");
+}

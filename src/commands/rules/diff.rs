@@ -9,7 +9,9 @@ use xcscr::trial::Plan;
 use xcscr::world::Cell;
 use xcscr::xcs::{Action, Classifier, Condition};
 
-use super::{Order, checked, rows, table};
+use super::checked;
+use super::formats::table;
+use super::listing::{Order, rows};
 use crate::commands::choices;
 use crate::commands::failure::Failure;
 

@@ -3,13 +3,13 @@
 use std::io::Write;
 
 use xcscr::episode::Ending;
+use xcscr::page::Table;
 use xcscr::sensor::action_name;
-use xcscr::study::Table;
 use xcscr::trial::{Change, Plan, RuleHistory, Vote, Why};
 use xcscr::world::Cell;
 use xcscr::xcs::{Action, Classifier};
 
-use super::words;
+use super::listing::words;
 use crate::commands::failure::Failure;
 use xcscr::agent::Knowledge;
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::comparisons::{p_value, points, points_range};
-use super::document::Table;
+use crate::page::Table;
 use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::Arm;
 use crate::study::statistics::{Interval, Proportion, fisher_exact, holm};

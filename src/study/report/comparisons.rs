@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::document::Table;
 use crate::agent::Method;
+use crate::page::Table;
 use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::{Arm, NOTHING};
 use crate::study::statistics::{Interval, fisher_exact, holm, log_rank, trials_needed};

@@ -2,10 +2,8 @@
 
 pub(super) mod ablation;
 mod comparisons;
-mod document;
 mod figures;
 mod nearest;
-mod page;
 mod paper;
 mod question;
 mod results;
@@ -15,11 +13,10 @@ use serde::Serialize;
 
 pub use ablation::SwitchEffect;
 pub use comparisons::Comparison;
-pub use document::Table;
 pub use nearest::Nearness;
 pub use paper::AgainstPaper;
 
-use document::{Block, Picture};
+use crate::page::{self, Block, Picture, Table};
 
 use super::analysis::summary::{ArmRecords, ArmSummary};
 use super::error::StudyError;
@@ -107,12 +104,12 @@ impl Report {
 
     /// The report for a terminal.
     pub fn terminal(&self) -> String {
-        document::terminal(&self.blocks())
+        page::terminal(&self.blocks())
     }
 
     /// The report as Markdown; its figures are the files that [`Self::write`] draws.
     pub fn markdown(&self) -> String {
-        let blocks = document::markdown(&self.blocks());
+        let blocks = page::markdown(&self.blocks());
         format!("# {}\n\n{blocks}", self.title())
     }
 

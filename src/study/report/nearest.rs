@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::document::Table;
 use super::paper::AgainstPaper;
+use crate::page::Table;
 use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::{Protocol, Variant};
 

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::comparisons::p_value;
-use super::document::Table;
 use crate::agent::Method;
+use crate::page::Table;
 use crate::sensor::Sensor;
 use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::{Arm, Protocol, Variant};

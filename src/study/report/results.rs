@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use super::document::Table;
+use crate::page::Table;
 use crate::study::analysis::summary::ArmSummary;
 use crate::study::protocol::{Arm, Variant};
 

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use toml::{Table, Value};
 
-use super::document;
+use crate::page;
 use crate::study::protocol::{Arm, Protocol};
 use crate::trial::{FROM_MAZE, STEP_THRESHOLD, Settings, flatten};
 
@@ -113,11 +113,11 @@ const READINGS: [(&str, &str); 15] = [
 ];
 
 /// Which readings of the paper were used, if one of its methods took part.
-pub fn readings(arms: &[Arm]) -> Option<document::Table> {
+pub fn readings(arms: &[Arm]) -> Option<page::Table> {
     let arms = arms.iter().filter(|arm| arm.method.is_of_paper());
     let all: Vec<BTreeMap<String, Value>> = arms.map(|arm| values(&arm.settings)).collect();
     let defaults = values(&Settings::default());
-    let mut table = document::Table::new(["where the paper is open", "setting", "here", "default"]);
+    let mut table = page::Table::new(["where the paper is open", "setting", "here", "default"]);
     table.rows = READINGS
         .iter()
         .map(|(key, source)| {

@@ -15,9 +15,9 @@ use histogram::Histograms;
 use panels::Panels;
 use steps::Steps;
 
+use crate::page::Picture;
 use crate::study::analysis::summary::ArmRecords;
 use crate::study::error::StudyError;
-use crate::study::report::document::Picture;
 use crate::study::store::folder::StudyFolder;
 
 /// A figure that a study can have.

@@ -1,8 +1,8 @@
-//! A report as headings, paragraphs, tables and pictures; as Markdown, and for a terminal.
+//! Headings, paragraphs, tables and pictures; as Markdown, and for a terminal.
 
 use std::fmt::Write;
 
-/// A part of a report.
+/// A part of a page.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
     /// The heading of a section.

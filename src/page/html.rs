@@ -1,8 +1,8 @@
-//! A report as one HTML page that needs nothing else: no network, no other file.
+//! Blocks as one HTML page that needs nothing else: no network, no other file.
 
 use std::fmt::Write;
 
-use super::document::{Block, Picture, Table};
+use super::blocks::{Block, Picture, Table};
 
 /// Colours for light and dark, and the little there is of layout.
 const STYLE: &str = include_str!("page.css");

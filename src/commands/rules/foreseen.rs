@@ -1,0 +1,52 @@
+//! What a learner foresees, in words.
+
+use xcscr::agent::{CollisionRule, Knowledge, ReturnRule};
+use xcscr::sensor::action_name;
+use xcscr::trial::Plan;
+
+/// A line for each rule of the foresight; none without foresight.
+pub fn lines(knowledge: &Knowledge, plan: &Plan) -> Vec<String> {
+    let Some(foresight) = knowledge.foresight() else {
+        return Vec::new();
+    };
+    let collisions = foresight
+        .collisions
+        .iter()
+        .map(|rule| collision(rule, plan));
+    let returns = foresight.returns.iter().map(|rule| way_back(rule, plan));
+    let mut lines: Vec<String> = Vec::new();
+    for line in collisions.chain(returns) {
+        // Rules can differ in bits that no percept has, and read the same.
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    lines
+}
+
+fn way_back(rule: &ReturnRule, plan: &Plan) -> String {
+    let ReturnRule { turn, hits, misses } = rule;
+    let (turn, all) = (turn.index(), hits + misses);
+    let undoing = match 2 * turn == plan.maze.action_count() {
+        true => "the opposite action".to_owned(),
+        false => format!("the action {turn} places further round"),
+    };
+    format!("{undoing} undoes a move ({hits} of {all})")
+}
+
+fn collision(rule: &CollisionRule, plan: &Plan) -> String {
+    let Plan { maze, config } = plan;
+    let allele = |at| rule.condition.allele(at);
+    let (who, when) = match rule.action {
+        Some(action) => (
+            action_name(maze, action),
+            config.sensor.words(maze, &allele),
+        ),
+        None => (
+            "any action".to_owned(),
+            config.sensor.words_facing(maze, &allele),
+        ),
+    };
+    let (hits, all) = (rule.hits, rule.hits + rule.misses);
+    format!("{who} collides if {when} ({hits} of {all} percepts)")
+}

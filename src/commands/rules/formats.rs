@@ -1,0 +1,113 @@
+//! Rules for a terminal, as a file of rules, and as CSV.
+
+use std::io::Write;
+
+use xcscr::agent::Knowledge;
+use xcscr::page::Table;
+use xcscr::trial::Condensed;
+use xcscr::xcs::{Classifier, Population};
+
+use super::listing::Row;
+use super::{Shown, foreseen};
+use crate::commands::failure::Failure;
+
+/// For a terminal.
+pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
+    writeln!(out, "{}", headline(shown))?;
+    if let Some(percept) = &shown.here {
+        writeln!(out, "  where the percept is {percept}")?;
+    }
+    writeln!(out, "\n{}", table(&shown.rows).text().trim_end())?;
+    let foreseen = foreseen::lines(shown.knowledge, shown.plan);
+    if !foreseen.is_empty() {
+        writeln!(out, "\nForeseen:\n  {}", foreseen.join("\n  "))?;
+    }
+    Ok(())
+}
+
+/// A rules.json file.
+pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
+    let rules: Vec<Classifier> = shown.rows.iter().map(|row| row.rule).collect();
+    let rules: Population = rules
+        .try_into()
+        .expect("some rules of a population form one");
+    let knowledge = shown.knowledge;
+    let printed = match knowledge {
+        Knowledge::RulesOverMatchSet(_) if shown.condensed.is_none() => {
+            Knowledge::RulesOverMatchSet(rules)
+        }
+        Knowledge::Remembering { map, .. } => Knowledge::Remembering {
+            rules,
+            map: map.clone(),
+        },
+        _ => match knowledge.foresight().cloned() {
+            Some(foresight) => Knowledge::Foresighted { rules, foresight },
+            None => Knowledge::Rules(rules),
+        },
+    };
+    Ok(writeln!(
+        out,
+        "{}",
+        serde_json::to_string_pretty(&printed)?
+    )?)
+}
+
+/// A CSV table.
+pub fn csv(rows: Vec<Row>, out: &mut impl Write) -> Result<(), Failure> {
+    let mut table = csv::Writer::from_writer(out);
+    for row in rows {
+        table.serialize(row).map_err(std::io::Error::from)?;
+    }
+    Ok(table.flush()?)
+}
+
+/// What is listed, in one or two lines.
+pub fn headline(shown: &Shown<'_>) -> String {
+    let Shown {
+        plan,
+        knowledge,
+        condensed,
+        ..
+    } = shown;
+    let (world, sensor, all) = (plan.maze.name(), plan.config.sensor.name(), knowledge.len());
+    let Some(condensed) = condensed else {
+        return format!("{world}, {sensor}: {all} rules");
+    };
+    let Condensed {
+        rules,
+        percepts,
+        agreeing,
+        optimal,
+    } = condensed;
+    let optimal = if *optimal {
+        "globally optimal"
+    } else {
+        "not globally optimal"
+    };
+    format!(
+        "{world}, {sensor}: {} rules, condensed from {all}\n  the same choice in {agreeing} of the \
+         {percepts} percepts of the world that they know; the policy is {optimal}",
+        rules.len()
+    )
+}
+
+/// The rules as a table.
+pub fn table(rows: &[Row]) -> Table {
+    let mut table = Table::new([
+        "if", "go", "covers", "worth", "error", "fitness", "num", "exp",
+    ]);
+    let cells = |row: &Row| {
+        vec![
+            row.words.clone(),
+            row.go.clone(),
+            row.covers.to_string(),
+            format!("{:.1}", row.prediction),
+            format!("{:.1}", row.error),
+            format!("{:.2}", row.fitness),
+            row.numerosity.to_string(),
+            row.experience.to_string(),
+        ]
+    };
+    table.rows = rows.iter().map(cells).collect();
+    table
+}

@@ -1,0 +1,101 @@
+//! Rules as they are listed: in words, in an order.
+
+use std::cmp::Reverse;
+
+use clap::ValueEnum;
+use serde::Serialize;
+use xcscr::agent::{Knowledge, PERCEPT_BITS, memory_words};
+use xcscr::sensor::{Sensor, action_name};
+use xcscr::trial::Plan;
+use xcscr::xcs::{Action, Classifier, Condition, Percept};
+
+/// By what rules are ordered.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Order {
+    /// Percepts of the world that it matches.
+    Covers,
+    Action,
+    Worth,
+    Error,
+    Fitness,
+    Numerosity,
+    Experience,
+}
+
+/// A rule as it is shown.
+#[derive(Debug, Serialize)]
+pub struct Row {
+    pub condition: Condition,
+    pub action: Action,
+    #[serde(rename = "if")]
+    pub words: String,
+    pub go: String,
+    pub covers: usize,
+    pub prediction: f64,
+    pub error: f64,
+    pub fitness: f64,
+    pub numerosity: u32,
+    pub experience: u32,
+    #[serde(skip)]
+    pub rule: Classifier,
+}
+
+/// The rules that match a percept, or all, in the wanted order.
+pub fn rows(
+    rules: &[Classifier],
+    (plan, knowledge): (&Plan, &Knowledge),
+    here: Option<&Percept>,
+    by: Order,
+) -> Vec<Row> {
+    let Plan { maze, config } = plan;
+    // What rules with a memory look at where an episode begins.
+    let percepts: Vec<Percept> = config.sensor.percepts(maze);
+    let percepts: Vec<Percept> = percepts.iter().map(|p| knowledge.looked_at(p)).collect();
+    let here = here.map(|percept| knowledge.looked_at(percept));
+    let here = here.as_ref();
+    let matches = |rule: &&Classifier| here.is_none_or(|percept| rule.condition.matches(percept));
+    let row = |rule: &Classifier| Row {
+        condition: rule.condition,
+        action: rule.action,
+        words: words(rule, plan, knowledge),
+        go: action_name(maze, rule.action),
+        covers: percepts
+            .iter()
+            .filter(|p| rule.condition.matches(p))
+            .count(),
+        prediction: rule.prediction,
+        error: rule.error,
+        fitness: rule.fitness,
+        numerosity: rule.numerosity,
+        experience: rule.experience,
+        rule: *rule,
+    };
+    let mut rows: Vec<Row> = rules.iter().filter(matches).map(row).collect();
+    match by {
+        Order::Covers => rows.sort_by_key(|row| Reverse(row.covers)),
+        Order::Action => rows.sort_by_key(|row| row.action),
+        Order::Worth => rows.sort_by(|a, b| b.prediction.total_cmp(&a.prediction)),
+        Order::Error => rows.sort_by(|a, b| a.error.total_cmp(&b.error)),
+        Order::Fitness => rows.sort_by(|a, b| b.fitness.total_cmp(&a.fitness)),
+        Order::Numerosity => rows.sort_by_key(|row| Reverse(row.numerosity)),
+        Order::Experience => rows.sort_by_key(|row| Reverse(row.experience)),
+    }
+    rows
+}
+
+/// What a rule demands; of one with a memory also of the place and of the last steps.
+pub fn words(rule: &Classifier, plan: &Plan, knowledge: &Knowledge) -> String {
+    let Plan { maze, config } = plan;
+    let allele = |at| rule.condition.allele(at);
+    if !knowledge.remembers() {
+        return config.sensor.words(maze, &allele);
+    }
+    let percept = |at| allele(at).filter(|_| at < PERCEPT_BITS);
+    let mut words = vec![Sensor::Neighbours.words(maze, &percept)];
+    let remembered = memory_words(&allele);
+    if !remembered.is_empty() {
+        words.retain(|word| word != "anything");
+    }
+    words.extend(remembered);
+    words.join(", ")
+}

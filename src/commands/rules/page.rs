@@ -1,0 +1,97 @@
+//! Rules as one HTML page.
+
+use std::io::Write;
+
+use xcscr::page::{Block, Picture, Table, html};
+use xcscr::picture::{Film, Scenes};
+use xcscr::sensor::action_name;
+use xcscr::trial::{Plan, Why};
+use xcscr::world::Cell;
+
+use super::formats::{headline, table};
+use super::listing::words;
+use super::{Shown, foreseen};
+use crate::commands::failure::Failure;
+
+/// The most free cells of a maze that are listed one by one.
+const MOST_CELLS: usize = 400;
+
+/// Prints the page; `is_run`: can the run be repeated, so that its policy can be drawn?
+pub fn print(shown: &Shown<'_>, is_run: bool, out: &mut impl Write) -> Result<(), Failure> {
+    let mut blocks = vec![Block::Text(headline(shown))];
+    if let Some(percept) = &shown.here {
+        blocks.push(Block::Text(format!("Only where the percept is {percept}.")));
+    }
+    if is_run {
+        blocks.push(Block::Picture(policy(shown.plan)?));
+    }
+    blocks.push(Block::Heading("Rules".to_owned()));
+    blocks.push(Block::Table(table(&shown.rows)));
+    blocks.push(Block::Text(LEGEND.to_owned()));
+    let foreseen = foreseen::lines(shown.knowledge, shown.plan);
+    if !foreseen.is_empty() {
+        blocks.push(Block::Heading("Foreseen".to_owned()));
+        blocks.extend(foreseen.into_iter().map(Block::Text));
+    }
+    add_cells(shown, &mut blocks);
+    let title = format!("What was learned in {}", shown.plan.maze.name());
+    Ok(write!(out, "{}", html(&title, &blocks))?)
+}
+
+/// What the columns of the rules say.
+const LEGEND: &str = "**if**: the condition; **covers**: percepts of this world that it matches; \
+    **worth**: the prediction of the reward; **error**: its mean absolute error; **fitness**: the \
+    weight of its vote; **num**: numerosity, classifiers that the rule stands for; **exp**: how often \
+    it was updated.";
+
+/// The policy over the maze after the last episode.
+fn policy(plan: &Plan) -> Result<Picture, Failure> {
+    Ok(Picture {
+        name: "policy",
+        caption: "The learned policy: arrows are the best actions, red to green by their worth",
+        svg: Film::of(plan, Scenes::Last)?.svg(),
+    })
+}
+
+/// Where the rules lead in each cell, and which of them decides.
+fn add_cells(shown: &Shown<'_>, blocks: &mut Vec<Block>) {
+    let maze = &shown.plan.maze;
+    let cells: Vec<Cell> = maze
+        .free_cells()
+        .filter(|&cell| !maze.is_goal(cell))
+        .collect();
+    if cells.len() > MOST_CELLS || shown.here.is_some() {
+        return;
+    }
+    let mut table = Table::new(["cell", "goes", "worth", "because", "perceives"]);
+    table.rows = cells.into_iter().map(|cell| row(shown, cell)).collect();
+    blocks.push(Block::Heading("In each cell".to_owned()));
+    blocks.push(Block::Table(table));
+}
+
+fn row(shown: &Shown<'_>, cell: Cell) -> Vec<String> {
+    let Shown {
+        plan, knowledge, ..
+    } = shown;
+    let why = Why::at(plan, knowledge, cell);
+    let perceived = plan
+        .config
+        .sensor
+        .words(&plan.maze, &|at| Some(why.percept.bit(at)));
+    let best: Vec<String> = why
+        .worth
+        .best_actions()
+        .map(|action| action_name(&plan.maze, action))
+        .collect();
+    vec![
+        format!("{},{}", cell.col, cell.row),
+        best.join(" or "),
+        why.worth
+            .greatest()
+            .map_or(String::new(), |worth| format!("{worth:.1}")),
+        why.decisive().map_or("no rule matches".to_owned(), |rule| {
+            words(rule, plan, knowledge)
+        }),
+        perceived,
+    ]
+}

@@ -1,0 +1,8 @@
+//! What is told in headings, paragraphs, tables and pictures: for a terminal, as Markdown, or as
+//! one HTML page that needs nothing else.
+
+mod blocks;
+mod html;
+
+pub use blocks::{Block, Picture, Table, markdown, terminal};
+pub use html::html;
