@@ -338,8 +338,11 @@ fn a_page_shows_the_policy_the_rules_and_where_they_lead_in_each_cell() {
     assert_eq!(page.matches("<tr>").count(), 1 + rules + 1 + 26, "{page}");
     let [policy, foreseen] = ["<svg", "the opposite action undoes a move"];
     assert!(page.contains(policy) && page.contains(foreseen), "{page}");
-    for loaded in ["http", "src=", "href="] {
+    for loaded in ["http:", "https:", " src="] {
         assert!(!page.contains(loaded), "the page names {loaded}");
+    }
+    for address in page.split("href=\"").skip(1) {
+        assert!(address.starts_with('#'), "{address}");
     }
     // A lone file of rules tells no run, and so there is no policy to draw.
     let lone = ["rules", "run/rules.json", "--world", world("maze4")];
