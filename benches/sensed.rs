@@ -15,7 +15,7 @@ use xcscr::trial::{Resolved, Settings};
 use xcscr::world::Maze;
 use xcscr::xcs::Action;
 
-#[path = "../tests/common/tally.rs"]
+#[path = "../tests/kit/tally.rs"]
 mod tally;
 
 use tally::{Tally, mean, quantile, script, true_cell};

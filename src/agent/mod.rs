@@ -19,18 +19,22 @@ mod remembering;
 mod tabular;
 
 pub use choice::{Choice, Chooser, Chosen};
-pub use credit::{Combined, Standard};
+use credit::{Combined, Standard};
 pub use explorer::Explorer;
 pub use frozen::Frozen;
-pub use knowledge::{Knowledge, Misfit};
+pub use knowledge::Knowledge;
+pub(crate) use knowledge::Misfit;
 pub use memory::MemoryError;
 pub use method::{Method, Setup};
-pub use model::{CollisionRule, Foresight, ReturnRule, pomdp};
+pub(crate) use model::pomdp;
+pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
-pub use plus::{Discovery, Plus, PlusParams};
+use plus::Plus;
+pub use plus::{Discovery, PlusParams};
 pub use recall::{PERCEPT_BITS, words as memory_words};
-pub use remembering::Recall;
-pub use tabular::{Tabular, TabularParams};
+use remembering::Recall;
+use tabular::Tabular;
+pub use tabular::TabularParams;
 
 use crate::arena::Outcome;
 use xcs::{Action, Condition, Percept, PredictionArray};

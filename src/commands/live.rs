@@ -3,9 +3,9 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use xcscr::record::gate::Origin;
 #[cfg(feature = "live")]
 use xcscr::record::live::Stream;
+use xcscr::record::server::Origin;
 use xcscr::record::{Tap, Topic};
 
 use super::failure::{Exit, Failure};

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-pub use lock::{FolderLock, LOCK, LockError, is_foreign_lock};
+pub use lock::LockError;
+pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};
 
 /// The name under which a file is written until it is whole.
 pub fn part(path: &Path) -> PathBuf {
@@ -22,7 +23,7 @@ pub fn part(path: &Path) -> PathBuf {
 ///
 /// # Errors
 /// Those of the file system, and [`io::ErrorKind::InvalidInput`].
-pub fn open(path: &Path) -> io::Result<File> {
+pub(crate) fn open(path: &Path) -> io::Result<File> {
     // Before it is opened: opening a pipe waits.
     match fs::metadata(path)?.is_file() {
         true => File::open(path),
@@ -35,17 +36,17 @@ pub fn open(path: &Path) -> io::Result<File> {
 
 /// The most bytes that are read of any input: more than this program writes into one file that it
 /// reads whole, and little enough for any machine.
-pub const MOST_BYTES: u64 = 1 << 30;
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// How much memory an input of so many bytes may take: ten times its size, and 64 MiB.
-pub fn room_for(bytes: u64) -> u64 {
+pub(crate) fn room_for(bytes: u64) -> u64 {
     bytes.saturating_mul(10).saturating_add(64 << 20)
 }
 
 /// How much an input of so many packed bytes may unpack to, in all, though never at once: more than
 /// the recording of a robot in a hall without landmarks, which unpacks to 120 times its size, and
 /// little enough that a small file is read in a moment.
-pub fn most_unpacked(bytes: u64) -> u64 {
+pub(crate) fn most_unpacked(bytes: u64) -> u64 {
     bytes.saturating_mul(200).saturating_add(16 << 20)
 }
 
@@ -53,7 +54,7 @@ pub fn most_unpacked(bytes: u64) -> u64 {
 ///
 /// # Errors
 /// Those of the file system and of [`open`], and [`io::ErrorKind::FileTooLarge`].
-pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let mut bytes = Vec::new();
     let size = file.metadata()?.len();
@@ -90,7 +91,7 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
 ///
 /// # Errors
 /// When there is something, and it is not a regular file.
-pub fn require_plain(path: &Path) -> io::Result<()> {
+pub(crate) fn require_plain(path: &Path) -> io::Result<()> {
     match fs::symlink_metadata(path) {
         Ok(found) if !found.is_file() => {
             let message = "it is not a regular file, so it was not made by this program; remove it";
@@ -101,7 +102,7 @@ pub fn require_plain(path: &Path) -> io::Result<()> {
 }
 
 /// What helps when a file cannot be made: something against the cause, or else another place.
-pub fn way_out_or(cause: &io::Error, place: &'static str) -> &'static str {
+pub(crate) fn way_out_or(cause: &io::Error, place: &'static str) -> &'static str {
     match way_out(cause) {
         "" => place,
         _ if cause.kind() == io::ErrorKind::NotFound => place,
@@ -113,7 +114,7 @@ pub fn way_out_or(cause: &io::Error, place: &'static str) -> &'static str {
 ///
 /// # Errors
 /// Those of the file system.
-pub fn create(path: &Path) -> io::Result<File> {
+pub(crate) fn create(path: &Path) -> io::Result<File> {
     remove(path)?;
     OpenOptions::new().write(true).create_new(true).open(path)
 }
@@ -122,7 +123,7 @@ pub fn create(path: &Path) -> io::Result<File> {
 ///
 /// # Errors
 /// Those of the file system; that there is no such file is none.
-pub fn remove(path: &Path) -> io::Result<()> {
+pub(crate) fn remove(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(cause) if cause.kind() != io::ErrorKind::NotFound => Err(cause),
         _ => Ok(()),
@@ -229,7 +230,7 @@ pub fn persist(aside: NamedTempFile, path: &Path, force: bool) -> io::Result<()>
 ///
 /// # Errors
 /// Those of the file system.
-pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
+pub(crate) fn rename(from: &Path, to: &Path) -> io::Result<()> {
     fs::rename(from, to)?;
     sync_folder(folder_of(to))
 }

@@ -22,10 +22,10 @@ pub use info::{Extent, RobotShape, RunInfo};
 pub use mode::{RecordMode, RecordModeError};
 pub use read::{Difference, Finding, FindingKind, check, check_recording, compare, reader};
 pub use repair::{Recovery, recover};
-pub use ros::RosBag;
+pub(crate) use ros::RosBag;
 #[cfg(feature = "live")]
 pub use serve::live;
-pub use serve::{gate, server};
-pub use story::{Chapter, Comparison, Teller, chapters, compare_stories};
+pub use serve::server;
+pub(crate) use story::{Chapter, Comparison, Teller, chapters, compare_stories};
 pub use topics::Topic;
 pub use write::{RecordSummary, Recorder, RecorderMemory, Tap};

@@ -14,11 +14,12 @@ mod words;
 
 use std::collections::HashSet;
 
-pub use alike::{Alike, alike, alike_among};
+pub(crate) use alike::alike_among;
+pub use alike::{Alike, alike};
 use foldhash::fast::FixedState;
 use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};
-pub use words::{Alleles, action_name};
+pub use words::action_name;
 
 use crate::arena::{ArenaKind, Sensed, View};
 use crate::world::{Cell, Maze};

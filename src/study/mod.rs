@@ -5,7 +5,7 @@ mod error;
 mod protocol;
 mod report;
 mod runner;
-pub mod statistics;
+mod statistics;
 mod store;
 
 pub use analysis::{ArmRecords, ArmSummary};

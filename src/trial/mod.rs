@@ -19,7 +19,8 @@ use std::ops::{ControlFlow, RangeInclusive};
 use serde::{Deserialize, Serialize};
 
 pub use bounds::{Bounds, Estimate};
-pub use checkpoint::{Checkpoint, CheckpointError, is_sealed, seal, unseal};
+pub(crate) use checkpoint::is_sealed;
+pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
 pub use condensed::{Condensed, MOST_PERCEPTS};
 pub use evaluation::Evaluation;
 pub use greedy::GreedySteps;

@@ -62,6 +62,9 @@ impl Settings {
     }
 
     /// Accepts the settings when each lies in its range.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] for the first that does not.
     pub fn check(&self) -> Result<(), OutOfRange> {
         self.xcs.check()?;
         self.reward.check()?;

@@ -6,7 +6,7 @@ use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Vis
 use serde_json::value::RawValue;
 
 use super::error::WorldError;
-use super::json::{refuse_other_kinds, syntax_fault};
+use super::json::{refuse_other_kinds, syntax_fault, text_after_end};
 use super::source::{Source, quoted};
 
 /// The keys of a world file.
@@ -33,9 +33,9 @@ impl<'a> Document<'a> {
     pub fn parse(source: Source<'a>) -> Result<Self, WorldError> {
         refuse_other_kinds(source)?;
         let mut json = serde_json::Deserializer::from_str(source.text);
-        let document = Self::deserialize(&mut json)
-            .and_then(|document| json.end().map(|()| document))
-            .map_err(|error| syntax_fault(source, &error))?;
+        let document =
+            Self::deserialize(&mut json).map_err(|error| syntax_fault(source, &error))?;
+        json.end().map_err(|error| text_after_end(source, &error))?;
         match &document.fault {
             Some(fault) => Err(fault.report(source)),
             None => Ok(document),

@@ -60,50 +60,67 @@ pub fn refuse_other_kinds(source: Source<'_>) -> Result<(), WorldError> {
     }
 }
 
+/// The error for text behind the world.
+pub fn text_after_end(source: Source<'_>, error: &serde_json::Error) -> WorldError {
+    let at = offset(source.text, error);
+    source.fault(
+        at..at + 1,
+        "there is text after the end of the world",
+        "the world ended before this",
+        "remove everything after the closing `}`",
+    )
+}
+
 /// The error for a text that is not JSON.
 pub fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError {
-    let at = offset(source.text, error);
-    let text = error.to_string();
-    let cause = text.split(" at line ").next().unwrap_or_default();
-    if cause.starts_with("control character") {
-        // Here the column is that of the last good character.
+    let (text, at) = (source.text, offset(source.text, error));
+    let place = format!(" at line {} column {}", error.line(), error.column());
+    let cause = error.to_string().replace(&place, "");
+    let (at, title, label, help) = if error.is_eof() {
+        let help = "add what is missing: every `\"`, `[` and `{` needs its partner";
+        let title = "the file ends in the middle of the world";
+        (at, title, "the file ends here", help)
+    } else if let Some(at) = control_character(text, at + 2) {
         let help = "remove it; a line break within a text is written `\\n`";
         let title = "there is a control character in a string";
-        return source.fault(at + 1..at + 2, title, "not allowed here", help);
-    }
-    if cause == "trailing comma" {
-        let comma = source.text[..at].rfind(',').unwrap_or(at);
+        (at, title, "not allowed here", help)
+    } else if let Some(comma) = trailing_comma(text, at) {
         let title = "there is a comma before a closing bracket";
-        return source.fault(
-            comma..comma + 1,
-            title,
-            "nothing follows",
-            "remove the comma",
-        );
-    }
-    let (title, label, help) = match cause {
-        "trailing characters" => (
-            "there is text after the end of the world",
-            "the world ended before this",
-            "remove everything after the closing `}`",
-        ),
-        _ if error.is_eof() => (
-            "the file ends in the middle of the world",
-            "the file ends here",
-            "add what is missing: every `\"`, `[` and `{` needs its partner",
-        ),
-        _ if is_not_finite(source.text, at) => (
-            "JSON knows only finite numbers",
-            "not a number",
-            "write a finite number, such as 1.0",
-        ),
-        _ => (
-            "the file is not valid JSON",
-            cause,
-            "see json.org for the rules; the usual causes are missing quotes, commas and brackets",
-        ),
+        (comma, title, "nothing follows", "remove the comma")
+    } else if is_not_finite(text, at) {
+        let help = "write a finite number, such as 1.0";
+        let title = "JSON knows only finite numbers";
+        (at, title, "not a number", help)
+    } else {
+        let help =
+            "see json.org for the rules; the usual causes are missing quotes, commas and brackets";
+        (at, "the file is not valid JSON", cause.as_str(), help)
     };
     source.fault(at..at + 1, title, label, help)
+}
+
+/// The first control character in a string among the first bytes, which are sound up to there.
+fn control_character(text: &str, first: usize) -> Option<usize> {
+    let mut bytes = text.bytes().enumerate().take(first);
+    let mut in_string = false;
+    while let Some((at, byte)) = bytes.next() {
+        match byte {
+            b'"' => in_string = !in_string,
+            b'\\' if in_string => {
+                bytes.next();
+            }
+            0..b' ' if in_string => return Some(at),
+            _ => {}
+        }
+    }
+    None
+}
+
+/// The comma before the closing bracket at this byte.
+fn trailing_comma(text: &str, at: usize) -> Option<usize> {
+    let is_bracket = matches!(text.as_bytes().get(at), Some(b']' | b'}'));
+    let before = text.get(..at).filter(|_| is_bracket)?;
+    Some(before.trim_ascii_end().strip_suffix(',')?.len())
 }
 
 /// The byte that a JSON error points at.

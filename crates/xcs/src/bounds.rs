@@ -30,6 +30,9 @@ pub struct OutOfRange {
 }
 
 /// Accepts `value` when it lies in `range`; NaN never does.
+///
+/// # Errors
+/// [`OutOfRange`] with the key, the value and the range.
 pub fn within<T: PartialOrd + fmt::Display>(
     key: &'static str,
     value: T,

@@ -3,7 +3,7 @@
 //! A free body moves in the engine as in [`coast`]. That holds while no wall is within the
 //! engine's prediction distance *and* no wall pushed in the engine's last step (the next one
 //! would start with that push), with contact recycling, continuous collision detection, the cap
-//! on turn rates, gravity and damping off. `tests/physics.rs` compares the bits.
+//! on turn rates, gravity and damping off. `tests/world/physics.rs` compares the bits.
 
 use rapier2d::prelude::{Pose, RigidBody, Rotation};
 

@@ -7,9 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use xcscr::record::Extent;
-use xcscr::record::gate::Origin;
 use xcscr::record::layout;
-use xcscr::record::server::{Content, Server, foxglove_link, lichtblick_link};
+use xcscr::record::server::{Content, Origin, Server, foxglove_link, lichtblick_link};
 use xcscr::run::Source;
 use xcscr::trial::Plan;
 

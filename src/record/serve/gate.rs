@@ -14,7 +14,7 @@ use std::time::Duration;
 
 pub use super::guest::Guest;
 use super::guest::Room;
-pub use super::head::{Head, NoOrigin, Origin};
+pub use super::head::{Head, Origin};
 
 /// The sites of the viewers.
 pub const VIEWERS: [&str; 2] = [
@@ -148,6 +148,7 @@ pub struct Opened {
     thread: Option<JoinHandle<()>>,
 }
 
+#[cfg(feature = "live")]
 impl Opened {
     /// The port on which it listens.
     pub fn port(&self) -> u16 {

@@ -3,6 +3,7 @@
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, PoisonError};
+#[cfg(feature = "live")]
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -110,6 +111,7 @@ impl Guest {
     ///
     /// # Errors
     /// When no thread can be started.
+    #[cfg(feature = "live")]
     pub fn connect(&mut self, other: &TcpStream) -> io::Result<()> {
         self.seat.stream.set_read_timeout(None)?;
         thread::scope(|scope| {
@@ -145,6 +147,7 @@ impl Drop for Guest {
     }
 }
 
+#[cfg(feature = "live")]
 /// Copies until the end, then ends both connections.
 fn pass_on(mut from: &TcpStream, mut to: &TcpStream, seat: &Seat) {
     let mut piece = [0; 16 * 1024];

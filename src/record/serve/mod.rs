@@ -1,7 +1,7 @@
 //! Handing recordings to viewers: finished files over HTTP, and a run that is under way.
 
 mod byte_range;
-pub mod gate;
+mod gate;
 mod guest;
 mod head;
 #[cfg(feature = "live")]

@@ -10,7 +10,8 @@ use std::time::Duration;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, PercentEncode, utf8_percent_encode};
 
 use super::byte_range::Wanted;
-use super::gate::{Gate, Guest, Head, Origin, status_line};
+pub use super::gate::Origin;
+use super::gate::{Gate, Guest, Head, status_line};
 use crate::disk;
 
 /// How often the server looks whether it shall stop.

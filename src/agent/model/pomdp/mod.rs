@@ -7,8 +7,8 @@
 mod belief;
 mod planner;
 
-pub use belief::{Belief, Branch};
-pub use planner::{BeliefPlanner, Costs, Effort, moved};
+pub use belief::Belief;
+pub use planner::{BeliefPlanner, Effort, moved};
 
 use serde::{Deserialize, Serialize};
 

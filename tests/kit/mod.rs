@@ -1,0 +1,13 @@
+//! The kit of the tests: the program, its server, folders, chance, and small trials. Not every test
+//! uses all of it.
+
+#![allow(dead_code, reason = "each test file uses a part")]
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
+pub mod chance;
+pub mod folder;
+pub mod program;
+pub mod scripted;
+pub mod served;
+pub mod tally;
+pub mod trial;

@@ -1,0 +1,111 @@
+//! Random moves of a robot that only senses, compared with what is true: for the test `sensing` and
+//! for the bench of the same name.
+
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
+use nalgebra::Point2;
+use xcscr::arena::{Arena, Estimate, Outcome, PhysicsArena, View};
+use xcscr::sensor::Sensor;
+use xcscr::streams::StreamName;
+use xcscr::world::Cell;
+use xcscr::xcs::Action;
+use xcscr::xcs::random::Stream;
+
+/// The cell in which the robot truly stands.
+pub fn true_cell(view: &View<'_>) -> Cell {
+    let at: Point2<f64> = view.now().robot_in_world.translation.vector.into();
+    view.maze.cell_at(at).unwrap()
+}
+
+/// Actions that chance chooses.
+pub fn script(seed: u64, length: usize) -> impl Iterator<Item = Action> {
+    let mut stream = Stream::new(seed, StreamName::Exploration);
+    (0..length).map(move |_| Action::new(stream.below(4)).unwrap())
+}
+
+/// How often it went wrong, and by how much the robot was mistaken.
+#[derive(Debug, Default)]
+pub struct Tally {
+    pub moves: u32,
+    /// Physics steps.
+    pub steps: u64,
+    /// It stands in another cell than it should.
+    pub wrong_cell: u32,
+    /// It says that something else happened: false and missed bumps, and time-outs.
+    pub wrong_outcome: u32,
+    /// It believes to stand in another cell than it does.
+    pub lost: u32,
+    /// Moves in which any of these happened.
+    pub wrong: u32,
+    pub wrong_percepts: u32,
+    pub error_cm: Vec<f64>,
+    pub heading_deg: Vec<f64>,
+    pub nees: Vec<f64>,
+}
+
+impl Tally {
+    /// Random moves; an observer puts a robot that is lost or in a goal back to the start.
+    pub fn of(arena: &mut PhysicsArena, seed: u64, moves: usize) -> Self {
+        let mut tally = Self::default();
+        for action in script(seed, moves) {
+            tally.add(arena, action);
+            let view = arena.view();
+            if view.sensed.unwrap().lost || view.maze.is_goal(true_cell(&view)) {
+                let start = view.maze.start_cells()[0];
+                arena.reset(start);
+            }
+        }
+        tally
+    }
+
+    pub fn faults(&self) -> u32 {
+        self.wrong_cell + self.wrong_outcome + self.lost
+    }
+
+    /// One action, compared with what is true.
+    fn add(&mut self, arena: &mut PhysicsArena, action: Action) {
+        let (maze, from) = (arena.view().maze, true_cell(&arena.view()));
+        let wanted = maze.step(from, maze.direction(action).unwrap());
+        let ends_in_goal = wanted.is_some_and(|cell| maze.is_goal(cell));
+        let outcome = arena.act(action);
+        let right = match outcome {
+            Outcome::Moved => wanted.is_some() && !ends_in_goal,
+            Outcome::ReachedGoal => ends_in_goal,
+            Outcome::Collided { .. } => wanted.is_none(),
+            Outcome::Stalled => false,
+        };
+        let before = self.faults();
+        self.moves += 1;
+        self.wrong_outcome += u32::from(!right);
+        self.compare(&arena.view(), wanted.unwrap_or(from));
+        self.wrong += u32::from(self.faults() > before);
+    }
+
+    fn compare(&mut self, view: &View<'_>, wanted: Cell) {
+        let cell = true_cell(view);
+        let sensed = view.sensed.unwrap();
+        self.steps += view.trace.len() as u64 - 1;
+        self.wrong_cell += u32::from(cell != wanted);
+        self.lost += u32::from(sensed.lost);
+        let estimate: &Estimate = sensed.estimates.last().unwrap();
+        let truth = view.now().robot_in_world;
+        let (metres, radians) = estimate.error(&truth);
+        self.error_cm.push(100.0 * metres);
+        self.heading_deg.push(radians.to_degrees());
+        self.nees.extend(estimate.nees(&truth));
+        let perceived = Sensor::Lidar.perceive(view);
+        let perfect = Sensor::Lidar.perceive_at(view.maze, cell);
+        self.wrong_percepts += u32::from(perceived != perfect);
+    }
+}
+
+/// The number below which a share of the numbers lies.
+pub fn quantile(numbers: &mut [f64], share: f64) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers[((numbers.len() - 1) as f64 * share) as usize]
+}
+
+/// The mean of some numbers.
+pub fn mean(numbers: &[f64]) -> f64 {
+    numbers.iter().sum::<f64>() / numbers.len() as f64
+}

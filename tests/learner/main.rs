@@ -1,0 +1,19 @@
+//! What is learned, how, how well, and what becomes of it.
+
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
+#[path = "../kit/mod.rs"]
+mod kit;
+
+mod ceilings;
+mod examples;
+mod exporting;
+mod knowledge;
+mod memory;
+mod paper;
+mod readings;
+mod readme;
+mod rules;
+mod rules_decide;
+mod trust;
+mod xcs_invariants;

@@ -1,0 +1,243 @@
+//! Recordings in which lengths, numbers, times and indexes are forged, inside of chunks too, and all
+//! checksums are right: what is read is told or refused, and never believed to the point of a panic.
+//!
+//! `XCSCR_LONG=1 cargo test --test recordings forged_recordings` forges ten times as many.
+
+use std::fs;
+use std::path::Path;
+
+use crate::kit::chance::{dice, rounds};
+use mcap::records::{MessageHeader, Metadata};
+use xcscr::record::reader::Recording;
+use xcscr::record::{check, check_recording, recover};
+use xcscr::xcs::random::Stream;
+
+/// The opcodes of records that this knows by their parts.
+const FOOTER: u8 = 2;
+const CHUNK: u8 = 6;
+const ATTACHMENT: u8 = 9;
+const SUMMARY_OFFSET: u8 = 14;
+const DATA_END: u8 = 15;
+/// The bytes of a chunk that is not packed before its records: times, size, sum, no name, length.
+const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 8;
+
+/// An opcode and a body.
+type Record = (u8, Vec<u8>);
+
+/// A part of the sample, written without compression, so that its chunks can be forged.
+fn sample() -> Vec<u8> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/recordings/sample-maze4.mcap");
+    let whole = Recording::open(Path::new(path)).unwrap();
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let options = mcap::WriteOptions::new()
+        .compression(None)
+        .chunk_size(Some(1 << 12));
+    let mut writer = options.create(&mut bytes).unwrap();
+    let metadata = whole.metadata("run").unwrap().clone();
+    let name = "run".to_owned();
+    writer.write_metadata(&Metadata { name, metadata }).unwrap();
+    for one in whole.attachments() {
+        writer
+            .attach(&mcap::Attachment {
+                log_time: 0,
+                create_time: 0,
+                name: one.name.clone(),
+                media_type: one.media_type.clone(),
+                data: one.data.clone().into(),
+            })
+            .unwrap();
+    }
+    let mut channels = Vec::new();
+    for topic in whole.topics() {
+        let kind = match topic.encoding.as_str() {
+            "json" => "jsonschema",
+            other => other,
+        };
+        let schema = writer.add_schema(&topic.schema, kind, &topic.schema_data[..64]);
+        let channel = writer.add_channel(
+            schema.unwrap(),
+            &topic.name,
+            &topic.encoding,
+            &Default::default(),
+        );
+        channels.push((topic.name, channel.unwrap()));
+    }
+    let small = whole.messages().map(Result::unwrap);
+    for message in small.filter(|one| one.data.len() < 500).take(40) {
+        let channel = channels.iter().find(|(name, _)| name == message.topic());
+        let header = MessageHeader {
+            channel_id: channel.unwrap().1,
+            sequence: 0,
+            log_time: message.time_ns,
+            publish_time: message.time_ns,
+        };
+        writer
+            .write_to_known_channel(&header, &message.data)
+            .unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    bytes.into_inner()
+}
+
+/// The whole records of a stream of them.
+fn split(mut bytes: &[u8]) -> Vec<Record> {
+    let mut records = Vec::new();
+    while bytes.len() >= 9 {
+        let length = u64::from_le_bytes(bytes[1..9].try_into().unwrap()) as usize;
+        records.push((bytes[0], bytes[9..9 + length].to_vec()));
+        bytes = &bytes[9 + length..];
+    }
+    records
+}
+
+fn join(records: &[Record]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for (opcode, body) in records {
+        bytes.push(*opcode);
+        bytes.extend((body.len() as u64).to_le_bytes());
+        bytes.extend(body);
+    }
+    bytes
+}
+
+/// Changes one record, or the order and number of them.
+fn forge(records: &mut Vec<Record>, dice: &mut Stream) {
+    if records.is_empty() {
+        return;
+    }
+    let (at, other) = (dice.below(records.len()), dice.below(records.len()));
+    match dice.below(10) {
+        0 => drop(records.remove(at)),
+        1 => records.insert(other, records[at].clone()),
+        2 => records.swap(at, other),
+        3 => records[at].0 = dice.below(20) as u8,
+        _ => forge_body(&mut records[at], dice),
+    }
+}
+
+fn forge_body((opcode, body): &mut Record, dice: &mut Stream) {
+    if *opcode == CHUNK && body.len() >= CHUNK_HEAD && dice.below(4) > 0 {
+        let mut inner = split(&body[CHUNK_HEAD..]);
+        forge(&mut inner, dice);
+        let inner = join(&inner);
+        let length = (inner.len() as u64).to_le_bytes();
+        body.truncate(CHUNK_HEAD);
+        body[16..24].copy_from_slice(&length);
+        body[CHUNK_HEAD - 8..].copy_from_slice(&length);
+        body.extend(inner);
+    } else {
+        let odd = [0, 1, 255, 1 << 31, u64::from(u32::MAX), 1 << 63, u64::MAX];
+        let value = odd[dice.below(odd.len())].to_le_bytes();
+        let width = [1, 2, 4, 8][dice.below(4)].min(body.len());
+        let at = dice.below(body.len() - width + 1);
+        match dice.below(8) {
+            0 => body.truncate(at),
+            1 => drop(body.splice(at..at, value)),
+            _ => body[at..at + width].copy_from_slice(&value[..width]),
+        }
+    }
+    // The sums of what was forged are right.
+    if *opcode == CHUNK && body.len() >= CHUNK_HEAD {
+        let sum = crc32fast::hash(&body[CHUNK_HEAD..]);
+        body[24..28].copy_from_slice(&sum.to_le_bytes());
+    }
+    if *opcode == ATTACHMENT && body.len() >= 4 {
+        let end = body.len() - 4;
+        let sum = crc32fast::hash(&body[..end]);
+        body[end..].copy_from_slice(&sum.to_le_bytes());
+    }
+}
+
+/// A file of these records, with the sums over its sections and the places of them.
+fn file(records: &[Record]) -> Vec<u8> {
+    let mut bytes = mcap::MAGIC.to_vec();
+    let (mut start, mut offsets) = (0, 0);
+    for (opcode, body) in records.iter().filter(|(opcode, _)| *opcode != FOOTER) {
+        let mut record = (*opcode, body.clone());
+        if *opcode == DATA_END {
+            record.1 = crc32fast::hash(&bytes).to_le_bytes().to_vec();
+        }
+        if *opcode == SUMMARY_OFFSET && offsets == 0 {
+            offsets = bytes.len();
+        }
+        bytes.extend(join(&[record]));
+        if *opcode == DATA_END {
+            start = bytes.len();
+        }
+    }
+    let footer = bytes.len();
+    bytes.push(FOOTER);
+    bytes.extend(20_u64.to_le_bytes());
+    bytes.extend((start as u64).to_le_bytes());
+    bytes.extend((offsets as u64).to_le_bytes());
+    let summed = if start == 0 { footer } else { start };
+    let sum = crc32fast::hash(&bytes[summed..]);
+    bytes.extend(sum.to_le_bytes());
+    bytes.extend(mcap::MAGIC);
+    bytes
+}
+
+#[test]
+fn forged_recordings() {
+    let sound = sample();
+    let records = split(&sound[mcap::MAGIC.len()..sound.len() - mcap::MAGIC.len()]);
+    let name = Path::new("forged.mcap");
+    let again = Recording::from_bytes(name, file(&records)).unwrap();
+    assert_eq!(again.messages().count(), 40, "the control is whole");
+    let folder = tempfile::tempdir().unwrap();
+    let (broken, saved) = (folder.path().join("broken"), folder.path().join("saved"));
+    let mut dice = dice(13);
+    let (mut taken, mut recovered) = (0, 0);
+    for number in 0..rounds(10_000, 100_000) {
+        let mut forged = records.clone();
+        for _ in 0..=dice.below(3) {
+            forge(&mut forged, &mut dice);
+        }
+        let bytes = file(&forged);
+        if number % 20 == 0 {
+            fs::write(&broken, &bytes).unwrap();
+            if let Ok(recovery) = recover(&broken, &saved, true) {
+                recovered += 1;
+                let findings = check(&saved).unwrap();
+                let is_read = findings.iter().all(|one| !one.what.contains("no sound"));
+                assert!(is_read, "mutant {number}: {recovery:?}: {findings:?}");
+            }
+        }
+        if let Ok(recording) = Recording::from_bytes(name, bytes) {
+            taken += 1;
+            let counted: u64 = recording.topics().iter().map(|topic| topic.messages).sum();
+            assert!(counted <= 4096, "mutant {number} has {counted} messages");
+            let _ = check_recording(&recording);
+        }
+    }
+    // Control: another time of a message is read as well as the right one.
+    assert!(
+        taken > 0 && recovered > 0,
+        "{taken} taken, {recovered} recovered"
+    );
+}
+
+/// A recording whose index claims so many messages of each channel is not believed.
+#[test]
+fn what_the_index_claims_is_not_what_replay_shows() {
+    const STATISTICS: u8 = 11;
+    let sound = sample();
+    let mut records = split(&sound[mcap::MAGIC.len()..sound.len() - mcap::MAGIC.len()]);
+    for (_, body) in records
+        .iter_mut()
+        .filter(|(opcode, _)| *opcode == STATISTICS)
+    {
+        // The counts of the channels: two bytes of number, eight of count each.
+        let counts = 8 + 2 + 4 * 4 + 8 + 8 + 4;
+        for count in body[counts..].chunks_mut(10) {
+            count[2..].fill(0xff);
+        }
+    }
+    let recording = Recording::from_bytes(Path::new("forged.mcap"), file(&records)).unwrap();
+    let shown: u64 = recording.topics().iter().map(|topic| topic.messages).sum();
+    assert_eq!(shown, 40);
+    let findings = check_recording(&recording);
+    let claims = |what: &str| what.contains("the index says 18446744073709551615");
+    assert!(findings.iter().any(|one| claims(&one.what)), "{findings:?}");
+}

@@ -1,0 +1,18 @@
+//! Recordings: what they must be, what becomes of broken ones, and how they are looked at.
+
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
+#[path = "../kit/mod.rs"]
+mod kit;
+
+mod checking;
+mod forged_recordings;
+#[cfg(feature = "live")]
+mod live;
+mod recording;
+mod recording_faults;
+mod recovery;
+mod ros;
+mod serving;
+mod story;
+mod watching;

@@ -1,0 +1,385 @@
+//! What a recording must be.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::hash::Hasher;
+
+use crate::kit::folder::names;
+use crate::kit::scripted::Scripted;
+use crate::kit::trial::{Trial, contents};
+use fnv::FnvHasher;
+use foxglove::Decode;
+use foxglove::messages::log::Level;
+use foxglove::messages::{FrameTransform, FrameTransforms, Log, SceneUpdate};
+use serde_json::Value;
+use xcscr::record::compare;
+use xcscr::record::reader::Recording;
+use xcscr::record::{Recorder, RunInfo, check_recording};
+use xcscr::world::Maze;
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    let [one, two] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let [a, b] = [&one, &two].map(|folder| Trial::default().record(folder.path()).unwrap());
+    assert_eq!(a.files.len(), 5);
+    assert_eq!(a.bytes, b.bytes);
+    assert!(contents(&a.files) == contents(&b.files));
+}
+
+/// The episodes that a mode keeps, of ways with 12, 10, 3 (to nowhere), 10 and 14 steps.
+fn kept(mode: &str) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let trial = Trial {
+        episodes: 5,
+        explore: 0.0,
+        mode: mode.parse().unwrap(),
+        ..Trial::default()
+    };
+    let mut walker = Scripted::new(&[
+        "EWESSSEEEESS",
+        "ESSSEEEESS",
+        "EWE",
+        "ESSSEEEESS",
+        "NNEWESSSEEEESS",
+    ]);
+    let summary = trial.record_with(folder.path(), &mut walker).unwrap();
+    let names = names(folder.path());
+    assert!(
+        !names.iter().any(|name| name.ends_with(".part")),
+        "{names:?}"
+    );
+    let files = names.iter().filter(|name| name.ends_with(".mcap")).count();
+    assert_eq!(files, summary.files.len());
+    let episodes = names.iter().filter_map(|name| name.strip_prefix("ep-"));
+    episodes.map(|name| name.replace(".mcap", "")).collect()
+}
+
+#[test]
+fn each_mode_keeps_its_episodes() {
+    assert_eq!(kept("all"), ["0001", "0002", "0003", "0004", "0005"]);
+    assert_eq!(kept("every:2"), ["0001", "0003", "0005"]);
+    assert_eq!(kept("last"), ["0005"]);
+    assert_eq!(kept("none"), Vec::<String>::new());
+}
+
+#[test]
+fn the_best_episode_is_the_first_of_the_shortest_that_reached_the_goal() {
+    assert_eq!(kept("best"), ["0002"]);
+}
+
+/// A fresh recording of a trial in physics, and the folder that holds it.
+fn fresh() -> (tempfile::TempDir, Vec<Recording>) {
+    let folder = tempfile::tempdir().unwrap();
+    let trial = Trial {
+        arena: "physics",
+        ..Trial::default()
+    };
+    let files = trial.record(folder.path()).unwrap().files;
+    let recordings = files.iter().map(|file| Recording::open(file).unwrap());
+    let recordings = recordings.collect();
+    (folder, recordings)
+}
+
+#[test]
+fn a_fresh_recording_is_sound_and_its_layout_points_at_what_exists() {
+    for recording in fresh().1 {
+        assert_eq!(
+            check_recording(&recording),
+            [],
+            "{}",
+            recording.path().display()
+        );
+    }
+}
+
+#[test]
+fn linear_and_indexed_reading_give_the_same_messages() {
+    for recording in fresh().1 {
+        let summary = mcap::Summary::read(recording.bytes()).unwrap().unwrap();
+        let chunks = summary.chunk_indexes.iter();
+        let indexed: Vec<(String, u64, Vec<u8>)> = chunks
+            .flat_map(|chunk| summary.stream_chunk(recording.bytes(), chunk).unwrap())
+            .map(|message| message.unwrap())
+            .map(|m| (m.channel.topic.clone(), m.log_time, m.data.to_vec()))
+            .collect();
+        let linear = recording.messages().map(|message| message.unwrap());
+        let linear: Vec<_> = linear
+            .map(|m| (m.topic().to_owned(), m.time_ns, m.data))
+            .collect();
+        assert!(!linear.is_empty());
+        assert!(linear == indexed);
+    }
+}
+
+#[test]
+fn every_topic_has_a_schema_and_every_json_message_only_fields_of_its_schema() {
+    for recording in fresh().1 {
+        let mut fields = BTreeMap::new();
+        for topic in recording.topics() {
+            assert!(
+                !topic.schema.is_empty() && !topic.schema_data.is_empty(),
+                "{topic:?}"
+            );
+            let schema: Option<Value> = serde_json::from_slice(&topic.schema_data).ok();
+            assert_eq!(schema.is_some(), topic.encoding == "json", "{}", topic.name);
+            fields.insert(topic.name, schema.unwrap_or_default());
+        }
+        for message in recording.messages().map(|message| message.unwrap()) {
+            let json = message.json().unwrap_or_default();
+            for (field, _) in json.as_object().into_iter().flatten() {
+                let known = &fields[message.topic()]["properties"][field];
+                assert!(
+                    known["description"].is_string(),
+                    "{} {field}",
+                    message.topic()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_seek_shows_the_whole_scene() {
+    for recording in fresh().1 {
+        let mut ids: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for message in recording.messages().map(|message| message.unwrap()) {
+            if !message.topic().starts_with("/scene/") {
+                continue;
+            }
+            let scene = SceneUpdate::decode(message.data.as_slice()).unwrap();
+            let named: Vec<_> = scene.entities.iter().map(|e| e.id.clone()).collect();
+            assert!(scene.entities.iter().all(|e| e.lifetime.is_none()));
+            let before = ids
+                .entry(message.topic().to_owned())
+                .or_insert(named.clone());
+            assert_eq!(
+                *before,
+                named,
+                "a message on {} leaves others",
+                message.topic()
+            );
+        }
+        assert!(ids.len() >= 3, "{ids:?}");
+    }
+}
+
+/// After a seek a viewer is given the last message of each topic up to then, and no more.
+#[test]
+fn a_seek_to_any_step_finds_something_on_every_topic() {
+    let (_folder, recordings) = fresh();
+    for recording in &recordings[..4] {
+        let messages = recording.messages().map(|message| message.unwrap());
+        let before = messages.take_while(|message| message.topic() != "/step");
+        let said: BTreeSet<String> = before.map(|m| m.topic().to_owned()).collect();
+        let topics = recording.topics().into_iter().map(|topic| topic.name);
+        let silent: Vec<String> = topics.filter(|name| !said.contains(name)).collect();
+        assert_eq!(silent, ["/step"]);
+    }
+}
+
+#[test]
+fn the_robot_is_there_from_the_first_moment_on_and_never_jumps() {
+    let (_folder, recordings) = fresh();
+    for recording in recordings
+        .iter()
+        .filter(|r| !r.path().ends_with("run.mcap"))
+    {
+        let first = recording.messages().next().unwrap().unwrap();
+        assert_eq!(first.topic(), "/tf");
+        let mut shown_ns = 0;
+        for message in recording.messages().map(|message| message.unwrap()) {
+            if message.topic() != "/tf" {
+                continue;
+            }
+            let frames = FrameTransforms::decode(message.data.as_slice()).unwrap();
+            let times_ns: Vec<u64> = frames.transforms.iter().map(time_ns).collect();
+            let names = frames.transforms.iter().map(|frame| &frame.child_frame_id);
+            assert!(names.into_iter().all(|name| name == "robot"));
+            assert_eq!(times_ns[0], message.time_ns);
+            assert!(times_ns.is_sorted());
+            let apart = times_ns.windows(2).map(|pair| pair[1] - pair[0]);
+            // The grid knows only where a move begins and ends.
+            let (most_ns, grid) = (
+                500_000_000,
+                recording.metadata("run").unwrap()["arena"] == "grid",
+            );
+            assert!(
+                apart.into_iter().all(|ns| ns <= most_ns || grid),
+                "{times_ns:?}"
+            );
+            // Between two messages the robot glides, and never waits for the next one.
+            assert!(shown_ns == 0 || times_ns[0] == shown_ns, "{times_ns:?}");
+            shown_ns = *times_ns.last().unwrap();
+        }
+    }
+}
+
+/// When a frame was there, in nanoseconds.
+fn time_ns(frame: &FrameTransform) -> u64 {
+    let stamp = frame.timestamp.unwrap();
+    u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec())
+}
+
+#[test]
+fn an_episode_file_tells_how_to_run_it_again() {
+    for recording in fresh().1 {
+        let run = recording.metadata("run").unwrap();
+        assert_eq!(
+            (run["seed"].as_str(), run["method"].as_str()),
+            ("1", "xcscr")
+        );
+        let world = recording.attachment("world.json").unwrap();
+        assert_eq!(
+            Maze::from_json(world, "world.json").unwrap(),
+            Trial::default().maze()
+        );
+        let is_run = run["episode"] == "run";
+        assert_eq!(recording.attachment("rules.json").is_some(), is_run);
+    }
+}
+
+#[test]
+fn another_seed_differs_first_in_the_facts_and_then_in_a_field() {
+    let record = |seed, named| {
+        let folder = tempfile::tempdir().unwrap();
+        let trial = Trial {
+            seed,
+            ..Trial::default()
+        };
+        let info = RunInfo {
+            seed: named,
+            ..trial.info()
+        };
+        let mut recorder =
+            Recorder::create(folder.path(), &trial.maze(), info, trial.mode).unwrap();
+        let mut method = trial.learner();
+        trial.run(method.as_mut(), &mut recorder);
+        contents(&recorder.finish(method.as_ref()).unwrap().files).swap_remove(0)
+    };
+    let (one, two, disguised) = (record(1, 1), record(2, 2), record(2, 1));
+    assert_eq!(compare(&one, &one).unwrap(), None);
+    assert_eq!(compare(&one, &two).unwrap().unwrap().topic, "metadata");
+    let found = compare(&one, &disguised).unwrap().unwrap();
+    assert_eq!(found.topic, "/rule", "{found}");
+}
+
+/// What this has caught: nothing yet. It changes with the version number, with the order of
+/// topics, and with whatever a viewer would see otherwise.
+#[test]
+fn a_recording_of_a_fixed_way_has_these_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let trial = Trial {
+        episodes: 1,
+        explore: 0.0,
+        ..Trial::default()
+    };
+    let mut walker = Scripted::new(&["NESSWESEEEESS"]);
+    let files = trial.record_with(folder.path(), &mut walker).unwrap().files;
+    // FNV-1a over topics, times and messages: zstd may pack them better one day.
+    let (mut digest, mut length) = (FnvHasher::default(), 0);
+    let mut add = |bytes: &[u8]| {
+        digest.write(bytes);
+        length += bytes.len();
+    };
+    for message in Recording::open(&files[0]).unwrap().messages() {
+        let message = message.unwrap();
+        add(message.topic().as_bytes());
+        add(&message.time_ns.to_le_bytes());
+        add(&message.data);
+    }
+    assert_eq!(
+        (length, format!("{:016x}", digest.finish())),
+        (54732, "ae6de64fc346d3f8".to_owned())
+    );
+}
+
+#[test]
+fn a_hit_is_a_contact_that_ends_and_a_warning_with_its_impulse() {
+    let (_folder, recordings) = fresh();
+    let messages = recordings[0].messages().map(|message| message.unwrap());
+    let messages: Vec<_> = messages.collect();
+    let contacts = messages.iter().filter(|m| m.topic() == "/contact");
+    let touching: Vec<bool> = contacts
+        .map(|m| m.json().unwrap()["touching"].as_bool().unwrap())
+        .collect();
+    assert!(touching.len() > 2 && !touching[0] && !touching[touching.len() - 1]);
+    let warnings: Vec<Log> = messages
+        .iter()
+        .filter(|m| m.topic() == "/log")
+        .map(|m| Log::decode(m.data.as_slice()).unwrap())
+        .filter(|line| line.level == Level::Warning as i32)
+        .collect();
+    let said = &warnings[0].message;
+    assert!(said.starts_with("collision going "), "{said}");
+    assert!(
+        said.contains(", impulse ") && said.ends_with(" N s"),
+        "{said}"
+    );
+}
+
+/// Times and contents of all messages of a JSON topic.
+fn said(recording: &Recording, topic: &str) -> Vec<(u64, Value)> {
+    let messages = recording.messages().map(|message| message.unwrap());
+    let of_topic = messages.filter(|message| message.topic() == topic);
+    of_topic
+        .map(|message| (message.time_ns, message.json().unwrap()))
+        .collect()
+}
+
+#[test]
+fn a_step_gives_its_reason_when_it_is_decided_and_its_outcome_when_it_happened() {
+    let (_folder, recordings) = fresh();
+    let (rules, steps) = (said(&recordings[0], "/rule"), said(&recordings[0], "/step"));
+    assert_eq!(rules.len(), steps.len());
+    let contacts = said(&recordings[0], "/contact");
+    let mut collisions = 0;
+    for ((decided_ns, rule), (known_ns, step)) in rules.iter().zip(&steps) {
+        assert_eq!(
+            (&rule["step"], &rule["action"]),
+            (&step["step"], &step["action"])
+        );
+        assert!(decided_ns < known_ns, "{step}");
+        if step["outcome"] == "collided" {
+            collisions += 1;
+            let hits = contacts.iter().filter(|(_, c)| c["step"] == step["step"]);
+            let mut hits = hits.filter(|(_, contact)| contact["touching"] == true);
+            let (hit_ns, _) = hits.next().unwrap();
+            assert!(hit_ns <= known_ns, "announced before it happened: {step}");
+        }
+    }
+    assert!(collisions > 0);
+}
+
+#[test]
+fn a_reason_names_rule_action_worth_error_and_support_and_says_when_it_is_none() {
+    let (_folder, recordings) = fresh();
+    let (mut chosen, mut explored) = (0, 0);
+    for recording in &recordings[..4] {
+        for ((_, rule), (_, step)) in said(recording, "/rule")
+            .iter()
+            .zip(said(recording, "/step"))
+        {
+            let text = rule["rule"].as_str().unwrap();
+            let action = rule["action"].as_str().unwrap();
+            assert!(text.contains(&format!(" -> {action}, worth ")), "{text}");
+            let support = format!(", {} of {} match", step["action_set"], step["match_set"]);
+            assert!(text.ends_with(&support), "{text}");
+            let is_explored = rule["explored"].as_bool().unwrap();
+            assert_eq!(
+                text.starts_with("explores by chance"),
+                is_explored,
+                "{text}"
+            );
+            *(if is_explored {
+                &mut explored
+            } else {
+                &mut chosen
+            }) += 1;
+            let seen = rule["seen"].as_str().unwrap();
+            assert!(
+                seen.contains("north wall") || seen.contains("north free"),
+                "{seen}"
+            );
+        }
+    }
+    assert!(chosen > 0 && explored > 0);
+}

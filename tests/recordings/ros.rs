@@ -1,0 +1,89 @@
+//! Recordings for ROS 2: its encoding byte by byte, and the same bytes again.
+
+use mcap::MessageStream;
+use xcscr::run::ros_bag;
+
+use crate::kit::program::{ended, xcscr};
+
+/// The fields of a message as CDR lays them out: each at a multiple of its size.
+struct Cdr<'a>(&'a [u8], usize);
+
+impl Cdr<'_> {
+    fn bytes(&mut self, size: usize) -> &[u8] {
+        let from = self.1.next_multiple_of(size);
+        self.1 = from + size;
+        &self.0[from..self.1]
+    }
+
+    fn u32(&mut self) -> u32 {
+        u32::from_le_bytes(self.bytes(4).try_into().unwrap())
+    }
+
+    fn f64(&mut self) -> f64 {
+        f64::from_le_bytes(self.bytes(8).try_into().unwrap())
+    }
+
+    /// A text, which ends with a zero.
+    fn text(&mut self) -> String {
+        let length = self.u32() as usize;
+        let text = &self.0[self.1..self.1 + length];
+        assert_eq!(text.last(), Some(&0), "{text:?}");
+        self.1 += length;
+        String::from_utf8(text[..length - 1].to_vec()).unwrap()
+    }
+}
+
+#[test]
+fn a_recording_for_ros_has_its_encoding_and_the_same_bytes_again() {
+    let desk = tempfile::tempdir().unwrap();
+    let at = |name: &str| desk.path().join(name).display().to_string();
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
+    let run = at("run");
+    let train = ["train", world, "--episodes", "2", "--out", &run, "--quiet"];
+    ended(&xcscr(&train).output().unwrap(), 0, "train");
+    let (second, bag) = (at("run/ep-0002.mcap"), at("bag.mcap"));
+    let ros = ["replay", &second, "--ros", "-o", &bag];
+    ended(&xcscr(&ros).output().unwrap(), 0, "--ros");
+    ended(&xcscr(&ros).output().unwrap(), 73, "the file exists");
+
+    let bytes = std::fs::read(&bag).unwrap();
+    assert!(bytes == ros_bag(second.as_ref()).unwrap(), "other bytes");
+    let messages: Vec<mcap::Message> = MessageStream::new(&bytes)
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    let first = |topic: &str| messages.iter().find(|m| m.channel.topic == topic).unwrap();
+    let transforms = first("/tf");
+    let schema = transforms.channel.schema.as_ref().unwrap();
+    assert_eq!(
+        (&*schema.name, &*schema.encoding),
+        ("tf2_msgs/msg/TFMessage", "ros2msg")
+    );
+    assert_eq!(transforms.channel.message_encoding, "cdr");
+    assert_eq!(transforms.data[..4], [0, 1, 0, 0], "little-endian");
+    let mut cdr = Cdr(&transforms.data[4..], 0);
+    assert_eq!(cdr.u32(), 2, "what is believed, and what is true");
+    let (seconds, rest_ns) = (cdr.u32(), cdr.u32());
+    let stamp_ns = u64::from(seconds) * 1_000_000_000 + u64::from(rest_ns);
+    assert_eq!(stamp_ns, transforms.log_time);
+    assert_eq!(
+        (cdr.text(), cdr.text()),
+        ("map".to_owned(), "base_link".to_owned())
+    );
+    // The start of Maze4 is the middle of cell 1,1, counted from the upper left; east is 0.
+    let numbers: Vec<f64> = (0..7).map(|_| cdr.f64()).collect();
+    assert_eq!(numbers, [1.5, 6.5, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    assert!(messages.iter().any(|m| m.channel.topic == "/scan"));
+    assert_eq!(
+        messages
+            .iter()
+            .filter(|m| m.channel.topic == "/map")
+            .count(),
+        1
+    );
+
+    let story = at("run/story.mcap");
+    let refused = ["replay", &story, "--ros", "-o", &at("story.mcap")];
+    let (_, stderr) = ended(&xcscr(&refused).output().unwrap(), 65, "a story");
+    assert!(stderr.contains("give an episode"), "{stderr}");
+}

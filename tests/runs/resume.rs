@@ -1,0 +1,382 @@
+//! A run that was stopped goes on to the same bytes as one that never was.
+//!
+//! `XCSCR_LONG=1 cargo test --test runs resume` stops ten times as often, and kills 200 times.
+
+use std::fs;
+use std::path::Path;
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::kit::chance::{dice, rounds};
+use crate::kit::folder::{assert_same, contents};
+use crate::kit::program::{ended, expect, signal, spawn};
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
+use xcscr::record::{self, RecordMode, Recorder, RecorderMemory, RobotShape, RunInfo};
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Checkpoint, Config, Plan, Settings, Trial, seal, unseal};
+use xcscr::world::Maze;
+use xcscr::xcs::random::Stream;
+
+fn plan(world: &str, method: Method, arena: ArenaKind, episodes: u32) -> Plan {
+    let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
+    let config = Config {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        method,
+        arena,
+        sensor: Sensor::Neighbours,
+        episodes,
+        seed: 3,
+        settings: Settings::default(),
+        initial: None,
+    };
+    let maze = Maze::load(Path::new(&path)).unwrap();
+    Plan { maze, config }
+}
+
+fn info(plan: &Plan) -> RunInfo {
+    RunInfo {
+        world_json: plan.maze.to_json(),
+        config_json: serde_json::to_string(&plan.config).unwrap(),
+        seed: plan.config.seed,
+        method: plan.config.method.name().to_owned(),
+        arena: plan.config.arena.name().to_owned(),
+        sensor: plan.config.sensor,
+        episodes: plan.config.episodes,
+        robot: RobotShape::for_cell(plan.maze.cell_size_m()),
+        is_evaluation: false,
+    }
+}
+
+/// A trial with its recorder.
+struct Run(Trial, Recorder);
+
+impl Run {
+    fn begin(plan: &Plan, folder: &Path, mode: RecordMode) -> Self {
+        let recorder = Recorder::create(folder, &plan.maze, info(plan), mode).unwrap();
+        Self(Trial::new(plan.clone()).unwrap(), recorder)
+    }
+
+    fn resume(bytes: &[u8], folder: &Path) -> Self {
+        let (trial, recorder): (Checkpoint, RecorderMemory) = unseal(bytes).unwrap();
+        let trial = Trial::resume(&trial).unwrap();
+        let (maze, info, policy) = (&trial.plan().maze, info(trial.plan()), trial.policy());
+        let recorder = Recorder::resume(folder, maze, info, recorder, policy).unwrap();
+        Self(trial, recorder)
+    }
+
+    fn save(&mut self) -> Vec<u8> {
+        seal(&(self.0.checkpoint(), self.1.memory().unwrap()))
+    }
+
+    fn episodes(&mut self, up_to: u32) {
+        while self.0.progress().episodes < up_to {
+            let _ = self.0.run_episode(&mut self.1);
+        }
+    }
+
+    /// Ends the run; gives the state of everything that decides about what would come next.
+    fn end(self) -> Vec<u8> {
+        let Self(trial, recorder) = self;
+        let end = seal(&(trial.checkpoint(), trial.method().knowledge()));
+        recorder.finish(trial.method()).unwrap();
+        end
+    }
+}
+
+/// Stops a run twice: makes a checkpoint, goes on for a while, is killed, resumes there.
+fn run_with_stops(
+    plan: &Plan,
+    folder: &Path,
+    mode: RecordMode,
+    dice: &mut Stream,
+) -> (String, Vec<u8>) {
+    let all = plan.config.episodes as usize;
+    let mut stops = [dice.below(all + 1), dice.below(all + 1)];
+    stops.sort();
+    let mut run = Run::begin(plan, folder, mode);
+    let mut story = String::new();
+    for stop in stops {
+        run.episodes(stop as u32);
+        let bytes = run.save();
+        let killed = stop + dice.below(all - stop + 1).min(4);
+        run.episodes(killed as u32);
+        story += &format!("checkpoint after episode {stop}, killed after {killed}; ");
+        // As a kill would leave it: the unfinished file is dropped where it is.
+        drop(run);
+        run = Run::resume(&bytes, folder);
+    }
+    run.episodes(all as u32);
+    (story, run.end())
+}
+
+fn stops_and_resumes(method: Method, arena: ArenaKind, mode: RecordMode, times: usize) {
+    let plan = plan("maze4", method, arena, 24);
+    let folder = tempfile::tempdir().unwrap();
+    let wanted = folder.path().join("wanted");
+    let mut whole = Run::begin(&plan, &wanted, mode);
+    whole.episodes(24);
+    let end = whole.end();
+    let mut dice = dice(method as u64 * 2 + arena as u64);
+    for round in 0..times {
+        let found = folder.path().join(round.to_string());
+        let (story, stopped) = run_with_stops(&plan, &found, mode, &mut dice);
+        let (method, arena) = (method.name(), arena.name());
+        let what = format!("{method} on {arena}, {mode}: {story}");
+        assert!(
+            stopped == end,
+            "{what}the learner or a random stream differs"
+        );
+        if mode != RecordMode::None {
+            assert_same(&found, &wanted, &what);
+        }
+    }
+}
+
+#[test]
+fn every_method_in_both_arenas_resumes_to_the_same_bytes() {
+    for &method in Method::ALL {
+        for &arena in ArenaKind::ALL {
+            stops_and_resumes(method, arena, RecordMode::All, rounds(2, 20));
+        }
+    }
+}
+
+/// Then a learner may have perceived what it could learn nothing of yet.
+#[test]
+fn every_method_resumes_after_episodes_of_one_step() {
+    for &method in Method::ALL {
+        let mut plan = plan("maze4", method, ArenaKind::Grid, 6);
+        plan.config.settings.reward.step_threshold_from_maze = false;
+        plan.config.settings.reward.step_threshold = 1;
+        plan.config.settings.reward.learning_step_threshold = false;
+        let end = |stop: u32| {
+            let mut trial = Trial::new(plan.clone()).unwrap();
+            while trial.progress().episodes < 6 {
+                if trial.progress().episodes == stop {
+                    let resumed = Trial::resume(&trial.checkpoint());
+                    trial = resumed.unwrap_or_else(|e| panic!("{}: {e}", method.name()));
+                }
+                let _ = trial.run_episode(&mut ());
+            }
+            seal(&trial.checkpoint())
+        };
+        let whole = end(6);
+        assert!(end(1) == whole && end(2) == whole, "{}", method.name());
+    }
+}
+
+#[test]
+fn a_memory_holds_what_was_learned_and_no_settings() {
+    let settings = |beta, gamma, theta_x, alpha| {
+        let mut settings = Settings::default();
+        settings.xcs.beta = beta;
+        (settings.reward.gamma, settings.reward.theta_x) = (gamma, theta_x);
+        settings.tabular.alpha = alpha;
+        settings
+    };
+    for &method in Method::ALL {
+        let memory = |settings: &Settings, episodes| {
+            let mut plan = plan("maze4", method, ArenaKind::Grid, 6);
+            plan.config.settings = settings.clone();
+            let mut trial = Trial::new(plan).unwrap();
+            for _ in 0..episodes {
+                let _ = trial.run_episode(&mut ());
+            }
+            trial.method().memory()
+        };
+        let [one, other] = [settings(0.1, 0.5, 0.2, 0.3), settings(0.2, 0.6, 0.1, 0.4)];
+        let name = method.name();
+        assert!(
+            memory(&one, 0) == memory(&other, 0),
+            "{name} keeps settings"
+        );
+        assert!(
+            memory(&one, 0) != memory(&one, 3),
+            "control: {name} learned nothing"
+        );
+    }
+}
+
+#[test]
+fn every_mode_of_recording_resumes_to_the_same_files() {
+    for mode in ["best", "last", "every:3", "none"] {
+        let mode = mode.parse().unwrap();
+        stops_and_resumes(Method::Xcscr, ArenaKind::Grid, mode, rounds(4, 40));
+    }
+}
+
+/// Every recording that has its final name is whole.
+fn assert_sound(folder: &Path, what: &str) -> usize {
+    let recordings = contents(folder).into_iter().map(|(name, _)| name);
+    let whole: Vec<String> = recordings.filter(|name| name.ends_with(".mcap")).collect();
+    for name in &whole {
+        let findings = record::check(&folder.join(name)).unwrap();
+        assert!(findings.is_empty(), "{what}: {name}: {findings:?}");
+    }
+    whole.iter().filter(|name| name.starts_with("ep-")).count()
+}
+
+/// Trains, and is stopped by signals at random moments until it ends by itself. Gives what it
+/// prints then.
+fn train_with_kills(out: &Path, begin: &[&str], dice: &mut Stream) -> (String, String) {
+    let dir = out.to_str().unwrap();
+    let mut story = String::new();
+    let mut before = 0;
+    for attempt in 0..5 {
+        // A kill can come after the run is done, but before it has said so.
+        let is_there = |name: &str| out.join(name).is_file();
+        let args = match is_there("checkpoint") || is_there("rules.json") {
+            true => vec!["train", "--resume", dir, "--json"],
+            false => begin.to_vec(),
+        };
+        let mut child = spawn(&args);
+        let pause = Duration::from_millis(10 + dice.below(500) as u64);
+        let name = *dice
+            .choose(&["KILL", "KILL", "TERM", "INT", "USR1"])
+            .unwrap();
+        sleep(pause);
+        if attempt < 4 {
+            signal(&child, name);
+        }
+        story += &format!("{name} after {pause:?}; ");
+        let status = child.wait().unwrap();
+        let output = std::process::Output {
+            status,
+            ..child.wait_with_output().unwrap()
+        };
+        if status.success() {
+            return (story, ended(&output, 0, "").0);
+        }
+        if status.code().is_some_and(|code| code == 75) {
+            ended(&output, 75, &story);
+        }
+        if out.is_dir() {
+            let now = assert_sound(out, &story);
+            assert!(
+                now >= before,
+                "{story}: {before} episodes were finished, now {now}"
+            );
+            before = now;
+        }
+    }
+    panic!("{story}: never ended");
+}
+
+#[test]
+fn a_run_killed_at_random_moments_loses_no_finished_episode_and_ends_in_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let dir = out.to_str().unwrap();
+    let args = [
+        "train",
+        "worlds/maze4.json",
+        "--seed",
+        "5",
+        "--out",
+        dir,
+        "--json",
+    ];
+    let (wanted_json, _) = expect(0, &args);
+    let wanted = folder.path().join("wanted");
+    fs::rename(&out, &wanted).unwrap();
+    let mut dice = dice(11);
+    let (mut kills, mut round) = (0, 0);
+    // A signal that comes too late proves nothing, and does not count.
+    while kills < rounds(10, 200) {
+        round += 1;
+        let (story, json) = train_with_kills(&out, &args, &mut dice);
+        let what = format!("round {round}: {story}");
+        assert_same(&out, &wanted, &what);
+        if !json.contains("\"finished\": true") {
+            assert_eq!(json, wanted_json, "{what}");
+        }
+        fs::remove_dir_all(&out).unwrap();
+        let stops = story.trim_end_matches("; ").rsplit_once("; ");
+        kills += stops.map_or(0, |(stops, _)| stops.matches("KILL").count());
+    }
+}
+
+#[test]
+fn an_interrupted_run_is_named_and_a_finished_one_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let dir = out.to_str().unwrap();
+    let begin = [
+        "train",
+        "worlds/maze4.json",
+        "--episodes",
+        "500",
+        "--out",
+        dir,
+    ];
+    let child = spawn(&begin);
+    while !out.join("ep-0003.mcap").exists() {
+        sleep(Duration::from_millis(5));
+    }
+    signal(&child, "TERM");
+    let (_, stderr) = ended(&child.wait_with_output().unwrap(), 75, "TERM");
+    let way_on = format!("`xcscr train --resume {dir}`");
+    assert!(stderr.contains(&way_on), "{stderr}");
+    let before = contents(&out);
+    let (_, stderr) = expect(73, &begin);
+    assert!(
+        stderr.contains("interrupted run") && stderr.contains(&way_on),
+        "{stderr}"
+    );
+    assert!(contents(&out) == before, "a refusal changed the folder");
+    expect(0, &["train", "--resume", dir, "--json"]);
+    let before = contents(&out);
+    let (stdout, _) = expect(0, &["train", "--resume", dir]);
+    assert!(stdout.contains("is finished: all 500 episodes"), "{stdout}");
+    let (stdout, _) = expect(0, &["train", "--resume", dir, "--json"]);
+    assert!(stdout.contains("\"finished\": true"), "{stdout}");
+    assert!(contents(&out) == before, "a finished run was changed");
+}
+
+#[test]
+fn resuming_takes_no_other_choices_and_needs_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().to_str().unwrap();
+    let (_, stderr) = expect(66, &["train", "--resume", dir]);
+    assert!(stderr.contains("holds no interrupted run"), "{stderr}");
+    expect(66, &["train", "--resume", "no/such/folder"]);
+    expect(2, &["train", "--resume", dir, "--seed", "2"]);
+    expect(2, &["train", "--resume", dir, "worlds/maze4.json"]);
+    expect(2, &["train"]);
+}
+
+#[test]
+fn a_damaged_or_foreign_checkpoint_is_refused_and_left_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().to_str().unwrap();
+    let file = folder.path().join("checkpoint");
+    let run = Run::begin(
+        &plan("maze4", Method::Xcscr, ArenaKind::Grid, 5),
+        &folder.path().join("unused"),
+        RecordMode::None,
+    );
+    let sound = seal(&(run.0.checkpoint(), 0_u8));
+    let mut flipped = sound.clone();
+    flipped[sound.len() / 2] ^= 1;
+    let mut newer = sound.clone();
+    newer[8] = 9;
+    for (bytes, words) in [
+        (&flipped[..], "its checksum is wrong"),
+        (&sound[..sound.len() / 2], "but should have"),
+        (&newer[..], "it has format 9"),
+        (b"not at all", "it is not a checkpoint"),
+        (&sound[..], "its content contradicts itself"),
+    ] {
+        fs::write(&file, bytes).unwrap();
+        let (_, stderr) = expect(65, &["train", "--resume", dir]);
+        assert!(
+            stderr.contains(words) && stderr.contains("checkpoint"),
+            "{stderr}"
+        );
+        assert!(
+            fs::read(&file).unwrap() == bytes,
+            "the checkpoint was changed"
+        );
+    }
+}

@@ -1,0 +1,17 @@
+//! The world and the robot in it: files of worlds, maps, distances, arenas, and what is sensed.
+
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
+#[path = "../kit/mod.rs"]
+mod kit;
+
+mod arena_contract;
+mod batch;
+mod bounds;
+mod classic;
+mod maps;
+mod physics;
+mod sensing;
+mod world_errors;
+mod world_properties;
+mod worlds;

@@ -1,0 +1,467 @@
+//! ROS 2 maps become worlds, and worlds maps, as Nav2's map server reads them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+use xcscr::world::{Gridded, Gridding, MapError, Maze, Occupancy, OccupancyMap, written};
+use xcscr::xcs::random::Stream;
+
+use crate::kit::program::{ended, xcscr};
+
+/// Grey levels of Nav2's saver: free, occupied, unknown.
+const GREY: [(char, u8); 3] = [(' ', 254), ('#', 0), ('?', 205)];
+
+/// A folder with a map.
+struct Map(TempDir);
+
+impl Map {
+    /// A map drawn with a letter for each pixel, 0.1 m wide.
+    fn drawn(rows: &[&str]) -> Self {
+        let levels = rows.iter().flat_map(|row| row.chars());
+        let grey = |letter| GREY.iter().find(|(known, _)| *known == letter).unwrap().1;
+        let mut pgm = format!("P5\n# drawn\n{} {}\n255\n", rows[0].len(), rows.len()).into_bytes();
+        pgm.extend(levels.map(grey));
+        let map = Self(tempfile::tempdir().unwrap());
+        map.keep("map.pgm", &pgm);
+        map.yaml("");
+        map
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn keep(&self, name: &str, bytes: &[u8]) {
+        fs::write(self.path(name), bytes).unwrap();
+    }
+
+    /// The usual header; the lines given come last, and win over those with the same key.
+    fn yaml(&self, lines: &str) {
+        let usual = [
+            "image: map.pgm",
+            "resolution: 0.1",
+            "origin: [0.0, 0.0, 0.0]",
+            "negate: 0",
+            "occupied_thresh: 0.65",
+            "free_thresh: 0.196",
+        ];
+        let given = |line: &&str| !lines.contains(line.split(':').next().unwrap());
+        let kept: Vec<&str> = usual.into_iter().filter(given).collect();
+        self.keep(
+            "map.yaml",
+            format!("{}\n{lines}\n", kept.join("\n")).as_bytes(),
+        );
+    }
+
+    fn load(&self) -> Result<OccupancyMap, MapError> {
+        OccupancyMap::load(&self.path("map.yaml"))
+    }
+
+    fn gridded(
+        &self,
+        cell_m: f64,
+        start: Option<[f64; 2]>,
+        goal: [f64; 2],
+    ) -> Result<Gridded, MapError> {
+        let gridding = Gridding {
+            cell_m: Some(cell_m),
+            start_m: start,
+            goal_m: Some(goal),
+            ..plain()
+        };
+        gridding.of(&self.load().unwrap())
+    }
+}
+
+fn plain() -> Gridding {
+    Gridding {
+        cell_m: None,
+        start_m: None,
+        goal_m: None,
+        unknown_is_free: false,
+        name: "converted".to_owned(),
+    }
+}
+
+fn rows(maze: &Maze) -> Vec<String> {
+    let json: serde_json::Value = serde_json::from_str(&maze.to_json()).unwrap();
+    let rows = json["rows"].as_array().unwrap().iter();
+    rows.map(|row| row.as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn every_world_that_ships_comes_back_from_its_map_as_it_was() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds");
+    let files = [root.clone(), root.join("classic")]
+        .into_iter()
+        .flat_map(|folder| {
+            let entries = fs::read_dir(folder).unwrap();
+            entries
+                .map(|entry| entry.unwrap().path())
+                .collect::<Vec<_>>()
+        });
+    let worlds: Vec<PathBuf> = files
+        .filter(|file| file.extension().is_some_and(|e| e == "json"))
+        .collect();
+    assert!(worlds.len() > 30, "{worlds:?}");
+    for world in worlds {
+        let maze = Maze::load(&world).unwrap();
+        let map = Map(tempfile::tempdir().unwrap());
+        let files = written(&maze, "m.pgm");
+        map.keep("map.yaml", files.yaml.as_bytes());
+        map.keep("m.pgm", &files.image);
+        let back = plain().of(&map.load().unwrap()).unwrap();
+        assert_eq!(back.maze, maze, "{}", world.display());
+    }
+}
+
+#[test]
+fn a_cell_is_free_if_all_of_its_pixels_are_and_a_ring_of_walls_closes_the_rest() {
+    let map = Map::drawn(&[
+        "        ", "        ", "  #     ", "        ", "??      ", "??      ",
+    ]);
+    let gridded = map.gridded(0.2, None, [0.7, 0.1]).unwrap();
+    assert_eq!(
+        rows(&gridded.maze),
+        ["######", "#....#", "#.#..#", "##..G#", "######"]
+    );
+    assert_eq!((gridded.maze.cell_size_m(), gridded.cut_off), (0.2, 0));
+}
+
+#[test]
+fn thresholds_negation_and_modes_are_those_of_nav2() {
+    // Grey level, and what Nav2 makes of it in the modes trinary and raw, and negated.
+    use Occupancy::{Free, Occupied, Unknown};
+    let expected = [
+        (0_u8, Occupied, Free, Free),
+        (89, Occupied, Occupied, Unknown),
+        (90, Unknown, Occupied, Unknown),
+        (100, Unknown, Occupied, Unknown),
+        (101, Unknown, Unknown, Unknown),
+        (191, Unknown, Unknown, Occupied),
+        (192, Free, Unknown, Occupied),
+        (255, Free, Unknown, Occupied),
+    ];
+    let map = Map(tempfile::tempdir().unwrap());
+    let greys: Vec<u8> = expected.iter().map(|row| row.0).collect();
+    map.keep("map.pgm", &[b"P5 8 1 255\n".to_vec(), greys].concat());
+    for (lines, column) in [("mode: trinary", 0), ("mode: raw", 1), ("negate: true", 2)] {
+        map.yaml(&format!("{lines}\nfree_thresh: 0.25"));
+        let loaded = map.load().unwrap();
+        for (at, row) in expected.iter().enumerate() {
+            let wanted = [row.1, row.2, row.3][column];
+            assert_eq!(loaded.at(at, 0), wanted, "{lines}, grey {}", row.0);
+        }
+    }
+}
+
+#[test]
+fn pgm_in_both_forms_and_png_hold_the_same_map_and_what_is_transparent_is_unknown() {
+    let drawn = Map::drawn(&[" #? ", "##  "]);
+    let wanted = drawn.load().unwrap();
+    let greys = [254_u8, 0, 205, 254, 0, 0, 254, 254];
+    let text: Vec<String> = greys.iter().map(u8::to_string).collect();
+    drawn.keep(
+        "map.pgm",
+        format!("P2\n4 # wide\n2\n255\n{}", text.join(" ")).as_bytes(),
+    );
+    let states = |map: &OccupancyMap| -> Vec<Occupancy> {
+        (0..8).map(|at| map.at(at % 4, at / 4)).collect()
+    };
+    assert_eq!(states(&drawn.load().unwrap()), states(&wanted));
+    let png = |colour, samples: &[u8]| {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 4, 2);
+        encoder.set_color(colour);
+        encoder
+            .write_header()
+            .unwrap()
+            .write_image_data(samples)
+            .unwrap();
+        drawn.keep("map.pgm", &bytes);
+        states(&drawn.load().unwrap())
+    };
+    assert_eq!(png(png::ColorType::Grayscale, &greys), states(&wanted));
+    let colours: Vec<u8> = greys.iter().flat_map(|&grey| [grey; 3]).collect();
+    assert_eq!(png(png::ColorType::Rgb, &colours), states(&wanted));
+    let see_through: Vec<u8> = greys.iter().flat_map(|&grey| [grey, 128]).collect();
+    assert_eq!(
+        png(png::ColorType::GrayscaleAlpha, &see_through),
+        [Occupancy::Unknown; 8]
+    );
+}
+
+#[test]
+fn points_are_metres_of_the_maps_frame_also_where_it_is_turned() {
+    let map = Map::drawn(&["      ", "      ", "      "]);
+    // A quarter turn to the left around the lower left corner at 5, 1: a point so far to the right
+    // in the image lies so far up in the frame.
+    map.yaml("origin: [5.0, 1.0, 1.5707963267948966]");
+    let gridded = map.gridded(0.1, Some([4.95, 1.05]), [4.75, 1.55]).unwrap();
+    assert_eq!(
+        rows(&gridded.maze)[1..4],
+        ["#.....G#", "#......#", "#S.....#"]
+    );
+}
+
+#[test]
+fn a_door_in_which_no_cell_fits_is_named_with_place_and_width() {
+    let rows = [
+        "####################",
+        "#        ##        #",
+        "#        ##        #",
+        "#        ##        #",
+        "#                  #",
+        "#        ##        #",
+        "#        ##        #",
+        "####################",
+    ];
+    let map = Map::drawn(&rows);
+    let cut = map.gridded(0.3, Some([0.4, 0.4]), [1.6, 0.4]).unwrap_err();
+    let text = cut.to_string();
+    assert!(
+        matches!(cut, MapError::CutOff(ref found) if found.len() == 1),
+        "{text}"
+    );
+    assert!(
+        text.contains("(0.10 m wide)") && text.contains("--cell"),
+        "{text}"
+    );
+    let MapError::CutOff(found) = cut else {
+        unreachable!()
+    };
+    let [x, y] = found[0].at_m;
+    assert!((0.9..1.1).contains(&x) && (0.3..0.4).contains(&y), "{text}");
+    // Cells as small as the door pass through it.
+    assert!(map.gridded(0.1, Some([0.4, 0.4]), [1.6, 0.4]).is_ok());
+    // Without a start, what is cut off becomes wall, and the door is told.
+    let gridded = map.gridded(0.3, None, [1.6, 0.4]).unwrap();
+    assert_eq!(gridded.passages.len(), 1);
+    assert!(gridded.cut_off > 0);
+}
+
+#[test]
+fn grey_levels_beside_a_threshold_are_told() {
+    let map = Map::drawn(&["???", "   "]);
+    assert_eq!(map.load().unwrap().doubtful, [(205, 3)]);
+    map.yaml("free_thresh: 0.25");
+    assert_eq!(map.load().unwrap().doubtful, [], "control");
+}
+
+#[test]
+fn what_is_wrong_in_a_header_or_an_image_is_named() {
+    let map = Map::drawn(&["   ", "   "]);
+    let fault = |lines: &str| {
+        map.yaml(lines);
+        map.load().unwrap_err().to_string()
+    };
+    for (lines, told) in [
+        ("resolution: 0", "`resolution` is 0"),
+        ("resolution: .nan", "`resolution` is NaN"),
+        ("origin: [1, 2]", "`origin` must be three numbers"),
+        ("free_thresh: 0.7", "must be less than `occupied_thresh`"),
+        (
+            "occupied_thresh: 1.5",
+            "`occupied_thresh` is 1.5, but must be from 0 to 1",
+        ),
+        ("mode: binary", "binary"),
+        ("image: no.pgm", "no.pgm"),
+        ("image: [", "describes no map"),
+    ] {
+        let text = fault(lines);
+        assert!(text.contains(told), "{lines}: {text}");
+    }
+    map.yaml("");
+    for (image, told) in [
+        (&b"P6 1 1 255\n..."[..], "neither PGM"),
+        (b"P5 99999999999 99999999 255\n", "are more than"),
+        (b"P5 8000 8000 255\n", "ends after 0 of the 64000000 bytes"),
+        (b"P2 8000 8000 255\n1 2 3", "begins no number"),
+        (b"P2 1 1 255\n256", "above the greatest"),
+        (b"P5 0 3 255\n", "no pixel"),
+        (b"\x89PNG\r\n", "image"),
+    ] {
+        map.keep("map.pgm", image);
+        let text = map.load().unwrap_err().to_string();
+        assert!(text.contains(told), "{told}: {text}");
+    }
+}
+
+/// What headers of maps and images like to hold in a wrong place.
+const PIECES: [&str; 12] = [
+    "0",
+    "-1",
+    "255",
+    "65536",
+    "99999999999",
+    "1e999",
+    ".nan",
+    "[",
+    ": ",
+    "&a",
+    "*a",
+    "\n",
+];
+
+fn damaged(whole: &[u8], stream: &mut Stream) -> Vec<u8> {
+    let mut bytes = whole.to_vec();
+    for _ in 0..=stream.below(3) {
+        let at = stream.below(bytes.len() + 1);
+        let to = (at + stream.below(6)).min(bytes.len());
+        let piece = PIECES[stream.below(PIECES.len())].bytes();
+        match stream.below(4) {
+            0 => drop(bytes.drain(at..to)),
+            1 => drop(bytes.splice(at..to, piece)),
+            _ if at < bytes.len() => bytes[at] = stream.below(256) as u8,
+            _ => bytes.extend(piece),
+        }
+    }
+    bytes
+}
+
+/// A PNG whose chunks are damaged, lost or doubled, and have right checksums.
+fn forged_png(whole: &[u8], stream: &mut Stream) -> Vec<u8> {
+    let (magic, mut rest) = whole.split_at(8);
+    let mut chunks: Vec<Vec<u8>> = Vec::new();
+    while rest.len() >= 12 {
+        let length = u32::from_be_bytes(rest[..4].try_into().unwrap()) as usize;
+        chunks.push(rest[4..8 + length].to_vec());
+        rest = &rest[12 + length..];
+    }
+    let at = stream.below(chunks.len());
+    match stream.below(8) {
+        0 => drop(chunks.remove(at)),
+        1 => chunks.insert(at, chunks[at].clone()),
+        _ => {
+            let chunk = &mut chunks[at];
+            let place = if chunk.len() > 4 { 4 } else { 0 };
+            let place = place + stream.below(chunk.len() - place);
+            chunk[place] = [0, 1, 3, 6, 16, 255][stream.below(6)];
+        }
+    }
+    let mut bytes = magic.to_vec();
+    for chunk in chunks {
+        bytes.extend((chunk.len() as u32 - 4).to_be_bytes());
+        bytes.extend(&chunk);
+        bytes.extend(crc32fast::hash(&chunk).to_be_bytes());
+    }
+    bytes
+}
+
+/// The picture of a map as PNG.
+fn png_of(greys: &[u8], width: u32) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let height = greys.len() as u32 / width;
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Grayscale);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(greys).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+#[test]
+fn damaged_maps_are_read_or_refused_and_never_panic() {
+    let map = Map::drawn(&["####", "#  #", "####"]);
+    let read = |name: &str| fs::read(map.path(name)).unwrap();
+    let (header, raw) = (read("map.yaml"), read("map.pgm"));
+    let greys = &raw[raw.len() - 12..];
+    let words: Vec<String> = greys.iter().map(u8::to_string).collect();
+    let plain_pgm = format!("P2\n4 3\n255\n{}\n", words.join(" ")).into_bytes();
+    let png = png_of(greys, 4);
+    let mut stream = Stream::new(5, 0_u64);
+    for (kind, name, whole) in [
+        ("header", "map.yaml", &header),
+        ("raw", "map.pgm", &raw),
+        ("plain", "map.pgm", &plain_pgm),
+        ("png", "map.pgm", &png),
+    ] {
+        let mut refused = 0;
+        let times = crate::kit::chance::rounds(10_000, 100_000);
+        for _ in 0..times {
+            let forged = match kind {
+                "png" => forged_png(whole, &mut stream),
+                _ => damaged(whole, &mut stream),
+            };
+            map.keep(name, &forged);
+            let gridding = Gridding {
+                goal_m: Some([0.15, 0.15]),
+                ..plain()
+            };
+            let made = map.load().and_then(|map| gridding.of(&map).map(|_| ()));
+            refused += usize::from(made.is_err());
+        }
+        map.keep("map.yaml", &header);
+        map.keep("map.pgm", &raw);
+        assert!(
+            (times / 10..times).contains(&refused),
+            "{kind}: {refused} refused"
+        );
+    }
+}
+
+#[test]
+fn convert_reads_a_map_from_anywhere_draws_it_and_overwrites_nothing() {
+    let map = Map::drawn(&["??????", "?    ?", "?    ?", "?    ?", "??????"]);
+    let file = |name: &str| map.path(name).display().to_string();
+    let (input, world, picture) = (file("map.yaml"), file("w.json"), file("p.png"));
+    let args = [
+        "world",
+        "convert",
+        &input,
+        "-o",
+        &world,
+        "--cell",
+        "0.1",
+        "--goal",
+        "0.45,0.15",
+        "--preview",
+        &picture,
+    ];
+    let (stdout, _) = ended(&xcscr(&args).output().unwrap(), 0, "convert");
+    assert!(
+        stdout.contains("12 free, 0 occupied, 18 unknown (taken as wall)"),
+        "{stdout}"
+    );
+    ended(
+        &xcscr(&["world", "check", &world]).output().unwrap(),
+        0,
+        "check",
+    );
+    let mut picture = png::Decoder::new(std::io::Cursor::new(fs::read(&picture).unwrap()))
+        .read_info()
+        .unwrap();
+    let mut samples = vec![0; picture.output_buffer_size().unwrap()];
+    picture.next_frame(&mut samples).unwrap();
+    let has = |colour: [u8; 3]| samples.chunks_exact(3).any(|pixel| pixel == colour);
+    assert!(has([255, 127, 14]), "the robot is drawn");
+    ended(&xcscr(&args).output().unwrap(), 73, "the files exist");
+    let free = [&args[..9], &["--unknown", "free", "--force"]].concat();
+    let (stdout, _) = ended(&xcscr(&free).output().unwrap(), 0, "unknown taken as free");
+    assert!(
+        stdout.contains("8 x 7 cells") && stdout.contains("30 free"),
+        "{stdout}"
+    );
+    let wall = [&args[..8], &["0.05,0.05", "--force"]].concat();
+    let (_, stderr) = ended(&xcscr(&wall).output().unwrap(), 2, "a goal in a wall");
+    assert!(
+        stderr.contains("the nearest free cell is at 0.15,0.15"),
+        "{stderr}"
+    );
+    let back = ["world", "convert", &world, "-o", &file("back.yaml")];
+    ended(&xcscr(&back).output().unwrap(), 0, "a world as a map");
+    assert!(map.path("back.pgm").is_file());
+    let celled = [&back[..], &["--force", "--cell", "0.5"]].concat();
+    let (_, stderr) = ended(&xcscr(&celled).output().unwrap(), 2, "a world with --cell");
+    assert!(stderr.contains("--cell is for maps"), "{stderr}");
+}
+
+#[test]
+fn a_map_without_a_goal_is_refused_with_the_option_that_gives_one() {
+    let map = Map::drawn(&["   ", "   "]);
+    let refused = plain().of(&map.load().unwrap()).unwrap_err();
+    assert!(matches!(refused, MapError::NoGoal), "{refused}");
+    assert!(refused.to_string().contains("--goal X,Y"), "{refused}");
+    assert!(map.gridded(0.1, None, [0.15, 0.15]).is_ok(), "control");
+}

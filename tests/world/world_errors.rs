@@ -1,0 +1,253 @@
+//! Every kind of bad world file is refused with a message that points at the place.
+//!
+//! The tables hold a name and a file for each fault; the snapshots hold the messages, one under
+//! each name. `cli.rs` and the last test here see the same messages come out of the program.
+
+use std::fs;
+
+use crate::kit::program::{ended, xcscr};
+use xcscr::world::{Maze, WorldError};
+
+/// A fault and a file that has it.
+type Case = (&'static str, Vec<u8>);
+
+/// A world of these rows, each on its own line.
+fn rows(rows: &[&str]) -> Vec<u8> {
+    let rows: Vec<String> = rows.iter().map(|row| format!("    \"{row}\"")).collect();
+    format!("{{\n  \"rows\": [\n{}\n  ]\n}}\n", rows.join(",\n")).into_bytes()
+}
+
+/// A small world without fault, but for a line before its rows.
+fn with(line: &str) -> Vec<u8> {
+    let sound = String::from_utf8(rows(&["####", "#SG#", "####"])).unwrap();
+    sound.replacen("{\n", &format!("{{\n  {line},\n"), 1).into()
+}
+
+/// What the library says about a file; panics unless it refuses it, and says where.
+#[track_caller]
+fn refusal(fault: &str, text: &[u8]) -> String {
+    match Maze::from_json(text, "bad.json") {
+        Err(WorldError::Invalid(found)) => {
+            let message = found.to_string();
+            assert!(message.contains("--> bad.json"), "{fault}: {message}");
+            let is_plain = !message.contains('\x1b');
+            assert!(is_plain, "{fault}: no colours in a file: {message:?}");
+            message
+        }
+        other => panic!("{fault}: {other:?}"),
+    }
+}
+
+/// All messages of a table, each under the name of its fault.
+fn refusals(cases: &[Case]) -> String {
+    let said = cases.iter().map(|(fault, text)| {
+        let message = refusal(fault, text);
+        format!("# {fault}\n{message}\n")
+    });
+    said.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn rows_that_make_no_maze_are_refused_at_the_cell() {
+    let cases = [
+        ("ragged rows", rows(&["####", "#SG#", "###"])),
+        ("a row that is too long", rows(&["####", "#SG##", "####"])),
+        ("no rows", b"{\n  \"rows\": []\n}\n".to_vec()),
+        ("an empty row", rows(&["####", "", "####"])),
+        ("no goal", rows(&["####", "#S.#", "####"])),
+        ("two starts", rows(&["#####", "#S.G#", "#.S.#", "#####"])),
+        ("two starts in one row", rows(&["#####", "#SSG#", "#####"])),
+        ("an unknown letter", rows(&["####", "#sG#", "####"])),
+        ("a letter of several bytes", rows(&["####", "#é█#", "####"])),
+        (
+            "an escape sequence in a row",
+            rows(&["####", r"#\u0053G#", "####"]),
+        ),
+        (
+            "a start that reaches no goal",
+            rows(&["#####", "#S#G#", "#####"]),
+        ),
+        (
+            "a free cell that reaches no goal when the start is random",
+            rows(&["######", "#.G#.#", "######"]),
+        ),
+        ("no cell to start in", rows(&["####", "#GG#", "####"])),
+        ("an open border", rows(&["####", "#SG.", "####"])),
+    ];
+    insta::assert_snapshot!(refusals(&cases));
+}
+
+#[test]
+fn a_floor_that_does_not_fit_the_rows_is_refused_at_the_cell() {
+    let other = |value: &str| with(&format!("\"floor\": {value}"));
+    let floor = |rows: &[&str]| other(&format!("{rows:?}"));
+    let cases = [
+        ("a floor of the wrong type", other("\"ice\"")),
+        ("a row of a floor of the wrong type", other("[\"#..#\", 3]")),
+        ("too few rows", floor(&["####", "#3.#"])),
+        ("too many rows", floor(&["####", "#3.#", "####", "####"])),
+        ("a row that is too short", floor(&["####", "#3#", "####"])),
+        ("an unknown letter", floor(&["####", "#x.#", "####"])),
+        (
+            "a letter of several bytes",
+            floor(&["####", "#é.#", "####"]),
+        ),
+        ("no friction at all", floor(&["####", "#0.#", "####"])),
+        (
+            "a wall where there is none",
+            floor(&["####", "##3#", "####"]),
+        ),
+        ("friction below a wall", floor(&["####", "#.3#", "#3##"])),
+    ];
+    insta::assert_snapshot!(refusals(&cases));
+}
+
+#[test]
+fn wrong_keys_and_values_are_refused_at_the_word() {
+    let cases = [
+        ("a size of zero", with(r#""cell_size_m": 0"#)),
+        ("a negative size", with(r#""cell_size_m": -1.0"#)),
+        ("a huge size", with(r#""cell_size_m": 1e300"#)),
+        ("an infinite size", with(r#""cell_size_m": 1e999"#)),
+        ("a denormal size", with(r#""cell_size_m": 1e-320"#)),
+        ("a size that is not a number", with(r#""cell_size_m": NaN"#)),
+        (
+            "a size written as minus infinity",
+            with(r#""cell_size_m": -Infinity"#),
+        ),
+        ("a size of the wrong type", with(r#""cell_size_m": "1.0""#)),
+        ("five moves", with(r#""moves": 5"#)),
+        ("wrap of the wrong type", with(r#""wrap": "yes""#)),
+        (
+            "rows of the wrong type",
+            b"{\n  \"rows\": \"####\"\n}\n".to_vec(),
+        ),
+        (
+            "a row of the wrong type",
+            b"{\n  \"rows\": [\n    \"####\",\n    17\n  ]\n}\n".to_vec(),
+        ),
+        ("a misspelt key", with(r#""cellsize": 1.0"#)),
+        ("an unknown key", with(r#""gravity": 9.81"#)),
+        ("a repeated key", with("\"moves\": 4,\n  \"moves\": 8")),
+        ("a missing key", b"{\n  \"name\": \"maze\"\n}\n".to_vec()),
+        ("a name that leaves the folder", with(r#""name": "../x""#)),
+        (
+            "an absolute path as a name",
+            with(r#""name": "/etc/passwd""#),
+        ),
+        ("a device as a name", with(r#""name": "CON""#)),
+        ("a nul character in a name", with(r#""name": "a\u0000b""#)),
+        ("an empty name", with(r#""name": """#)),
+        ("a name of the wrong type", with(r#""name": 4"#)),
+        (
+            "half a surrogate pair as a name",
+            with(r#""name": "\ud800""#),
+        ),
+    ];
+    insta::assert_snapshot!(refusals(&cases));
+}
+
+#[test]
+fn text_that_is_not_a_json_object_is_refused_at_the_character() {
+    let sound = rows(&["####", "#SG#", "####"]);
+    let comma = String::from_utf8_lossy(&sound).replace("  ]\n", "  ],\n");
+    let cases = [
+        ("text after the world", [&sound[..], b"and more\n"].concat()),
+        ("a trailing comma", comma.into()),
+        (
+            "a trailing comma in an array",
+            b"{\n  \"rows\": [\"####\", ]\n}\n".to_vec(),
+        ),
+        (
+            "a line break in a string",
+            b"{\n  \"rows\": [\"##\\\"\n##\"]\n}\n".to_vec(),
+        ),
+        (
+            "a fault at the end of a line",
+            b"{\n  \"rows\": tru\n}\n".to_vec(),
+        ),
+        (
+            "an unfinished file",
+            b"{\n  \"rows\": [\n    \"####\",\n".to_vec(),
+        ),
+        ("a missing colon", b"{\n  \"rows\" []\n}\n".to_vec()),
+        (
+            "an array instead of the object",
+            b"[\n  \"####\"\n]\n".to_vec(),
+        ),
+        ("an empty file", Vec::new()),
+        (
+            "a nul byte",
+            b"{\n  \"rows\": [\"####\", \"#S\0G#\"]\n}".to_vec(),
+        ),
+        (
+            "bytes that are no UTF-8",
+            b"{\n  \"rows\": [\"####\", \"#S\xffG#\"]\n}".to_vec(),
+        ),
+        (
+            "a fault after a byte order mark and windows line ends",
+            b"\xef\xbb\xbf{\r\n  \"rows\": [\r\n    \"####\",\r\n    \"#x\"]\r\n}".to_vec(),
+        ),
+    ];
+    insta::assert_snapshot!(refusals(&cases));
+}
+
+#[test]
+fn what_is_too_large_is_refused_with_a_short_excerpt() {
+    let many_rows = vec!["\"\""; 1025].join(",");
+    let many_columns = ".".repeat(1025);
+    let cases = [
+        (
+            "deep nesting",
+            [&b"{\"rows\":"[..], &[b'['; 100_000]].concat(),
+        ),
+        ("nesting from the first byte", vec![b'['; 100_000]),
+        (
+            "too many rows",
+            format!("{{\"rows\": [{many_rows}]}}").into(),
+        ),
+        (
+            "too many columns",
+            format!("{{\"rows\": [\"{many_columns}\"]}}").into(),
+        ),
+        ("more than 64 MiB", vec![b' '; (64 << 20) + 1]),
+    ];
+    insta::assert_snapshot!(refusals(&cases));
+}
+
+#[test]
+fn two_places_far_apart_in_one_long_line_are_both_told() {
+    let first = vec!["#".repeat(1000); 40].join("\", \"");
+    let text = format!(r####"{{"rows": ["{first}", "###"]}}"####);
+    let message = refusal("far apart", text.as_bytes());
+    for part in [
+        "row 41 has 3 cells, expected 1000",
+        "bad.json:1:40172",
+        " 3 cells\n",
+        " 1000 cells\n",
+    ] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+}
+
+/// One file of each table, and those that ask most of the program: the main thread's stack, and
+/// the whole size of a file.
+#[test]
+fn the_program_prints_what_the_library_says_and_ends_with_code_65() {
+    let folder = tempfile::tempdir().unwrap();
+    for (fault, text) in [
+        ("ragged rows", rows(&["####", "#SG#", "###"])),
+        ("a misspelt key", with(r#""cellsize": 1.0"#)),
+        ("bytes that are no UTF-8", b"{\"rows\": [\"\xff".to_vec()),
+        ("nesting", vec![b'['; 100_000]),
+        ("more than 64 MiB", vec![b' '; (64 << 20) + 1]),
+    ] {
+        fs::write(folder.path().join("bad.json"), &text).unwrap();
+        let mut check = xcscr(&["world", "check", "bad.json"]);
+        let output = check.current_dir(folder.path()).output().unwrap();
+        let (stdout, stderr) = ended(&output, 65, fault);
+        assert_eq!(stdout, "", "{fault}");
+        let said = refusal(fault, &text);
+        assert_eq!(stderr, format!("error: {said}\n"), "{fault}");
+    }
+}
