@@ -101,7 +101,14 @@ def check_json(schema, message, where):
             wanted == "boolean" or not isinstance(value, bool)
         )
         expect(fits, f"{where}: {field} is {value!r}, expected {wanted}")
-        expect(properties[field]["description"], f"{where}: {field} is not explained")
+
+
+def check_explained(schemas):
+    """In the recording of a run and in its story, all fields say what they mean."""
+    for schema in schemas:
+        properties = json.loads(schema.data)["properties"] if schema.encoding == "jsonschema" else {}
+        for field, known in properties.items():
+            expect(known.get("description"), f"{schema.name}: {field} is not explained")
 
 
 def decode(schema, channel, message, decoders):
@@ -148,6 +155,8 @@ def read(path):
         counts[channel.topic] += 1
     summary = reader.get_summary()
     expect(summary.statistics.message_count == sum(counts.values()), "wrong statistics")
+    if run["episode"] in ("run", "story"):
+        check_explained(summary.schemas.values())
     topics = {channel.topic for channel in summary.channels.values()}
     senses = run["arena"] == "physics" and run["sensor"].startswith("lidar")
     is_run = run["episode"] == "run"

@@ -16,7 +16,8 @@ pub(super) const EVALUATION: &str = "evaluation";
 pub struct RunInfo {
     /// The world file's text; attached as `world.json`.
     pub world_json: String,
-    /// All settings, resolved; attached as `config.json`.
+    /// What was chosen, and the settings that differ from the defaults of this version; attached as
+    /// `config.json`.
     pub config_json: String,
     /// The root seed.
     pub seed: u64,

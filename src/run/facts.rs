@@ -1,14 +1,17 @@
 //! What the recordings of a run say about it.
 
+use serde::Serialize;
+use serde_json::Value;
+
 use crate::record::{RobotShape, RunInfo};
-use crate::trial::Plan;
+use crate::trial::{Config, Plan, Settings};
 
 /// What the recordings of a run say about it.
 pub(super) fn run_info(plan: &Plan) -> RunInfo {
     let config = &plan.config;
     RunInfo {
         world_json: plan.maze.to_json(),
-        config_json: serde_json::to_string(config).expect("plain data becomes JSON"),
+        config_json: unusual(config).to_string(),
         seed: config.seed,
         method: config.method.name().to_owned(),
         arena: config.arena.name().to_owned(),
@@ -17,4 +20,31 @@ pub(super) fn run_info(plan: &Plan) -> RunInfo {
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
         is_evaluation: false,
     }
+}
+
+/// All that was chosen, and of the settings those that differ from the defaults of this version:
+/// the others would take a tenth of what an episode takes.
+fn unusual(config: &Config) -> Value {
+    let mut chosen = value(config);
+    without(&mut chosen["settings"], &value(&Settings::default()));
+    chosen
+}
+
+fn value(of: &impl Serialize) -> Value {
+    serde_json::to_value(of).expect("plain data becomes JSON")
+}
+
+/// Leaves out what is as it is `usual`; sections that are left empty, too.
+fn without(chosen: &mut Value, usual: &Value) {
+    let Some(fields) = chosen.as_object_mut() else {
+        return;
+    };
+    fields.retain(|name, field| {
+        let is_section = field.is_object();
+        without(field, &usual[name]);
+        match is_section {
+            true => field != &serde_json::json!({}),
+            false => *field != usual[name],
+        }
+    });
 }

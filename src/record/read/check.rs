@@ -12,8 +12,8 @@ use crate::record::layout;
 use crate::record::topics::Topic;
 use crate::world::Maze;
 
-/// Gaps between messages with poses up to this long are normal: each shows a second of the way.
-const LONGEST_GAP_NS: u64 = 1_000_000_000;
+/// Gaps between messages with poses up to this long are normal: each shows two seconds of the way.
+const LONGEST_GAP_NS: u64 = 2_000_000_000;
 /// What every recording carries.
 const ATTACHED: [&str; 2] = ["world.json", "config.json"];
 /// What that of a whole run or a story carries beside.
@@ -118,14 +118,16 @@ fn extent(recording: &Recording) -> Option<Extent> {
 
 fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
     let present = recording.topics();
-    let expected: &[Topic] = if extent(recording) == Some(Extent::Run) {
-        &Topic::OF_RUN
+    // What does not say what it is may be an episode.
+    let extent = extent(recording).unwrap_or(Extent::Episode(1));
+    let expected = if extent == Extent::Run {
+        Topic::of_run()
     } else {
         let has = |topic: Topic| present.iter().any(|found| found.name == topic.name());
         Topic::of_episode(has(Topic::Estimate), has(Topic::Scan))
     };
     for topic in expected {
-        let (name, schema) = (topic.name(), topic.schema());
+        let (name, schema) = (topic.name(), topic.schema(extent));
         let what = match present.iter().find(|found| found.name == name) {
             None => format!("the topic {name} is missing"),
             Some(found) if found.schema != schema.name => {

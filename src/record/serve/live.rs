@@ -14,6 +14,7 @@ use foxglove::{
 };
 
 use super::gate::{Gate, Opened, Origin, hidden_host};
+use crate::record::info::Extent;
 use crate::record::topics::Topic;
 
 /// Messages that may wait for a slow viewer; the oldest are dropped, so that nobody waits for it.
@@ -122,9 +123,9 @@ struct Memory {
 
 impl Memory {
     fn new(context: &Arc<Context>) -> Result<Self, FoxgloveError> {
-        let channels = Topic::ALL.into_iter().map(|topic| {
+        let channels = Topic::ALL.iter().map(|topic| {
             ChannelBuilder::new(topic.name())
-                .schema(topic.schema())
+                .schema(topic.schema(Extent::Run).clone())
                 .message_encoding(topic.message_encoding())
                 .context(context)
                 .build_raw()

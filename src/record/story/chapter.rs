@@ -92,7 +92,8 @@ pub fn chapters(run: &Recording) -> Result<Vec<Chapter>, RecordError> {
                         episode: figures.episode,
                         goal: figures.outcome == "goal",
                         optimal: figures.optimal,
-                        changed: policy.changed,
+                        // A policy that stays as it is is not shown again.
+                        changed: std::mem::take(&mut policy.changed),
                     });
                 }
             }

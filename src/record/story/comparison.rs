@@ -10,6 +10,7 @@ use mcap::records::MessageHeader;
 use super::retime::{decoded, encoded};
 use super::teller::{Teller, Told, unwritten};
 use crate::record::error::RecordError;
+use crate::record::info::Extent;
 use crate::record::layout::{self, SIDES};
 use crate::record::topics::Topic;
 use crate::record::write::log_file::writer;
@@ -54,8 +55,8 @@ fn merged(stories: [&Teller<'_>; 2], curves: &[Vec<u8>; 2], layout: &str) -> Mca
     })?;
     let mut channels = BTreeMap::new();
     for (side, story) in stories.iter().enumerate() {
-        for &topic in story.topics() {
-            let schema = topic.schema();
+        for topic in story.topics() {
+            let schema = topic.schema(Extent::Story);
             let id = out.add_schema(&schema.name, &schema.encoding, &schema.data)?;
             let name = format!("/{}{}", SIDES[side], topic.name());
             let encoding = topic.message_encoding();

@@ -123,7 +123,7 @@ impl<'a> Teller<'a> {
         log.attach("world.json", 0, &info.world_json)?;
         log.attach("config.json", 0, &info.config_json)?;
         log.attach("foxglove-layout.json", 0, &layout::of_episode(maze))?;
-        log.declare(self.topics())?;
+        log.declare(Extent::Story, &self.topics())?;
         for (time_ns, topic, data) in &self.told {
             log.message(*topic, *time_ns, data)?;
         }
@@ -131,7 +131,7 @@ impl<'a> Teller<'a> {
     }
 
     /// The topics that the story has.
-    pub(super) fn topics(&self) -> &'static [Topic] {
+    pub(super) fn topics(&self) -> Vec<Topic> {
         Topic::of_episode(self.senses, false)
     }
 

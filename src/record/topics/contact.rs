@@ -1,10 +1,9 @@
 //! `/contact`: a hit, and its end.
 
-use foxglove::Schema;
 use serde::Serialize;
 
 use super::decimal;
-use super::schema::{Kind, object};
+use super::schema::{Kind, Object};
 use crate::arena::Contact;
 
 /// A change of contact with the walls.
@@ -56,7 +55,7 @@ impl ContactRecord {
     }
 }
 
-pub(super) fn schema() -> Schema {
+pub(super) fn schema() -> Object {
     let fields = [
         ("episode", Kind::Count, "from 1"),
         ("step", Kind::Count, "from 1; 0 before the first"),
@@ -71,5 +70,5 @@ pub(super) fn schema() -> Schema {
         ("normal_y", Kind::Number, "unit vector into the wall"),
         ("impulse_ns", Kind::Number, "impulse of the hit, N s"),
     ];
-    object("xcscr.Contact", &fields)
+    Object::new("xcscr.Contact", &fields)
 }

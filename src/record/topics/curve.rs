@@ -1,9 +1,8 @@
 //! `/curve`: the learning curve up to here, so that a single episode's file can show it.
 
-use foxglove::Schema;
 use serde::{Deserialize, Serialize};
 
-use super::schema::{Kind, object};
+use super::schema::{Kind, Object};
 use crate::episode::Episode;
 
 /// The most points of a curve; beyond them every second one is dropped.
@@ -49,7 +48,7 @@ impl Curve {
     }
 }
 
-pub(super) fn schema() -> Schema {
+pub(super) fn schema() -> Object {
     let fields = [
         (
             "episode",
@@ -59,5 +58,5 @@ pub(super) fn schema() -> Schema {
         ("steps", Kind::Numbers, "steps of each"),
         ("collisions", Kind::Numbers, "collisions of each"),
     ];
-    object("xcscr.Curve", &fields)
+    Object::new("xcscr.Curve", &fields)
 }

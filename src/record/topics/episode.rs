@@ -1,10 +1,9 @@
 //! `/episode`: that an episode runs, at its start; its figures, at its end.
 
-use foxglove::Schema;
 use serde::{Serialize, Serializer};
 
 use super::decimal;
-use super::schema::{Kind, object};
+use super::schema::{Kind, Object};
 use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode};
 use xcs::{Classifier, PredictionArray};
@@ -133,7 +132,7 @@ impl Ended {
     }
 }
 
-pub(super) fn schema_of_ended() -> Schema {
+pub(super) fn schema_of_ended() -> Object {
     let fields = [
         ("episode", Kind::Count, "from 1"),
         (
@@ -142,7 +141,7 @@ pub(super) fn schema_of_ended() -> Schema {
             "with which its end was learned",
         ),
     ];
-    object("xcscr.Ended", &fields)
+    Object::new("xcscr.Ended", &fields)
 }
 
 /// An episode that runs; what its end will tell is left out.
@@ -168,7 +167,7 @@ impl Running {
     }
 }
 
-pub(super) fn schema() -> Schema {
+pub(super) fn schema() -> Object {
     let fields = [
         ("episode", Kind::Count, "from 1"),
         (
@@ -223,5 +222,5 @@ pub(super) fn schema() -> Schema {
             "of each action in the start cell, clockwise from north; null: unknown",
         ),
     ];
-    object("xcscr.Episode", &fields)
+    Object::new("xcscr.Episode", &fields)
 }

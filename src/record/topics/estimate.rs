@@ -1,13 +1,12 @@
 //! `/estimate` and `/scene/estimate`: where the robot believes to be, how sure it is, and how much
 //! it is mistaken.
 
-use foxglove::Schema;
 use foxglove::messages::{CylinderPrimitive, Pose, SceneUpdate};
 use nalgebra::{Complex, Matrix3, UnitComplex};
 use serde::Serialize;
 
 use super::scene::{ESTIMATE, color, entity, heading, place, update, vector};
-use super::schema::{Kind, object};
+use super::schema::{Kind, Object};
 use super::{decimal, rounded};
 use crate::arena::{Sample, Sensed};
 
@@ -64,7 +63,7 @@ impl EstimateRecord {
     }
 }
 
-pub(super) fn schema() -> Schema {
+pub(super) fn schema() -> Object {
     let fields = [
         ("episode", Kind::Count, "from 1"),
         ("step", Kind::Count, "from 1; 0 before the first"),
@@ -116,7 +115,7 @@ pub(super) fn schema() -> Schema {
             "does it believe to be in another cell than it is in?",
         ),
     ];
-    object("xcscr.Estimate", &fields)
+    Object::new("xcscr.Estimate", &fields)
 }
 
 /// An ellipse around the believed position, and a ghost of the robot where it believes to be.

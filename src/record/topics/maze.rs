@@ -26,14 +26,11 @@ pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
     lines.cubes.extend(slippery(maze));
     lines.lines = vec![floor_lines(maze)];
     let mut walls = entity("walls", WORLD, time_ns);
-    let shown = (!maze.is_vast())
-        .then(|| maze.cells())
-        .into_iter()
-        .flatten();
-    walls.cubes = shown
-        .filter(|&cell| maze.is_wall(cell))
-        .map(|cell| wall(maze, cell))
-        .collect();
+    if !maze.is_vast() {
+        walls.cubes = (0..maze.height())
+            .flat_map(|row| blocks(maze, row))
+            .collect();
+    }
     walls.texts = numbers(maze);
     update(vec![lines, walls, tiles(maze, time_ns)])
 }
@@ -77,24 +74,31 @@ fn floor_lines(maze: &Maze) -> LinePrimitive {
     let east = along(maze.height()).flat_map(|at| [Point2::new(0.0, at), Point2::new(x, at)]);
     LinePrimitive {
         r#type: line_primitive::Type::LineList as i32,
-        pose: place(0.0, 0.0, 0.0),
+        pose: place(0.0, 0.0, 0.004 * unit),
         thickness: 1.0,
         scale_invariant: true,
-        points: north
-            .chain(east)
-            .map(|at| point(at, 0.004 * unit))
-            .collect(),
+        points: north.chain(east).map(|at| point(at, 0.0)).collect(),
         color: color(FLOOR_LINE, 1.0),
         ..LinePrimitive::default()
     }
 }
 
-/// A block, a quarter of a cell high.
-fn wall(maze: &Maze, cell: Cell) -> CubePrimitive {
-    let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
+/// The walls of a row: a block, a quarter of a cell high, for those that stand side by side.
+fn blocks(maze: &Maze, row: u16) -> Vec<CubePrimitive> {
+    let columns: Vec<u16> = (0..maze.width())
+        .filter(|&col| maze.is_wall(Cell { col, row }))
+        .collect();
+    let stretches = columns.chunk_by(|west, east| west + 1 == *east);
+    stretches.map(|stretch| block(maze, row, stretch)).collect()
+}
+
+fn block(maze: &Maze, row: u16, columns: &[u16]) -> CubePrimitive {
+    let unit = maze.cell_size_m();
+    let [west, east] =
+        [columns[0], columns[columns.len() - 1]].map(|col| maze.centre_m(Cell { col, row }));
     cube(
-        place(at.x, at.y, 0.125 * unit),
-        vector(unit, unit, 0.25 * unit),
+        place((west.x + east.x) / 2.0, west.y, 0.125 * unit),
+        vector(columns.len() as f64 * unit, unit, 0.25 * unit),
         color(WALL, 1.0),
     )
 }
@@ -106,11 +110,11 @@ fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
     let goals = maze.goals().iter().map(|&cell| (cell, GOAL, "GOAL"));
     for (cell, rgb, name) in start.into_iter().chain(goals) {
         let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
-        let size = vector(0.94 * unit, 0.94 * unit, 0.012 * unit);
+        let size = vector(0.9375 * unit, 0.9375 * unit, 0.012 * unit);
         tiles
             .cubes
             .push(cube(place(at.x, at.y, 0.006 * unit), size, color(rgb, 1.0)));
-        let north = place(at.x, at.y + 0.32 * unit, 0.02 * unit);
+        let north = place(at.x, at.y + 0.3125 * unit, 0.02 * unit);
         tiles.texts.push(words(north, 0.22 * unit, INK, name));
     }
     tiles

@@ -6,6 +6,7 @@
 pub(super) mod caption;
 pub(super) mod contact;
 pub(super) mod curve;
+mod descriptor;
 pub(super) mod episode;
 pub(super) mod estimate;
 pub(super) mod log;
@@ -24,13 +25,19 @@ pub(super) mod worth;
 
 pub(super) use scene::timestamp;
 
+use std::sync::LazyLock;
+
 use foxglove::messages::{FrameTransforms, Grid, LaserScan, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
+use strum::VariantArray;
+
+use super::info::Extent;
+use schema::Object;
 
 /// A topic of a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
 pub enum Topic {
-    /// `/tf`: where the robot is, as many poses as it takes, up to a second in each message.
+    /// `/tf`: where the robot is, as many poses as it takes, up to two seconds in each message.
     Transforms,
     /// `/scene/maze`: floor, walls, start and goals, once.
     Maze,
@@ -73,101 +80,62 @@ pub enum Topic {
     Ended,
 }
 
+/// Which recordings have a topic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// That of the run and those of episodes: what happens once per step or more rarely.
+    Both,
+    /// Only that of the run.
+    Run,
+    /// Only those of episodes.
+    Episode,
+    /// Those of episodes, if the robot senses where it is.
+    Sensed,
+    /// The same, if the beams of its lidar are recorded.
+    Beams,
+}
+
+/// What the messages of a topic consist of.
+enum Content {
+    /// A well-known message, as protobuf.
+    WellKnown(Option<Schema>),
+    /// One of our own, as JSON.
+    Own(Object),
+}
+
 impl Topic {
     /// Every topic, in the order of their declaration.
-    pub const ALL: [Self; 20] = [
-        Self::Transforms,
-        Self::Maze,
-        Self::Robot,
-        Self::Policy,
-        Self::Worth,
-        Self::Trail,
-        Self::Contact,
-        Self::Step,
-        Self::Episode,
-        Self::Curve,
-        Self::Log,
-        Self::Caption,
-        Self::Rule,
-        Self::RuleText,
-        Self::Percept,
-        Self::Landscape,
-        Self::Estimate,
-        Self::Ghost,
-        Self::Scan,
-        Self::Ended,
-    ];
-    /// How many topics, the first ones, an episode has of a robot that is told where it is.
-    const TOLD: usize = 16;
-    /// The same of one that senses, but whose beams are not recorded.
-    const SENSED: usize = 18;
-    /// The same with its beams.
-    const SCANNED: usize = 19;
-    /// The topics of `run.mcap`: what happens once per step or more rarely.
-    pub const OF_RUN: [Self; 10] = [
-        Self::Maze,
-        Self::Policy,
-        Self::Worth,
-        Self::Trail,
-        Self::Step,
-        Self::Episode,
-        Self::Log,
-        Self::Caption,
-        Self::Landscape,
-        Self::Ended,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// The topics of an episode's file; more when the robot senses where it is, and when the beams
-    /// of its lidar are recorded.
-    pub fn of_episode(senses: bool, beams: bool) -> &'static [Self] {
-        match (senses, beams) {
-            (true, true) => &Self::ALL[..Self::SCANNED],
-            (true, false) => &Self::ALL[..Self::SENSED],
-            (false, _) => &Self::ALL[..Self::TOLD],
-        }
-    }
-
-    /// Does only a robot that senses have it? Layouts show it nevertheless: viewers leave out what a
-    /// recording lacks.
-    pub fn is_of_senses(self) -> bool {
-        (Self::TOLD..Self::SCANNED).contains(&(self as usize))
-    }
-
-    /// The topic's name in the file.
-    pub fn name(self) -> &'static str {
+    /// The topic's name in the file, and which files have it.
+    fn entry(self) -> (&'static str, Place) {
         match self {
-            Self::Transforms => "/tf",
-            Self::Maze => "/scene/maze",
-            Self::Robot => "/scene/robot",
-            Self::Policy => "/scene/policy",
-            Self::Worth => "/worth",
-            Self::Trail => "/scene/trail",
-            Self::Contact => "/contact",
-            Self::Step => "/step",
-            Self::Episode => "/episode",
-            Self::Curve => "/curve",
-            Self::Log => "/log",
-            Self::Caption => "/scene/caption",
-            Self::Rule => "/rule",
-            Self::RuleText => "/scene/rule",
-            Self::Percept => "/scene/percept",
-            Self::Landscape => "/scene/worth",
-            Self::Estimate => "/estimate",
-            Self::Ghost => "/scene/estimate",
-            Self::Scan => "/scan",
-            Self::Ended => "/ended",
+            Self::Transforms => ("/tf", Place::Episode),
+            Self::Maze => ("/scene/maze", Place::Both),
+            Self::Robot => ("/scene/robot", Place::Episode),
+            Self::Policy => ("/scene/policy", Place::Both),
+            Self::Worth => ("/worth", Place::Both),
+            Self::Trail => ("/scene/trail", Place::Both),
+            Self::Contact => ("/contact", Place::Episode),
+            Self::Step => ("/step", Place::Both),
+            Self::Episode => ("/episode", Place::Both),
+            Self::Curve => ("/curve", Place::Episode),
+            Self::Log => ("/log", Place::Both),
+            Self::Caption => ("/scene/caption", Place::Both),
+            Self::Rule => ("/rule", Place::Episode),
+            Self::RuleText => ("/scene/rule", Place::Episode),
+            Self::Percept => ("/scene/percept", Place::Episode),
+            Self::Landscape => ("/scene/worth", Place::Both),
+            Self::Estimate => ("/estimate", Place::Sensed),
+            Self::Ghost => ("/scene/estimate", Place::Sensed),
+            Self::Scan => ("/scan", Place::Beams),
+            Self::Ended => ("/ended", Place::Run),
         }
     }
 
-    /// The topic of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|topic| topic.name() == name)
-    }
-
-    /// The schema of the topic's messages: well-known ones as protobuf, our own as JSON.
-    pub(super) fn schema(self) -> Schema {
-        let well_known = match self {
-            Self::Transforms => FrameTransforms::get_schema(),
+    fn content(self) -> Content {
+        match self {
+            Self::Transforms => Content::WellKnown(FrameTransforms::get_schema()),
             Self::Maze
             | Self::Robot
             | Self::Policy
@@ -176,32 +144,86 @@ impl Topic {
             | Self::RuleText
             | Self::Percept
             | Self::Landscape
-            | Self::Ghost => SceneUpdate::get_schema(),
-            Self::Worth => Grid::get_schema(),
-            Self::Log => Log::get_schema(),
-            Self::Scan => LaserScan::get_schema(),
-            Self::Contact => return contact::schema(),
-            Self::Step => return step::schema(),
-            Self::Rule => return rule::schema(),
-            Self::Episode => return episode::schema(),
-            Self::Curve => return curve::schema(),
-            Self::Ended => return episode::schema_of_ended(),
-            Self::Estimate => return estimate::schema(),
-        };
-        well_known.expect("well-known messages have a schema")
+            | Self::Ghost => Content::WellKnown(SceneUpdate::get_schema()),
+            Self::Worth => Content::WellKnown(Grid::get_schema()),
+            Self::Log => Content::WellKnown(Log::get_schema()),
+            Self::Scan => Content::WellKnown(LaserScan::get_schema()),
+            Self::Contact => Content::Own(contact::schema()),
+            Self::Step => Content::Own(step::schema()),
+            Self::Rule => Content::Own(rule::schema()),
+            Self::Episode => Content::Own(episode::schema()),
+            Self::Curve => Content::Own(curve::schema()),
+            Self::Ended => Content::Own(episode::schema_of_ended()),
+            Self::Estimate => Content::Own(estimate::schema()),
+        }
+    }
+
+    /// The topic's name in the file.
+    pub fn name(self) -> &'static str {
+        self.entry().0
+    }
+
+    /// The topic of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        let mut all = Self::ALL.iter().copied();
+        all.find(|topic| topic.name() == name)
+    }
+
+    /// The topics of an episode's file; more when the robot senses where it is, and when the beams
+    /// of its lidar are recorded.
+    pub fn of_episode(senses: bool, beams: bool) -> Vec<Self> {
+        Self::at(|place| match place {
+            Place::Both | Place::Episode => true,
+            Place::Sensed => senses,
+            Place::Beams => senses && beams,
+            Place::Run => false,
+        })
+    }
+
+    /// The topics of `run.mcap`.
+    pub fn of_run() -> Vec<Self> {
+        Self::at(|place| matches!(place, Place::Both | Place::Run))
+    }
+
+    /// Does only a robot that senses have it? Layouts show it nevertheless: viewers leave out what a
+    /// recording lacks.
+    pub fn is_of_senses(self) -> bool {
+        matches!(self.entry().1, Place::Sensed | Place::Beams)
+    }
+
+    fn at(has: impl Fn(Place) -> bool) -> Vec<Self> {
+        let all = Self::ALL.iter().copied();
+        all.filter(|topic| has(topic.entry().1)).collect()
+    }
+
+    /// The schema of the topic's messages in such a recording. Those of our own tell what each
+    /// field means in the recording of a run and in its story, and only its type in that of an
+    /// episode, of which there are many.
+    pub(super) fn schema(self, of: Extent) -> &'static Schema {
+        static SCHEMAS: LazyLock<[Vec<Schema>; 2]> = LazyLock::new(|| {
+            [false, true].map(|explained| {
+                let all = Topic::ALL.iter();
+                all.map(|topic| topic.defined(explained)).collect()
+            })
+        });
+        let explained = of.episode().is_none();
+        &SCHEMAS[usize::from(explained)][self as usize]
+    }
+
+    fn defined(self, explained: bool) -> Schema {
+        match self.content() {
+            Content::WellKnown(schema) => {
+                descriptor::short(&schema.expect("well-known messages have a schema"))
+            }
+            Content::Own(object) => object.schema(explained),
+        }
     }
 
     /// How the topic's messages are encoded: `json` or `protobuf`.
     pub(super) fn message_encoding(self) -> &'static str {
-        match self {
-            Self::Contact
-            | Self::Step
-            | Self::Rule
-            | Self::Episode
-            | Self::Curve
-            | Self::Ended
-            | Self::Estimate => "json",
-            _ => "protobuf",
+        match self.content() {
+            Content::WellKnown(_) => "protobuf",
+            Content::Own(_) => "json",
         }
     }
 }
@@ -219,13 +241,6 @@ fn decimal(number: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn topics_are_listed_in_the_order_of_their_numbers() {
-        for (number, topic) in Topic::ALL.into_iter().enumerate() {
-            assert_eq!(topic as usize, number);
-        }
-    }
 
     #[test]
     fn a_rounded_number_is_never_minus_zero() {

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use foxglove::messages::{Color, Point3, SceneUpdate, TriangleListPrimitive};
+use foxglove::messages::{Color, CubePrimitive, Point3, SceneUpdate, TriangleListPrimitive};
 use nalgebra::{Point2, Vector2};
 
 use super::rounded;
@@ -18,8 +18,10 @@ const SCALE: [u32; 3] = [0xd92b2b, 0xf2a900, 0x128a43];
 /// Ranks are told apart in so many steps, each a list of triangles in one colour.
 const SHADES: f64 = 8.0;
 /// An arrow is a dart on the floor, on which the robot drives. Its corners, ahead and to the left of
-/// a cell's middle, in cells: tip, left, notch, right.
-const DART: [[f64; 2]; DART_CORNERS] = [[0.47, 0.0], [0.13, 0.19], [0.22, 0.0], [0.13, -0.19]];
+/// a cell's middle: tip, left, notch, right.
+const DART: [[f64; 2]; DART_CORNERS] = [[15.0, 0.0], [4.0, 6.0], [7.0, 0.0], [4.0, -6.0]];
+/// The corners are given in so many parts of a cell: such fractions take few bytes.
+const PARTS: f64 = 32.0;
 /// Points of an arrow, of which the first is its tip.
 pub(in crate::record) const DART_CORNERS: usize = 4;
 /// The two triangles of a dart, by its corners.
@@ -27,12 +29,16 @@ const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
 /// How high the floor's paint lies, in cells.
 const PAINT: f64 = 0.02;
 /// The greatest height of a column, in cells, and how wide it is.
-const COLUMN: [f64; 2] = [1.2, 0.7];
+const COLUMN: [f64; 2] = [1.2, 0.6875];
 
 /// A dart for each best action of each cell that knows one; several on ties.
-pub(in crate::record) fn painted(policy: &PolicyMap, maze: &Maze) -> Vec<TriangleListPrimitive> {
+pub(in crate::record) fn painted(
+    policy: Option<&PolicyMap>,
+    maze: &Maze,
+) -> Vec<TriangleListPrimitive> {
     let mut darts: BTreeMap<u8, Vec<Point3>> = BTreeMap::new();
-    for ((cell, worth), rank) in policy.cells().zip(policy.ranks()) {
+    let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
+    for ((cell, worth), rank) in ranked {
         let best = worth.best_actions();
         let mut best = best.filter_map(|action| maze.direction(action)).peekable();
         if best.peek().is_some() {
@@ -42,7 +48,7 @@ pub(in crate::record) fn painted(policy: &PolicyMap, maze: &Maze) -> Vec<Triangl
     }
     let darts = darts.into_iter();
     darts
-        .map(|(shade, corners)| triangles(shade, corners))
+        .map(|(shade, corners)| triangles(maze, shade, corners))
         .collect()
 }
 
@@ -54,26 +60,26 @@ pub(in crate::record) fn scene(painted: &[TriangleListPrimitive], time_ns: u64) 
 }
 
 /// A column for each cell that knows what it is worth, as high as that ranks among all cells.
-pub(in crate::record) fn landscape(
-    policy: Option<&PolicyMap>,
-    maze: &Maze,
-    time_ns: u64,
-) -> SceneUpdate {
+pub(in crate::record) fn columns(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<CubePrimitive> {
     let unit = maze.cell_size_m();
-    let mut columns = entity("landscape", WORLD, time_ns);
     let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
-    columns.cubes = ranked
-        .filter_map(|((cell, _), rank)| {
-            let (at, high) = (maze.centre_m(*cell), COLUMN[0] * (0.05 + rank?) * unit);
-            let size = vector(COLUMN[1] * unit, COLUMN[1] * unit, high);
-            Some(cube(
-                place(at.x, at.y, high / 2.0),
-                size,
-                colour(shade(rank), 0.85),
-            ))
-        })
-        .collect();
-    update(vec![columns])
+    let columns = ranked.filter_map(|((cell, _), rank)| {
+        let (at, high) = (maze.centre_m(*cell), COLUMN[0] * (0.05 + rank?) * unit);
+        let size = vector(COLUMN[1] * unit, COLUMN[1] * unit, high);
+        Some(cube(
+            place(at.x, at.y, high / 2.0),
+            size,
+            colour(shade(rank), 0.85),
+        ))
+    });
+    columns.collect()
+}
+
+/// These columns as a scene.
+pub(in crate::record) fn landscape(columns: &[CubePrimitive], time_ns: u64) -> SceneUpdate {
+    let mut landscape = entity("landscape", WORLD, time_ns);
+    landscape.cubes = columns.to_vec();
+    update(vec![landscape])
 }
 
 /// The corners of an arrow from the middle of a cell to its border.
@@ -83,15 +89,15 @@ fn dart(maze: &Maze, cell: Cell, direction: Direction) -> [Point3; DART_CORNERS]
     let ahead = Vector2::new(f64::from(east), f64::from(-south)).normalize();
     let left = Vector2::new(-ahead.y, ahead.x);
     DART.map(|[forth, aside]| {
-        let corner: Point2<f64> = at + (ahead * forth + left * aside) * unit;
-        point(corner, PAINT * unit)
+        let corner: Point2<f64> = at + (ahead * forth + left * aside) * (unit / PARTS);
+        point(corner, 0.0)
     })
 }
 
-fn triangles(shade: u8, corners: Vec<Point3>) -> TriangleListPrimitive {
+fn triangles(maze: &Maze, shade: u8, corners: Vec<Point3>) -> TriangleListPrimitive {
     let darts = 0..corners.len() as u32 / 4;
     TriangleListPrimitive {
-        pose: place(0.0, 0.0, 0.0),
+        pose: place(0.0, 0.0, PAINT * maze.cell_size_m()),
         points: corners,
         color: colour(shade, 1.0),
         colors: Vec::new(),

@@ -1,12 +1,11 @@
 //! `/rule` and `/scene/rule`: why an action is taken, in words, from the moment of its decision on.
 
-use foxglove::Schema;
 use foxglove::messages::{SceneUpdate, TextPrimitive};
 use serde::Serialize;
 
 use super::rounded;
 use super::scene::{ROBOT, color, entity, place, update};
-use super::schema::{Kind, object};
+use super::schema::{Kind, Object};
 use crate::agent::{Chooser, PERCEPT_BITS, memory_words};
 use crate::episode::Step;
 use crate::sensor::{Sensor, action_name};
@@ -189,7 +188,7 @@ fn over(up: f64, height: f64, rgb: u32, text: &str) -> TextPrimitive {
     }
 }
 
-pub(super) fn schema() -> Schema {
+pub(super) fn schema() -> Object {
     let fields = [
         ("episode", Kind::Count, "from 1"),
         ("step", Kind::Count, "from 1 in each episode"),
@@ -210,7 +209,7 @@ pub(super) fn schema() -> Schema {
             "the best other action, and its worth",
         ),
     ];
-    object("xcscr.Rule", &fields)
+    Object::new("xcscr.Rule", &fields)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
-//! JSON schemas, as viewers read them: flat objects, each field with its meaning and unit.
+//! JSON schemas, as viewers read them: flat objects, each field with its type, and on demand with its
+//! meaning and unit.
 
 use std::borrow::Cow;
-use std::fmt::Write;
 
 use foxglove::Schema;
 
@@ -38,23 +38,41 @@ impl Kind {
     }
 }
 
-/// The schema of an object whose fields are given by name, type and meaning.
-pub(super) fn object(name: &str, fields: &[(&str, Kind, &str)]) -> Schema {
-    let mut text = r#"{"type":"object","properties":{"#.to_owned();
-    for (i, (field, kind, meaning)) in fields.iter().enumerate() {
-        let comma = if i == 0 { "" } else { "," };
-        let kind = kind.text();
-        write!(
-            text,
-            r#"{comma}"{field}":{{{kind},"description":"{meaning}"}}"#
-        )
-        .expect("a string can be written to");
+/// A message of our own: its fields by name, type and meaning.
+#[derive(Debug)]
+pub(super) struct Object {
+    name: &'static str,
+    fields: Vec<(&'static str, Kind, &'static str)>,
+}
+
+impl Object {
+    pub fn new(name: &'static str, fields: &[(&'static str, Kind, &'static str)]) -> Self {
+        Self {
+            name,
+            fields: fields.to_vec(),
+        }
     }
-    text.push_str("}}");
-    Schema {
-        name: name.to_owned(),
-        encoding: "jsonschema".to_owned(),
-        data: Cow::Owned(text.into_bytes()),
+
+    /// The schema; if `explained`, it tells what each field means.
+    pub fn schema(&self, explained: bool) -> Schema {
+        let field = |(field, kind, meaning): &(&str, Kind, &str)| {
+            let kind = kind.text();
+            let meaning = match explained {
+                true => format!(r#","description":"{meaning}""#),
+                false => String::new(),
+            };
+            format!(r#""{field}":{{{kind}{meaning}}}"#)
+        };
+        let fields: Vec<String> = self.fields.iter().map(field).collect();
+        let text = format!(
+            r#"{{"type":"object","properties":{{{}}}}}"#,
+            fields.join(",")
+        );
+        Schema {
+            name: self.name.to_owned(),
+            encoding: "jsonschema".to_owned(),
+            data: Cow::Owned(text.into_bytes()),
+        }
     }
 }
 
@@ -68,10 +86,15 @@ mod tests {
             ("a", Kind::Bool, "yes or no"),
             ("b", Kind::Numbers, "metres"),
         ];
-        let schema = object("xcscr.Test", &fields);
-        let json: serde_json::Value = serde_json::from_slice(&schema.data).unwrap();
-        assert_eq!(json["properties"]["a"]["type"], "boolean");
-        assert_eq!(json["properties"]["b"]["items"]["type"], "number");
-        assert_eq!(json["properties"]["b"]["description"], "metres");
+        let object = Object::new("xcscr.Test", &fields);
+        let [brief, explained] = [false, true].map(|explained| -> serde_json::Value {
+            serde_json::from_slice(&object.schema(explained).data).unwrap()
+        });
+        for json in [&brief, &explained] {
+            assert_eq!(json["properties"]["a"]["type"], "boolean");
+            assert_eq!(json["properties"]["b"]["items"]["type"], "number");
+        }
+        assert_eq!(explained["properties"]["b"]["description"], "metres");
+        assert!(brief["properties"]["b"]["description"].is_null());
     }
 }

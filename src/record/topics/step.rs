@@ -1,9 +1,8 @@
 //! `/step`: a step, at the moment at which its outcome is known.
 
-use foxglove::Schema;
 use serde::{Serialize, Serializer};
 
-use super::schema::{Kind, object};
+use super::schema::{Kind, Object};
 use super::{decimal, episode};
 use crate::arena::Outcome;
 use crate::episode::Step;
@@ -90,7 +89,7 @@ fn left(step: &Step<'_>) -> f64 {
     decimal(1.0 - f64::from(step.step.min(most)) / f64::from(most))
 }
 
-pub(super) fn schema() -> Schema {
+pub(super) fn schema() -> Object {
     let fields = [
         ("episode", Kind::Count, "from 1"),
         ("step", Kind::Count, "from 1 in each episode"),
@@ -131,5 +130,5 @@ pub(super) fn schema() -> Schema {
         ("match_set", Kind::Count, "micro-classifiers in [M]"),
         ("action_set", Kind::Count, "micro-classifiers in [A]"),
     ];
-    object("xcscr.Step", &fields)
+    Object::new("xcscr.Step", &fields)
 }

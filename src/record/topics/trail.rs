@@ -2,8 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use foxglove::messages::{CylinderPrimitive, LinePrimitive, Point3, SceneUpdate, line_primitive};
-use nalgebra::Point2;
+use foxglove::messages::{
+    Color, CylinderPrimitive, LinePrimitive, Point3, SceneUpdate, line_primitive,
+};
+use nalgebra::{Point2, Vector2};
 
 use super::scene::{WORLD, color, entity, place, point, update, vector};
 use crate::arena::{Contact, Sample, View};
@@ -21,6 +23,8 @@ const DASH: f64 = 0.12;
 const MOST_PIECES: usize = 640;
 /// Ends of pieces lie on a grid so fine, in cells: what nobody sees need not be stored.
 const GRID: f64 = 1.0 / 64.0;
+/// Pieces are joined where that moves their common end by so much at most, in cells.
+const OFF: f64 = 1.0 / 64.0;
 /// An impulse whose mark is as large as any, in N s: that of a robot at full speed.
 const HARD_NS: f64 = 8.0;
 /// Marks of an episode; later hits are told by the other topics only.
@@ -128,8 +132,7 @@ impl Trail {
             };
             for [begin, end] in dashes(driven_m, length_m, dash_m) {
                 let ends = [begin, end].map(|at| from + (to - from) * (at / length_m));
-                let ends = ends.map(|at| self.on_grid(at));
-                self.pieces.push_back((shade, ends));
+                self.lay(shade, ends);
             }
             driven_m += length_m;
         }
@@ -138,25 +141,36 @@ impl Trail {
         self.pieces.drain(..surplus);
     }
 
+    /// Adds a piece, or makes the last one longer if it leads there straight.
+    fn lay(&mut self, shade: usize, ends: [Point2<f64>; 2]) {
+        let [from, to] = ends.map(|at| self.on_grid(at));
+        let off_m = OFF * self.unit_m;
+        match self.pieces.back_mut() {
+            Some((before, [begin, end]))
+                if *before == shade && *end == from && is_between(&from, [begin, &to], off_m) =>
+            {
+                *end = to;
+            }
+            _ => self.pieces.push_back((shade, [from, to])),
+        }
+    }
+
     fn on_grid(&self, at: Point2<f64>) -> Point3 {
         let grid_m = GRID * self.unit_m;
         let on_grid = |along_m: f64| (along_m / grid_m).round() * grid_m;
-        point(
-            Point2::new(on_grid(at.x), on_grid(at.y)),
-            0.035 * self.unit_m,
-        )
+        point(Point2::new(on_grid(at.x), on_grid(at.y)), 0.0)
     }
 
     /// The number of a cell's point, which is made if this is the first visit.
     fn visit(&mut self, cell: usize, sample: &Sample) -> u32 {
         *self.visited.entry(cell).or_insert_with(|| {
             let at = sample.robot_in_world.translation.vector.into();
-            self.points.push(point(at, 0.03 * self.unit_m));
+            self.points.push(point(at, 0.0));
             self.points.len() as u32 - 1
         })
     }
 
-    /// Should the trail be written now?
+    /// Should the trail be written after the last step?
     pub fn is_due(&self) -> bool {
         let rarely = (self.lines.len() / 2 / SHORT + 1).next_power_of_two();
         self.steps.is_multiple_of(rarely)
@@ -167,27 +181,31 @@ impl Trail {
         let mut trail = entity("trail", WORLD, time_ns);
         if self.is_cut && !self.lines.is_empty() {
             let points = self.points.clone();
-            trail
-                .lines
-                .push(self.line(0.04, SPEEDS[1], points, self.lines.clone()));
+            let lines = (points, self.lines.clone());
+            trail.lines.push(self.line([0.04, 0.03], SPEEDS[1], lines));
         }
-        for (shade, &rgb) in SPEEDS.iter().enumerate() {
-            let of_shade = self.pieces.iter().filter(|(at, _)| *at == shade);
-            let ends: Vec<Point3> = of_shade.flat_map(|(_, ends)| *ends).collect();
-            if !ends.is_empty() {
-                trail.lines.push(self.line(0.055, rgb, ends, Vec::new()));
-            }
+        if !self.pieces.is_empty() {
+            let (points, colors, indices) = joined(self.pieces.iter().copied());
+            trail.lines.push(LinePrimitive {
+                colors,
+                ..self.line([0.055, 0.035], SPEEDS[1], (points, indices))
+            });
         }
         let mut hits = entity("hits", WORLD, time_ns);
         hits.cylinders.clone_from(&self.hits);
         update(vec![trail, hits])
     }
 
-    /// Lines between pairs of points, so thick in cells.
-    fn line(&self, thick: f64, rgb: u32, points: Vec<Point3>, indices: Vec<u32>) -> LinePrimitive {
+    /// Lines between pairs of points, so thick and so high above the floor, in cells.
+    fn line(
+        &self,
+        [thick, high]: [f64; 2],
+        rgb: u32,
+        (points, indices): (Vec<Point3>, Vec<u32>),
+    ) -> LinePrimitive {
         LinePrimitive {
             r#type: line_primitive::Type::LineList as i32,
-            pose: place(0.0, 0.0, 0.0),
+            pose: place(0.0, 0.0, high * self.unit_m),
             thickness: super::rounded(thick * self.unit_m),
             scale_invariant: false,
             points,
@@ -196,6 +214,35 @@ impl Trail {
             indices,
         }
     }
+}
+
+/// Does a point lie on the way between two others, or so far beside it at most?
+fn is_between(at: &Point3, [from, to]: [&Point3; 2], off_m: f64) -> bool {
+    let whole = Vector2::new(to.x - from.x, to.y - from.y);
+    let part = Vector2::new(at.x - from.x, at.y - from.y);
+    let length_m = whole.norm();
+    let along_m = part.dot(&whole) / length_m;
+    (0.0..=length_m).contains(&along_m) && part.perp(&whole).abs() <= off_m * length_m
+}
+
+/// Pieces as points with their colours, and two numbers of points for each; where a piece goes on
+/// from the one before, they share a point.
+fn joined(
+    pieces: impl Iterator<Item = (usize, [Point3; 2])>,
+) -> (Vec<Point3>, Vec<Color>, Vec<u32>) {
+    let (mut points, mut colors, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
+    for (shade, [from, to]) in pieces {
+        let rgb = color(SPEEDS[shade], 1.0).unwrap_or_default();
+        if points.last() != Some(&from) {
+            points.push(from);
+            colors.push(rgb);
+        }
+        points.push(to);
+        colors.push(rgb);
+        let end = points.len() as u32 - 1;
+        numbers.extend([end - 1, end]);
+    }
+    (points, colors, numbers)
 }
 
 /// The parts of a stretch of this length that are drawn, when so much was driven before it.
@@ -250,5 +297,29 @@ mod tests {
         // A dash goes on across two stretches.
         assert_eq!(dashes(0.25, 1.0, 0.5), [[0.0, 0.25], [0.75, 1.0]]);
         assert_eq!(dashes(0.75, 0.125, 0.5), [[0.0; 2]; 0]);
+    }
+
+    #[test]
+    fn pieces_that_follow_each_other_share_a_point_and_others_do_not() {
+        let at = |x: f64| point(Point2::new(x, 0.0), 0.0);
+        let pieces = [(0, [0.0, 1.0]), (1, [1.0, 2.0]), (2, [4.0, 5.0])];
+        let pieces = pieces.map(|(shade, ends)| (shade, ends.map(at)));
+        let (points, colors, numbers) = joined(pieces.into_iter());
+        assert_eq!(points, [0.0, 1.0, 2.0, 4.0, 5.0].map(at));
+        assert_eq!(
+            colors,
+            [0, 0, 1, 2, 2].map(|shade| color(SPEEDS[shade], 1.0).unwrap())
+        );
+        assert_eq!(numbers, [0, 1, 1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn a_point_is_between_two_others_if_the_way_leads_through_it() {
+        let at = |x: f64, y: f64| point(Point2::new(x, y), 0.0);
+        let between = |middle| is_between(&middle, [&at(0.0, 0.0), &at(4.0, 0.0)], 0.125);
+        assert!(between(at(1.0, 0.0)) && between(at(3.0, -0.125)));
+        assert!(!between(at(1.0, 0.25)) && !between(at(5.0, 0.0)) && !between(at(-1.0, 0.0)));
+        // Back to where it came from: no way is as short as that.
+        assert!(!is_between(&at(1.0, 0.0), [&at(2.0, 0.0); 2], 0.125));
     }
 }

@@ -2,14 +2,14 @@
 //!
 //! Every message carries the whole tree of frames, which is one frame, and how far a robot that
 //! senses is mistaken as another one below it: wheels that turn would double the size of a
-//! recording for something a few pixels wide. It also carries the poses of the next second, each
+//! recording for something a few pixels wide. It also carries the poses of the next two seconds, each
 //! with its time: viewers draw the robot between them, so that it glides, and a message for each
 //! pose would cost a third of the file in headers and index alone.
 
-use foxglove::messages::{FrameTransform, FrameTransforms};
+use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, Vector3};
 use nalgebra::Isometry2;
 
-use super::scene::{ESTIMATE, ROBOT, WORLD, heading, timestamp, vector};
+use super::scene::{ESTIMATE, ROBOT, WORLD, heading, timestamp};
 use crate::arena::{Estimate, Sample};
 
 /// The message, kept from stretch to stretch so that nothing is allocated.
@@ -46,8 +46,23 @@ impl Transforms {
 fn put(frame: &mut FrameTransform, time_ns: u64, pose: &Isometry2<f64>) {
     let middle = pose.translation;
     frame.timestamp = Some(timestamp(time_ns));
-    frame.translation = Some(vector(middle.x, middle.y, 0.0));
-    frame.rotation = Some(heading(pose.rotation));
+    frame.translation = Some(Vector3 {
+        x: seen(middle.x),
+        y: seen(middle.y),
+        z: 0.0,
+    });
+    let turned = heading(pose.rotation);
+    frame.rotation = Some(Quaternion {
+        z: seen(turned.z),
+        w: seen(turned.w),
+        ..turned
+    });
+}
+
+/// A number as finely as anyone sees it in a viewer, a millimetre or a tenth of a degree: most of
+/// what a recording holds is poses.
+fn seen(number: f64) -> f64 {
+    (number * 1024.0).round() / 1024.0 + 0.0
 }
 
 fn name(frame: &mut FrameTransform, parent: &str, child: &str) {

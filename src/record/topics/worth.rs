@@ -17,33 +17,27 @@ const CELL_BYTES: u32 = 8;
 const BAD: [u8; 3] = [0xf0, 0x6a, 0x70];
 const GOOD: [u8; 3] = [0x5a, 0xa9, 0xff];
 
-/// The map; cells without a worth are transparent and hold NaN. A vast maze has a single one.
-pub(in crate::record) fn grid(policy: &PolicyMap, maze: &Maze, time_ns: u64) -> Grid {
-    if maze.is_vast() {
-        return empty(maze, time_ns);
-    }
+/// What each cell is worth: its colour, and its worth, NaN where that is unknown. A vast maze is a
+/// single cell.
+pub(in crate::record) fn heat(policy: Option<&PolicyMap>, maze: &Maze) -> Bytes {
+    let Some(policy) = policy.filter(|_| !maze.is_vast()) else {
+        let cells = match maze.is_vast() {
+            true => 1,
+            false => usize::from(maze.width()) * usize::from(maze.height()),
+        };
+        return packed(None).repeat(cells).into();
+    };
     let ranked = policy.cells().map(|(cell, _)| *cell).zip(policy.ranks());
     let ranks: BTreeMap<Cell, f64> = ranked
         .filter_map(|(cell, rank)| Some((cell, rank?)))
         .collect();
-    let mut data = Vec::new();
-    for row in (0..maze.height()).rev() {
-        for col in 0..maze.width() {
-            let cell = Cell { col, row };
-            let worth = policy.worth(cell).and_then(|worth| worth.greatest());
-            data.extend(packed(worth.zip(ranks.get(&cell).copied())));
-        }
-    }
-    framed(maze, time_ns, data)
-}
-
-/// The map of someone who knows nothing.
-pub(in crate::record) fn empty(maze: &Maze, time_ns: u64) -> Grid {
-    let cells = match maze.is_vast() {
-        true => 1,
-        false => usize::from(maze.width()) * usize::from(maze.height()),
-    };
-    framed(maze, time_ns, packed(None).repeat(cells))
+    let rows = (0..maze.height()).rev();
+    let cells = rows.flat_map(|row| (0..maze.width()).map(move |col| Cell { col, row }));
+    let data = cells.flat_map(|cell| {
+        let worth = policy.worth(cell).and_then(|worth| worth.greatest());
+        packed(worth.zip(ranks.get(&cell).copied()))
+    });
+    data.collect::<Vec<u8>>().into()
 }
 
 /// Colour and worth of a cell, from its worth and rank.
@@ -59,7 +53,8 @@ fn packed(known: Option<(f64, f64)>) -> [u8; CELL_BYTES as usize] {
     [r, g, b, opacity, w, x, y, z]
 }
 
-fn framed(maze: &Maze, time_ns: u64, data: Vec<u8>) -> Grid {
+/// The map of what each cell is worth.
+pub(in crate::record) fn grid(maze: &Maze, time_ns: u64, heat: Bytes) -> Grid {
     let unit = maze.cell_size_m();
     let (width, height) = (maze.width(), maze.height());
     let (columns, cells_wide, cells_high) = match maze.is_vast() {
@@ -89,6 +84,6 @@ fn framed(maze: &Maze, time_ns: u64, data: Vec<u8>) -> Grid {
             field("alpha", 3, NumericType::Uint8),
             field("worth", 4, NumericType::Float32),
         ],
-        data: Bytes::from(data),
+        data: heat,
     }
 }

@@ -11,6 +11,7 @@ use mcap::{Attachment, Compression, McapError, McapResult, WriteOptions, Writer}
 
 use crate::disk;
 use crate::record::error::RecordError;
+use crate::record::info::Extent;
 use crate::record::topics::Topic;
 
 /// Uncompressed size at which a chunk is closed, in bytes.
@@ -31,6 +32,8 @@ pub fn writer<W: Write>(sink: W) -> McapResult<Sink<W>> {
         .compression_threads(0)
         .chunk_size(Some(CHUNK_BYTES))
         .disable_seeking(true)
+        // Whoever reads the summary at all reads the whole of it.
+        .emit_summary_offsets(false)
         .library(LIBRARY)
         .create(NoSeek::new(sink))
 }
@@ -55,13 +58,15 @@ impl<W: Write> LogFile<W> {
         })
     }
 
-    /// Declares topics, so that they exist even if nothing is ever said on them.
-    pub fn declare(&mut self, topics: &[Topic]) -> McapResult<()> {
-        topics.iter().try_for_each(|&topic| self.declare_one(topic))
+    /// Declares the topics of such a recording, so that they exist even if nothing is ever said on
+    /// them.
+    pub fn declare(&mut self, of: Extent, topics: &[Topic]) -> McapResult<()> {
+        let mut topics = topics.iter();
+        topics.try_for_each(|&topic| self.declare_one(of, topic))
     }
 
-    fn declare_one(&mut self, topic: Topic) -> McapResult<()> {
-        let schema = topic.schema();
+    fn declare_one(&mut self, of: Extent, topic: Topic) -> McapResult<()> {
+        let schema = topic.schema(of);
         let id = self
             .writer
             .add_schema(&schema.name, &schema.encoding, &schema.data)?;
@@ -254,7 +259,7 @@ mod tests {
     fn write_to(sink: impl Write) -> McapResult<()> {
         let mut log = LogFile::new(sink)?;
         log.attach("world.json", 0, "{}")?;
-        log.declare(&Topic::ALL)?;
+        log.declare(Extent::Run, Topic::ALL)?;
         for time_ns in 0..50 {
             log.message(Topic::Step, time_ns, b"{}")?;
         }
@@ -277,7 +282,7 @@ mod tests {
     fn a_message_on_a_topic_that_the_file_lacks_is_left_out() {
         let mut bytes = Vec::new();
         let mut log = LogFile::new(&mut bytes).unwrap();
-        log.declare(&[Topic::Log]).unwrap();
+        log.declare(Extent::Run, &[Topic::Log]).unwrap();
         log.message(Topic::Step, 0, b"{}").unwrap();
         log.finish().unwrap();
         let summary = mcap::Summary::read(&bytes).unwrap().unwrap();

@@ -68,8 +68,7 @@ impl Copy<'_> {
     fn take(&mut self, record: Record<'_>) -> Result<(), RecordError> {
         match record {
             Record::Channel(channel) => {
-                let mut topics = Topic::ALL.into_iter();
-                if let Some(topic) = topics.find(|topic| topic.name() == channel.topic) {
+                if let Some(topic) = Topic::named(&channel.topic) {
                     self.topics.insert(channel.id, topic);
                 }
                 Ok(())

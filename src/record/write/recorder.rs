@@ -124,7 +124,7 @@ impl Recorder {
         let mut recorder = Self::new(folder, maze, info, memory.mode);
         recorder.lay_out(maze)?;
         recorder.outbox.run = Some(recorder.rebuilt_run(maze, memory.messages)?);
-        recorder.scribe.resume(memory.scribe, learned);
+        recorder.scribe.resume(memory.scribe, learned, maze);
         recorder.kept = memory.kept;
         recorder.best = memory.best;
         recorder.clock_ns = memory.clock_ns;
@@ -243,7 +243,7 @@ impl Recorder {
 
     fn open_run(&self, maze: &Maze, extension: &str) -> Result<OpenFile, RecordError> {
         let file = OpenFile::create_as(&self.folder, &Extent::Run.file_name(), extension)?;
-        self.introduce(file, Extent::Run, &layout::of_run(maze), &Topic::OF_RUN)
+        self.introduce(file, Extent::Run, &layout::of_run(maze), &Topic::of_run())
     }
 
     /// Begins a file with the facts of the run and its topics.
@@ -261,7 +261,7 @@ impl Recorder {
             if extent == Extent::Run {
                 log.attach("foxglove-layout.json", self.clock_ns, layout)?;
             }
-            log.declare(topics)
+            log.declare(extent, topics)
         })?;
         Ok(file)
     }
@@ -274,7 +274,7 @@ impl Recorder {
                 file,
                 Extent::Episode(episode),
                 &self.layout,
-                Topic::of_episode(view.sensed.is_some(), self.mode == RecordMode::Beams),
+                &Topic::of_episode(view.sensed.is_some(), self.mode == RecordMode::Beams),
             )?;
             self.outbox.episode = Some(file);
         }

@@ -9,12 +9,12 @@ const PERIOD_NS: u64 = 50_000_000;
 /// Two poses that are written are at most so far apart.
 const LONGEST_NS: u64 = 500_000_000;
 /// A message shows where the robot is and so much of what comes next.
-const AHEAD_NS: u64 = 1_000_000_000;
+const AHEAD_NS: u64 = 2_000_000_000;
 /// Between two poses a viewer draws the robot on a straight line, turning evenly. Poses in between
 /// are left out when that is so far from the truth at most: a share of a cell ...
-const OFF: f64 = 0.008;
+const OFF: f64 = 0.012;
 /// ... and an angle in radians.
-const TURNED_RAD: f64 = 0.03;
+const TURNED_RAD: f64 = 0.045;
 
 /// The poses of the last move that are written; at first where the episode began.
 #[derive(Debug)]
