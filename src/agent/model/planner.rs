@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::transitions::Transitions;
+use super::transitions::{Outcomes, Transitions};
 use xcs::{Action, MAX_ACTIONS};
 
 /// Value iteration ends when no value changes by more than this, in units of reward ...
@@ -31,7 +31,42 @@ pub enum Belief {
 }
 
 /// A pair whose value follows from those of others.
-type Open = (usize, Action, Option<(f64, usize)>);
+struct Open<'a> {
+    percept: usize,
+    action: usize,
+    leads_to: Leads<'a>,
+}
+
+/// What follows a pair.
+enum Leads<'a> {
+    /// What was seen to follow.
+    Seen(&'a Outcomes),
+    /// The reward and the percept that are believed to follow.
+    Believed(f64, usize),
+}
+
+/// Values while they are planned, and the greatest value of each percept.
+struct Draft {
+    values: Vec<[f64; MAX_ACTIONS]>,
+    greatest: Vec<f64>,
+}
+
+impl Draft {
+    /// Changes the value of a pair, where a percept has so many actions; gives by how much.
+    fn set(&mut self, percept: usize, action: usize, value: f64, actions: usize) -> f64 {
+        let row = &mut self.values[percept];
+        let change = (value - row[action]).abs();
+        if change > 0.0 {
+            row[action] = value;
+            let mut greatest = f64::NEG_INFINITY;
+            for &value in &row[..actions] {
+                greatest = greatest.max(value);
+            }
+            self.greatest[percept] = greatest;
+        }
+        change
+    }
+}
 
 /// How values are planned: pairs that were tried `known_after` times by what followed them, all
 /// others by what is believed of them.
@@ -45,55 +80,56 @@ pub struct Planner {
 impl Planner {
     /// Plans anew, with what is believed of pairs that are not known.
     pub fn plan(&self, memory: &Transitions, believed: impl Fn(usize, Action) -> Belief) -> Values {
-        let mut values = Values(vec![[0.0; MAX_ACTIONS]; memory.percepts().len()]);
+        let met = memory.percepts().len();
+        let mut draft = Draft {
+            values: vec![[0.0; MAX_ACTIONS]; met],
+            greatest: vec![0.0; met],
+        };
         let mut open = Vec::new();
-        for percept in 0..memory.percepts().len() {
+        for percept in 0..met {
             for action in Action::all(self.actions) {
-                if memory.outcomes(percept, action).tries() >= self.known_after {
-                    open.push((percept, action, None));
-                    continue;
-                }
-                match believed(percept, action) {
-                    Belief::Worth(worth) => values.0[percept][action.index()] = worth,
-                    Belief::LeadsTo(reward, to) => open.push((percept, action, Some((reward, to)))),
-                }
+                let outcomes = memory.outcomes(percept, action);
+                let leads_to = if outcomes.tries() >= self.known_after {
+                    Leads::Seen(outcomes)
+                } else {
+                    match believed(percept, action) {
+                        Belief::LeadsTo(reward, to) => Leads::Believed(reward, to),
+                        Belief::Worth(worth) => {
+                            draft.set(percept, action.index(), worth, self.actions);
+                            continue;
+                        }
+                    }
+                };
+                let action = action.index();
+                open.push(Open {
+                    percept,
+                    action,
+                    leads_to,
+                });
             }
         }
         // Backward in the order of discovery, because goals are found last.
         open.reverse();
         for _ in 0..MOST_SWEEPS {
-            if self.sweep(memory, &open, &mut values) < PRECISION {
+            if self.sweep(&open, &mut draft) < PRECISION {
                 break;
             }
         }
-        values
+        Values(draft.values)
     }
 
     /// Updates every pair by what followed it (Bellman's equation), or is believed to follow; gives
     /// the greatest change.
-    fn sweep(&self, memory: &Transitions, open: &[Open], values: &mut Values) -> f64 {
+    fn sweep(&self, open: &[Open<'_>], draft: &mut Draft) -> f64 {
         let mut change: f64 = 0.0;
-        for &(percept, action, believed) in open {
-            let value = |reward, next| reward + self.gamma * self.after(values, next);
-            let outcomes = memory.outcomes(percept, action);
-            let value = match believed {
-                Some((reward, to)) => value(reward, Some(to)),
-                None => outcomes.mean(|o| value(o.reward, o.next)),
+        for pair in open {
+            let after = |next: Option<usize>| next.map_or(0.0, |number| draft.greatest[number]);
+            let value = match pair.leads_to {
+                Leads::Seen(outcomes) => outcomes.mean(|o| o.reward + self.gamma * after(o.next)),
+                Leads::Believed(reward, to) => reward + self.gamma * draft.greatest[to],
             };
-            let old = &mut values.0[percept][action.index()];
-            change = change.max((value - *old).abs());
-            *old = value;
+            change = change.max(draft.set(pair.percept, pair.action, value, self.actions));
         }
         change
-    }
-
-    fn after(&self, values: &Values, next: Option<usize>) -> f64 {
-        let best = |row: &[f64; MAX_ACTIONS]| {
-            row[..self.actions]
-                .iter()
-                .copied()
-                .fold(f64::NEG_INFINITY, f64::max)
-        };
-        next.map_or(0.0, |number| best(&values.0[number]))
     }
 }

@@ -38,8 +38,12 @@ impl Outcomes {
 
     /// The mean of `value` over all outcomes, each by its frequency; 0 for an untried pair.
     pub fn mean(&self, value: impl Fn(&Outcome) -> f64) -> f64 {
-        let sum: f64 = self.0.iter().map(|o| f64::from(o.count) * value(o)).sum();
-        sum / f64::from(self.tries().max(1))
+        let (mut sum, mut tries) = (0.0, 0);
+        for outcome in &self.0 {
+            sum += f64::from(outcome.count) * value(outcome);
+            tries += outcome.count;
+        }
+        sum / f64::from(tries.max(1))
     }
 
     /// The percept that always followed; `None` if there were several, or a goal, or none.
