@@ -62,7 +62,7 @@ fn what_is_no_recording_gets_no_advice_for_recordings() {
         let output = xcscr(command);
         assert_eq!(output.status.code(), Some(65), "{output:?}");
         let said = text(&[output.stdout, output.stderr].concat());
-        assert!(said.contains("this is no recording"), "{said}");
+        assert!(said.contains("this is not a recording"), "{said}");
         assert!(!said.contains("`xcscr"), "{said}");
     }
     // Control: a damaged recording gets it.

@@ -196,7 +196,7 @@ pub enum Misfit {
         actions: usize,
     },
     /// What is remembered is no map for these moves and percepts.
-    #[error("the map that the rules go by is none for the moves and percepts of this world")]
+    #[error("the map that the rules go by does not fit the moves and percepts of this world")]
     Map,
     /// What is foreseen cannot be.
     #[error("{0}")]

@@ -53,6 +53,7 @@ fn write_pages(args: &ManArgs, program: clap::Command) -> io::Result<()> {
 
 fn taken(file: &Path) -> io::Error {
     let file = file.display();
-    let message = format!("{file} exists and holds something else (replace it with `--force`)");
+    let message =
+        format!("{file} exists and holds something different (replace it with `--force`)");
     io::Error::new(ErrorKind::AlreadyExists, message)
 }

@@ -31,7 +31,7 @@ pub struct TrainArgs {
     /// The world file, such as worlds/maze4.json.
     #[arg(required_unless_present = "resume")]
     world: Option<PathBuf>,
-    /// The reward method.
+    /// How the robot learns.
     #[arg(long, default_value = "xcscr-plus", value_parser = choices::method())]
     method: Method,
     /// Where the robot acts: in simulated physics, or on the bare grid.

@@ -37,8 +37,9 @@ pub enum WorldCommand {
         /// Print one JSON document.
         #[arg(long)]
         json: bool,
-        /// The fewest steps that are possible on average: for one who knows the cell, one who knows
-        /// the world but not the start, and one who knows only the present percept.
+        /// The fewest steps that are possible on average: for a robot that knows
+        /// its cell, one that knows the world but not where it starts, and one that knows only its
+        /// present percept.
         #[arg(long)]
         bounds: bool,
         /// With `--bounds`: the probability that another move is made than the chosen one.

@@ -51,13 +51,13 @@ pub enum RecordError {
         path: PathBuf,
     },
     /// The file is no MCAP file at all.
-    #[error("this is no recording: it does not begin as an MCAP file does: {}", path.display())]
+    #[error("this is not a recording: it does not begin like an MCAP file: {}", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
     },
     /// The file is no sound MCAP file.
-    #[error("this is no sound recording: {cause}; `xcscr check` says more, `xcscr recover` saves what can be read: {}", path.display())]
+    #[error("this recording is damaged: {cause}; `xcscr check` says more, `xcscr recover` saves what can be read: {}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,

@@ -89,7 +89,7 @@ pub enum RunFolderError {
     Exists(PathBuf),
     /// There is something that is no run.
     #[error(
-        "{0} holds files that no run wrote, and is left as it is, with `--force` too: choose another folder with `--out`"
+        "{0} holds files that no run wrote, and is left as it is, even with `--force`: choose another folder with `--out`"
     )]
     Foreign(PathBuf),
     /// There is a run that did not end.

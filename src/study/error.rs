@@ -40,10 +40,10 @@ pub enum StudyError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// The folder holds something that is no study.
-    #[error("{} holds files that no study wrote, and is left as it is, with `--force` too: choose another folder with `--out`", .0.display())]
+    #[error("{} holds files that no study wrote, and is left as it is, even with `--force`: choose another folder with `--out`", .0.display())]
     Foreign(PathBuf),
     /// A file is there already, and holds something else than would be written.
-    #[error("{} exists and holds something else than this study wrote: replace it with `--force`; the trials are kept", .0.display())]
+    #[error("{} exists and holds something other than what this study wrote: replace it with `--force`; the trials are kept", .0.display())]
     Exists(PathBuf),
     /// The folder holds another study.
     #[error(

@@ -267,7 +267,7 @@ fn what_is_wrong_in_a_header_or_an_image_is_named() {
         ),
         ("mode: binary", "binary"),
         ("image: no.pgm", "no.pgm"),
-        ("image: [", "describes no map"),
+        ("image: [", "does not describe a map"),
     ] {
         let text = fault(lines);
         assert!(text.contains(told), "{lines}: {text}");

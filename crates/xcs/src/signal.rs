@@ -62,12 +62,21 @@ impl Percept {
 
     /// Both percepts, one after the other; what goes beyond [`MAX_PERCEPT_BITS`] is lost.
     pub fn followed_by(&self, other: &Self) -> Self {
-        let bits = |percept: &Self| {
-            let percept = *percept;
-            (0..percept.width()).map(move |at| percept.bit(at))
-        };
-        let both = bits(self).chain(bits(other)).take(MAX_PERCEPT_BITS);
-        Self::from_bits(both).expect("no more bits than there may be")
+        let (skipped, shift) = (self.width() / 64, self.width() as u32 % 64);
+        let mut words = self.words;
+        for (at, word) in other.words.iter().enumerate() {
+            if let Some(low) = words.get_mut(at + skipped) {
+                *low |= word << shift;
+            }
+            if let Some(high) = words.get_mut(at + skipped + 1) {
+                *high |= word.checked_shr(64 - shift).unwrap_or(0);
+            }
+        }
+        let width = (self.width() + other.width()).min(MAX_PERCEPT_BITS);
+        Self {
+            words,
+            width: width as u16,
+        }
     }
 
     /// The percept with its first `ring` bits turned by `by` places: bit `by` becomes the first.
@@ -183,6 +192,30 @@ mod tests {
     fn a_percept_wider_than_256_bits_is_refused() {
         assert!("0".repeat(256).parse::<Percept>().is_ok());
         assert!("0".repeat(257).parse::<Percept>().is_err());
+    }
+
+    #[test]
+    fn one_percept_follows_another_bit_by_bit_and_what_does_not_fit_is_lost() {
+        let text = "0110100110010111".repeat(16);
+        for (first, second) in [
+            (0, 9),
+            (9, 0),
+            (16, 64),
+            (64, 64),
+            (65, 130),
+            (200, 100),
+            (256, 3),
+        ] {
+            let [a, b] = [&text[..first], &text[text.len() - second..]];
+            let [one, two]: [Percept; 2] = [a, b].map(|bits| bits.parse().unwrap());
+            let both = format!("{a}{b}");
+            let kept = &both[..both.len().min(MAX_PERCEPT_BITS)];
+            assert_eq!(
+                one.followed_by(&two),
+                kept.parse().unwrap(),
+                "{first}, {second}"
+            );
+        }
     }
 
     #[test]

@@ -22,6 +22,8 @@ const WINDOW: usize = 2;
 pub const CONTEXT_BITS: usize =
     PERCEPT_BITS + 2 * COORDINATE_BITS + CHART_BITS + WINDOW * STEP_BITS;
 
+const _: () = assert!(CONTEXT_BITS <= xcs::MAX_PERCEPT_BITS);
+
 /// What was perceived and done so far in an episode, as far as it matters.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Tracker {
@@ -72,15 +74,14 @@ impl Tracker {
             .likeliest()
             .map(|(state, _)| map.places[state as usize]);
         let (chart, place) = place.unwrap_or((0, Place::ORIGIN));
-        let above = |coordinate: i16| {
-            (0..COORDINATE_BITS as i16).map(move |bit| coordinate > bit - FURTHEST as i16)
-        };
-        let bits = bits_of(percept, PERCEPT_BITS)
-            .chain(above(place.east))
-            .chain(above(place.north))
-            .chain((0..CHART_BITS).map(|bit| chart >> bit & 1 == 1))
-            .chain(self.window.iter().rev().flat_map(|step| step_bits(*step)));
-        Percept::from_bits(bits).expect("a context is no wider than percepts may be")
+        let mut context = percept
+            .followed_by(&above(place.east))
+            .followed_by(&above(place.north))
+            .followed_by(&Percept::from_word(chart.into(), CHART_BITS));
+        for step in self.window.iter().rev() {
+            context = context.followed_by(&step_bits(*step));
+        }
+        context
     }
 }
 
@@ -91,17 +92,22 @@ pub fn without_window(context: &Percept) -> Percept {
     Percept::from_bits(bits).expect("as many bits as before")
 }
 
-fn bits_of(percept: Percept, bits: usize) -> impl Iterator<Item = bool> {
-    (0..bits).map(move |bit| percept.bit(bit))
+/// A coordinate in unary: as many ones as it is greater than the least one.
+fn above(coordinate: i16) -> Percept {
+    let ones = i32::from(coordinate) + i32::from(FURTHEST);
+    let ones = (1_u128 << ones.clamp(0, COORDINATE_BITS as i32)) - 1;
+    let low = Percept::from_word(ones as u64, 64);
+    low.followed_by(&Percept::from_word(
+        (ones >> 64) as u64,
+        COORDINATE_BITS - 64,
+    ))
 }
 
-fn step_bits(step: Option<(Percept, Action)>) -> impl Iterator<Item = bool> {
-    let (percept, action) = step.map_or((Percept::from_word(0, PERCEPT_BITS), 0), |step| {
-        (step.0, step.1.index())
+fn step_bits(step: Option<(Percept, Action)>) -> Percept {
+    let bits = step.map_or(0, |(percept, action)| {
+        1 | (action.index() as u64) << 1 | percept.words()[0] << 4
     });
-    std::iter::once(step.is_some())
-        .chain((0..3).map(move |bit| action >> bit & 1 == 1))
-        .chain(bits_of(percept, PERCEPT_BITS))
+    Percept::from_word(bits, STEP_BITS)
 }
 
 /// Everywhere where it looks like this, or else as much like this as anywhere.

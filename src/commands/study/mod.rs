@@ -30,7 +30,7 @@ pub enum StudyCommand {
         /// Folders of one study.
         #[arg(required = true, value_name = "DIR")]
         folders: Vec<PathBuf>,
-        /// List the shards, of so many, that have trials to run.
+        /// With the study split into so many shards: list those that have trials left to run.
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
         shards: Option<u32>,
         /// Print one JSON document.
@@ -90,8 +90,8 @@ impl Format {
 /// Arguments of `study run`.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
-    /// A study file (TOML), or one of the studies that come with the program: paper,
-    /// paper-search, ablation, plus, repairs, transfer, starts.
+    /// A study file (TOML), or one of the studies that come with the program, such as paper or
+    /// ablation (a name that does not exist lists them all).
     study: PathBuf,
     /// The folder of the study.
     #[arg(long, value_name = "DIR")]

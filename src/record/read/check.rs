@@ -70,7 +70,7 @@ pub fn check(path: &Path) -> Result<Vec<Finding>, RecordError> {
         // This is the command that says more.
         Err(RecordError::Damaged { cause, .. }) => Ok(vec![finding(
             FindingKind::Unreadable,
-            format!("this is no sound recording: {cause}"),
+            format!("this recording is damaged: {cause}"),
         )]),
         Err(error) => Ok(vec![finding(FindingKind::Unreadable, error.to_string())]),
     }

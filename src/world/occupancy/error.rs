@@ -19,7 +19,7 @@ pub enum MapError {
         cause: io::Error,
     },
     /// The YAML file is none, or holds a key with the wrong value.
-    #[error("`{}` describes no map: {fault}", .path.display())]
+    #[error("`{}` does not describe a map: {fault}", .path.display())]
     Header {
         /// The YAML file.
         path: PathBuf,
@@ -27,7 +27,7 @@ pub enum MapError {
         fault: String,
     },
     /// The image is none.
-    #[error("`{}` is no image that can be read: {fault}", .path.display())]
+    #[error("`{}` is not an image that can be read: {fault}", .path.display())]
     Image {
         /// The image.
         path: PathBuf,
