@@ -57,6 +57,16 @@ impl Choice {
         Self { action, chooser }
     }
 
+    /// A choice of a table, unless it was left to chance in order to explore.
+    pub fn of_a_table(action: Action, explores: bool) -> Self {
+        let chooser = if explores {
+            Chooser::Chance
+        } else {
+            Chooser::Table
+        };
+        Self { action, chooser }
+    }
+
     /// Was it chosen to explore?
     pub fn explores(self) -> bool {
         matches!(self.chooser, Chooser::Planner | Chooser::Chance)

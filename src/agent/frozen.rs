@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::knowledge::Knowledge;
 use super::recall::Tracker;
-use super::{Agent, EndCredit, StepCredit};
+use super::{Agent, Choice, EndCredit, Explorer, StepCredit};
 use crate::arena::Outcome;
 use xcs::{Action, Percept, PredictionArray};
 
@@ -74,6 +74,14 @@ impl Agent for Frozen {
         };
         self.tracker.perceive(map, percept);
         self.knowledge.remembered_worth(&self.tracker, self.actions)
+    }
+
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose(worth);
+        match self.knowledge.rules() {
+            Some(_) => Choice::of_rules(action, explores),
+            None => Choice::of_a_table(action, explores),
+        }
     }
 
     fn credit(&mut self, action: Action, _: Outcome) -> StepCredit {

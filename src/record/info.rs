@@ -82,6 +82,8 @@ pub enum Extent {
     Story,
     /// One episode, by its number from 1.
     Episode(u32),
+    /// The stories of two runs side by side.
+    Comparison,
 }
 
 impl Extent {
@@ -91,6 +93,7 @@ impl Extent {
             Self::Run => "run.mcap".to_owned(),
             Self::Story => "story.mcap".to_owned(),
             Self::Episode(number) => format!("ep-{number:04}.mcap"),
+            Self::Comparison => "comparison.mcap".to_owned(),
         }
     }
 
@@ -98,7 +101,7 @@ impl Extent {
     pub fn episode(self) -> Option<u32> {
         match self {
             Self::Episode(number) => Some(number),
-            Self::Run | Self::Story => None,
+            Self::Run | Self::Story | Self::Comparison => None,
         }
     }
 
@@ -106,6 +109,7 @@ impl Extent {
     pub fn of_entry(text: &str) -> Self {
         match text {
             "story" => Self::Story,
+            "comparison" => Self::Comparison,
             text => text.parse().map_or(Self::Run, Self::Episode),
         }
     }
@@ -116,6 +120,7 @@ impl fmt::Display for Extent {
         match self {
             Self::Run => f.write_str("run"),
             Self::Story => f.write_str("story"),
+            Self::Comparison => f.write_str("comparison"),
             Self::Episode(number) => write!(f, "{number}"),
         }
     }

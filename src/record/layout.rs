@@ -12,7 +12,7 @@ const RUN: &str = include_str!("../../assets/foxglove-layout-run.json");
 const COMPARISON: &str = include_str!("../../assets/foxglove-layout-compare.json");
 
 /// What the sides of a comparison are called.
-pub(super) const SIDES: [&str; 2] = ["a", "b"];
+pub(crate) const SIDES: [&str; 2] = ["a", "b"];
 
 /// Mazes with more columns or rows than this have a second camera, which follows the robot ...
 const NEAR: u16 = 12;
@@ -38,7 +38,10 @@ pub fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
     for (side, (maze, heading)) in SIDES.iter().zip(mazes.into_iter().zip(headings)) {
         let panel = &mut layout["configById"][format!("3D!{side}")];
         aim(&mut panel["cameraState"], maze);
-        let title = format!("{}: {heading}", side.to_uppercase());
+        let title = format!(
+            "{}: {heading} (ellipses 10 times as large)",
+            side.to_uppercase()
+        );
         for key in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
             panel[key] = json!(title);
         }

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use super::error::RunError;
 use super::folder::RunFolder;
-use super::source::Source;
+use super::source::{Source, attached_plan};
 use super::story::Material;
-use crate::record::{Comparison, compare_stories};
+use crate::record::reader::Recording;
+use crate::record::{self, Comparison, compare_stories, layout};
 
 /// Puts the stories of two runs side by side: chapter by chapter, each pair at the same time, then
 /// the drives of what was learned. A path is the folder of a run or a recording of it.
@@ -14,7 +15,22 @@ use crate::record::{Comparison, compare_stories};
 /// # Errors
 /// When a path is no finished run, or a recording is damaged.
 pub fn comparison_of(paths: [&Path; 2]) -> Result<Comparison, RunError> {
-    let [a, b] = [material(paths[0])?, material(paths[1])?];
+    side_by_side([material(paths[0])?, material(paths[1])?])
+}
+
+/// The first difference between a comparison and one of the same two runs, made again, in words.
+///
+/// # Errors
+/// When the recording does not say what it compares, or a run cannot be made again.
+pub fn comparison_differs(comparison: &Recording) -> Result<Option<String>, RunError> {
+    let again = |side: &str| Material::again(&attached_plan(comparison, &format!("{side}/"))?);
+    let [a, b] = layout::SIDES;
+    let made = side_by_side([again(a)?, again(b)?])?;
+    let difference = record::compare(comparison.bytes(), &made.bytes)?;
+    Ok(difference.map(|difference| difference.to_string()))
+}
+
+fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, RunError> {
     let (mut of_a, mut of_b) = (a.teller(), b.teller());
     for number in 0..a.chapters().max(b.chapters()) {
         a.tell_chapter(number, &mut of_a)?;

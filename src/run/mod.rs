@@ -30,7 +30,7 @@ mod story;
 mod verify;
 mod way_on;
 
-pub use comparison::comparison_of;
+pub use comparison::{comparison_differs, comparison_of};
 pub use error::{RunError, RunFolderError};
 pub use evaluation::{clear_evaluation, record_evaluation};
 pub use folder::RunFolder;

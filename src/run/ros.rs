@@ -23,7 +23,7 @@ pub fn ros_bag(recording: &Path) -> Result<Vec<u8>, RunError> {
     let only = match source.extent {
         Extent::Episode(episode) => Some(episode),
         Extent::Run => None,
-        Extent::Story => {
+        Extent::Story | Extent::Comparison => {
             return Err(RunError::Recording {
                 file: recording.to_owned(),
                 fault: "a story is no drive; give an episode, run.mcap, or the folder of a run"

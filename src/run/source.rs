@@ -34,20 +34,14 @@ impl Source {
             file: file.to_owned(),
             fault,
         };
-        let attached = |name: &str| {
-            let missing = || damaged(format!("the attachment {name} is missing"));
-            recording.attachment(name).ok_or_else(missing)
-        };
-        let config = serde_json::from_slice(attached("config.json")?)
-            .map_err(|fault| damaged(format!("config.json: {fault}")))?;
-        let maze = Maze::from_json(attached("world.json")?, "world.json")?;
+        let plan = attached_plan(&recording, "")?;
         let metadata = recording.metadata("run");
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
         let mode = entry("record")
             .parse()
             .map_err(|fault| damaged(format!("{fault}")))?;
         Ok(Self {
-            plan: Plan { maze, config },
+            plan,
             mode,
             evaluated: match recording.is_evaluation() {
                 true => Some(evaluated(file, &recording)?),
@@ -57,6 +51,24 @@ impl Source {
             bytes: recording.bytes().to_vec(),
         })
     }
+}
+
+/// The plan whose world and settings are attached to a recording, below a name that ends in `/` or
+/// is empty.
+pub(super) fn attached_plan(recording: &Recording, below: &str) -> Result<Plan, RunError> {
+    let damaged = |fault: String| RunError::Recording {
+        file: recording.path().to_owned(),
+        fault,
+    };
+    let attached = |name: &str| {
+        let name = format!("{below}{name}");
+        let missing = || damaged(format!("the attachment {name} is missing"));
+        recording.attachment(&name).ok_or_else(missing)
+    };
+    let config = serde_json::from_slice(attached("config.json")?)
+        .map_err(|fault| damaged(format!("config.json: {fault}")))?;
+    let maze = Maze::from_json(attached("world.json")?, "world.json")?;
+    Ok(Plan { maze, config })
 }
 
 /// What an evaluation put to the test: attached to its `run.mcap`, which lies beside its episodes.

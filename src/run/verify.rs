@@ -80,7 +80,7 @@ impl Again {
                 &self.plan,
                 &self.knowledge,
             )?),
-            Extent::Run | Extent::Episode(_) => self.read(&name),
+            Extent::Run | Extent::Episode(_) | Extent::Comparison => self.read(&name),
         };
         let bytes = match bytes {
             Ok(bytes) => bytes,

@@ -6,7 +6,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 
-use crate::kit::program::wait_until;
+use crate::kit::program::{wait_until, xcscr};
 use crate::kit::served::Served;
 
 const SAMPLE: &str = "recordings/sample-maze4.mcap";
@@ -223,5 +223,60 @@ fn what_is_no_origin_is_refused_before_anything_is_served() {
         assert_eq!(output.status.code(), Some(2), "{text}");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(said.contains("such as https://viewer.example"), "{said}");
+    }
+}
+
+/// A program that writes down what it was called with, and then ends with this code.
+#[cfg(unix)]
+fn browser(folder: &Path, name: &str, code: u8) -> std::path::PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let (path, told) = (folder.join(name), folder.join(format!("{name}.told")));
+    let script = format!(
+        "#!/bin/sh\necho \"$*\" > {0}.new\nmv {0}.new {0}\nexit {code}\n",
+        told.display()
+    );
+    fs::write(&path, script).unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    path
+}
+
+#[cfg(unix)]
+#[test]
+fn the_first_link_is_opened_in_the_browser_that_is_named_or_else_in_that_of_the_system() {
+    let folder = tempfile::tempdir().unwrap();
+    let named = browser(folder.path(), "named", 0);
+    browser(folder.path(), "xdg-open", 0);
+    let path = format!("{}:/usr/bin:/bin", folder.path().display());
+    for (set, told) in [(named.to_str().unwrap(), "named"), ("", "xdg-open")] {
+        let mut command = xcscr(&["replay", SAMPLE, "--serve", "--open"]);
+        command.env("BROWSER", set).env("PATH", &path);
+        let server = Served::of(command);
+        let told = folder.path().join(format!("{told}.told"));
+        wait_until("the link is opened", || told.exists());
+        let first = server
+            .lines
+            .iter()
+            .find_map(|line| line.split_once("https://"));
+        let opened = fs::read_to_string(&told).unwrap();
+        assert_eq!(opened, format!("https://{}", first.unwrap().1));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_browser_that_is_missing_or_fails_is_named_and_the_links_are_served() {
+    let folder = tempfile::tempdir().unwrap();
+    let failing = browser(folder.path(), "failing", 3);
+    let failing = failing.to_str().unwrap();
+    for (set, why) in [("/no/such", "No such file"), (failing, "exit status: 3")] {
+        let mut command = xcscr(&["replay", SAMPLE, "--serve", "--open"]);
+        command.env("BROWSER", set);
+        let said = folder.path().join("said");
+        command.stderr(fs::File::create(&said).unwrap());
+        let server = Served::of(command);
+        let words = || fs::read_to_string(&said).unwrap();
+        wait_until("the fault is told", || words().contains(why));
+        assert!(words().contains(&format!("cannot open a browser with {set}")));
+        assert_serves(&server, set);
     }
 }

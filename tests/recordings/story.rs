@@ -312,6 +312,10 @@ fn two_runs_are_compared_side_by_side_in_one_recording_in_which_nothing_interlea
         }
     }
     assert_eq!(ends.len(), 2);
+    // It says which runs it shows: it can be checked, made again, and served.
+    assert_eq!(check(Path::new(to)).unwrap(), []);
+    let (code, said, stderr) = outcome(&["replay", to, "--verify"]);
+    assert_eq!(code, Some(0), "{said}{stderr}");
     let layout = both.attachment("foxglove-layout.json").unwrap();
     let known: BTreeSet<String> = both.topics().into_iter().map(|topic| topic.name).collect();
     for path in xcscr::record::layout::paths(layout) {
@@ -323,4 +327,17 @@ fn two_runs_are_compared_side_by_side_in_one_recording_in_which_nothing_interlea
     assert_eq!(code, Some(2), "{stderr}");
     let (code, _, stderr) = outcome(&["replay", one, two, "--compare", "-o", to]);
     assert_eq!(code, Some(73), "a file was replaced: {stderr}");
+}
+
+/// The drive of what was learned is that of an agent which only uses it, whoever learned it.
+#[test]
+fn a_table_is_said_to_have_chosen_what_it_chose_and_rules_what_they_did() {
+    let folder = tempfile::tempdir().unwrap();
+    for (method, chooser) in [("q-learning", "table"), ("xcs", "rules")] {
+        let few = ["--method", method, "--episodes", "3", "--arena", "grid"];
+        let story = train(folder.path(), method, &few).join("story.mcap");
+        let told = said(&Recording::open(&story).unwrap(), "/rule");
+        let (_, last) = told.last().unwrap();
+        assert_eq!(last["chosen_by"], chooser, "{last}");
+    }
 }

@@ -21,7 +21,7 @@ use super::memory::{self, MemoryError};
 use super::model::planner::{Belief, Planner};
 use super::model::transitions::{Transition, Transitions};
 use super::params::Params;
-use super::{Agent, Choice, Chooser, EndCredit, StepCredit};
+use super::{Agent, Choice, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::PredictionArray;
 use xcs::random::Stream;
@@ -259,12 +259,7 @@ impl Agent for Tabular {
             Algorithm::RMax(_) => (explorer.exploit(worth), false),
             _ => explorer.choose(worth),
         };
-        let chooser = if explores {
-            Chooser::Chance
-        } else {
-            Chooser::Table
-        };
-        Choice::new(action, chooser)
+        Choice::of_a_table(action, explores)
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {

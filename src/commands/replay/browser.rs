@@ -1,6 +1,8 @@
 //! Opening a link in the browser.
 
+use std::fmt::Display;
 use std::process::{Command, Stdio};
+use std::thread;
 
 use crate::commands::terminal::say;
 
@@ -11,11 +13,19 @@ pub fn open(address: &str) {
     let mut command = named.map_or_else(system, Command::new);
     command.arg(address).stdin(Stdio::null());
     command.stdout(Stdio::null()).stderr(Stdio::null());
-    if let Err(cause) = command.spawn() {
-        let program = command.get_program().to_string_lossy();
+    let program = command.get_program().to_string_lossy().into_owned();
+    let failed = move |cause: &dyn Display| {
         say(&format!(
             "cannot open a browser with {program}: {cause}; open a link above"
         ));
+    };
+    match command.spawn() {
+        Err(cause) => failed(&cause),
+        // Where no browser is installed, the system's program finds that out later.
+        Ok(mut browser) => drop(thread::spawn(move || match browser.wait() {
+            Ok(status) if !status.success() => failed(&status),
+            _ => (),
+        })),
     }
 }
 

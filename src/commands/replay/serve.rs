@@ -1,13 +1,14 @@
 //! `xcscr replay --serve`: links that open recordings in a viewer.
 
 use std::io::{self, IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use xcscr::record::Extent;
 use xcscr::record::layout;
+use xcscr::record::reader::Recording;
 use xcscr::record::server::{Content, Origin, Server, foxglove_link, lichtblick_link};
 use xcscr::run::Source;
 use xcscr::trial::Plan;
@@ -74,13 +75,34 @@ pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut impl Write) -> R
 
 /// What a viewer is offered of these recordings, stories first.
 pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
-    let groups = sorted(files)?.into_iter();
+    let (mut compared, mut others) = (Vec::new(), Vec::new());
+    for file in files {
+        match comparison(file)? {
+            Some(offer) => compared.push(offer),
+            None => others.push(file.clone()),
+        }
+    }
+    let groups = sorted(&others)?.into_iter();
     let offers = groups.map(|group| Offer {
         what: group.name(),
         layout: group.layout(),
         files: group.files,
     });
-    Ok(offers.collect())
+    Ok(offers.chain(compared).collect())
+}
+
+/// The offer of a recording that shows two runs; `None` of any other.
+fn comparison(file: &Path) -> Result<Option<Offer>, Failure> {
+    let recording = Recording::open(file)?;
+    let layout = recording.attachment("foxglove-layout.json");
+    let Some(layout) = layout.filter(|_| recording.extent() == Some(Extent::Comparison)) else {
+        return Ok(None);
+    };
+    Ok(Some(Offer {
+        what: "Two runs side by side".to_owned(),
+        layout: String::from_utf8_lossy(layout).into_owned(),
+        files: vec![file.to_owned()],
+    }))
 }
 
 /// Recordings of one run that one layout fits: those of two runs would interleave in a viewer.
@@ -127,7 +149,8 @@ fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
         let kind = match source.extent {
             Extent::Story => Kind::Story,
             Extent::Run => Kind::Run,
-            Extent::Episode(_) => Kind::Episodes,
+            // Comparisons are offered by themselves.
+            Extent::Episode(_) | Extent::Comparison => Kind::Episodes,
         };
         let fits = |group: &&mut Group| group.plan == plan && group.kind == kind;
         match groups.iter_mut().find(fits) {

@@ -1,9 +1,11 @@
 //! `xcscr replay --verify`: whether a new run gives the same bytes.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use xcscr::run::{Again, Source};
+use xcscr::record::Extent;
+use xcscr::record::reader::Recording;
+use xcscr::run::{Again, Source, comparison_differs};
 
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::progress::Progress;
@@ -22,15 +24,8 @@ pub fn run(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Fa
     let mut verified = Vec::new();
     let mut again: Option<Again> = None;
     for file in files {
-        let difference = match Source::of(file).map_err(Failure::from) {
-            Ok(source) => {
-                if again.as_ref().is_none_or(|run| !run.serves(&source)) {
-                    let episodes = source.plan.config.episodes;
-                    again = Some(Again::new(&source, &mut Progress::of(episodes, false))?);
-                }
-                let run = again.as_ref().expect("a run was just made");
-                run.difference(&source)?
-            }
+        let difference = match difference(file, &mut again) {
+            Ok(difference) => difference,
             Err(failure) if failure.exit == Exit::BadData => Some(failure.to_string()),
             Err(failure) => return Err(failure),
         };
@@ -42,6 +37,23 @@ pub fn run(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Fa
         });
     }
     report(&verified, json, out)
+}
+
+/// The first difference of a recording from a new run; `again` is the run that was made last.
+fn difference(file: &Path, again: &mut Option<Again>) -> Result<Option<String>, Failure> {
+    let recording = Recording::open(file)?;
+    if recording.extent() == Some(Extent::Comparison) {
+        return Ok(comparison_differs(&recording)?);
+    }
+    let source = Source::of(file)?;
+    let run = match again.take().filter(|run| run.serves(&source)) {
+        Some(run) => run,
+        None => {
+            let episodes = source.plan.config.episodes;
+            Again::new(&source, &mut Progress::of(episodes, false))?
+        }
+    };
+    Ok(again.insert(run).difference(&source)?)
 }
 
 fn report(verified: &[Verified], json: bool, out: &mut impl Write) -> Result<(), Failure> {

@@ -91,11 +91,7 @@ fn finding(kind: FindingKind, what: String) -> Finding {
 }
 
 fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
-    let of_run: &[&str] = match extent(recording) {
-        Some(Extent::Run | Extent::Story) => &ATTACHED_TO_RUN,
-        _ => &[],
-    };
-    for &name in ATTACHED.iter().chain(of_run) {
+    for name in &attachments(recording.extent()) {
         let data = recording.attachment(name);
         let what = match data.map(serde_json::from_slice::<serde::de::IgnoredAny>) {
             None => format!("the attachment {name} is missing"),
@@ -110,24 +106,55 @@ fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
     }
 }
 
-/// How much of its run it shows, if it says so.
-fn extent(recording: &Recording) -> Option<Extent> {
-    let entry = recording.metadata("run")?.get("episode")?;
-    Some(Extent::of_entry(entry))
+/// What is attached to such a recording.
+fn attachments(extent: Option<Extent>) -> Vec<String> {
+    let below = |side: &str| ATTACHED.map(|name| format!("{side}{name}"));
+    let facts = match extent {
+        Some(Extent::Comparison) => layout::SIDES
+            .map(|side| below(&format!("{side}/")))
+            .concat(),
+        _ => below("").to_vec(),
+    };
+    let of_run: &[&str] = match extent {
+        Some(Extent::Run | Extent::Story | Extent::Comparison) => &ATTACHED_TO_RUN,
+        _ => &[],
+    };
+    let of_run = of_run.iter().map(|name| (*name).to_owned());
+    facts.into_iter().chain(of_run).collect()
+}
+
+/// The topic without the side of a comparison that it belongs to.
+fn plain(topic: &str) -> &str {
+    let sides = layout::SIDES.iter();
+    let mut stripped = sides.filter_map(|side| topic.strip_prefix('/')?.strip_prefix(side));
+    let stripped = stripped.find(|rest| rest.starts_with('/'));
+    stripped.unwrap_or(topic)
 }
 
 fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
-    let present = recording.topics();
     // What does not say what it is may be an episode.
-    let extent = extent(recording).unwrap_or(Extent::Episode(1));
+    let extent = recording.extent().unwrap_or(Extent::Episode(1));
+    if extent != Extent::Comparison {
+        return check_side("", extent, recording, findings);
+    }
+    for side in layout::SIDES {
+        check_side(&format!("/{side}"), Extent::Story, recording, findings);
+    }
+}
+
+/// The topics of a recording, or of a side of a comparison.
+fn check_side(side: &str, extent: Extent, recording: &Recording, findings: &mut Vec<Finding>) {
+    let present = recording.topics();
     let expected = if extent == Extent::Run {
         Topic::of_run()
     } else {
-        let has = |topic: Topic| present.iter().any(|found| found.name == topic.name());
+        let named = |topic: Topic| format!("{side}{}", topic.name());
+        let has = |topic: Topic| present.iter().any(|found| found.name == named(topic));
         Topic::of_episode(has(Topic::Estimate), has(Topic::Scan))
     };
     for topic in expected {
-        let (name, schema) = (topic.name(), topic.schema(extent));
+        let name = format!("{side}{}", topic.name());
+        let schema = topic.schema(extent);
         let what = match present.iter().find(|found| found.name == name) {
             None => format!("the topic {name} is missing"),
             Some(found) if found.schema != schema.name => {
@@ -146,7 +173,7 @@ fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
 }
 
 fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
-    let (mut before_ns, mut posed_ns) = (0, None);
+    let (mut before_ns, mut posed_ns) = (0, BTreeMap::new());
     let mut counts: BTreeMap<String, u64> = BTreeMap::new();
     for message in recording.messages() {
         let message = match message {
@@ -170,10 +197,10 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
             let what = format!("{topic} at {now_ns} ns is not JSON");
             findings.push(finding(FindingKind::Message, what));
         }
-        if topic == Topic::Transforms.name() {
-            let before = posed_ns.replace(now_ns);
+        if plain(topic) == Topic::Transforms.name() {
+            let before = posed_ns.insert(topic.to_owned(), now_ns);
             if let Some(before) = before.filter(|&before| now_ns > before + LONGEST_GAP_NS) {
-                let what = format!("no pose on /tf from {before} ns to {now_ns} ns");
+                let what = format!("no pose on {topic} from {before} ns to {now_ns} ns");
                 findings.push(finding(FindingKind::Gap, what));
             }
         }
@@ -207,7 +234,7 @@ fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
         .map(|topic| (topic.name, json_fields(&topic.schema_data)))
         .collect();
     for path in layout::paths(&layout) {
-        let is_of_senses = Topic::named(&path.topic).is_some_and(Topic::is_of_senses);
+        let is_of_senses = Topic::named(plain(&path.topic)).is_some_and(Topic::is_of_senses);
         let what = match fields.get(&path.topic) {
             None if is_of_senses => continue,
             None => format!("the layout shows {path}, but there is no such topic"),

@@ -13,7 +13,7 @@ use serde::de::IgnoredAny;
 use super::parse::parse_record;
 use crate::disk;
 use crate::record::error::RecordError;
-use crate::record::info::{EVALUATION, KIND};
+use crate::record::info::{EVALUATION, Extent, KIND};
 use crate::record::json::json_tree;
 
 /// The opcode and the length before each record.
@@ -257,6 +257,12 @@ impl Recording {
     /// A metadata record, such as `run`.
     pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
         self.metadata.get(name)
+    }
+
+    /// How much of its run it shows, if it says so.
+    pub fn extent(&self) -> Option<Extent> {
+        let entry = self.metadata("run")?.get("episode")?;
+        Some(Extent::of_entry(entry))
     }
 
     /// Does it show what was learned before, instead of learning?

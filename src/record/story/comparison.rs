@@ -5,15 +5,16 @@ use std::collections::BTreeMap;
 
 use foxglove::messages::{FrameTransforms, Grid, SceneUpdate};
 use mcap::McapResult;
-use mcap::records::MessageHeader;
+use mcap::records::{MessageHeader, Metadata};
 
 use super::retime::{decoded, encoded};
 use super::teller::{Teller, Told, unwritten};
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
 use crate::record::layout::{self, SIDES};
+use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
-use crate::record::write::log_file::writer;
+use crate::record::write::log_file::{Sink, writer};
 
 /// Two stories in one recording.
 #[derive(Debug)]
@@ -46,13 +47,7 @@ pub fn compare_stories(
 
 fn merged(stories: [&Teller<'_>; 2], curves: &[Vec<u8>; 2], layout: &str) -> McapResult<Vec<u8>> {
     let mut out = writer(Vec::new())?;
-    out.attach(&mcap::Attachment {
-        log_time: 0,
-        create_time: 0,
-        name: "foxglove-layout.json".to_owned(),
-        media_type: "application/json".to_owned(),
-        data: layout.as_bytes().into(),
-    })?;
+    introduce(&mut out, stories, layout)?;
     let mut channels = BTreeMap::new();
     for (side, story) in stories.iter().enumerate() {
         for topic in story.topics() {
@@ -86,6 +81,45 @@ fn merged(stories: [&Teller<'_>; 2], curves: &[Vec<u8>; 2], layout: &str) -> Mca
     }
     out.finish()?;
     Ok(out.into_inner().into_inner())
+}
+
+/// The facts of both runs, those of each below the name of its side.
+fn introduce(out: &mut Sink<Vec<u8>>, stories: [&Teller<'_>; 2], layout: &str) -> McapResult<()> {
+    let whole = [("episode", Extent::Comparison.to_string())];
+    let whole = whole.map(|(key, text)| (key.to_owned(), text));
+    metadata(out, "run", whole.into())?;
+    for (side, story) in SIDES.iter().zip(stories) {
+        let (info, world) = (story.info(), story.maze().name());
+        metadata(
+            out,
+            side,
+            info.metadata(world, RecordMode::All, Extent::Story),
+        )?;
+        attach(out, &format!("{side}/world.json"), &info.world_json)?;
+        attach(out, &format!("{side}/config.json"), &info.config_json)?;
+    }
+    attach(out, "foxglove-layout.json", layout)
+}
+
+fn metadata(
+    out: &mut Sink<Vec<u8>>,
+    name: &str,
+    metadata: BTreeMap<String, String>,
+) -> McapResult<()> {
+    out.write_metadata(&Metadata {
+        name: name.to_owned(),
+        metadata,
+    })
+}
+
+fn attach(out: &mut Sink<Vec<u8>>, name: &str, text: &str) -> McapResult<()> {
+    out.attach(&mcap::Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: name.to_owned(),
+        media_type: "application/json".to_owned(),
+        data: text.as_bytes().into(),
+    })
 }
 
 /// The message with frames of the side's own; what is in no frame stays as it is.

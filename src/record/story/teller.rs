@@ -140,6 +140,11 @@ impl<'a> Teller<'a> {
         &self.told
     }
 
+    /// The facts of the run.
+    pub(super) fn info(&self) -> &RunInfo {
+        &self.info
+    }
+
     /// World, method and seed.
     pub(super) fn heading(&self) -> &str {
         &self.heading

@@ -1,7 +1,7 @@
 //! `/estimate` and `/scene/estimate`: where the robot believes to be, how sure it is, and how much
 //! it is mistaken.
 
-use foxglove::messages::{CylinderPrimitive, Pose, SceneUpdate};
+use foxglove::messages::{CylinderPrimitive, Pose, Quaternion, SceneUpdate};
 use nalgebra::{Complex, Matrix3, UnitComplex};
 use serde::Serialize;
 
@@ -13,6 +13,8 @@ use crate::arena::{Sample, Sensed};
 const GHOST: u32 = 0x2f9ce0;
 /// The ellipse holds the true position in 99 of 100 moments, if the robot is as sure as it may be.
 const DEVIATIONS: f64 = 3.03;
+/// It is drawn so many times as large as it is, or nobody would see it; the layouts say so.
+const LARGER: f64 = 10.0;
 const FLAT_M: f64 = 0.01;
 /// The ghost is so many times as wide as the robot, so that its rim shows on all sides of the robot
 /// where that is not mistaken; the ellipse lies above the robot, so many of its radii high.
@@ -118,7 +120,7 @@ pub(super) fn schema() -> Object {
     Object::new("xcscr.Estimate", &fields)
 }
 
-/// An ellipse around the believed position, and a ghost of the robot where it believes to be.
+/// An ellipse around the believed position, ten times as large as it is, and a ghost of the robot where it believes to be.
 pub(in crate::record) fn scene(sensed: &Sensed<'_>, radius_m: f64, time_ns: u64) -> SceneUpdate {
     let mut ellipse = entity("ellipse", ESTIMATE, time_ns);
     ellipse.cylinders = sensed
@@ -127,14 +129,19 @@ pub(in crate::record) fn scene(sensed: &Sensed<'_>, radius_m: f64, time_ns: u64)
         .map(|estimate| {
             let ahead = estimate.robot_in_world.rotation;
             let (long, short, direction) = axes(&estimate.covariance);
+            let along = heading(ahead.inverse() * direction);
             CylinderPrimitive {
                 pose: Some(Pose {
                     position: Some(vector(0.0, 0.0, ABOVE * radius_m)),
-                    orientation: Some(heading(ahead.inverse() * direction)),
+                    orientation: Some(Quaternion {
+                        z: drawn(along.z),
+                        w: drawn(along.w),
+                        ..along
+                    }),
                 }),
                 size: Some(vector(
-                    2.0 * DEVIATIONS * long,
-                    2.0 * DEVIATIONS * short,
+                    drawn(2.0 * DEVIATIONS * LARGER * long),
+                    drawn(2.0 * DEVIATIONS * LARGER * short),
                     FLAT_M,
                 )),
                 bottom_scale: 1.0,
@@ -153,6 +160,11 @@ pub(in crate::record) fn scene(sensed: &Sensed<'_>, radius_m: f64, time_ns: u64)
         color: color(GHOST, 0.6),
     }];
     update(vec![ellipse, ghost])
+}
+
+/// A number as finely as anyone sees it in the picture.
+fn drawn(number: f64) -> f64 {
+    (number * 128.0).round() / 128.0 + 0.0
 }
 
 /// The deviations along the long and the short axis of the position's ellipse, and the direction
