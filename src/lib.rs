@@ -35,22 +35,11 @@
 //!
 //! # Example
 //! ```
-//! use xcscr::{agent::Method, arena::ArenaKind, sensor::Sensor, trial::{Config, Plan, Settings, Trial}};
+//! use xcscr::{agent::Method, trial::Plan, world::Maze};
 //!
 //! let world = r######"{ "rows": ["#####", "#S..#", "###G#", "#####"] }"######;
-//! let maze = xcscr::world::Maze::from_json(world.as_bytes(), "corner.json")?;
-//! let config = Config {
-//!     version: env!("CARGO_PKG_VERSION").to_owned(),
-//!     method: Method::Xcscr,
-//!     arena: ArenaKind::Physics,
-//!     sensor: Sensor::Lidar,
-//!     episodes: 30,
-//!     seed: 1,
-//!     settings: Settings::default(),
-//!     initial: None,
-//! };
-//! let mut trial = Trial::new(Plan { maze, config })?;
-//! let _ = trial.run(&mut ());
+//! let maze = Maze::from_json(world.as_bytes(), "corner.json")?;
+//! let trial = Plan::new(maze).method(Method::Xcscr).episodes(30).seed(1).run()?;
 //! assert!(trial.progress().optimal);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -219,6 +219,20 @@ fn the_table_itself_has_no_arrow_backward() {
 }
 
 #[test]
+fn every_file_that_the_readme_names_is_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = fs::read_to_string(root.join("README.md")).unwrap();
+    let folders = ["tests/", "src/", "examples/", "crates/"];
+    let named = readme.split('`');
+    let named = named.filter(|word| folders.iter().any(|folder| word.starts_with(folder)));
+    let named: Vec<&str> = named.filter(|word| !word.contains([' ', '\n'])).collect();
+    assert!(named.len() > 20, "{named:?}");
+    for file in named {
+        assert!(root.join(file).exists(), "README.md names {file}");
+    }
+}
+
+#[test]
 fn control_a_forbidden_arrow_is_found() {
     let found = |file: &str, text: &str| forbidden(Path::new(file), text).len();
     assert_eq!(found("agent/plus/mod.rs", "use crate::world::Maze;"), 1);

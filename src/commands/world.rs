@@ -278,6 +278,7 @@ impl LookAlike {
         }
         match self.groups.len().saturating_sub(MOST_LISTED) {
             0 => Ok(()),
+            1 => Ok(writeln!(out, "look alike  ({name}) and another group")?),
             more => Ok(writeln!(
                 out,
                 "look alike  ({name}) and {more} more groups"

@@ -7,13 +7,11 @@ impl Sensor {
     /// The percepts in which one of the eight cells around is free instead of barred, or a wall
     /// instead of free; none for percepts that do not begin with these cells.
     pub fn changed_surroundings(self, percept: &Percept) -> Vec<Percept> {
-        match self {
-            Self::Neighbours | Self::NeighboursPosition | Self::Lidar | Self::LidarPosition => {
-                let cells = 0..neighbours::WIDTH / 2;
-                cells.map(|cell| turned_over(percept, cell)).collect()
-            }
-            Self::Position | Self::LidarRanges | Self::LidarBeams => Vec::new(),
-        }
+        let cells = match self.begins_with_neighbours() {
+            true => 0..neighbours::WIDTH / 2,
+            false => 0..0,
+        };
+        cells.map(|cell| turned_over(percept, cell)).collect()
     }
 }
 

@@ -4,6 +4,8 @@
 mod own_agent;
 #[path = "../../examples/own_study.rs"]
 mod own_study;
+#[path = "../../examples/record_a_run.rs"]
+mod record_a_run;
 #[path = "../../examples/train_in_ten_lines.rs"]
 mod train_in_ten_lines;
 #[path = "../../examples/watch_every_step.rs"]
@@ -17,6 +19,11 @@ fn own_agent_reaches_the_goal() {
 #[test]
 fn own_study_runs_its_twenty_trials() {
     own_study::main().unwrap();
+}
+
+#[test]
+fn record_a_run_leaves_a_recording_of_each_episode_of_the_run_and_its_story() {
+    record_a_run::main().unwrap();
 }
 
 #[test]
