@@ -128,10 +128,11 @@ impl Params {
         }
     }
 
-    /// r_s: what an outcome is worth at once.
+    /// r_s: what an outcome is worth at once, with the auxiliary reward that was found.
     pub fn short_term(&self, outcome: Outcome) -> f64 {
         match outcome {
             Outcome::Collided { .. } => self.collision,
+            Outcome::FoundReward { reward } => self.step + reward,
             Outcome::Moved | Outcome::Stalled | Outcome::ReachedGoal => self.step,
         }
     }
@@ -166,6 +167,8 @@ mod tests {
             -50.0
         );
         assert_eq!(params.short_term(Outcome::Moved), -1.0);
+        let found = Outcome::FoundReward { reward: 7.0 };
+        assert_eq!(params.short_term(found), 6.0);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! is decided in [`crate::agent`]. Two arenas exist: [`GridArena`], where a move is a step from
 //! cell to cell, and [`PhysicsArena`], where a differential-drive robot drives there.
 
+mod auxiliary;
 mod grid;
 mod kind;
 mod physics;
@@ -13,6 +14,7 @@ mod slip;
 use nalgebra::{Isometry2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
+pub use auxiliary::RewardingArena;
 pub use grid::GridArena;
 pub use kind::ArenaKind;
 pub use physics::{
@@ -33,6 +35,12 @@ pub use xcscr_sensing::Surroundings;
 pub enum Outcome {
     /// The robot stands in another cell, as it wanted.
     Moved,
+    /// The robot stands in another cell, as it wanted, and for the first time in this episode in one
+    /// that pays by itself.
+    FoundReward {
+        /// What the cell pays (auxiliary reward).
+        reward: f64,
+    },
     /// A wall was in the way; the robot stands where it was.
     Collided {
         /// The impulse of the hit in newton-seconds; `None` where nothing has mass.
@@ -42,6 +50,16 @@ pub enum Outcome {
     Stalled,
     /// The robot stands in a goal cell; the episode is over.
     ReachedGoal,
+}
+
+impl Outcome {
+    /// The auxiliary reward that was found; 0 without one.
+    pub fn found(self) -> f64 {
+        match self {
+            Self::FoundReward { reward } => reward,
+            Self::Moved | Self::Collided { .. } | Self::Stalled | Self::ReachedGoal => 0.0,
+        }
+    }
 }
 
 /// Where the robot was at one moment.

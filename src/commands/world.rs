@@ -196,6 +196,10 @@ impl Description {
         )?;
         writeln!(out, "moves       {}", facts.moves)?;
         writeln!(out, "free cells  {}", facts.free_cells)?;
+        if let Some(auxiliary) = &facts.auxiliary {
+            let (cells, reward) = (places(&auxiliary.cells), auxiliary.reward);
+            writeln!(out, "rewards     {reward} in {cells}, once in an episode")?;
+        }
         for floor in &facts.floors {
             let (friction, cells) = (floor.friction, floor.cells);
             writeln!(out, "floor       friction {friction} in {cells} cells")?;

@@ -14,6 +14,7 @@ const VISITED: Colour = Colour::hex(0xd3d8e0);
 const SLIPPERY: Colour = Colour::hex(0xe0f0fb);
 const START: Colour = Colour::hex(0xf4b740);
 const GOAL: Colour = Colour::hex(0x7fdca0);
+const REWARD: Colour = Colour::hex(0xe3cdf9);
 const PATH: Colour = Colour::hex(0x9cc3f5);
 /// The colours of best actions, by the rank of their worth: red, yellow, green.
 const WORST: Colour = Colour::hex(0xe0322f);
@@ -155,26 +156,30 @@ impl<'a> Plane<'a> {
         shapes
     }
 
-    /// Start and goals.
+    /// Start, goals and cells that pay by themselves.
     fn marks(&self) -> Vec<Shape> {
         let start = self.maze.start().map(|cell| (cell, START));
         let goals = self.maze.goals().iter().map(|&cell| (cell, GOAL));
-        let marks = start.into_iter().chain(goals);
+        let paying = self.maze.rewarding_cells().iter();
+        let paying = paying.map(|&cell| (cell, REWARD));
+        let marks = start.into_iter().chain(goals).chain(paying);
         marks
             .map(|(cell, fill)| self.tile(cell, 0.06 * self.cell, fill))
             .collect()
     }
 
-    /// The letters of start and goals, title and legend.
+    /// The letters of start, goals and rewards, title and legend.
     fn labels(&self, title: &str) -> Vec<Shape> {
         let start = self.maze.start().map(|cell| (cell, "S"));
         let goals = self.maze.goals().iter().map(|&cell| (cell, "G"));
+        let paying = self.maze.rewarding_cells().iter().map(|&cell| (cell, "*"));
         let letter = |(cell, text): (Cell, &str)| {
             let (left, top) = self.corner(cell);
             let size = 0.24 * self.cell;
             words(left + 0.1 * self.cell, top + 1.25 * size, size, INK, text)
         };
-        let mut shapes: Vec<Shape> = start.into_iter().chain(goals).map(letter).collect();
+        let marked = start.into_iter().chain(goals).chain(paying);
+        let mut shapes: Vec<Shape> = marked.map(letter).collect();
         shapes.push(words(MARGIN, 26.0, 17.0, INK, title));
         shapes.extend(self.legend());
         shapes

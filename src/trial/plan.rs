@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::settings::Settings;
 use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
 use crate::arena::{
-    Arena, ArenaKind, GridArena, Localisation, PhysicsArena, PhysicsError, SlippingArena,
+    Arena, ArenaKind, GridArena, Localisation, PhysicsArena, PhysicsError, RewardingArena,
+    SlippingArena,
 };
 use crate::sensor::Sensor;
 use crate::world::Maze;
@@ -48,6 +49,10 @@ impl Config {
                 }
                 Box::new(PhysicsArena::new(maze.clone(), params, self.seed)?)
             }
+        };
+        let arena = match maze.rewarding_cells() {
+            [] => arena,
+            _ => Box::new(RewardingArena::new(arena)),
         };
         let slip = self.settings.arena.slip;
         Ok(match slip > 0.0 {

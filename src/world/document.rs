@@ -10,7 +10,15 @@ use super::json::{refuse_other_kinds, syntax_fault, text_after_end};
 use super::source::{Source, quoted};
 
 /// The keys of a world file.
-const KEYS: [&str; 6] = ["name", "cell_size_m", "moves", "wrap", "rows", "floor"];
+const KEYS: [&str; 7] = [
+    "name",
+    "cell_size_m",
+    "moves",
+    "wrap",
+    "rows",
+    "floor",
+    "reward",
+];
 
 /// The values of a world file as they stand in the text, not yet read.
 #[derive(Default)]

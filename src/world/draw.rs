@@ -5,7 +5,7 @@ use super::maze::{Cell, Maze};
 /// Draws a maze, two characters per cell and a line per row; walls are full blocks.
 ///
 /// `glyph` gives the character of a cell, such as the arrow of a policy; where it gives none, and
-/// for walls, the maze shows itself: `S` start, `G` goal, `~` unusual floor. Free cells are blank, and dots where
+/// for walls, the maze shows itself: `S` start, `G` goal, `~` unusual floor, `*` a reward. Free cells are blank, and dots where
 /// the edges join and no border shows where the maze ends.
 pub fn draw(maze: &Maze, glyph: impl Fn(Cell) -> Option<char>) -> String {
     let mut picture = String::new();
@@ -28,6 +28,7 @@ fn letter(maze: &Maze, cell: Cell) -> char {
     match () {
         () if maze.is_goal(cell) => 'G',
         () if maze.start() == Some(cell) => 'S',
+        () if maze.auxiliary_reward(cell).is_some() => '*',
         () if maze.friction(cell).is_some() => '~',
         () if maze.wraps() => '·',
         () => ' ',

@@ -30,6 +30,9 @@ pub struct Facts {
     /// without.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub floors: Vec<FloorFacts>,
+    /// The cells that pay by themselves, and what each pays; not there in a world without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub auxiliary: Option<AuxiliaryFacts>,
     /// Steps of a shortest path from the fixed start.
     pub optimal_steps: Option<u32>,
     /// How many different shortest paths there are from the fixed start.
@@ -47,6 +50,15 @@ pub struct FloorFacts {
     pub friction: f64,
     /// Cells that have it.
     pub cells: usize,
+}
+
+/// Cells with a reward of their own.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AuxiliaryFacts {
+    /// The cells in reading order.
+    pub cells: Vec<Cell>,
+    /// What each pays, once in an episode.
+    pub reward: f64,
 }
 
 impl Facts {
@@ -67,12 +79,19 @@ impl Facts {
             start: maze.start(),
             goals: maze.goals().to_vec(),
             floors: floors(maze),
+            auxiliary: auxiliary(maze),
             optimal_steps: maze.start().and_then(steps),
             optimal_paths: maze.start().map(|start| paths.count_from(maze, start)),
             mean_optimal_steps: sum / lengths().count() as f64,
             greatest_optimal_steps: lengths().max().unwrap_or(0),
         }
     }
+}
+
+fn auxiliary(maze: &Maze) -> Option<AuxiliaryFacts> {
+    let cells = maze.rewarding_cells().to_vec();
+    let reward = maze.auxiliary_reward(*cells.first()?)?;
+    Some(AuxiliaryFacts { cells, reward })
 }
 
 /// Counts the cells of each floor.

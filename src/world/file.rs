@@ -3,6 +3,7 @@
 use std::io;
 use std::path::Path;
 
+use super::auxiliary;
 use super::checks::{check_border, check_reachable, check_start_and_goal};
 use super::direction::Moves;
 use super::document::Document;
@@ -49,7 +50,7 @@ impl Maze {
     /// [`WorldError::Invalid`] for the first fault of the text: no JSON object, unknown, repeated
     /// or missing keys, wrong types, values out of range, ragged or empty rows, unknown letters,
     /// no goal, more than one start, an open border, a start from which no goal can be reached,
-    /// a floor that does not fit the rows, or too large (over 64 MiB, or 1024 columns or rows).
+    /// a floor that does not fit the rows, rewarding cells without a reward, or too large (over 64 MiB, or 1024 columns or rows).
     ///
     /// # Example
     /// ```
@@ -84,15 +85,21 @@ impl Maze {
         self.start
             .iter()
             .for_each(|&start| letters[self.index(start)] = b'S');
+        self.rewarding_cells()
+            .iter()
+            .for_each(|&cell| letters[self.index(cell)] = b'*');
         let rows = letters
             .chunks(usize::from(self.width))
             .map(|row| String::from_utf8_lossy(row).into_owned());
         let floor = self.floor_rows().map_or(String::new(), |rows| {
             format!(",\n  \"floor\": {}", array(rows.into_iter()))
         });
+        let reward = self.auxiliary.as_ref().map_or(String::new(), |auxiliary| {
+            format!(",\n  \"reward\": {:?}", auxiliary.reward)
+        });
         format!(
             "{{\n  \"name\": \"{}\",\n  \"cell_size_m\": {:?},\n  \"moves\": {moves},\n  \
-             \"wrap\": {},\n  \"rows\": {}{floor}\n}}\n",
+             \"wrap\": {},\n  \"rows\": {}{floor}{reward}\n}}\n",
             self.name,
             self.cell_size_m,
             self.wrap,
@@ -153,6 +160,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         start: rows.starts.first().copied(),
         goals: std::mem::take(&mut rows.goals),
         floor: None,
+        auxiliary: auxiliary::read(source, document.value("reward"), &rows)?,
         distances: Default::default(),
     };
     if let Some(raw) = document.value("floor") {

@@ -26,6 +26,14 @@ pub struct Cell {
 /// where all of it is usual.
 pub(super) type Floor = Option<Arc<[u8]>>;
 
+/// Cells with a reward of their own, and what each of them pays.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Auxiliary {
+    /// In reading order; never empty.
+    pub cells: Vec<Cell>,
+    pub reward: f64,
+}
+
 /// A checked maze: its border is closed (or joined), and every start can reach a goal.
 ///
 /// The world frame has its origin in the south-western corner of the border, x to the east, y to
@@ -44,6 +52,7 @@ pub struct Maze {
     /// In reading order; never empty.
     pub(super) goals: Vec<Cell>,
     pub(super) floor: Floor,
+    pub(super) auxiliary: Option<Auxiliary>,
     /// Of the shortest paths, once somebody asked for them.
     pub(super) distances: Distances,
 }
@@ -222,5 +231,19 @@ impl Maze {
             .collect();
         let rows = letters.chunks(usize::from(self.width));
         Some(rows.map(|row| row.iter().collect()).collect())
+    }
+
+    /// What a cell pays by itself, the first time in an episode that the robot comes into it
+    /// (auxiliary reward); `None` of most cells.
+    pub fn auxiliary_reward(&self, cell: Cell) -> Option<f64> {
+        let auxiliary = self.auxiliary.as_ref()?;
+        let place = |cell: &Cell| (cell.row, cell.col);
+        let found = auxiliary.cells.binary_search_by_key(&place(&cell), place);
+        found.is_ok().then_some(auxiliary.reward)
+    }
+
+    /// The cells that pay by themselves, in reading order.
+    pub fn rewarding_cells(&self) -> &[Cell] {
+        self.auxiliary.as_ref().map_or(&[], |it| &it.cells)
     }
 }

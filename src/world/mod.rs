@@ -1,5 +1,6 @@
 //! From a world file to a checked [`Maze`], and its shortest paths.
 
+mod auxiliary;
 mod checks;
 mod direction;
 mod distances;

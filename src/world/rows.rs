@@ -20,6 +20,8 @@ pub struct Rows<'a> {
     pub walls: Vec<bool>,
     pub starts: Vec<Cell>,
     pub goals: Vec<Cell>,
+    /// The cells with a reward of their own.
+    pub rewarding: Vec<Cell>,
 }
 
 impl<'a> Rows<'a> {
@@ -41,6 +43,7 @@ impl<'a> Rows<'a> {
             walls: Vec::new(),
             starts: Vec::new(),
             goals: Vec::new(),
+            rewarding: Vec::new(),
         };
         elements.first.iter().try_for_each(|row| rows.add(row))?;
         if rows.rows.is_empty() {
@@ -84,7 +87,7 @@ impl<'a> Rows<'a> {
     }
 
     fn check_letters(&self, letters: &str) -> Result<(), WorldError> {
-        let strange = |&(_, letter): &(usize, char)| !matches!(letter, '#' | '.' | 'S' | 'G');
+        let strange = |&(_, letter): &(usize, char)| !matches!(letter, '#' | '.' | 'S' | 'G' | '*');
         let Some((at, letter)) = letters.char_indices().find(strange) else {
             return Ok(());
         };
@@ -104,7 +107,7 @@ impl<'a> Rows<'a> {
     fn check_width(&self, raw: &str, letters: &str) -> Result<(), WorldError> {
         let (number, found) = (self.rows.len() + 1, letters.len());
         if found == 0 {
-            let help = "a row is a string of `#`, `.`, `S` and `G`; remove the empty one";
+            let help = "a row is a string of `#`, `.`, `S`, `G` and `*`; remove the empty one";
             let title = format!("row {number} is empty");
             return Err(self
                 .source
@@ -137,6 +140,7 @@ impl<'a> Rows<'a> {
             match letter {
                 b'S' => self.starts.push(cell),
                 b'G' => self.goals.push(cell),
+                b'*' => self.rewarding.push(cell),
                 _ => {}
             }
         }
@@ -165,8 +169,8 @@ fn letter_help(letter: char) -> String {
         's' => "did you mean `S`? ",
         'g' | 'F' | 'f' => "did you mean `G`? ",
         ' ' | 'o' | 'O' | '0' | '_' => "did you mean `.`? ",
-        'X' | 'x' | '*' | 'T' | 'Q' | '1' | '█' => "did you mean `#`? ",
+        'X' | 'x' | 'T' | 'Q' | '1' | '█' => "did you mean `#`? ",
         _ => "",
     };
-    format!("{meant}the letters are `#` wall, `.` free, `S` start, `G` goal")
+    format!("{meant}the letters are `#` wall, `.` free, `S` start, `G` goal, `*` reward")
 }

@@ -30,6 +30,7 @@ fn robot(maze: &Maze, noise: f64, shortcut: bool) -> PhysicsArena {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Moved,
+    FoundReward,
     Collided,
     Stalled,
     ReachedGoal,
@@ -39,6 +40,7 @@ impl From<Outcome> for Kind {
     fn from(outcome: Outcome) -> Self {
         match outcome {
             Outcome::Moved => Self::Moved,
+            Outcome::FoundReward { .. } => Self::FoundReward,
             Outcome::Collided { .. } => Self::Collided,
             Outcome::Stalled => Self::Stalled,
             Outcome::ReachedGoal => Self::ReachedGoal,
@@ -102,7 +104,9 @@ fn check_step(arena: &dyn Arena, outcome: Outcome, from: Cell, clock_ns: u64, si
     let view = arena.view();
     let is_goal = view.maze.is_goal(view.cell);
     match outcome {
-        Outcome::Moved => assert!(view.cell != from && !is_goal, "{situation}"),
+        Outcome::Moved | Outcome::FoundReward { .. } => {
+            assert!(view.cell != from && !is_goal, "{situation}")
+        }
         Outcome::Collided { impulse_ns } => {
             assert_eq!(view.cell, from, "{situation}");
             assert!(

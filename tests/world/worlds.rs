@@ -3,7 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use xcscr::agent::Method;
+use xcscr::arena::{ArenaKind, View};
+use xcscr::episode::{Observer, Step};
 use xcscr::sensor::{Sensor, alike};
+use xcscr::trial::{Plan, Trial};
 use xcscr::world::{Cell, Facts, Maze, Moves, Paths, WorldError};
 
 fn shipped(name: &str) -> Maze {
@@ -123,6 +127,47 @@ fn what_a_file_leaves_out_has_its_default() {
     assert_eq!(maze.cell_size_m(), 1.0);
     assert_eq!(maze.moves(), Moves::Four);
     assert_eq!(maze.goals().len(), 2);
+}
+
+/// Counts auxiliary rewards, and what the method made of each.
+#[derive(Default)]
+struct Purse {
+    in_this_episode: u32,
+    most_in_an_episode: u32,
+    paid: Vec<f64>,
+}
+
+impl Observer for Purse {
+    fn began(&mut self, _: u32, _: &View<'_>) {
+        self.in_this_episode = 0;
+    }
+
+    fn stepped(&mut self, step: &Step<'_>) {
+        if step.outcome.found() > 0.0 {
+            self.in_this_episode += 1;
+            self.most_in_an_episode = self.most_in_an_episode.max(self.in_this_episode);
+            self.paid.push(step.credit.short_term_reward);
+        }
+    }
+}
+
+#[test]
+fn every_method_is_paid_what_a_cell_pays_once_in_an_episode() {
+    for &method in Method::ALL {
+        let mut purse = Purse::default();
+        let rows = ["#####", "#S*G#", "#####"];
+        let text = format!(r#"{{ "rows": {rows:?}, "reward": 100 }}"#);
+        let maze = Maze::from_json(text.as_bytes(), "corridor").unwrap();
+        let plan = Plan::new(maze).method(method).episodes(5);
+        let mut trial = Trial::new(plan.arena(ArenaKind::Grid)).unwrap();
+        let _ = trial.run(&mut purse);
+        let (most, paid) = (purse.most_in_an_episode, &purse.paid);
+        // A step costs 1, the cell pays 100.
+        assert!(
+            most == 1 && paid.iter().all(|&one| one == 99.0),
+            "{method:?}: {most} {paid:?}"
+        );
+    }
 }
 
 #[test]

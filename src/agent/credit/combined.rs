@@ -36,6 +36,8 @@ pub struct Combined {
     learning_rate: LearningRate,
     imprinting: Imprinting,
     step_threshold: StepThreshold,
+    /// The auxiliary rewards of this episode, which are shared out with r_l at its end.
+    found: f64,
 }
 
 impl Combined {
@@ -51,6 +53,7 @@ impl Combined {
             params,
             stack: RewardStack::default(),
             shortest: usize::MAX,
+            found: 0.0,
         }
     }
 
@@ -83,6 +86,7 @@ impl Agent for Combined {
         let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let beta = self.learning_rate.after_collision();
         self.filter.answer(&mut self.xcs, &set, reward, beta);
+        self.found += outcome.found();
         self.stack
             .push(&mut self.xcs, set, self.params.stack_evolution);
         credit
@@ -95,8 +99,9 @@ impl Agent for Combined {
         }
         let policy = self.stack.policy();
         let long_term_reward = self.params.long_term(reached_goal, steps);
+        let found = std::mem::take(&mut self.found);
         let learning_rate = self.learning_rate.after(reached_goal);
-        let shares = self.shares(long_term_reward, steps);
+        let shares = self.shares(long_term_reward + found, steps);
         let evolution = self.params.stack_evolution;
         self.stack
             .unwind(&mut self.xcs, &shares, learning_rate, evolution);

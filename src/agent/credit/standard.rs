@@ -87,7 +87,7 @@ impl Agent for Standard {
         let greatest = self.greatest;
         let paid = match self.params.xcs_payment {
             XcsPayment::All => reward,
-            XcsPayment::Final => 0.0,
+            XcsPayment::Final => outcome.found(),
         };
         self.steps += 1;
         let waiting = Waiting {

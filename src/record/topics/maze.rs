@@ -1,4 +1,4 @@
-//! `/scene/maze`: floor and where it is slippery, walls, start and goals.
+//! `/scene/maze`: floor and where it is slippery, walls, start, goals and auxiliary rewards.
 
 use foxglove::messages::{
     CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive, line_primitive,
@@ -14,6 +14,7 @@ const SLIPPERY: u32 = 0xcfe6f7;
 const WALL: u32 = 0x57657f;
 const START: u32 = 0xf4b740;
 const GOAL: u32 = 0x35c46a;
+const REWARD: u32 = 0xc79bf2;
 const INK: u32 = 0x1d2430;
 const NUMBER: u32 = 0xcfd8e8;
 /// Mazes with more columns or rows than this have no numbers on their border.
@@ -103,12 +104,14 @@ fn block(maze: &Maze, row: u16, columns: &[u16]) -> CubePrimitive {
     )
 }
 
-/// Start and goals, with their names.
+/// Start, goals and cells that pay by themselves, with their names.
 fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
     let mut tiles = entity("tiles", WORLD, time_ns);
     let start = maze.start().map(|cell| (cell, START, "START"));
     let goals = maze.goals().iter().map(|&cell| (cell, GOAL, "GOAL"));
-    for (cell, rgb, name) in start.into_iter().chain(goals) {
+    let paying = maze.rewarding_cells().iter();
+    let paying = paying.map(|&cell| (cell, REWARD, "REWARD"));
+    for (cell, rgb, name) in start.into_iter().chain(goals).chain(paying) {
         let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
         let size = vector(0.9375 * unit, 0.9375 * unit, 0.012 * unit);
         tiles

@@ -67,11 +67,12 @@ fn decimals<S: Serializer>(worth: &&PredictionArray, serializer: S) -> Result<S:
 }
 
 /// Numbers and names of outcomes in files.
-const OUTCOMES: [(u8, &str); 4] = [
+const OUTCOMES: [(u8, &str); 5] = [
     (0, "moved"),
     (1, "collided"),
     (2, "stalled"),
     (3, "reached-goal"),
+    (4, "found-reward"),
 ];
 
 fn outcome(outcome: Outcome) -> (u8, &'static str) {
@@ -80,6 +81,7 @@ fn outcome(outcome: Outcome) -> (u8, &'static str) {
         Outcome::Collided { .. } => 1,
         Outcome::Stalled => 2,
         Outcome::ReachedGoal => 3,
+        Outcome::FoundReward { .. } => 4,
     }]
 }
 
@@ -108,7 +110,7 @@ pub(super) fn schema() -> Object {
         (
             "outcome",
             Kind::Text,
-            "moved, collided, stalled, reached-goal",
+            "moved, collided, stalled, reached-goal, found-reward",
         ),
         ("result", Kind::Named(&OUTCOMES), "the outcome as a number"),
         (

@@ -11,9 +11,17 @@ macro_rules! classic {
 }
 
 /// The worlds, by name.
-const WORLDS: [(&str, &str); 35] = [
+const WORLDS: [(&str, &str); 37] = [
     ("maze4", include_str!("../../../worlds/maze4.json")),
     ("maze5", include_str!("../../../worlds/maze5.json")),
+    (
+        "maze5-helped",
+        include_str!("../../../worlds/maze5-helped.json"),
+    ),
+    (
+        "maze5-lured",
+        include_str!("../../../worlds/maze5-lured.json"),
+    ),
     ("maze5-wet", include_str!("../../../worlds/maze5-wet.json")),
     ("maze6", include_str!("../../../worlds/maze6.json")),
     (
@@ -53,7 +61,7 @@ const WORLDS: [(&str, &str); 35] = [
 ];
 
 /// The studies, by name.
-const STUDIES: [(&str, &str); 11] = [
+const STUDIES: [(&str, &str); 12] = [
     ("paper", include_str!("presets/paper.toml")),
     ("paper-search", include_str!("presets/paper-search.toml")),
     ("ablation", include_str!("presets/ablation.toml")),
@@ -65,6 +73,7 @@ const STUDIES: [(&str, &str); 11] = [
     ("sensing", include_str!("presets/sensing.toml")),
     ("faults", include_str!("presets/faults.toml")),
     ("arenas", include_str!("presets/arenas.toml")),
+    ("auxiliary", include_str!("presets/auxiliary.toml")),
 ];
 
 /// The text of a world file that comes with the program.

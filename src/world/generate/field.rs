@@ -67,6 +67,7 @@ impl Field {
             start: Some(start),
             goals: vec![goal],
             floor: None,
+            auxiliary: None,
             distances: Default::default(),
         }
     }

@@ -231,9 +231,9 @@ impl<'a> Cells<'a> {
         };
         let about = (kept.name.as_str(), kept.moves, kept.wrap);
         let maze = self.maze(about, start, &goals?, whole)?;
-        match &kept.floor {
-            None => Ok(maze),
-            Some(rows) => with_floor(&maze, rows),
+        match (&kept.floor, kept.reward) {
+            (None, None) => Ok(maze),
+            _ => furnished(&maze, kept),
         }
     }
 
@@ -273,11 +273,33 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// The maze with another floor, checked as that of a world file.
-fn with_floor(maze: &Maze, rows: &[String]) -> Result<Maze, MapError> {
+/// The maze with floor and rewards, checked as those of a world file.
+fn furnished(maze: &Maze, kept: &KeptWorld) -> Result<Maze, MapError> {
     let mut world: serde_json::Value =
         serde_json::from_str(&maze.to_json()).expect("a world file is JSON");
-    world["floor"] = rows.into();
+    if let Some(rows) = &kept.floor {
+        world["floor"] = rows.clone().into();
+    }
+    if let Some(reward) = kept.reward {
+        world["reward"] = reward.into();
+        let is_paying = |col: usize, row: usize| {
+            let at = |cell: &[u16; 2]| cell.map(usize::from) == [col, row];
+            kept.rewarding.iter().any(at)
+        };
+        for (row, letters) in world["rows"]
+            .as_array_mut()
+            .into_iter()
+            .flatten()
+            .enumerate()
+        {
+            let marked = letters.as_str().unwrap_or_default().chars().enumerate();
+            let marked = marked.map(|(col, letter)| match letter {
+                '.' if is_paying(col, row) => '*',
+                _ => letter,
+            });
+            *letters = marked.collect::<String>().into();
+        }
+    }
     let text = world.to_string();
     Ok(Maze::from_json(text.as_bytes(), "the converted map")?)
 }

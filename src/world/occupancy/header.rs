@@ -64,6 +64,12 @@ pub struct KeptWorld {
     /// The rows of the floor; `None` where all of it is usual.
     #[serde(default)]
     pub floor: Option<Vec<String>>,
+    /// The cells that pay by themselves, by column and row.
+    #[serde(default)]
+    pub rewarding: Vec<[u16; 2]>,
+    /// What each of them pays.
+    #[serde(default)]
+    pub reward: Option<f64>,
 }
 
 /// A checked header.

@@ -28,6 +28,11 @@ pub fn written(maze: &Maze, image: &str) -> WrittenMap {
         start: maze.start().map(pair),
         goals: maze.goals().iter().copied().map(pair).collect(),
         floor: maze.floor_rows(),
+        rewarding: maze.rewarding_cells().iter().copied().map(pair).collect(),
+        reward: maze
+            .rewarding_cells()
+            .first()
+            .and_then(|&cell| maze.auxiliary_reward(cell)),
     };
     let mut yaml = String::new();
     let _ = write!(
@@ -47,6 +52,13 @@ pub fn written(maze: &Maze, image: &str) -> WrittenMap {
     );
     if let Some(floor) = &kept.floor {
         let _ = writeln!(yaml, "  floor: {floor:?}");
+    }
+    if let Some(reward) = kept.reward {
+        let _ = writeln!(
+            yaml,
+            "  rewarding: {:?}\n  reward: {reward:?}",
+            kept.rewarding
+        );
     }
     let mut pgm = format!("P5\n{} {}\n255\n", maze.width(), maze.height()).into_bytes();
     pgm.extend(

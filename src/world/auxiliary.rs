@@ -1,0 +1,99 @@
+//! Auxiliary rewards: cells that pay by themselves, once in an episode.
+
+use super::error::WorldError;
+use super::json::{kind, wrong_type};
+use super::maze::Auxiliary;
+use super::rows::Rows;
+use super::source::{Source, quoted};
+
+/// The greatest auxiliary reward.
+const MOST: f64 = 1e6;
+
+/// Reads what the cells marked `*` pay.
+pub(super) fn read(
+    source: Source<'_>,
+    raw: Option<&str>,
+    rows: &Rows<'_>,
+) -> Result<Option<Auxiliary>, WorldError> {
+    match (rows.rewarding.first(), raw) {
+        (None, None) => Ok(None),
+        (Some(&cell), None) => Err(source.fault(
+            rows.span(cell),
+            "nothing says what a cell marked `*` pays",
+            "pays how much?",
+            "add for example `\"reward\": 100`, or write `.` for a cell that pays nothing",
+        )),
+        (None, Some(raw)) => Err(source.fault(
+            source.span(raw),
+            "no cell pays this reward",
+            "paid nowhere",
+            "mark the cells that pay it with `*` in `rows`, or leave `reward` out",
+        )),
+        (Some(_), Some(raw)) => Ok(Some(Auxiliary {
+            cells: rows.rewarding.clone(),
+            reward: read_reward(source, raw)?,
+        })),
+    }
+}
+
+fn read_reward(source: Source<'_>, raw: &str) -> Result<f64, WorldError> {
+    if kind(raw) != Some("a number") {
+        return Err(wrong_type(source, "reward", raw, "a number"));
+    }
+    // A number that is too large for the type counts as infinite.
+    let reward = serde_json::from_str(raw).unwrap_or(f64::INFINITY);
+    if reward > 0.0 && reward <= MOST {
+        return Ok(reward);
+    }
+    Err(source.fault(
+        source.span(raw),
+        format!(
+            "`reward` is {}, but must be above 0 and at most {MOST}",
+            quoted(raw)
+        ),
+        "out of range",
+        "`reward` is what each cell marked `*` pays; a goal pays the setting `reward.goal`, 1000",
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::{Cell, Maze};
+
+    fn maze(rows: [&str; 3], more: &str) -> Result<Maze, String> {
+        let text = format!(r#"{{ "rows": {rows:?}{more} }}"#);
+        Maze::from_json(text.as_bytes(), "paid.json").map_err(|error| error.to_string())
+    }
+
+    const PAID: [&str; 3] = ["######", "#S*.G#", "######"];
+    const UNPAID: [&str; 3] = ["######", "#S..G#", "######"];
+
+    #[test]
+    fn a_marked_cell_pays_and_no_other_does() {
+        let maze = maze(PAID, r#", "reward": 2.5"#).unwrap();
+        let pay = |col| maze.auxiliary_reward(Cell { col, row: 1 });
+        assert_eq!([1, 2, 3, 4].map(pay), [None, Some(2.5), None, None]);
+        let again = Maze::from_json(maze.to_json().as_bytes(), "again.json").unwrap();
+        assert_eq!(again, maze);
+    }
+
+    #[test]
+    fn a_world_without_marked_cells_is_written_as_ever() {
+        assert!(!maze(UNPAID, "").unwrap().to_json().contains("reward"));
+    }
+
+    #[test]
+    fn marks_and_reward_belong_together() {
+        for (rows, more, fault) in [
+            (PAID, "", "nothing says what a cell marked `*` pays"),
+            (UNPAID, r#", "reward": 1"#, "no cell pays this reward"),
+            (PAID, r#", "reward": 0"#, "must be above 0"),
+            (PAID, r#", "reward": 1e999"#, "must be above 0"),
+            (PAID, r#", "reward": "much""#, "a number"),
+        ] {
+            let message = maze(rows, more).unwrap_err();
+            assert!(message.contains(fault), "{more}: {message}");
+        }
+    }
+}
