@@ -31,6 +31,12 @@ pub enum StreamName {
     Slip,
     /// Percepts on which an exported policy is compared with what was learned.
     Export,
+    /// Which policy the keeper of `xcscr-coevolved` chooses.
+    Experts,
+    /// The rules of that keeper.
+    Keeper,
+    /// The rules of the cloner of `xcscr-coevolved`.
+    Cloner,
 }
 
 impl From<StreamName> for u64 {

@@ -34,7 +34,9 @@ pub enum Method {
     AdaptedDiscounted,
     /// The paper's combined reward method.
     Xcscr,
-    /// The same with each mechanism repaired.
+    /// The same; what is imprinted is decided by two XCS that co-evolve with it.
+    XcscrCoevolved,
+    /// Rules that a model teaches.
     XcscrPlus,
     /// Rules that remember where they are, and tell places apart that look alike.
     XcscrMemory,
@@ -106,6 +108,11 @@ impl Method {
             Self::AdaptedEven => combined(reward.adapted(Sharing::Even)),
             Self::AdaptedDiscounted => combined(reward.adapted(Sharing::Discounted)),
             Self::Xcscr => combined(reward),
+            Self::XcscrCoevolved => {
+                let streams = [StreamName::Experts, StreamName::Keeper, StreamName::Cloner];
+                let method = Combined::new(learner(), reward, stream(StreamName::Imprinting));
+                Box::new(method.with_experts(streams.map(stream)))
+            }
             Self::XcscrPlus => {
                 let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
                 Box::new(Plus::new(xcs, [actions, ring], reward, plus, streams))

@@ -6,7 +6,8 @@
 //! 3. [`imprinting`](super::imprinting): after a failure, one of the best policies so far is rehearsed;
 //! 4. [`step_threshold`](super::step_threshold): the time allowed shrinks toward the best policy.
 
-use super::imprinting::{self, Imprinting};
+use super::experts::{Experts, Remembered};
+use super::imprinting::{self, Imprinting, Lesson, Policy};
 use super::learning_rate::LearningRate;
 use super::short_term_filter::ShortTermFilter;
 use super::step_threshold::StepThreshold;
@@ -23,7 +24,7 @@ use xcs::{Action, Percept};
 use xcs::{MatchSet, PredictionArray, Xcs};
 
 /// The method `xcscr` (paper, section III and figure 1.c); with all four mechanisms switched off,
-/// the methods `adapted-even` and `adapted-discounted`.
+/// the methods `adapted-even` and `adapted-discounted`; with [`Experts`], `xcscr-coevolved`.
 #[derive(Debug, Clone)]
 pub struct Combined {
     xcs: Xcs,
@@ -35,6 +36,8 @@ pub struct Combined {
     filter: ShortTermFilter,
     learning_rate: LearningRate,
     imprinting: Imprinting,
+    /// Who decides what is rehearsed, in `xcscr-coevolved`.
+    experts: Option<Experts>,
     step_threshold: StepThreshold,
     /// The auxiliary rewards of this episode, which are shared out with r_l at its end.
     found: f64,
@@ -47,6 +50,7 @@ impl Combined {
             filter: ShortTermFilter::new(&params),
             learning_rate: LearningRate::new(&params, xcs.params().beta),
             imprinting: Imprinting::new(&params, stream),
+            experts: None,
             step_threshold: StepThreshold::new(&params),
             xcs,
             match_set: MatchSet::default(),
@@ -54,6 +58,62 @@ impl Combined {
             stack: RewardStack::default(),
             shortest: usize::MAX,
             found: 0.0,
+        }
+    }
+
+    /// The same with experts that co-evolve; the streams are for their choices, the keeper of
+    /// \[PS\], and the cloner.
+    pub fn with_experts(mut self, streams: [Stream; 3]) -> Self {
+        let (xcs, goal) = (&self.xcs, self.params.goal);
+        self.experts = Some(Experts::new(xcs.params(), xcs.actions(), goal, streams));
+        self
+    }
+
+    /// What is rehearsed after an episode, if anything is.
+    fn rehearsal(&mut self, reached_goal: bool, policy: &Policy) -> Option<Vec<Lesson>> {
+        let Some(experts) = &mut self.experts else {
+            let chosen = self.imprinting.after(reached_goal, policy)?.clone();
+            return Some(self.as_if_it_succeeded(&chosen));
+        };
+        experts.judge(reached_goal);
+        if reached_goal {
+            self.imprinting.keep(policy);
+            self.teach_cloner(policy);
+            return None;
+        }
+        let (failed_at, _) = policy.last()?;
+        let chosen = experts
+            .choose(self.imprinting.rehearsable()?, failed_at)
+            .clone();
+        let mut lessons = self.as_if_it_succeeded(&chosen);
+        let way = policy.iter().map(|(percept, _)| *percept);
+        let advice = self.experts.as_ref()?.advise(way);
+        let is_new = |one: &Lesson| lessons.iter().all(|known| known.percept != one.percept);
+        let advice: Vec<Lesson> = advice.into_iter().filter(is_new).collect();
+        lessons.extend(advice);
+        Some(lessons)
+    }
+
+    /// One of the best policies is what the cloner learns from.
+    fn teach_cloner(&mut self, policy: &Policy) {
+        let lessons = self.as_if_it_succeeded(policy);
+        let is_best = self.imprinting.keeps(policy);
+        if let Some(experts) = self.experts.as_mut().filter(|_| is_best) {
+            experts.study(&lessons);
+        }
+    }
+
+    /// The steps of a policy, each with its share of the reward of a success (Alg. 4).
+    fn as_if_it_succeeded(&self, policy: &Policy) -> Vec<Lesson> {
+        let reward = self.params.long_term(true, policy.len());
+        imprinting::lessons(policy, &self.shares(reward, policy.len()))
+    }
+
+    /// Goes on with the experts that were kept; `false` if they are damaged, or none of its own.
+    fn resume_experts(&mut self, kept: Option<Remembered>) -> bool {
+        match (&mut self.experts, kept) {
+            (Some(experts), Some(kept)) => experts.resume(kept),
+            (experts, kept) => experts.is_none() && kept.is_none(),
         }
     }
 
@@ -105,15 +165,10 @@ impl Agent for Combined {
         let evolution = self.params.stack_evolution;
         self.stack
             .unwind(&mut self.xcs, &shares, learning_rate, evolution);
-        let rehearsed = self
-            .imprinting
-            .after(reached_goal, policy)
-            .map(<[_]>::to_vec);
-        if let Some(policy) = &rehearsed {
-            let reward = self.params.long_term(true, policy.len());
-            let shares = self.shares(reward, policy.len());
+        let rehearsed = self.rehearsal(reached_goal, &policy);
+        if let Some(lessons) = &rehearsed {
             let beta = self.learning_rate.after(true);
-            imprinting::clone_behaviour(&mut self.xcs, policy, &shares, beta);
+            imprinting::clone_behaviour(&mut self.xcs, lessons, beta);
         }
         if reached_goal {
             self.step_threshold.learn(steps);
@@ -151,16 +206,18 @@ impl Agent for Combined {
             self.shortest,
             self.imprinting.kept(),
             self.step_threshold.kept(),
+            self.experts.as_ref().map(Experts::kept),
         ))
     }
 
     fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
         let mut method = self.clone();
-        let (learned, shortest, policies, threshold) = memory::recall(saved)?;
+        let (learned, shortest, policies, threshold, experts) = memory::recall(saved)?;
         method.shortest = shortest;
         let fits = method.xcs.resume(learned)
             && method.imprinting.resume(policies)
-            && method.step_threshold.resume(threshold);
+            && method.step_threshold.resume(threshold)
+            && method.resume_experts(experts);
         memory::resumed(method, fits)
     }
 }

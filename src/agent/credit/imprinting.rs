@@ -11,6 +11,26 @@ use xcs::{Action, Percept};
 /// A policy as it was executed: the percept and action of each step.
 pub(super) type Policy = Vec<(Percept, Action)>;
 
+/// A step of a policy that is rehearsed, and the share of the reward that it gets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lesson {
+    pub percept: Percept,
+    pub action: Action,
+    pub share: f64,
+}
+
+/// The steps of a policy with their shares, the last one first.
+pub(super) fn lessons(policy: &[(Percept, Action)], shares: &Shares) -> Vec<Lesson> {
+    let steps = policy.iter().rev().enumerate();
+    steps
+        .map(|(back, &(percept, action))| Lesson {
+            percept,
+            action,
+            share: shares.of_step(back),
+        })
+        .collect()
+}
+
 /// Keeps the best executed policies, and decides when one of them is rehearsed.
 #[derive(Debug, Clone)]
 pub(super) struct Imprinting {
@@ -48,41 +68,49 @@ impl Imprinting {
 
     /// Alg. 2: a success updates \[PS\]; a failure names, with probability 1 - theta_x, one of its
     /// policies to be rehearsed.
-    pub fn after(&mut self, reached_goal: bool, policy: Policy) -> Option<&[(Percept, Action)]> {
-        if !self.on {
-            return None;
-        }
+    pub fn after(&mut self, reached_goal: bool, policy: &Policy) -> Option<&Policy> {
         if reached_goal {
-            self.update(policy);
+            self.keep(policy);
             return None;
         }
-        let rehearses = self.stream.unit() > self.theta_x;
+        let stream = &mut self.stream;
+        let rehearses = self.on && stream.unit() > self.theta_x;
         let chosen = self.policies.get(..).filter(|_| rehearses)?;
-        self.stream.choose(chosen).map(Vec::as_slice)
+        stream.choose(chosen)
+    }
+
+    /// Alg. 2 for those who choose by themselves: the policies of \[PS\], if one of them is to be
+    /// rehearsed after a failure.
+    pub fn rehearsable(&mut self) -> Option<&[Policy]> {
+        let rehearses = self.on && self.stream.unit() > self.theta_x;
+        Some(&self.policies[..]).filter(|all| rehearses && !all.is_empty())
+    }
+
+    /// Is the policy in \[PS\]?
+    pub fn keeps(&self, policy: &Policy) -> bool {
+        self.policies.contains(policy)
     }
 
     /// Alg. 3: a shorter policy replaces the set, a different one of the same length joins it.
-    fn update(&mut self, policy: Policy) {
+    pub fn keep(&mut self, policy: &Policy) {
+        if !self.on {
+            return;
+        }
         let shortest = self.policies.first().map_or(usize::MAX, Vec::len);
         if policy.len() < shortest {
-            self.policies = vec![policy];
-        } else if policy.len() == shortest && !self.policies.contains(&policy) {
-            self.policies.push(policy);
+            self.policies = vec![policy.clone()];
+        } else if policy.len() == shortest && !self.policies.contains(policy) {
+            self.policies.push(policy.clone());
         }
     }
 }
 
 /// Alg. 4: every (percept, action) pair of a policy is updated as if the policy had just
 /// succeeded, each with its share of the reward.
-pub(super) fn clone_behaviour(
-    xcs: &mut Xcs,
-    policy: &[(Percept, Action)],
-    shares: &Shares,
-    beta: f64,
-) {
-    for (back, (percept, action)) in policy.iter().rev().enumerate() {
-        let cloned = xcs.matching_action_set(percept, *action);
-        xcs.update(&cloned, shares.of_step(back), beta);
+pub(super) fn clone_behaviour(xcs: &mut Xcs, lessons: &[Lesson], beta: f64) {
+    for lesson in lessons {
+        let cloned = xcs.matching_action_set(&lesson.percept, lesson.action);
+        xcs.update(&cloned, lesson.share, beta);
     }
 }
 
@@ -113,13 +141,13 @@ mod tests {
     fn algorithm_3_keeps_the_different_policies_of_the_shortest_length() {
         let mut imprinting = imprinting(0.5);
         let lengths = |i: &Imprinting| i.policies.iter().map(Vec::len).collect::<Vec<_>>();
-        imprinting.after(true, policy(&[0, 1, 2]));
-        imprinting.after(true, policy(&[0, 1, 3]));
-        imprinting.after(true, policy(&[0, 1, 2]));
+        imprinting.after(true, &policy(&[0, 1, 2]));
+        imprinting.after(true, &policy(&[0, 1, 3]));
+        imprinting.after(true, &policy(&[0, 1, 2]));
         assert_eq!(lengths(&imprinting), [3, 3], "the same policy joins once");
-        imprinting.after(true, policy(&[0, 0, 0, 0]));
+        imprinting.after(true, &policy(&[0, 0, 0, 0]));
         assert_eq!(lengths(&imprinting), [3, 3], "a longer policy is ignored");
-        imprinting.after(true, policy(&[2, 1]));
+        imprinting.after(true, &policy(&[2, 1]));
         assert_eq!(
             lengths(&imprinting),
             [2],
@@ -132,14 +160,14 @@ mod tests {
         let share = |theta_x| {
             let mut imprinting = imprinting(theta_x);
             assert!(
-                imprinting.after(false, policy(&[1])).is_none(),
+                imprinting.after(false, &policy(&[1])).is_none(),
                 "[PS] is empty"
             );
             assert!(
-                imprinting.after(true, policy(&[0, 1])).is_none(),
+                imprinting.after(true, &policy(&[0, 1])).is_none(),
                 "a success"
             );
-            let rehearsals = (0..1000).filter(|_| imprinting.after(false, policy(&[1])).is_some());
+            let rehearsals = (0..1000).filter(|_| imprinting.after(false, &policy(&[1])).is_some());
             rehearsals.count()
         };
         assert_eq!((share(0.0), share(1.0)), (1000, 0));
@@ -154,8 +182,8 @@ mod tests {
             ..Params::default()
         };
         let mut imprinting = Imprinting::new(&params, Stream::new(1, StreamName::Imprinting));
-        imprinting.after(true, policy(&[0, 1]));
-        assert!(imprinting.after(false, policy(&[1])).is_none());
+        imprinting.after(true, &policy(&[0, 1]));
+        assert!(imprinting.after(false, &policy(&[1])).is_none());
     }
 
     #[test]
@@ -171,7 +199,7 @@ mod tests {
         }
         let params = Params::default();
         let shares = Shares::new(1000.0, 3, 3, params.sharing, &params);
-        clone_behaviour(&mut xcs, &policy, &shares, 0.2);
+        clone_behaviour(&mut xcs, &lessons(&policy, &shares), 0.2);
         let worth = policy.iter().map(|(p, action)| xcs.worth(p).get(*action));
         assert_eq!(
             worth.collect::<Vec<_>>(),

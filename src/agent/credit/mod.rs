@@ -1,6 +1,7 @@
 //! Who is credited, with what, and when: standard XCS, and the mechanisms of the paper.
 
 mod combined;
+mod experts;
 mod imprinting;
 mod learning_rate;
 mod short_term_filter;

@@ -61,7 +61,7 @@ const WORLDS: [(&str, &str); 37] = [
 ];
 
 /// The studies, by name.
-const STUDIES: [(&str, &str); 12] = [
+const STUDIES: [(&str, &str); 13] = [
     ("paper", include_str!("presets/paper.toml")),
     ("paper-search", include_str!("presets/paper-search.toml")),
     ("ablation", include_str!("presets/ablation.toml")),
@@ -74,6 +74,7 @@ const STUDIES: [(&str, &str); 12] = [
     ("faults", include_str!("presets/faults.toml")),
     ("arenas", include_str!("presets/arenas.toml")),
     ("auxiliary", include_str!("presets/auxiliary.toml")),
+    ("coevolved", include_str!("presets/coevolved.toml")),
 ];
 
 /// The text of a world file that comes with the program.
