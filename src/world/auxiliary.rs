@@ -58,7 +58,6 @@ fn read_reward(source: Source<'_>, raw: &str) -> Result<f64, WorldError> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::world::{Cell, Maze};
 
     fn maze(rows: [&str; 3], more: &str) -> Result<Maze, String> {
