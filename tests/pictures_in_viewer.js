@@ -2,11 +2,12 @@
 // Makes the viewer's pictures in assets/ from fresh runs, in a viewer that you serve yourself.
 //
 //     npm install --prefix /tmp/browser playwright-core
-//     NODE_PATH=/tmp/browser/node_modules node tests/pictures_in_viewer.js http://127.0.0.1:8081/ [FOLDER]
+//     NODE_PATH=/tmp/browser/node_modules node tests/pictures_in_viewer.js http://127.0.0.1:8081/ [FOLDER [NAME ...]]
 //
 // The viewer is Lichtblick, built from its own sources (its README says how) and served on this
 // machine. XCSCR names the program, if it is not target/release/xcscr; CHROMIUM the browser, if it
-// is not /usr/bin/chromium. The trainings take a minute, a picture half of one.
+// is not /usr/bin/chromium. ImageMagick's `convert` joins the frames of the moving picture. The
+// trainings take a minute, a picture another one, the moving picture five.
 "use strict";
 
 const { execFileSync, spawn } = require("node:child_process");
@@ -18,9 +19,9 @@ const { chromium } = require("playwright-core");
 
 const XCSCR = process.env.XCSCR ?? "target/release/xcscr";
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const [viewer, into = "assets"] = process.argv.slice(2);
+const [viewer, into = "assets", ...names] = process.argv.slice(2);
 if (viewer == undefined) {
-  console.error("usage: node tests/pictures_in_viewer.js VIEWER [FOLDER]");
+  console.error("usage: node tests/pictures_in_viewer.js VIEWER [FOLDER [NAME ...]]");
   process.exit(2);
 }
 
@@ -28,11 +29,12 @@ if (viewer == undefined) {
 const PANELS = { x: 320, y: 44 };
 const BAR = 78;
 // A browser without a graphics card needs so long.
-const LOADED_MS = 25000;
+const LOADED_MS = 40000;
 
 const scratch = fs.mkdtempSync(path.join(os.tmpdir(), "pictures-"));
 const run = (name) => path.join(scratch, name);
 const xcscr = (...args) => execFileSync(XCSCR, args, { encoding: "utf8" });
+const isWanted = (name) => names.length === 0 || names.includes(name);
 const train = (world, name, ...more) =>
   xcscr("train", world, "--quiet", "--out", run(name), ...more);
 
@@ -52,34 +54,75 @@ function serve(...args) {
   });
 }
 
-/** A picture of what a link shows after so many seconds; `change` may alter the layout. */
-async function picture(browser, name, link, seconds, change = () => {}, size = [1600, 900]) {
-  const page = await browser.newPage({
-    viewport: { width: size[0], height: size[1] },
-    colorScheme: "dark",
-  });
-  await page.route("**/foxglove-layout.json", async (route) => {
-    const response = await route.fetch({ headers: { origin: new URL(viewer).origin } });
-    const layout = await response.json();
-    change(layout);
-    await route.fulfill({ response, json: layout });
-  });
+/** A page that shows a link at so many seconds; `change` may alter the layout. */
+async function opened(browser, link, seconds, change, [width, height]) {
+  const page = await browser.newPage({ viewport: { width, height }, colorScheme: "dark" });
   const url = new URL(viewer);
   url.search = new URL(link).search;
   url.searchParams.set("time", new Date(seconds * 1000).toISOString());
+  const origin = { origin: url.origin };
+  const asked = await page.request.get(url.searchParams.get("layoutUrl"), { headers: origin });
+  const layout = await asked.json();
+  change(layout);
+  await page.route("**/foxglove-layout.json", (route) =>
+    route.fulfill({ json: layout, headers: { "access-control-allow-origin": url.origin } }),
+  );
+  // Viewers of early 2025 take no layout from an address, but one to begin with from their page.
+  await page.route(url.href, async (route) => {
+    const response = await route.fetch();
+    const place = "/*LICHTBLICK_SUITE_DEFAULT_LAYOUT_PLACEHOLDER*/";
+    const body = (await response.text()).replace(place, () => JSON.stringify(layout));
+    await route.fulfill({ response, body });
+  });
   await page.goto(url.href);
   await page.waitForTimeout(LOADED_MS);
+  return page;
+}
+
+/** Takes the panels of a page as a picture. */
+async function take(page, file) {
+  const size = page.viewportSize();
+  const clip = { ...PANELS, width: size.width - PANELS.x, height: size.height - PANELS.y - BAR };
+  await page.screenshot({ path: file, clip, timeout: 180000 });
+}
+
+/** A picture of what a link shows after so many seconds. */
+async function picture(browser, name, link, seconds, change = () => {}, size = [1600, 900]) {
+  if (!isWanted(name)) return;
+  const page = await opened(browser, link, seconds, change, size);
   // Beams are shown for a moment only, and only while time goes on.
   await page.keyboard.press("Space");
   await page.waitForTimeout(1500);
   await page.keyboard.press("Space");
   await page.waitForTimeout(3000);
   const file = path.join(into, `${name}.png`);
-  const clip = { ...PANELS, width: size[0] - PANELS.x, height: size[1] - PANELS.y - BAR };
-  await page.screenshot({ path: file, clip, timeout: 180000 });
+  await take(page, file);
   await page.close();
   console.log(`${file}: ${fs.statSync(file).size} bytes`);
 }
+
+/** A moving picture of the first seconds of what a link shows, two frames a second. */
+async function moving(browser, name, link, seconds, change, size) {
+  if (!isWanted(name)) return;
+  const page = await opened(browser, link, 0, change, size);
+  const frames = [];
+  for (let at = 0; at < 2 * seconds; at += 1) {
+    frames.push(run(`frame-${String(at).padStart(3, "0")}.png`));
+    await take(page, frames[at]);
+    await page.keyboard.press("Alt+ArrowRight");
+    await page.waitForTimeout(700);
+  }
+  await page.close();
+  const file = path.join(into, `${name}.gif`);
+  const small = ["-resize", "560x", "+dither", "-colors", "48", "-layers", "optimize"];
+  execFileSync("convert", ["-delay", "25", ...frames, ...small, file]);
+  console.log(`${file}: ${fs.statSync(file).size} bytes`);
+}
+
+/** The 3D panel alone. */
+const alone = (layout) => {
+  layout.layout = "3D!main";
+};
 
 /** Shows the 3D panel alone, as close to the robot as asked. */
 const closeUp = (cells) => (layout) => {
@@ -101,7 +144,7 @@ const landscape = (layout) => {
 };
 
 async function main() {
-  train("worlds/maze4.json", "run", "--method", "xcscr", "--record", "beams");
+  train("worlds/maze4.json", "run", "--record", "beams");
   train("worlds/maze4.json", "other", "--method", "q-learning", "--seed", "2");
   fs.writeFileSync(run("rooms.json"), xcscr("world", "generate", "--kind", "rooms", "--size", "20", "--seed", "3"));
   const rooms = ["--arena", "grid", "--method", "r-max", "--sensor", "neighbours-position", "--episodes", "60"];
@@ -113,12 +156,13 @@ async function main() {
   });
   const shown = await serve(run("run"), "--serve");
   const [story, whole] = shown.links;
-  await picture(browser, "story", story, 80);
+  await moving(browser, "story", story, 48, alone, [1120, 800]);
+  await picture(browser, "story", story, 40);
   await picture(browser, "run", whole, 1400);
-  await picture(browser, "landscape", story, 80, landscape, [1120, 680]);
+  await picture(browser, "landscape", story, 40, landscape, [1120, 680]);
   shown.child.kill();
   const felt = await serve(path.join(run("run"), "ep-0001.mcap"), "--serve");
-  await picture(browser, "felt", felt.links[0], 31, closeUp(5), [1120, 680]);
+  await picture(browser, "felt", felt.links[0], 30, closeUp(5), [1120, 680]);
   felt.child.kill();
   const both = await serve(run("run"), run("other"), "--compare");
   await picture(browser, "compare", both.links[0], 100);

@@ -221,9 +221,9 @@ impl Topic {
 
     /// How the topic's messages are encoded: `json` or `protobuf`.
     pub(super) fn message_encoding(self) -> &'static str {
-        match self.content() {
-            Content::WellKnown(_) => "protobuf",
-            Content::Own(_) => "json",
+        match self.schema(Extent::Run).encoding.as_str() {
+            "jsonschema" => "json",
+            _ => "protobuf",
         }
     }
 }

@@ -31,6 +31,21 @@ const PAINT: f64 = 0.02;
 /// The greatest height of a column, in cells, and how wide it is.
 const COLUMN: [f64; 2] = [1.2, 0.6875];
 
+/// A cell that has arrows, their shade, and which actions are best, as bits.
+pub(in crate::record) type Mark = (Cell, u8, u8);
+
+/// What decides how the arrows look. All are the same when these are, which is known in a fraction
+/// of the time that the arrows take.
+pub(in crate::record) fn marks(policy: Option<&PolicyMap>) -> Vec<Mark> {
+    let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
+    let marks = ranked.map(|((cell, worth), rank)| {
+        let best = worth.best_actions();
+        let bits = best.fold(0, |bits, action| bits | 1 << action.index());
+        (*cell, shade(rank), bits)
+    });
+    marks.filter(|(.., bits)| *bits != 0).collect()
+}
+
 /// A dart for each best action of each cell that knows one; several on ties.
 pub(in crate::record) fn painted(
     policy: Option<&PolicyMap>,
@@ -53,9 +68,9 @@ pub(in crate::record) fn painted(
 }
 
 /// These arrows on the floor; none while nothing is known.
-pub(in crate::record) fn scene(painted: &[TriangleListPrimitive], time_ns: u64) -> SceneUpdate {
+pub(in crate::record) fn scene(painted: Vec<TriangleListPrimitive>, time_ns: u64) -> SceneUpdate {
     let mut policy = entity("policy", WORLD, time_ns);
-    policy.triangles = painted.to_vec();
+    policy.triangles = painted;
     update(vec![policy])
 }
 

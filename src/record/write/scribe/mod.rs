@@ -3,7 +3,7 @@
 mod step;
 
 use foxglove::bytes::Bytes;
-use foxglove::messages::{CubePrimitive, TriangleListPrimitive};
+use foxglove::messages::CubePrimitive;
 
 use super::outbox::{For, Outbox};
 use super::way::Way;
@@ -59,7 +59,8 @@ pub(super) struct Scribe {
 /// How what was learned was shown last in a file: what has not changed is not repeated.
 #[derive(Default)]
 struct Shown {
-    arrows: Option<Vec<TriangleListPrimitive>>,
+    /// What decides how its arrows look.
+    marks: Option<Vec<policy::Mark>>,
     heat: Option<Bytes>,
     columns: Option<Vec<CubePrimitive>>,
 }
@@ -68,7 +69,7 @@ impl Shown {
     /// All of it.
     fn all(policy: &PolicyMap, maze: &Maze) -> Self {
         Self {
-            arrows: Some(policy::painted(Some(policy), maze)),
+            marks: Some(policy::marks(Some(policy))),
             heat: Some(worth::heat(Some(policy), maze)),
             columns: Some(policy::columns(Some(policy), maze)),
         }
@@ -253,11 +254,11 @@ impl Scribe {
         maze: &Maze,
         time_ns: u64,
     ) -> Result<(), RecordError> {
-        let arrows = Some(policy::painted(self.policy.as_ref(), maze));
-        if self.shown(to).arrows != arrows {
-            let scene = policy::scene(arrows.as_deref().unwrap_or_default(), time_ns);
-            out.send(to, Topic::Policy, time_ns, &scene)?;
-            self.shown(to).arrows = arrows;
+        let marks = Some(policy::marks(self.policy.as_ref()));
+        if self.shown(to).marks != marks {
+            let arrows = policy::painted(self.policy.as_ref(), maze);
+            out.send(to, Topic::Policy, time_ns, &policy::scene(arrows, time_ns))?;
+            self.shown(to).marks = marks;
         }
         let heat = worth::heat(self.policy.as_ref(), maze);
         if self.shown(to).heat.as_ref() != Some(&heat) {

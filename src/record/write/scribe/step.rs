@@ -71,9 +71,9 @@ impl Scribe {
         }
         let maze = step.view.maze;
         let policy = PolicyMap::of(step.method, self.sensor, maze);
-        let arrows = policy::painted(Some(&policy), maze);
+        let marks = policy::marks(Some(&policy));
         self.policy = Some(policy);
-        match self.shown.arrows == Some(arrows) {
+        match self.shown.marks == Some(marks) {
             true => Ok(()),
             false => self.show_learned(out, For::Episode, maze, time_ns),
         }
