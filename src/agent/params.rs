@@ -82,9 +82,7 @@ settings! {
         /// own.
         step_threshold: u32 = 50, in 1..=1_000_000;
         /// Is the step-threshold raised to four times the longest shortest path of the maze, where
-        /// `step_threshold` is less? Setting `step_threshold` turns this off; so do files written
-        /// before it existed.
-        #[serde(default)]
+        /// `step_threshold` is less? Setting `step_threshold` turns this off.
         step_threshold_from_maze: bool = true;
         /// How `xcscr` shares out the long-term reward.
         sharing: Sharing = Sharing::Discounted;
