@@ -10,7 +10,7 @@ mod clock;
 use std::error::Error;
 use std::path::Path;
 
-use clock::{cpu_ns, median};
+use clock::cpu_ns;
 use xcscr::arena::{Arena, BatchArena, PhysicsArena, PhysicsParams};
 use xcscr::streams::StreamName;
 use xcscr::world::Maze;
@@ -88,4 +88,10 @@ fn microseconds(robots: Robots, shortcut: bool, moves: usize) -> Result<f64, Box
         }
     }
     Ok((cpu_ns()? - begin) as f64 / 1000.0 / steps as f64)
+}
+
+/// The middle one of some measurements.
+fn median(mut found: Vec<f64>) -> f64 {
+    found.sort_by(f64::total_cmp);
+    found.get(found.len() / 2).copied().unwrap_or(f64::NAN)
 }

@@ -9,9 +9,3 @@ pub fn cpu_ns() -> Result<u64, Box<dyn Error>> {
     let first = counts.split_whitespace().next();
     Ok(first.ok_or("the file is empty")?.parse()?)
 }
-
-/// The middle one of some measurements.
-pub fn median(mut found: Vec<f64>) -> f64 {
-    found.sort_by(f64::total_cmp);
-    found.get(found.len() / 2).copied().unwrap_or(f64::NAN)
-}

@@ -13,6 +13,8 @@
 //! its experience their number, and so is its fitness: in the prediction array (Eq. 6) general
 //! rules weigh more.
 
+use std::collections::BTreeSet;
+
 use fixedbitset::FixedBitSet;
 
 use super::classifier::Classifier;
@@ -27,8 +29,12 @@ use super::signal::{Action, Percept};
 pub struct Induction {
     /// By the position of a rule in \[P\]: the lessons that it covers.
     covers: Vec<FixedBitSet>,
+    /// By the position of a rule in \[P\]: are its figures those of other lessons than it covers?
+    outdated: Vec<bool>,
     /// By lesson: how many rules cover it.
     covered: Vec<u32>,
+    /// The lessons that no rule covers.
+    bare: BTreeSet<usize>,
 }
 
 /// A rule that may join \[P\], and the lessons that it covers.
@@ -65,7 +71,11 @@ impl Induction {
             let covers: FixedBitSet = numbers.map(|(number, _)| number).collect();
             self.count(&covers, 1);
             self.covers.push(covers);
+            self.outdated.push(true);
         }
+        let all = lessons.iter().map(|(number, _)| number);
+        let is_bare = |number: &usize| self.covered.get(*number).is_none_or(|&rules| rules == 0);
+        self.bare = all.filter(is_bare).collect();
     }
 
     /// Counts that some lessons are covered by one rule more, or less.
@@ -74,7 +84,16 @@ impl Induction {
         self.covered.resize(room, 0);
         for number in lessons.ones() {
             self.covered[number] = self.covered[number].wrapping_add_signed(by);
+            self.note_bare(number);
         }
+    }
+
+    /// Keeps the list of lessons that no rule covers.
+    fn note_bare(&mut self, number: usize) {
+        match self.covered[number] {
+            0 => self.bare.insert(number),
+            _ => self.bare.remove(&number),
+        };
     }
 
     /// Finds the rules that cover the lessons that are new.
@@ -89,11 +108,13 @@ impl Induction {
                 let at = population
                     .position(id)
                     .expect("a rule that matches is in [P]");
+                self.outdated[at] = true;
                 self.covers[at].grow(number + 1);
                 if !self.covers[at].put(number) {
                     self.covered[number] += 1;
                 }
             });
+            self.note_bare(number);
         }
     }
 
@@ -134,30 +155,35 @@ impl Induction {
     /// Adds rules until each lesson is covered or \[P\] is full; true if any was added.
     fn cover(&mut self, population: &mut Population, lessons: &Lessons, params: &Params) -> bool {
         let before = population.len();
-        for (number, lesson) in lessons.iter() {
-            let is_full = population.len() >= params.population_size as usize;
-            if is_full || self.covered.get(number).is_some_and(|&rules| rules > 0) {
-                continue;
-            }
-            let candidates = lesson
-                .best_actions()
-                .filter_map(|action| covering(lessons, lesson, action));
-            let gain = |one: &Candidate| {
-                let new = one
-                    .covers
-                    .ones()
-                    .filter(|&n| self.covered.get(n) == Some(&0));
-                (new.count(), one.covers.count_ones(..))
-            };
-            let best = candidates.fold(None, |best: Option<Candidate>, next| match best {
-                Some(best) if gain(&best) >= gain(&next) => Some(best),
-                _ => Some(next),
-            });
-            if let Some(best) = best {
+        let mut from = 0;
+        while population.len() < params.population_size as usize
+            && let Some(&number) = self.bare.range(from..).next()
+        {
+            from = number + 1;
+            let lesson = lessons.get(number);
+            if let Some(best) = lesson.and_then(|lesson| self.most_general(lessons, lesson)) {
                 self.insert(population, best, params);
             }
         }
         population.len() > before
+    }
+
+    /// The rule for a lesson that covers the most lessons that no other rule does.
+    fn most_general(&self, lessons: &Lessons, lesson: &Lesson) -> Option<Candidate> {
+        let candidates = lesson
+            .best_actions()
+            .filter_map(|action| covering(lessons, lesson, action));
+        let gain = |one: &Candidate| {
+            let new = one
+                .covers
+                .ones()
+                .filter(|&n| self.covered.get(n) == Some(&0));
+            (new.count(), one.covers.count_ones(..))
+        };
+        candidates.fold(None, |best: Option<Candidate>, next| match best {
+            Some(best) if gain(&best) >= gain(&next) => Some(best),
+            _ => Some(next),
+        })
     }
 
     /// Removes rules whose lessons are all covered by others, the least general first.
@@ -178,9 +204,13 @@ impl Induction {
         }
     }
 
-    /// Sets the figures of all rules.
-    fn rate(&self, population: &mut Population, lessons: &Lessons) {
-        for (at, covers) in self.covers.iter().enumerate() {
+    /// Sets the figures of the rules of which they are outdated.
+    fn rate(&mut self, population: &mut Population, lessons: &Lessons) {
+        let rules = self.covers.iter().zip(&mut self.outdated);
+        for (at, (covers, outdated)) in rules.enumerate() {
+            if !std::mem::take(outdated) {
+                continue;
+            }
             let value = |number| lessons.get(number).map_or(0.0, |lesson| lesson.value);
             let number = covers.count_ones(..).max(1) as f64;
             let prediction = covers.ones().map(value).sum::<f64>() / number;
@@ -208,11 +238,13 @@ impl Induction {
         }
         self.count(&one.covers, 1);
         self.covers.push(one.covers);
+        self.outdated.push(true);
     }
 
     fn remove(&mut self, population: &mut Population, at: usize) -> FixedBitSet {
         population.remove(population.id_at(at));
         let covers = self.covers.swap_remove(at);
+        self.outdated.swap_remove(at);
         self.count(&covers, -1);
         covers
     }

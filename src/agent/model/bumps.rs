@@ -4,51 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::coverage::Coverage;
+use super::tally::{Tally, verdict};
 use xcs::Condition;
 use xcs::Percept;
 
-/// Percepts wider than this get candidates of one allele only; there would be too many of two.
-const WIDEST_FOR_PAIRS: usize = 64;
-/// A candidate is dropped when fewer of its forecasts than this came true.
-const LEAST_ACCURACY: f64 = 0.9;
 /// The power with which weight grows with the share of bumps that were foretold.
 const EMPHASIS: i32 = 8;
-/// Counts in files lie below this, so that there is room to count on.
-const MOST_COUNTED: u32 = u32::MAX / 4;
-
-/// Percepts in which an action bumped, and in which it moved.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(in crate::agent) struct Tally {
-    pub hits: u32,
-    pub misses: u32,
-}
-
-impl Tally {
-    fn is_accurate(self) -> bool {
-        let all = f64::from(self.hits + self.misses);
-        self.hits > 0 && f64::from(self.hits) >= LEAST_ACCURACY * all
-    }
-
-    fn add(&mut self, verdict: Option<bool>) {
-        match verdict {
-            Some(true) => self.hits += 1,
-            Some(false) => self.misses += 1,
-            None => {}
-        }
-    }
-
-    fn take_back(&mut self, verdict: Option<bool>) {
-        match verdict {
-            Some(true) => self.hits = self.hits.saturating_sub(1),
-            Some(false) => self.misses = self.misses.saturating_sub(1),
-            None => {}
-        }
-    }
-
-    pub fn is_sound(self) -> bool {
-        self.hits <= MOST_COUNTED && self.misses <= MOST_COUNTED
-    }
-}
 
 /// A condition that may foretell a collision.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -66,6 +28,9 @@ pub(in crate::agent) struct Bumps {
     candidates: Vec<Candidate>,
     /// Counts the changes of forecasts.
     version: u64,
+    /// The evidence once more, by condition; counted when the first candidates are made.
+    #[serde(skip)]
+    coverage: Option<Coverage>,
 }
 
 impl Bumps {
@@ -95,6 +60,9 @@ impl Bumps {
             false => tally.misses += 1,
         }
         let after = verdict(*tally);
+        if let Some(coverage) = self.coverage.as_mut().filter(|_| after != before) {
+            coverage.change(percept, before, after);
+        }
         let changes = after != before && self.judge(percept, before, after);
         self.version += u64::from(changes);
         changes
@@ -138,8 +106,13 @@ impl Bumps {
         }
         let mut foretold = self.candidates.iter().map(|c| c.condition);
         if after == Some(true) && !foretold.any(|condition| condition.matches(changed)) {
-            let new = conditions(changed).map(|condition| self.candidate(condition));
-            self.candidates.extend(new.collect::<Vec<_>>());
+            let width = changed.width();
+            let coverage = self
+                .coverage
+                .get_or_insert_with(|| Coverage::of(width, &self.evidence));
+            let new = coverage.conditions(changed);
+            let new = new.map(|(condition, tally)| Candidate { condition, tally });
+            self.candidates.extend(new);
             changes = true;
         }
         let candidates = self.candidates.len();
@@ -147,32 +120,4 @@ impl Bumps {
             .retain(|candidate| candidate.tally.is_accurate());
         changes || self.candidates.len() < candidates
     }
-
-    /// A candidate with all that speaks for and against it.
-    fn candidate(&self, condition: Condition) -> Candidate {
-        let mut tally = Tally::default();
-        let covered = self
-            .evidence
-            .iter()
-            .filter(|(percept, _)| condition.matches(percept));
-        covered.for_each(|(_, &one)| tally.add(verdict(one)));
-        Candidate { condition, tally }
-    }
-}
-
-/// Does a percept count as one where the action bumps? `None` where nothing is known.
-fn verdict(Tally { hits, misses }: Tally) -> Option<bool> {
-    (hits + misses > 0).then_some(hits > misses)
-}
-
-/// All conditions of one or two alleles that match a percept.
-fn conditions(percept: &Percept) -> impl Iterator<Item = Condition> {
-    let width = percept.width();
-    let second = move |first| match width > WIDEST_FOR_PAIRS {
-        true => first..first + 1,
-        false => first..width,
-    };
-    let pairs = (0..width).flat_map(move |first| second(first).map(move |second| [first, second]));
-    let percept = *percept;
-    pairs.map(move |alleles| Condition::of_alleles(&percept, alleles))
 }

@@ -13,7 +13,8 @@
 //! hold, moves soon prove them wrong.
 
 use super::CollisionRule;
-use super::bumps::{Bumps, Tally};
+use super::bumps::Bumps;
+use super::tally::Tally;
 use xcs::{Action, MAX_ACTIONS, Percept};
 
 /// A collision that is foretold with more certainty than this is believed outright: far from the

@@ -17,11 +17,22 @@ const NEGLIGIBLE: f64 = 1e-9;
 const TIE: f64 = 1e-7;
 /// A greater discount would leave values without a floor.
 const GREATEST_DISCOUNT: f64 = 0.999_999;
-/// Values that are updated at once; what is left waits for the next step.
-const MOST_UPDATES: usize = 1_000_000;
+/// Values that may be updated at the beginning, and so many more with each step; what is left waits
+/// for later steps. Where moves are exact, this is more than there ever is to do. With noise every
+/// value depends a little on all others, and would be updated a thousand times at each step.
+const FIRST_UPDATES: usize = 100_000;
+const UPDATES_PER_STEP: usize = 32;
+/// Updates at once where nothing is new, and only the odds of a pair have changed.
+const UPDATES_FOR_ODDS: usize = 16;
+/// Places in the queue for each percept, on average, before it is tidied up.
+const MOST_PLACES: usize = 4;
 
 /// By percept: the pairs that were followed by it.
 pub(in crate::agent) type Before = Vec<Vec<(usize, Action)>>;
+
+/// How many values may be updated, and the percepts of those that wait for it, each with the bits of
+/// the value for which it is.
+type Waiting = (usize, Vec<(u64, Reverse<usize>)>);
 
 /// The value of each percept under the best policy over what is known, by prioritised sweeping
 /// (Moore and Atkeson 1993): a change is passed backward, the greatest values first, and touches
@@ -42,6 +53,10 @@ pub(in crate::agent) struct Known {
     returns: ReturnRules,
     /// Percepts whose value is to be updated, the greatest first.
     queue: BinaryHeap<(u64, Reverse<usize>)>,
+    /// How many values may be updated.
+    updates: usize,
+    /// By percept: has anything changed on which its value depends, since that was updated?
+    stale: Vec<bool>,
     /// Percepts of which the lesson may have changed.
     touched: Vec<usize>,
 }
@@ -56,34 +71,54 @@ impl Known {
             before: Vec::new(),
             returns: ReturnRules::new(actions),
             queue: BinaryHeap::new(),
+            updates: FIRST_UPDATES,
+            stale: Vec::new(),
             touched: Vec::new(),
         }
     }
 
-    /// What learning has changed so far: the values, what came before each percept, and the rules
-    /// about ways back.
-    pub fn kept(&self) -> (&[f64], &Before, Counts) {
-        (&self.values, &self.before, self.returns.kept())
+    /// What learning has changed so far: the values, how many may be updated and which wait for it,
+    /// what came before each percept, and the rules about ways back.
+    pub fn kept(&self) -> (&[f64], Waiting, &Before, Counts) {
+        let queue = self.queue.clone().into_sorted_vec();
+        let waiting = (self.updates, queue);
+        (&self.values, waiting, &self.before, self.returns.kept())
     }
 
     /// Goes on from what was kept; `false` if it is not about the percepts of the memory, or there is
     /// no room in the counts.
     pub fn resume(
         &mut self,
-        (values, before, returns): (Vec<f64>, Before, Counts),
+        (values, waiting, before, returns): (Vec<f64>, Waiting, Before, Counts),
         memory: &Transitions,
     ) -> bool {
+        let known = values.len();
         (self.values, self.before) = (values, before);
+        self.stale = vec![false; known];
         let met = memory.percepts().len();
         let mut pairs = self.before.iter().flatten();
         self.returns.resume(returns)
-            && self.values.len() <= met
-            && self.before.len() <= met
+            && known <= met
+            && self.before.len() == known
             && self
                 .values
                 .iter()
                 .all(|value| value.is_finite() && *value >= 0.0)
-            && pairs.all(|&(percept, action)| percept < met && action.index() < self.actions)
+            && pairs.all(|&(percept, action)| percept < known && action.index() < self.actions)
+            && self.go_on_waiting(waiting)
+    }
+
+    /// Goes on with what was waiting; `false` if that is not known, or not in its order.
+    fn go_on_waiting(&mut self, (updates, queue): Waiting) -> bool {
+        self.updates = updates;
+        for &(_, Reverse(percept)) in &queue {
+            match self.stale.get_mut(percept) {
+                Some(stale) if !*stale => *stale = true,
+                _ => return false,
+            }
+        }
+        self.queue = queue.into();
+        true
     }
 
     /// The value of walking for ever, from which all others are counted.
@@ -122,6 +157,7 @@ impl Known {
         let met = memory.percepts().len();
         self.values.resize(met, 0.0);
         self.before.resize(met, Vec::new());
+        self.stale.resize(met, false);
         if let Some(next) = next
             && !self.before[next].contains(&pair)
         {
@@ -131,7 +167,10 @@ impl Known {
         // There, a way back may have opened or closed.
         let nexts = memory.outcomes(pair.0, pair.1).nexts();
         nexts.for_each(|next| self.push(next, self.values[pair.0]));
-        self.pass_on(memory);
+        let is_new = memory.outcomes(pair.0, pair.1).tries() == 1;
+        self.updates = self.updates.saturating_add(UPDATES_PER_STEP);
+        let most = if is_new { usize::MAX } else { UPDATES_FOR_ODDS };
+        self.pass_on(memory, most);
     }
 
     /// Takes note of whether `next`, taken right after a move by `first`, led back, and passes on
@@ -145,18 +184,37 @@ impl Known {
         let news = self.returns.learn(first, next, back);
         if news {
             (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
-            self.pass_on(memory);
+            self.pass_on(memory, usize::MAX);
         }
         news
     }
 
-    fn pass_on(&mut self, memory: &Transitions) {
-        for _ in 0..MOST_UPDATES {
-            let Some((_, Reverse(percept))) = self.queue.pop() else {
-                return;
-            };
-            self.update(memory, percept);
+    /// Updates what waits for it, at most so many values. What has not changed is skipped: places
+    /// in the queue are often many for one percept.
+    fn pass_on(&mut self, memory: &Transitions, most: usize) {
+        let mut left = most.min(self.updates);
+        self.updates -= left;
+        while left > 0
+            && let Some((_, Reverse(percept))) = self.queue.pop()
+        {
+            if std::mem::take(&mut self.stale[percept]) {
+                self.update(memory, percept);
+                left -= 1;
+            }
         }
+        self.updates += left;
+        if self.queue.len() > MOST_PLACES * self.values.len() {
+            self.tidy();
+        }
+    }
+
+    /// Leaves of what waits one place for each percept, the first.
+    pub fn tidy(&mut self) {
+        let mut queue = std::mem::take(&mut self.queue).into_vec();
+        queue.sort_unstable_by_key(|&(place, Reverse(percept))| (percept, Reverse(place)));
+        queue.dedup_by_key(|&mut (_, percept)| percept);
+        queue.retain(|&(_, Reverse(percept))| self.stale[percept]);
+        self.queue = queue.into();
     }
 
     /// The value of a pair above the floor; `None` if nothing is known of it.
@@ -176,26 +234,29 @@ impl Known {
         let value = values.fold(0.0, f64::max);
         let old = std::mem::replace(&mut self.values[percept], value);
         self.touched.push(percept);
-        let greater = value.max(old);
-        if (value - old).abs() <= NEGLIGIBLE * greater {
+        if value == old {
             return;
         }
-        for at in 0..self.before[percept].len() {
-            self.push(self.before[percept][at].0, greater);
-        }
+        let greater = value.max(old);
+        let is_great = (value - old).abs() > NEGLIGIBLE * greater;
         // From where its own moves lead, a way back may lead here.
-        for action in Action::all(self.actions) {
-            let there = memory.outcomes(percept, action).only_next();
-            there
-                .into_iter()
-                .for_each(|there| self.push(there, greater));
+        let own = Action::all(self.actions).map(|action| memory.outcomes(percept, action));
+        let own = own.filter_map(|outcomes| outcomes.only_next());
+        let before = std::mem::take(&mut self.before[percept]);
+        for other in before.iter().map(|&(other, _)| other).chain(own) {
+            match is_great {
+                true => self.push(other, greater),
+                false => self.stale[other] = true,
+            }
         }
+        self.before[percept] = before;
     }
 
     /// The value of a percept is to be updated, because one of `value` has changed.
     fn push(&mut self, percept: usize, value: f64) {
         // Values are not negative, so that their bits are in their order.
         self.queue.push((value.to_bits(), Reverse(percept)));
+        self.stale[percept] = true;
     }
 
     /// The lessons that may have changed since this was asked last, by the number of the percept.
@@ -224,5 +285,85 @@ impl Known {
             best,
             value: value + self.floor(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::model::transitions::Transition;
+    use crate::streams::StreamName;
+    use xcs::Percept;
+    use xcs::random::Stream;
+
+    const PERCEPTS: usize = 200;
+
+    /// Steps at random between so many percepts, in which every pair leads anywhere, now and then
+    /// to a goal. Gives for each step whether its pair was new, and how many values were updated.
+    fn updates_of_noise(steps: usize) -> (Known, Vec<(bool, usize)>) {
+        let mut stream = Stream::new(1, StreamName::Exploration);
+        let mut memory = Transitions::default();
+        let mut known = Known::new(4, &Params::default());
+        let percept = |number: usize| Percept::from_word(number as u64, 8);
+        let mut here = 0;
+        let updates = (0..steps).map(|_| {
+            let action = Action::new(stream.below(4)).unwrap();
+            let there = Some(stream.below(PERCEPTS)).filter(|_| !stream.chance(0.02));
+            let number = memory.meet(&percept(here));
+            let is_new = memory.outcomes(number, action).tries() == 0;
+            let reward = if there.is_none() { 999.0 } else { -1.0 };
+            let step = Transition {
+                percept: percept(here),
+                action,
+                reward,
+                next: there.map(percept),
+            };
+            memory.learn(&step, 1);
+            let next = there.map(|next| memory.meet(&percept(next)));
+            known.learn(&memory, (number, action), next);
+            here = there.unwrap_or(0);
+            let updated = known.touched.len();
+            known.news(&memory);
+            (is_new, updated)
+        });
+        let updates = updates.collect();
+        (known, updates)
+    }
+
+    #[test]
+    fn noise_updates_few_values_however_many_depend_on_them() {
+        let steps = 4_000;
+        let (known, updates) = updates_of_noise(steps);
+        let all: usize = updates.iter().map(|&(_, updated)| updated).sum();
+        let most = FIRST_UPDATES + (1 + UPDATES_PER_STEP) * steps;
+        assert!(all <= most, "{all} of {most}");
+        let odds = updates.iter().filter(|(is_new, _)| !is_new);
+        let for_odds = odds.map(|&(_, updated)| updated).max().unwrap();
+        assert_eq!(for_odds, 1 + UPDATES_FOR_ODDS);
+        assert!(known.queue.len() <= MOST_PLACES * PERCEPTS);
+        // Control: what is new is passed on to all that depends on it.
+        let most_at_once = updates.iter().map(|&(_, updated)| updated).max().unwrap();
+        assert!(most_at_once > PERCEPTS, "{most_at_once}");
+    }
+
+    #[test]
+    fn what_waits_is_still_waiting_after_a_resumption() {
+        let (mut known, _) = updates_of_noise(2_000);
+        known.tidy();
+        let (values, (updates, queue), before, returns) = known.kept();
+        assert!(!queue.is_empty(), "control");
+        let mut memory = Transitions::default();
+        (0..PERCEPTS).for_each(|number| {
+            memory.meet(&Percept::from_word(number as u64, 8));
+        });
+        let resumed = |queue: Vec<_>| {
+            let mut other = Known::new(4, &Params::default());
+            let kept = (values.to_vec(), (updates, queue), before.clone(), returns);
+            let sound = other.resume(kept, &memory);
+            sound.then(|| other.kept().1)
+        };
+        assert_eq!(resumed(queue.clone()), Some((updates, queue.clone())));
+        let twice = [queue.clone(), queue].concat();
+        assert_eq!(resumed(twice), None, "a percept waits twice");
     }
 }

@@ -2,12 +2,14 @@
 
 pub(super) mod bumps;
 pub(super) mod collision_rules;
+mod coverage;
 pub(super) mod exploration;
 mod foresight;
 pub(super) mod known;
 pub(super) mod planner;
 pub mod pomdp;
 pub(super) mod return_rules;
+pub(super) mod tally;
 pub(super) mod transitions;
 
 pub use foresight::{CollisionRule, Foresight, ReturnRule};

@@ -257,6 +257,7 @@ impl Agent for Plus {
         }
         self.path.clear();
         self.exploration.begin();
+        self.known.tidy();
         self.teach();
         EndCredit {
             long_term_reward,
