@@ -21,12 +21,12 @@ pub(super) struct Lesson {
 
 /// The steps of a policy with their shares, the last one first.
 pub(super) fn lessons(policy: &[(Percept, Action)], shares: &Shares) -> Vec<Lesson> {
-    let steps = policy.iter().rev().enumerate();
+    let steps = policy.iter().rev().zip(shares.backward());
     steps
-        .map(|(back, &(percept, action))| Lesson {
+        .map(|(&(percept, action), share)| Lesson {
             percept,
             action,
-            share: shares.of_step(back),
+            share,
         })
         .collect()
 }

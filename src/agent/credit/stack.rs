@@ -35,8 +35,8 @@ impl RewardStack {
     /// Empties the stack and updates each set with its share of the reward, the latest first, at
     /// learning rate `beta`; then the GA may run in it, unless it did before.
     pub fn unwind(&mut self, xcs: &mut Xcs, shares: &Shares, beta: f64, evolution: StackEvolution) {
-        for (back, set) in self.sets.drain(..).rev().enumerate() {
-            xcs.update(&set, shares.of_step(back), beta);
+        for (set, share) in self.sets.drain(..).rev().zip(shares.backward()) {
+            xcs.update(&set, share, beta);
             if evolution == StackEvolution::AfterCredit {
                 xcs.evolve(&set);
             }
@@ -81,9 +81,10 @@ impl Shares {
         }
     }
 
-    /// r_a of the step that lies `back` steps before the last one (Eq. 8 and 9).
-    pub fn of_step(&self, back: usize) -> f64 {
-        (0..back).fold(self.reward, |share, _| share * self.gamma)
+    /// r_a of the last step, of the one before it, and so on (Eq. 8 and 9).
+    pub fn backward(&self) -> impl Iterator<Item = f64> {
+        let gamma = self.gamma;
+        std::iter::successors(Some(self.reward), move |share| Some(share * gamma))
     }
 }
 
@@ -98,23 +99,21 @@ mod tests {
             ..Params::default()
         };
         let shares = Shares::new(1000.0, 20, 10, Sharing::Even, &params);
-        assert_eq!([0, 7, 19].map(|back| shares.of_step(back)), [250.0; 3]);
+        assert!(shares.backward().take(20).all(|share| share == 250.0));
     }
 
     #[test]
     fn equation_8_pays_the_shortest_success_in_full_by_default() {
         let shares = Shares::new(1000.0, 10, 10, Sharing::Even, &Params::default());
-        assert_eq!(shares.of_step(3), 1000.0);
+        assert_eq!(shares.backward().nth(3), Some(1000.0));
         let longer = Shares::new(1000.0, 20, 10, Sharing::Even, &Params::default());
-        assert_eq!(longer.of_step(3), 500.0);
+        assert_eq!(longer.backward().nth(3), Some(500.0));
     }
 
     #[test]
     fn equation_9_counts_back_from_the_goal() {
         let shares = Shares::new(1000.0, 20, 10, Sharing::Discounted, &Params::default());
-        assert_eq!(
-            [0, 1, 2].map(|back| shares.of_step(back)),
-            [1000.0, 900.0, 810.0]
-        );
+        let first: Vec<f64> = shares.backward().take(3).collect();
+        assert_eq!(first, [1000.0, 900.0, 810.0]);
     }
 }
