@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use signal_hook::{consts, flag};
 
-use super::failure::Exit;
+use super::failure::{Exit, Failure};
 use super::terminal::say;
 
 /// The signals that end a run.
@@ -46,7 +46,7 @@ impl Interrupt {
     /// The same, and watches. When what is under way takes too long after a signal, such as an
     /// episode in a winding maze, the process ends with what `farewell` says: like a process that is
     /// killed, it leaves its last checkpoint or journal whole.
-    pub fn watch(farewell: impl Fn() -> String + Send + 'static) -> io::Result<Self> {
+    pub fn watch(farewell: impl Fn() -> Failure + Send + 'static) -> io::Result<Self> {
         let this = Self::notice()?;
         let watch = this.clone();
         Builder::new().spawn(move || watch.end_in_time(&farewell))?;
@@ -58,13 +58,15 @@ impl Interrupt {
         self.came.load(Ordering::Relaxed)
     }
 
-    fn end_in_time(&self, farewell: &impl Fn() -> String) {
+    fn end_in_time(&self, farewell: &impl Fn() -> Failure) {
         while !self.came() {
             sleep(GLANCE);
         }
         sleep(PATIENCE);
-        say(&format!("\nerror: {}", farewell()));
-        process::exit(Exit::Interrupted as i32);
+        let failure = farewell();
+        say("");
+        failure.print();
+        process::exit(failure.exit as i32);
     }
 }
 

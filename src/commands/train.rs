@@ -13,7 +13,7 @@ use xcscr::trial::{Config, Plan, Settings, Trial};
 use xcscr::world::Maze;
 
 use super::choices::{self, SettingsArgs};
-use super::failure::Failure;
+use super::failure::{Exit, Failure};
 use super::interrupt::Interrupt;
 use super::live::{LIVE_PORT, LiveArgs};
 use super::progress::Progress;
@@ -148,7 +148,10 @@ fn resume<'a>(folder: impl Iterator<Item = &'a PathBuf>) -> Result<(Resumed, Int
 /// Watches for signals from the moment on at which the folder is this process's own.
 fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
     let folder = RunFolder::open(folder.path());
-    let farewell = move || format!("interrupted in an episode{}", folder.way_on());
+    let farewell = move || {
+        let message = format!("interrupted in an episode{}", folder.way_on());
+        Failure::new(Exit::Interrupted, message)
+    };
     Ok(Interrupt::watch(farewell)?)
 }
 

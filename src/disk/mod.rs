@@ -3,7 +3,7 @@
 mod lock;
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -136,17 +136,59 @@ pub(crate) fn remove(path: &Path) -> io::Result<()> {
 /// # Errors
 /// Those of the file system; then the old file is untouched.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let part = part(path);
-    let written = create(&part).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    if let Err(cause) = written {
-        // It may lie on a full disk, where its space is needed.
-        let _ = fs::remove_file(&part);
-        return Err(cause);
+    replace_with(path, |file| file.write_all(bytes))
+}
+
+/// The same for what is written piece by piece.
+///
+/// # Errors
+/// The same, and those of `write`.
+pub(crate) fn replace_with(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    rename(&write_part(path, write)?, path)
+}
+
+/// The same, unless there is a file of this name that holds something else: then that is kept. Tells
+/// whether the file holds what was written.
+///
+/// # Errors
+/// The same.
+pub(crate) fn keep_or_create(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<bool> {
+    let part = write_part(path, write)?;
+    let same = File::open(&part).and_then(|file| Ok((file.metadata()?.len(), file)));
+    match same.and_then(|(length, file)| differs_from(path, length, file)) {
+        Ok(false) => rename(&part, path).map(|()| true),
+        found => {
+            remove(&part)?;
+            found.map(|differs| !differs)
+        }
     }
-    rename(&part, path)
+}
+
+/// Writes a file aside, to the disk.
+fn write_part(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<PathBuf> {
+    let part = part(path);
+    let written = create(&part).and_then(|file| {
+        let mut file = BufWriter::new(file);
+        write(&mut file)?;
+        file.into_inner()?.sync_all()
+    });
+    match written {
+        Ok(()) => Ok(part),
+        Err(cause) => {
+            // It may lie on a full disk, where its space is needed.
+            let _ = fs::remove_file(&part);
+            Err(cause)
+        }
+    }
 }
 
 /// Is there something of this name that is anything else than a file of these bytes? Such a file
@@ -155,11 +197,18 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// Those of the file system; that there is no such file is none.
 pub fn differs(path: &Path, bytes: &[u8]) -> io::Result<bool> {
+    differs_from(path, bytes.len() as u64, bytes)
+}
+
+/// The same for so many bytes that are still to be read.
+fn differs_from(path: &Path, length: u64, bytes: impl Read) -> io::Result<bool> {
     match fs::symlink_metadata(path) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(false),
         Err(cause) => Err(cause),
-        Ok(found) if found.is_file() && found.len() == bytes.len() as u64 => {
-            Ok(fs::read(path)? != bytes)
+        Ok(found) if found.is_file() && found.len() == length => {
+            let (there, wanted) = (BufReader::new(File::open(path)?), BufReader::new(bytes));
+            let mut pairs = there.bytes().zip(wanted.bytes());
+            pairs.try_fold(false, |differs, (a, b)| Ok(differs || a? != b?))
         }
         Ok(_) => Ok(true),
     }

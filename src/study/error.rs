@@ -22,6 +22,48 @@ pub enum StudyError {
     /// The folder holds no study.
     #[error("{} holds no study: there is no plan.json in it", .0.display())]
     NoStudy(PathBuf),
+    /// The folder holds no study in tasks.
+    #[error("{} holds no planned study: there is no tasks.json in it; make one with `xcscr study plan STUDY --tasks N --out DIR`", .0.display())]
+    NotPlanned(PathBuf),
+    /// Nobody says into how many tasks a study is to be split.
+    #[error("{} is new: say into how many tasks the study is to be split, such as `--tasks 100`", .0.display())]
+    NoTasks(PathBuf),
+    /// The study is split otherwise.
+    #[error("{} is split into {found} tasks, not {wanted}: leave out `--tasks`, or choose another folder with `--out`", .folder.display())]
+    OtherTasks {
+        /// The folder.
+        folder: PathBuf,
+        /// Into how many tasks.
+        found: usize,
+        /// Into how many it was to be.
+        wanted: usize,
+    },
+    /// There is no such task.
+    #[error("{} has no task {task}, only 1 to {count}", .folder.display())]
+    NoTask {
+        /// The folder.
+        folder: PathBuf,
+        /// The task.
+        task: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// Another version of this program made the plan.
+    #[error("{} was planned by xcscr {found}, and this is {}: run it with that one, or plan it again in another folder", .folder.display(), env!("CARGO_PKG_VERSION"))]
+    OtherVersion {
+        /// The folder.
+        folder: PathBuf,
+        /// The version.
+        found: String,
+    },
+    /// The engine of a cluster does not do what it is asked to.
+    #[error("{command}: {fault}")]
+    Engine {
+        /// What it was asked.
+        command: String,
+        /// What it says, and the way out.
+        fault: String,
+    },
     /// The study file describes no study.
     #[error("{origin}: {fault}")]
     File {

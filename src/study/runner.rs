@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 
+use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::error::StudyError;
 use super::protocol::Protocol;
@@ -46,15 +46,13 @@ pub fn run_study(
     let mut open = OpenFolder::open(out, protocol)?;
     let mut trials = open.folder().missing();
     trials.retain(|trial| shard.holds(*trial));
-    watcher.begins(trials.len());
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(jobs)
-        .build()
-        .map_err(|fault| {
-            let fault = fault.to_string();
-            StudyError::Jobs { jobs, fault }
-        })?;
-    run_trials(&pool, protocol, &trials, &mut open, watcher)?;
+    run_trials(
+        protocol,
+        &trials,
+        jobs,
+        &mut |records| open.add(records),
+        watcher,
+    )?;
     open.close()
 }
 
@@ -63,64 +61,79 @@ pub fn run_study(
 /// # Errors
 /// [`StudyError::Mixed`], [`StudyError::Incomplete`], or an error of a folder.
 pub fn merge_studies(folders: &[PathBuf], out: &Path) -> Result<StudyFolder, StudyError> {
-    let joined = StudyFolder::join(folders)?;
+    put_together(&StudyFolder::join(folders)?, out)
+}
+
+/// Puts a study that is complete into the folder `out`.
+pub(super) fn put_together(joined: &StudyFolder, out: &Path) -> Result<StudyFolder, StudyError> {
     joined.require_complete()?;
     let mut open = OpenFolder::open(out, joined.protocol())?;
-    open.add_all(&joined)?;
+    open.add_all(joined)?;
     open.close()
 }
 
-fn run_trials(
-    pool: &ThreadPool,
+/// What brings records to the disk.
+type Keep<'a> = &'a mut dyn FnMut(Vec<TrialRecord>) -> Result<(), StudyError>;
+/// A finished trial, and who waits until it is on the disk.
+type Finished = (TrialRecord, SyncSender<()>);
+
+/// Runs trials on `jobs` threads (all cores when 0). A thread begins its next trial when the one
+/// before is kept, so that whoever kills the process costs each of them one trial at most.
+pub(super) fn run_trials(
     protocol: &Protocol,
     trials: &[usize],
-    open: &mut OpenFolder,
+    jobs: usize,
+    keep: Keep<'_>,
     watcher: &mut dyn StudyWatcher,
 ) -> Result<(), StudyError> {
+    let fault = |fault: String| StudyError::Jobs { jobs, fault };
+    let pool = ThreadPoolBuilder::new().num_threads(jobs).build();
+    let pool = pool.map_err(|cause| fault(cause.to_string()))?;
+    watcher.begins(trials.len());
     let stop = AtomicBool::new(false);
     let (sender, receiver) = channel();
-    let run = || {
-        pool.install(|| {
-            // One at a time: trials take long, and the last ones should not wait in line.
-            trials
-                .par_iter()
-                .with_max_len(1)
-                .for_each_with(sender, |sender, &trial| {
-                    if !stop.load(Ordering::Relaxed) {
-                        // Nobody listens any more only after an error, which stops us too.
-                        let _ = sender.send(TrialRecord::of(protocol, trial));
-                    }
-                });
-        });
-    };
     thread::scope(|scope| {
+        let run = || pool.install(|| run_each(protocol, trials, sender, &stop));
         let spawned = thread::Builder::new().spawn_scoped(scope, run);
-        spawned.map_err(|fault| StudyError::Jobs {
-            jobs: pool.current_num_threads(),
-            fault: fault.to_string(),
-        })?;
-        let kept = keep(&receiver, open, watcher, &stop);
+        spawned.map_err(|cause| fault(cause.to_string()))?;
+        let kept = keep_all(receiver, keep, watcher, &stop);
         stop.store(true, Ordering::Relaxed);
         kept
     })
 }
 
+/// Runs trials on the threads of the pool that this is called in, until they are told to stop.
+fn run_each(protocol: &Protocol, trials: &[usize], sender: Sender<Finished>, stop: &AtomicBool) {
+    // One at a time: trials take long, and the last ones should not wait in line.
+    let trials = trials.par_iter().with_max_len(1);
+    trials.for_each_with(sender, |sender, &trial| {
+        if !stop.load(Ordering::Relaxed) {
+            let (kept, wait) = sync_channel(0);
+            // Nobody listens or answers any more only after an error, which stops us too.
+            let _ = sender.send((TrialRecord::of(protocol, trial), kept));
+            let _ = wait.recv();
+        }
+    });
+}
+
 /// Keeps records as they come, all that wait at once, until there are no more.
-fn keep(
-    receiver: &Receiver<TrialRecord>,
-    open: &mut OpenFolder,
+fn keep_all(
+    receiver: Receiver<Finished>,
+    keep: Keep<'_>,
     watcher: &mut dyn StudyWatcher,
     stop: &AtomicBool,
 ) -> Result<(), StudyError> {
     while let Ok(first) = receiver.recv() {
-        let records: Vec<TrialRecord> = std::iter::once(first).chain(receiver.try_iter()).collect();
-        open.add(records.clone())?;
+        let finished = std::iter::once(first).chain(receiver.try_iter());
+        let (records, waiting): (Vec<TrialRecord>, Vec<_>) = finished.unzip();
+        keep(records.clone())?;
         if records
             .iter()
             .any(|record| watcher.finished(record).is_break())
         {
             stop.store(true, Ordering::Relaxed);
         }
+        drop(waiting);
     }
     Ok(())
 }

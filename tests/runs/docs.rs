@@ -75,12 +75,13 @@ fn shell(line: &str, folder: &Path) -> Output {
     command.output().unwrap()
 }
 
-/// Writes the study file that the page shows to where its commands look for it.
-fn write_shown_study(page: &str, folder: &Path) {
-    if let Some((_, rest)) = page.split_once("```toml\n")
-        && let Some((study, _)) = rest.split_once("```")
-    {
-        fs::write(folder.join("small.toml"), study).unwrap();
+/// Writes the study files that the page shows to where its commands look for them: each goes by the
+/// name that is said behind it.
+fn write_shown_studies(page: &str, folder: &Path) {
+    for rest in page.split("```toml\n").skip(1) {
+        let (study, behind) = rest.split_once("```").unwrap();
+        let name = behind.split('`').nth(1).unwrap();
+        fs::write(folder.join(name), study).unwrap();
     }
 }
 
@@ -89,7 +90,7 @@ fn write_shown_study(page: &str, folder: &Path) {
 fn follow(file: &str) -> usize {
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
     let folder = folder();
-    write_shown_study(&page, folder.path());
+    write_shown_studies(&page, folder.path());
     let commands = shown(&page);
     for Shown { command, run } in &commands {
         // Arguments are parsed from left to right, and `--help` ends it before anything is done.
@@ -131,6 +132,11 @@ fn the_page_about_recordings_can_be_followed() {
 #[test]
 fn the_page_about_studies_can_be_followed() {
     assert!(follow("docs/src/studies.md") > 8);
+}
+
+#[test]
+fn the_page_about_clusters_can_be_followed() {
+    assert!(follow("docs/src/clusters.md") > 8);
 }
 
 #[test]

@@ -1,31 +1,50 @@
 //! `xcscr study`: many trials, and what they say.
 
+mod choice;
+mod plan;
+mod planned_status;
 mod progress;
 mod status;
+mod submit;
+mod task;
+mod tune;
 
 use std::collections::BTreeSet;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Subcommand, ValueEnum};
-use xcscr::arena::ArenaKind;
 use xcscr::study::{
-    Overrides, Protocol, Report, Shard, StudyError, StudyFile, StudyFolder, merge_studies,
-    run_study,
+    PlannedStudy, Protocol, Report, Shard, StudyError, StudyFolder, merge_studies, run_study,
 };
 
-use crate::commands::choices;
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::interrupt::Interrupt;
+use choice::ChoiceArgs;
+use plan::PlanArgs;
+use planned_status::PlannedStatus;
 use progress::Progress;
 use status::Status;
+use submit::SubmitArgs;
+use task::TaskArgs;
+use tune::TuneArgs;
 
 /// What to do with studies.
 #[derive(Debug, Subcommand)]
 pub enum StudyCommand {
     /// Run a study, or resume an interrupted one.
     Run(RunArgs),
-    /// List the missing and failed trials of a study, or of its shards together.
+    /// Show what would be run, and split it into tasks for many machines.
+    Plan(PlanArgs),
+    /// Submit the tasks of a study to a cluster, or those that are missing or failed.
+    Submit(SubmitArgs),
+    /// Run one task of a planned study: what the jobs of a cluster do.
+    Task(TaskArgs),
+    /// Search for the best of the settings that a study varies: all begin with few seeds, the worse half
+    /// leaves after each rung, and the best two meet on fresh seeds.
+    Tune(TuneArgs),
+    /// List the missing and failed trials of a study, or of its shards together; of a planned study,
+    /// its tasks, and which of them to submit again.
     Status {
         /// Folders of one study.
         #[arg(required = true, value_name = "DIR")]
@@ -37,14 +56,14 @@ pub enum StudyCommand {
         #[arg(long)]
         json: bool,
     },
-    /// Merge the shards of a study, in any order, into one folder.
+    /// Merge the shards of a study, in any order, or the tasks of a planned one, into one folder.
     Merge {
         /// Folders of one study.
         #[arg(required = true, value_name = "DIR")]
         folders: Vec<PathBuf>,
-        /// The folder of the whole study.
+        /// The folder of the whole study; for a planned study, `result` in its folder unless given.
         #[arg(short, long, value_name = "DIR")]
-        out: PathBuf,
+        out: Option<PathBuf>,
         /// Replace another study in this folder, and what was changed by hand.
         #[arg(long)]
         force: bool,
@@ -90,27 +109,11 @@ impl Format {
 /// Arguments of `study run`.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
-    /// A study file (TOML), or one of the studies that come with the program, such as paper or
-    /// ablation (a name that does not exist lists them all).
-    study: PathBuf,
+    #[command(flatten)]
+    choice: ChoiceArgs,
     /// The folder of the study.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Trials of each method in each world.
-    #[arg(long, value_name = "N")]
-    trials: Option<usize>,
-    /// Episodes of each trial.
-    #[arg(long, value_name = "N")]
-    episodes: Option<u32>,
-    /// Root seed of all trials.
-    #[arg(long, value_name = "S")]
-    seed: Option<u64>,
-    /// Run in this arena instead of the study's.
-    #[arg(long, value_parser = choices::arena())]
-    arena: Option<ArenaKind>,
-    /// Override one setting of all trials, such as `xcs.beta=0.1`.
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
     /// Run only one part of several, such as 2/7.
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
@@ -132,26 +135,30 @@ pub struct RunArgs {
 pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> {
     match command {
         StudyCommand::Run(args) => run_trials(args, out),
+        StudyCommand::Plan(args) => plan::run(args, out),
+        StudyCommand::Submit(args) => submit::run(args, out),
+        StudyCommand::Task(args) => task::run(args),
+        StudyCommand::Tune(args) => tune::run(args, out),
         StudyCommand::Status {
             folders,
             shards,
             json,
-        } => {
-            let folder = StudyFolder::join(folders)?;
-            let status = Status::new(&folder, shards.map(|shards| shards as usize));
-            status.print(*json, out)
-        }
+        } => match &folders[..] {
+            [folder] if PlannedStudy::is_in(folder) => {
+                let planned = PlannedStudy::read(folder)?;
+                PlannedStatus::of(&planned)?.print(&planned, *json, out)
+            }
+            _ => {
+                let folder = StudyFolder::join(folders)?;
+                let status = Status::new(&folder, shards.map(|shards| shards as usize));
+                status.print(*json, out)
+            }
+        },
         StudyCommand::Merge {
             folders,
             out: path,
             force,
-        } => {
-            if *force {
-                StudyFolder::replace_other(path, StudyFolder::join(folders)?.protocol())?;
-            }
-            let folder = merge_studies(folders, path)?.replacing(*force);
-            finish(&folder, Format::Text, out)
-        }
+        } => finish(&merge(folders, path.as_deref(), *force)?, Format::Text, out),
         StudyCommand::Report {
             folder,
             force,
@@ -165,22 +172,39 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
     }
 }
 
+fn merge(folders: &[PathBuf], out: Option<&Path>, force: bool) -> Result<StudyFolder, Failure> {
+    if let [folder] = folders
+        && PlannedStudy::is_in(folder)
+    {
+        let planned = PlannedStudy::read(folder)?;
+        let result = planned.result();
+        let path = out.unwrap_or(&result);
+        if force {
+            StudyFolder::replace_other(path, planned.protocol())?;
+        }
+        return Ok(planned.merge(path)?.replacing(force));
+    }
+    let path = out.ok_or_else(|| {
+        Failure::new(
+            Exit::Usage,
+            "say with `--out DIR` where the whole study is to be",
+        )
+    })?;
+    if force {
+        StudyFolder::replace_other(path, StudyFolder::join(folders)?.protocol())?;
+    }
+    Ok(merge_studies(folders, path)?.replacing(force))
+}
+
 fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let overrides = Overrides {
-        trials: args.trials,
-        episodes: args.episodes,
-        seed: args.seed,
-        arena: args.arena,
-        sets: args.set.clone(),
-    };
-    let protocol = Protocol::new(&StudyFile::load(&args.study)?, &overrides)?;
+    let protocol = args.choice.protocol()?;
     say_warnings(&protocol);
     if args.force {
         StudyFolder::replace_other(&args.out, &protocol)?;
     }
     let farewell = "interrupted in a trial; run the same command again to resume it";
-    let interrupt = Interrupt::watch(move || farewell.to_owned())?;
-    let mut progress = Progress::new(args.quiet, interrupt.clone());
+    let interrupt = Interrupt::watch(move || Failure::new(Exit::Interrupted, farewell))?;
+    let mut progress = Progress::new(args.quiet, interrupt);
     let folder = run_study(
         &protocol,
         &args.out,
@@ -233,9 +257,7 @@ fn finish(folder: &StudyFolder, format: Format, out: &mut impl Write) -> Result<
 }
 
 fn refuse_failed(folder: &StudyFolder) -> Result<(), Failure> {
-    let mut faults = folder
-        .records()
-        .filter_map(|record| record.result.as_ref().err());
+    let mut faults = folder.records().filter_map(|record| record.result.err());
     let Some(first) = faults.next() else {
         return Ok(());
     };
@@ -251,13 +273,17 @@ impl From<StudyError> for Failure {
             StudyError::World(error) => return error.into(),
             StudyError::Plan(error) => return error.into(),
             StudyError::Incomplete { .. } => Exit::Refuted,
-            StudyError::Missing { .. } | StudyError::NoStudy(_) => Exit::Missing,
+            StudyError::NoTasks(_) | StudyError::NoTask { .. } => Exit::Usage,
+            StudyError::Missing { .. } | StudyError::NoStudy(_) | StudyError::NotPlanned(_) => {
+                Exit::Missing
+            }
             StudyError::OtherStudy { .. }
+            | StudyError::OtherTasks { .. }
             | StudyError::Foreign(_)
             | StudyError::Exists(_)
             | StudyError::Locked { .. }
             | StudyError::Create { .. } => Exit::CannotCreate,
-            StudyError::Io { .. } | StudyError::Jobs { .. } => Exit::Io,
+            StudyError::Io { .. } | StudyError::Jobs { .. } | StudyError::Engine { .. } => Exit::Io,
             StudyError::Figure { .. } => Exit::Internal,
             _ => Exit::BadData,
         };

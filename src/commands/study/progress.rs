@@ -1,6 +1,8 @@
 //! How far a study is, while it runs.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use xcscr::study::{StudyWatcher, TrialRecord};
@@ -14,6 +16,7 @@ const TEMPLATE: &str = "{bar:30} trial {pos}/{len}, {eta} left";
 pub(super) struct Progress {
     bar: ProgressBar,
     interrupt: Interrupt,
+    finished: Arc<AtomicUsize>,
 }
 
 impl Progress {
@@ -24,7 +27,18 @@ impl Progress {
         };
         let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
         let bar = ProgressBar::with_draw_target(Some(0), target).with_style(style);
-        Self { bar, interrupt }
+        let finished = Arc::default();
+        Self {
+            bar,
+            interrupt,
+            finished,
+        }
+    }
+
+    /// The same, which counts finished trials for somebody else.
+    pub fn counting(mut self, finished: Arc<AtomicUsize>) -> Self {
+        self.finished = finished;
+        self
     }
 }
 
@@ -36,6 +50,7 @@ impl StudyWatcher for Progress {
 
     fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
         self.bar.inc(1);
+        self.finished.fetch_add(1, Ordering::Relaxed);
         match self.interrupt.came() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use serde::Serialize;
-use xcscr::study::{Arm, Shard, StudyFolder};
+use xcscr::study::{Arm, Shard, StudyFolder, ranges};
 
 use crate::commands::failure::Failure;
 
@@ -31,7 +31,11 @@ impl Status {
         let arms = trials.chunk_by(|a, b| a / per_arm == b / per_arm);
         let listed = arms.map(|own| {
             let numbers: Vec<usize> = own.iter().map(|trial| trial % per_arm + 1).collect();
-            format!("{}: {}", names[own[0] / per_arm], ranges(&numbers))
+            format!(
+                "{}: {}",
+                names[own[0] / per_arm],
+                ranges(&numbers).replace(',', " ")
+            )
         });
         listed.collect::<Vec<_>>().join("; ")
     }
@@ -88,7 +92,7 @@ impl Status {
 }
 
 /// What the trials of an arm have in common, in words.
-fn name(arm: &Arm) -> String {
+pub(super) fn name(arm: &Arm) -> String {
     let words = [
         &arm.world,
         arm.method.name(),
@@ -98,14 +102,4 @@ fn name(arm: &Arm) -> String {
     format!("{} {}", words.join(" "), arm.variant)
         .trim_end()
         .to_owned()
-}
-
-/// Ascending numbers as ranges, such as `1-3 7`.
-fn ranges(numbers: &[usize]) -> String {
-    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
-    let run = |run: &[usize]| match run {
-        [first, .., last] => format!("{first}-{last}"),
-        _ => run.iter().map(usize::to_string).collect(),
-    };
-    runs.map(run).collect::<Vec<_>>().join(" ")
 }

@@ -1,5 +1,7 @@
 //! What the trials of each arm say together.
 
+use std::ops::Range;
+
 use serde::Serialize;
 
 use crate::episode::Mistakes;
@@ -9,7 +11,7 @@ use crate::study::statistics::{
     Interval, Lifetime, Proportion, Survival, bootstrap_interval, quantile,
 };
 use crate::study::store::folder::StudyFolder;
-use crate::study::store::{Driven, Figures, TrialRecord};
+use crate::study::store::{Driven, Figures};
 use xcs::random::Stream;
 
 /// The finished trials of one arm.
@@ -17,68 +19,73 @@ use xcs::random::Stream;
 pub struct ArmRecords<'a> {
     /// What they have in common.
     pub arm: &'a Arm,
-    /// The trials that did not fail.
-    pub figures: Vec<&'a Figures>,
     /// How many failed.
     pub failed: usize,
+    folder: &'a StudyFolder,
+    trials: Range<usize>,
     episodes: u32,
 }
 
 impl<'a> ArmRecords<'a> {
     /// The finished trials of each arm of a study.
     pub fn all(folder: &'a StudyFolder) -> Vec<Self> {
-        let protocol = folder.protocol();
-        let records: Vec<&TrialRecord> = folder.records().collect();
-        let arms = protocol.arms.iter().enumerate();
-        arms.map(|(i, arm)| Self::new(protocol, i, arm, &records))
-            .collect()
+        let arms = folder.protocol().arms.iter().enumerate();
+        arms.map(|(i, arm)| Self::new(folder, i, arm)).collect()
     }
 
-    fn new(protocol: &Protocol, i: usize, arm: &'a Arm, records: &[&'a TrialRecord]) -> Self {
-        let own = records
-            .iter()
-            .filter(|record| record.trial / protocol.trials == i);
-        let figures: Vec<&Figures> = own.clone().filter_map(|record| record.figures()).collect();
+    fn new(folder: &'a StudyFolder, i: usize, arm: &'a Arm) -> Self {
+        let Protocol {
+            trials, episodes, ..
+        } = *folder.protocol();
+        let trials = i * trials..(i + 1) * trials;
+        let own = folder.records_of(trials.clone());
+        let failed = own.filter(|record| record.result.is_err()).count();
         Self {
             arm,
-            failed: own.count() - figures.len(),
-            figures,
-            episodes: protocol.episodes,
+            failed,
+            folder,
+            trials,
+            episodes,
         }
+    }
+
+    /// The figures of the trials that did not fail.
+    fn figures(&self) -> impl Iterator<Item = Figures> + '_ {
+        let own = self.folder.records_of(self.trials.clone());
+        own.filter_map(|record| record.result.ok())
     }
 
     /// The trials that found a globally optimal policy.
     pub fn successes(&self) -> Proportion {
         Proportion {
             successes: self.first_episodes().len() as u64,
-            trials: self.figures.len() as u64,
+            trials: self.figures().count() as u64,
         }
     }
 
     /// The first optimal episodes of those trials that had one.
     pub fn first_episodes(&self) -> Vec<f64> {
         let firsts = self
-            .figures
-            .iter()
+            .figures()
             .filter_map(|one| one.progress.first_optimal_episode);
         firsts.map(f64::from).collect()
     }
 
     /// Episodes until the policy was optimal; trials without one are censored at their end.
     pub fn lifetimes(&self) -> Vec<Lifetime> {
-        let lifetime = |one: &&Figures| {
+        let lifetime = |one: Figures| {
             let first = one.progress.first_optimal_episode;
             Lifetime {
                 time: first.unwrap_or(self.episodes),
                 happened: first.is_some(),
             }
         };
-        self.figures.iter().map(lifetime).collect()
+        self.figures().map(lifetime).collect()
     }
 
     /// The same in steps in the environment.
     pub fn step_lifetimes(&self) -> Vec<Lifetime> {
-        let lifetime = |one: &&Figures| {
+        let lifetime = |one: Figures| {
             let first = one.progress.first_optimal_env_steps;
             let steps = first.unwrap_or(one.progress.steps);
             Lifetime {
@@ -86,12 +93,12 @@ impl<'a> ArmRecords<'a> {
                 happened: first.is_some(),
             }
         };
-        self.figures.iter().map(lifetime).collect()
+        self.figures().map(lifetime).collect()
     }
 
     /// Steps in the environment until the policy was optimal, or else until the end.
     fn env_steps(&self) -> Vec<f64> {
-        let figures = self.figures.iter().map(|one| &one.progress);
+        let figures = self.figures().map(|one| one.progress);
         figures
             .map(|one| one.first_optimal_env_steps.unwrap_or(one.steps) as f64)
             .collect()
@@ -108,18 +115,18 @@ impl<'a> ArmRecords<'a> {
 
     /// Rules that are left of those of the retained trials.
     fn condensed_rules(&self) -> Vec<f64> {
-        let retained = self.figures.iter().filter(|one| one.progress.optimal);
+        let retained = self.figures().filter(|one| one.progress.optimal);
         let counts = retained.filter_map(|one| one.condensed_rules);
         counts.map(|count| count as f64).collect()
     }
 
     fn greedy_steps(&self) -> impl Iterator<Item = f64> + '_ {
-        self.figures.iter().filter_map(|one| one.greedy_steps)
+        self.figures().filter_map(|one| one.greedy_steps)
     }
 
     /// The rounded mean of a figure over the trials that have it; `None` if none has.
     fn mean_of(&self, figure: impl Fn(&Figures) -> Option<f64>) -> Option<f64> {
-        let known: Vec<f64> = self.figures.iter().filter_map(|one| figure(one)).collect();
+        let known: Vec<f64> = self.figures().filter_map(|one| figure(&one)).collect();
         let sum: f64 = known.iter().sum();
         (!known.is_empty()).then(|| rounded(sum / known.len() as f64))
     }
@@ -127,7 +134,7 @@ impl<'a> ArmRecords<'a> {
     /// The trials whose policy reached a goal in every episode that it drove at the end; `None` if
     /// none did drive.
     fn driven_always(&self) -> Option<Proportion> {
-        let driven: Vec<Driven> = self.figures.iter().filter_map(|one| one.driven).collect();
+        let driven: Vec<Driven> = self.figures().filter_map(|one| one.driven).collect();
         let always = driven.iter().filter(|one| one.goals == one.episodes);
         (!driven.is_empty()).then(|| Proportion {
             successes: always.count() as u64,
@@ -137,13 +144,13 @@ impl<'a> ArmRecords<'a> {
 
     /// The trials whose policy was optimal after the last episode.
     pub fn retained(&self) -> u64 {
-        let retained = self.figures.iter().filter(|one| one.progress.optimal);
+        let retained = self.figures().filter(|one| one.progress.optimal);
         retained.count() as u64
     }
 
     /// Of the episodes after the first optimal one, the mean share that was optimal, too.
     pub fn mean_share_after_first(&self) -> Option<f64> {
-        let figures = self.figures.iter();
+        let figures = self.figures();
         let shares = figures.filter_map(|one| one.progress.optimal_share_after_first());
         let (count, sum) = shares.fold((0, 0.0), |(count, sum), share| (count + 1, sum + share));
         (count > 0).then(|| rounded(sum / f64::from(count)))
@@ -151,7 +158,7 @@ impl<'a> ArmRecords<'a> {
 
     /// Steps of all trials with some mistake, as a share of all steps; `None` without such steps.
     fn share_of_steps(&self, mistakes: impl Fn(&Mistakes) -> u64) -> Option<f64> {
-        let progress = || self.figures.iter().map(|one| &one.progress);
+        let progress = || self.figures().map(|one| one.progress);
         let found: u64 = progress().map(|one| mistakes(&one.mistakes)).sum();
         let steps: u64 = progress().map(|one| one.steps).sum();
         (found > 0).then(|| rounded(found as f64 / steps.max(1) as f64))
@@ -159,8 +166,8 @@ impl<'a> ArmRecords<'a> {
 
     /// The rounded mean of a figure; `None` without trials.
     fn mean(&self, figure: impl Fn(&Figures) -> f64) -> Option<f64> {
-        let sum: f64 = self.figures.iter().map(|one| figure(one)).sum();
-        let trials = self.figures.len();
+        let sum: f64 = self.figures().map(|one| figure(&one)).sum();
+        let trials = self.figures().count();
         (trials > 0).then(|| rounded(sum / trials as f64))
     }
 }
@@ -270,9 +277,8 @@ impl ArmSummary {
         let iqm = records.iqm_env_steps(seed);
         let condensed = records.condensed_rules();
         let always = records.driven_always();
-        let count = |is: &dyn Fn(&Figures) -> bool| {
-            records.figures.iter().filter(|one| is(one)).count() as u64
-        };
+        let count =
+            |is: &dyn Fn(&Figures) -> bool| records.figures().filter(|one| is(one)).count() as u64;
         Self {
             world: arm.world.clone(),
             method: arm.method.name(),

@@ -118,18 +118,13 @@ impl StudyFolder {
     /// # Errors
     /// An error of the file system.
     pub fn write_tables(&self) -> Result<(), StudyError> {
-        let path = self.path().join("trials.csv");
-        let mut table = csv::Writer::from_writer(Vec::new());
-        for record in self.records() {
-            let row = TrialRow::new(self.protocol(), record);
-            table
-                .serialize(row)
-                .map_err(|fault| StudyError::io(&path, fault.into()))?;
-        }
-        let bytes = table
-            .into_inner()
-            .map_err(|fault| StudyError::io(&path, fault.into_error()))?;
-        self.write("trials.csv", &bytes)?;
+        self.write_with("trials.csv", |file| {
+            let mut table = csv::Writer::from_writer(file);
+            for record in self.records() {
+                table.serialize(TrialRow::new(self.protocol(), &record))?;
+            }
+            table.flush()
+        })?;
         self.write("summary.json", self.summary_json().as_bytes())
     }
 }

@@ -1,14 +1,13 @@
 //! The plan of a study and its finished trials, as files.
 
-use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-use super::journal::{self, Contents};
-use super::record::TrialRecord;
+use super::journal;
+use super::records::Records;
 use crate::disk;
 use crate::study::error::StudyError;
 use crate::study::protocol::{Protocol, id_of};
@@ -37,13 +36,26 @@ pub fn read_plan(folder: &Path) -> Result<Option<(Protocol, String)>, StudyError
     let damaged = |fault: String| StudyError::damaged(&path, fault);
     let file: PlanFile =
         serde_json::from_slice(&text).map_err(|fault| damaged(fault.to_string()))?;
-    if id_of(file.study.get()) != file.plan {
-        return Err(damaged("it was changed after it was frozen".to_owned()));
-    }
-    let study = serde_json::from_str(file.study.get());
-    let study: Protocol = study.map_err(|fault| damaged(fault.to_string()))?;
-    study.check().map_err(damaged)?;
+    let study = thawed(&file.study, &file.plan).map_err(damaged)?;
     Ok(Some((study, file.plan)))
+}
+
+/// The study that was frozen as this text, if it still is the one with this id.
+pub fn thawed(study: &RawValue, plan: &str) -> Result<Protocol, String> {
+    if id_of(study.get()) != plan {
+        return Err("it was changed after it was frozen".to_owned());
+    }
+    let study: Protocol = serde_json::from_str(study.get()).map_err(|fault| fault.to_string())?;
+    study.check()?;
+    Ok(study)
+}
+
+/// The text of a study, and its id.
+pub fn frozen(protocol: &Protocol) -> (Box<RawValue>, String) {
+    let text = protocol.to_json();
+    let plan = id_of(&text);
+    let study = RawValue::from_string(text).expect("JSON is valid JSON");
+    (study, plan)
 }
 
 /// The finished trials by their numbers, and the whole bytes of their journal.
@@ -51,44 +63,34 @@ pub fn read_records(
     folder: &Path,
     protocol: &Protocol,
     plan: &str,
-) -> Result<(BTreeMap<usize, TrialRecord>, u64), StudyError> {
+) -> Result<(Records, u64), StudyError> {
     let path = folder.join(JOURNAL);
-    let Contents { records, whole } = journal::read(&path, plan)?;
-    let mut checked = BTreeMap::new();
-    for record in records {
+    let mut checked = Records::default();
+    let whole = journal::read(&path, plan, &mut |record| {
         let trial = record.trial;
         let fault = record.check(protocol);
         fault.map_err(|fault| StudyError::damaged(&path, fault))?;
-        insert(&mut checked, record).map_err(|()| StudyError::Contradiction {
-            place: path.clone(),
-            trial,
-            before: "an earlier line of it",
-        })?;
-    }
+        checked
+            .insert(&record)
+            .map_err(|_| StudyError::Contradiction {
+                place: path.clone(),
+                trial,
+                before: "an earlier line of it",
+            })
+    })?;
     Ok((checked, whole))
 }
 
-/// Adds a record, unless another one of its trial is there.
-pub fn insert(records: &mut BTreeMap<usize, TrialRecord>, record: TrialRecord) -> Result<(), ()> {
-    match records.get(&record.trial) {
-        Some(known) if *known != record => Err(()),
-        Some(_) => Ok(()),
-        None => {
-            records.insert(record.trial, record);
-            Ok(())
-        }
-    }
+pub fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> {
+    let (study, plan) = frozen(protocol);
+    write_json(&folder.join(PLAN), &PlanFile { plan, study })
 }
 
-pub fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> {
-    let text = protocol.to_json();
-    let file = PlanFile {
-        plan: id_of(&text),
-        study: RawValue::from_string(text).expect("JSON is valid JSON"),
-    };
-    let mut text = serde_json::to_string_pretty(&file).expect("plain data becomes JSON");
+/// Writes plain data as a JSON document.
+pub fn write_json(path: &Path, file: &impl Serialize) -> Result<(), StudyError> {
+    let mut text = serde_json::to_string_pretty(file).expect("plain data becomes JSON");
     text.push('\n');
-    write_whole(&folder.join(PLAN), text.as_bytes())
+    write_whole(path, text.as_bytes())
 }
 
 /// Writes a file so that it is there either whole or not at all; see [`disk::replace`].

@@ -1,19 +1,22 @@
 //! The folder of a study.
 
-use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs;
-use std::io;
+use std::io::{self, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::files::{JOURNAL, PLAN, insert, read_plan, read_records, write_plan, write_whole};
+use super::files::{JOURNAL, PLAN, read_plan, read_records, write_plan};
 use super::journal::{self, Journal};
 use super::record::TrialRecord;
+use super::records::Records;
 use crate::disk;
 use crate::disk::{FolderLock, LOCK, LockError};
 use crate::study::error::StudyError;
 use crate::study::protocol::Protocol;
 
+/// So many records are written to a journal at once.
+const MOST_AT_ONCE: usize = 1_000;
 /// What is made of finished trials.
 const OUTPUTS: [&str; 12] = [
     "trials.csv",
@@ -37,7 +40,7 @@ pub struct StudyFolder {
     protocol: Protocol,
     /// The protocol's id, as it was when it was frozen: a newer program may know more settings.
     plan: String,
-    records: BTreeMap<usize, TrialRecord>,
+    records: Records,
     /// May files be replaced that hold something else than the study wrote?
     force: bool,
     /// Held by who writes in the folder.
@@ -61,6 +64,23 @@ impl StudyFolder {
             force: false,
             _lock: None,
         })
+    }
+
+    /// A study without trials, which are yet to be gathered.
+    pub(in crate::study) fn empty(path: &Path, protocol: &Protocol, plan: &str) -> Self {
+        Self {
+            path: path.to_owned(),
+            protocol: protocol.clone(),
+            plan: plan.to_owned(),
+            records: Records::default(),
+            force: false,
+            _lock: None,
+        }
+    }
+
+    /// Its trials, to be gathered.
+    pub(in crate::study) fn records_mut(&mut self) -> &mut Records {
+        &mut self.records
     }
 
     /// The same folder, in which files are replaced though they hold something else than the
@@ -91,12 +111,24 @@ impl StudyFolder {
     /// Writes something that is made of the trials. A file that holds something else is somebody
     /// else's, or was changed by hand, and stays, unless it may be [replaced](Self::replacing).
     pub(in crate::study) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
+        self.write_with(name, |file| file.write_all(bytes))
+    }
+
+    /// The same, piece by piece.
+    pub(in crate::study) fn write_with(
+        &self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), StudyError> {
         let path = self.path.join(name);
-        let differs = disk::differs(&path, bytes);
-        if !self.force && differs.map_err(|cause| StudyError::io(&path, cause))? {
-            return Err(StudyError::Exists(path));
+        let written = match self.force {
+            true => disk::replace_with(&path, write).map(|()| true),
+            false => disk::keep_or_create(&path, write),
+        };
+        match written.map_err(|cause| StudyError::io(&path, cause))? {
+            true => Ok(()),
+            false => Err(StudyError::Exists(path)),
         }
-        write_whole(&path, bytes)
     }
 
     /// Reads the folder of a study in order to write in it.
@@ -129,6 +161,16 @@ impl StudyFolder {
         Ok(joined)
     }
 
+    /// Adds a trial that was to be joined.
+    fn insert(&mut self, record: &TrialRecord) -> Result<(), StudyError> {
+        let inserted = self.records.insert(record);
+        inserted.map_err(|_| StudyError::Contradiction {
+            place: self.path.clone(),
+            trial: record.trial,
+            before: "the folders that are to be joined in it",
+        })
+    }
+
     fn add(&mut self, other: Self) -> Result<(), StudyError> {
         let (ours, theirs) = (self.plan.clone(), other.plan);
         if ours != theirs {
@@ -139,12 +181,15 @@ impl StudyFolder {
                 theirs,
             ));
         }
-        for (trial, record) in other.records {
-            insert(&mut self.records, record).map_err(|()| StudyError::Contradiction {
-                place: other.path.clone(),
-                trial,
-                before: "the folders before it",
-            })?;
+        for record in other.records.iter() {
+            let trial = record.trial;
+            self.records
+                .insert(&record)
+                .map_err(|_| StudyError::Contradiction {
+                    place: other.path.clone(),
+                    trial,
+                    before: "the folders before it",
+                })?;
         }
         Ok(())
     }
@@ -165,16 +210,22 @@ impl StudyFolder {
     }
 
     /// The finished trials, in their order.
-    pub fn records(&self) -> impl Iterator<Item = &TrialRecord> {
-        self.records.values()
+    pub fn records(&self) -> impl Iterator<Item = TrialRecord> + Clone + '_ {
+        self.records.iter()
+    }
+
+    /// The finished ones of some trials, in their order.
+    pub(in crate::study) fn records_of(
+        &self,
+        trials: Range<usize>,
+    ) -> impl Iterator<Item = TrialRecord> + '_ {
+        trials.filter_map(|trial| self.records.get(trial))
     }
 
     /// The trials that are not finished, in their order.
     pub fn missing(&self) -> Vec<usize> {
         let trials = 0..self.protocol.len();
-        trials
-            .filter(|trial| !self.records.contains_key(trial))
-            .collect()
+        trials.filter(|trial| !self.records.holds(*trial)).collect()
     }
 
     /// The trials that failed.
@@ -189,7 +240,7 @@ impl StudyFolder {
     /// [`StudyError::Incomplete`].
     pub fn require_complete(&self) -> Result<(), StudyError> {
         let total = self.protocol.len();
-        match self.missing().len() {
+        match total - self.records.len() {
             0 => Ok(()),
             missing => Err(StudyError::Incomplete { missing, total }),
         }
@@ -256,8 +307,9 @@ impl OpenFolder {
     /// An error of the file system.
     pub fn add(&mut self, records: Vec<TrialRecord>) -> Result<(), StudyError> {
         self.journal.append(&records)?;
-        let numbered = records.into_iter().map(|record| (record.trial, record));
-        self.folder.records.extend(numbered);
+        for record in &records {
+            self.folder.insert(record)?;
+        }
         Ok(())
     }
 
@@ -267,19 +319,15 @@ impl OpenFolder {
     /// [`StudyError::Contradiction`] when it holds another result of one, or an error of the file
     /// system.
     pub fn add_all(&mut self, joined: &StudyFolder) -> Result<(), StudyError> {
-        let known = &self.folder.records;
         let mut missing = Vec::new();
         for record in joined.records() {
-            match known.get(&record.trial) {
-                Some(one) if one != record => {
-                    return Err(StudyError::Contradiction {
-                        place: self.folder.path.clone(),
-                        trial: record.trial,
-                        before: "the folders that are to be joined in it",
-                    });
-                }
-                Some(_) => {}
-                None => missing.push(record.clone()),
+            if !self.folder.records.holds(record.trial) {
+                missing.push(record);
+            } else {
+                self.folder.insert(&record)?;
+            }
+            if missing.len() == MOST_AT_ONCE {
+                self.add(std::mem::take(&mut missing))?;
             }
         }
         self.add(missing)
@@ -292,9 +340,11 @@ impl OpenFolder {
     pub fn close(self) -> Result<StudyFolder, StudyError> {
         let Self { folder, journal } = self;
         drop(journal);
-        let records: Vec<TrialRecord> = folder.records().cloned().collect();
-        let text = journal::text(&folder.plan, &records);
-        write_whole(&folder.path.join(JOURNAL), text.as_bytes())?;
+        let path = folder.path.join(JOURNAL);
+        let written = disk::replace_with(&path, |file| {
+            journal::write(file, &folder.plan, folder.records())
+        });
+        written.map_err(|cause| StudyError::io(&path, cause))?;
         Ok(folder)
     }
 }

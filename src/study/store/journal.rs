@@ -42,6 +42,14 @@ impl Journal {
         Ok(journal)
     }
 
+    /// Begins a journal in a new file, which nobody else writes.
+    pub fn begin(path: &Path, file: File, plan: &str) -> Result<Self, StudyError> {
+        let path = path.to_owned();
+        let mut journal = Self { path, file };
+        journal.repair(0, plan)?;
+        Ok(journal)
+    }
+
     /// Cuts off what is not whole.
     fn repair(&mut self, whole: u64, plan: &str) -> Result<(), StudyError> {
         let cut = self.file.set_len(whole);
@@ -64,30 +72,31 @@ impl Journal {
     }
 }
 
-/// The text of a journal of these records.
-pub fn text(plan: &str, records: &[TrialRecord]) -> String {
-    records
-        .iter()
-        .fold(header(plan), |text, record| text + &line(record))
+/// Writes a journal of these records.
+pub fn write(
+    file: &mut dyn Write,
+    plan: &str,
+    mut records: impl Iterator<Item = TrialRecord>,
+) -> io::Result<()> {
+    file.write_all(header(plan).as_bytes())?;
+    records.try_for_each(|record| file.write_all(line(&record).as_bytes()))
 }
 
-/// What a journal holds.
-#[derive(Debug, Default, PartialEq)]
-pub struct Contents {
-    /// Its records, in the order of their lines.
-    pub records: Vec<TrialRecord>,
-    /// Bytes until the end of the last whole line; after it, one torn line at most.
-    pub whole: u64,
-}
-
-/// Reads a journal; one that does not exist holds nothing.
+/// Gives the records of a journal, in the order of their lines, to `each`; one that does not exist
+/// holds nothing. Tells how many bytes there are until the end of the last whole line; after it,
+/// there is one torn line at most.
 ///
 /// # Errors
-/// [`StudyError::Damaged`] when it is that of another plan, or a line is bad that is not the last.
-pub fn read(path: &Path, plan: &str) -> Result<Contents, StudyError> {
+/// [`StudyError::Damaged`] when it is that of another plan, or a line is bad that is not the last;
+/// or an error of `each`.
+pub fn read(
+    path: &Path,
+    plan: &str,
+    each: &mut dyn FnMut(TrialRecord) -> Result<(), StudyError>,
+) -> Result<u64, StudyError> {
     let mut lines = match disk::open(path) {
         Ok(file) => BufReader::new(file),
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(Contents::default()),
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(0),
         Err(cause) => return Err(StudyError::io(path, cause)),
     };
     let mut next = || next_line(&mut lines).map_err(|cause| StudyError::io(path, cause));
@@ -96,25 +105,22 @@ pub fn read(path: &Path, plan: &str) -> Result<Contents, StudyError> {
     if first != header.as_bytes() {
         // A header half written is the beginning of a new journal.
         return match header.as_bytes().starts_with(&first) {
-            true => Ok(Contents::default()),
+            true => Ok(0),
             false => Err(StudyError::damaged(path, foreign(&first))),
         };
     }
-    let mut contents = Contents {
-        records: Vec::new(),
-        whole: header.len() as u64,
-    };
+    let mut whole = header.len() as u64;
     for number in 2.. {
         let line = next()?;
         match parse(&line) {
             _ if line.is_empty() => break,
-            Some(record) => contents.records.push(record),
+            Some(record) => each(record)?,
             None if next()?.is_empty() => break,
             None => return Err(StudyError::damaged(path, damaged_line(number))),
         }
-        contents.whole += line.len() as u64;
+        whole += line.len() as u64;
     }
-    Ok(contents)
+    Ok(whole)
 }
 
 /// The next line with its end, if it has one; empty after the last.
@@ -168,6 +174,21 @@ mod tests {
 
     use super::*;
 
+    fn contents(path: &Path, plan: &str) -> Result<(Vec<TrialRecord>, u64), StudyError> {
+        let mut records = Vec::new();
+        let whole = read(path, plan, &mut |record| {
+            records.push(record);
+            Ok(())
+        })?;
+        Ok((records, whole))
+    }
+
+    fn text(plan: &str, records: &[TrialRecord]) -> String {
+        let mut text = Vec::new();
+        write(&mut text, plan, records.iter().cloned()).unwrap();
+        String::from_utf8(text).unwrap()
+    }
+
     fn records(count: usize) -> Vec<TrialRecord> {
         let record = |trial| TrialRecord {
             trial,
@@ -184,7 +205,7 @@ mod tests {
         let full = text("p", &all);
         for length in 0..=full.len() {
             fs::write(&path, &full[..length]).unwrap();
-            let Contents { records, whole } = read(&path, "p").unwrap();
+            let (records, whole) = contents(&path, "p").unwrap();
             let mut journal = Journal::open(&path, "p", whole).unwrap();
             let kept = records.len();
             assert_eq!(records, all[..kept]);
@@ -205,10 +226,10 @@ mod tests {
             fs::write(&path, &bytes).unwrap();
             // A line is torn in two when one of its bytes becomes the end of a line.
             let may_be_torn = at / 8 >= last - 1 && bytes[at / 8] != b'\n';
-            match read(&path, "p") {
-                Ok(contents) => {
+            match contents(&path, "p") {
+                Ok((records, _)) => {
                     assert!(may_be_torn, "bit {at} is taken for work that is not done");
-                    assert!(contents.records.len() < 3, "bit {at} changes nothing");
+                    assert!(records.len() < 3, "bit {at} changes nothing");
                 }
                 Err(fault) => assert!(!may_be_torn, "bit {at}: {fault}"),
             }
@@ -222,7 +243,7 @@ mod tests {
         fs::write(&path, text("p", &records(1))).unwrap();
         let file = OpenOptions::new().append(true).open(&path).unwrap();
         file.set_len(64 << 30).unwrap();
-        assert!(read(&path, "p").is_err());
+        assert!(contents(&path, "p").is_err());
     }
 
     #[test]
@@ -230,7 +251,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("journal");
         fs::write(&path, text("p", &records(1))).unwrap();
-        assert!(read(&path, "q").is_err());
+        assert!(contents(&path, "q").is_err());
     }
 
     #[test]
@@ -239,7 +260,7 @@ mod tests {
         let path = folder.path().join("journal");
         let old = text("p", &records(1)).replace("journal 2", "journal 1");
         fs::write(&path, old).unwrap();
-        let fault = read(&path, "p").unwrap_err().to_string();
+        let fault = contents(&path, "p").unwrap_err().to_string();
         let words = "it has format 1, and this version reads format 2";
         assert!(fault.contains(words), "{fault}");
     }

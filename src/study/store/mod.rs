@@ -1,9 +1,10 @@
 //! What a study keeps on disk: its folder, and a journal of finished trials for each shard.
 
-mod files;
+pub(super) mod files;
 pub(super) mod folder;
 pub(super) mod journal;
 mod record;
+mod records;
 mod shard;
 
 pub use folder::StudyFolder;

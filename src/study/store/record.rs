@@ -126,7 +126,7 @@ impl TrialRecord {
     ///
     /// # Errors
     /// The first figure that is out of its range.
-    pub(super) fn check(&self, protocol: &Protocol) -> Result<(), String> {
+    pub(in crate::study) fn check(&self, protocol: &Protocol) -> Result<(), String> {
         let (trial, trials) = (self.trial, protocol.len());
         if trial >= trials {
             return Err(format!(

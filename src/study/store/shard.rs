@@ -14,9 +14,20 @@ impl Shard {
     /// All trials.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
+    /// Its number, counted from 1.
+    pub fn number(self) -> usize {
+        self.index
+    }
+
     /// Does the trial belong to this shard?
     pub fn holds(self, trial: usize) -> bool {
         trial % self.count == self.index - 1
+    }
+
+    /// Shard `index` of `count`; `None` when there is no such one.
+    pub fn nth(index: usize, count: usize) -> Option<Self> {
+        let exists = (1..=count).contains(&index);
+        exists.then_some(Self { index, count })
     }
 
     /// All shards of so many.
@@ -29,12 +40,9 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split_once('/').and_then(|(index, count)| {
-            let (index, count) = (index.parse().ok()?, count.parse().ok()?);
-            (1..=count)
-                .contains(&index)
-                .then_some(Self { index, count })
-        });
+        let numbers = text
+            .split_once('/')
+            .and_then(|(index, count)| Self::nth(index.parse().ok()?, count.parse().ok()?));
         numbers.ok_or_else(|| "write shard 2 of 7 as 2/7; shards are counted from 1".to_owned())
     }
 }

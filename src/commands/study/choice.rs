@@ -1,0 +1,45 @@
+//! Which study, and what the command line changes in it.
+
+use std::path::PathBuf;
+
+use xcscr::arena::ArenaKind;
+use xcscr::study::{Overrides, Protocol, StudyError, StudyFile};
+
+use crate::commands::choices;
+
+/// A study, and what is otherwise than its file says.
+#[derive(Debug, clap::Args)]
+pub(super) struct ChoiceArgs {
+    /// A study file (TOML), or one of the studies that come with the program, such as paper or
+    /// ablation (a name that does not exist lists them all).
+    study: PathBuf,
+    /// Trials of each method in each world.
+    #[arg(long, value_name = "N")]
+    trials: Option<usize>,
+    /// Episodes of each trial.
+    #[arg(long, value_name = "N")]
+    episodes: Option<u32>,
+    /// Root seed of all trials.
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Run in this arena instead of the study's.
+    #[arg(long, value_parser = choices::arena())]
+    arena: Option<ArenaKind>,
+    /// Override one setting of all trials, such as `xcs.beta=0.1`.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl ChoiceArgs {
+    /// The study, frozen.
+    pub fn protocol(&self) -> Result<Protocol, StudyError> {
+        let overrides = Overrides {
+            trials: self.trials,
+            episodes: self.episodes,
+            seed: self.seed,
+            arena: self.arena,
+            sets: self.set.clone(),
+        };
+        Protocol::new(&StudyFile::load(&self.study)?, &overrides)
+    }
+}

@@ -1,0 +1,101 @@
+//! `xcscr study plan`: what would be run.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use xcscr::study::{PlannedStudy, Protocol};
+
+use super::choice::ChoiceArgs;
+use super::status::name;
+use crate::commands::failure::Failure;
+
+/// Arguments of `study plan`.
+#[derive(Debug, clap::Args)]
+pub struct PlanArgs {
+    #[command(flatten)]
+    choice: ChoiceArgs,
+    /// Into how many tasks it is split, each for one job of a cluster.
+    #[arg(long, value_name = "N")]
+    tasks: Option<usize>,
+    /// Freeze the study in this folder, for `study task` and `study submit`.
+    #[arg(long, value_name = "DIR", requires = "tasks")]
+    out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What would be run, as `study plan --json` prints it.
+#[derive(Debug, Serialize)]
+struct Outline {
+    study: String,
+    plan: String,
+    arms: Vec<String>,
+    trials_per_arm: usize,
+    trials: usize,
+    episodes: u32,
+    seed: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tasks: Option<usize>,
+}
+
+/// Prints what would be run, and freezes it if there is a folder for it.
+pub(super) fn run(args: &PlanArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let protocol = args.choice.protocol()?;
+    super::say_warnings(&protocol);
+    let outline = Outline::of(&protocol, args.tasks);
+    if let Some(tasks) = args.tasks {
+        match &args.out {
+            Some(folder) => PlannedStudy::in_folder(folder, protocol, Some(tasks))?.make()?,
+            None => drop(PlannedStudy::new(Path::new(""), protocol, tasks)?),
+        }
+    }
+    match args.json {
+        true => writeln!(out, "{}", serde_json::to_string_pretty(&outline)?)?,
+        false => outline.print(out)?,
+    }
+    Ok(())
+}
+
+impl Outline {
+    fn of(protocol: &Protocol, tasks: Option<usize>) -> Self {
+        Self {
+            study: protocol.name.clone(),
+            plan: protocol.id(),
+            arms: protocol.arms.iter().map(name).collect(),
+            trials_per_arm: protocol.trials,
+            trials: protocol.len(),
+            episodes: protocol.episodes,
+            seed: protocol.seed,
+            tasks,
+        }
+    }
+
+    fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
+        let Self {
+            study,
+            plan,
+            arms,
+            trials_per_arm,
+            trials,
+            episodes,
+            seed,
+            tasks,
+        } = self;
+        writeln!(out, "study {study}, plan {plan}, root seed {seed}")?;
+        for arm in arms {
+            writeln!(out, "  {arm}")?;
+        }
+        writeln!(
+            out,
+            "{} arms x {trials_per_arm} trials of {episodes} episodes = {trials} trials",
+            arms.len()
+        )?;
+        if let Some(tasks) = tasks {
+            let most = trials.div_ceil(*tasks);
+            writeln!(out, "{tasks} tasks of at most {most} trials")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,143 @@
+//! `xcscr study submit`: the tasks of a study, given to a cluster.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use xcscr::study::{PlannedStudy, Queued, Slurm, TaskState, ranges};
+
+use super::choice::ChoiceArgs;
+use crate::commands::failure::Failure;
+
+/// Arguments of `study submit`.
+#[derive(Debug, clap::Args)]
+pub struct SubmitArgs {
+    #[command(flatten)]
+    choice: ChoiceArgs,
+    /// What runs the jobs of the cluster.
+    #[arg(long, value_enum, default_value_t = Engine::Slurm)]
+    engine: Engine,
+    /// Into how many tasks the study is split, each a job of its own; 5 to 30 minutes of work are
+    /// good ones. Fixed by the first submission.
+    #[arg(long, value_name = "N")]
+    tasks: Option<usize>,
+    /// The time limit of a task, such as 45m, 1h or 2d. One that needs longer is interrupted, and goes
+    /// on later.
+    #[arg(long, value_name = "TIME", value_parser = minutes)]
+    time: u64,
+    /// The partition of the cluster.
+    #[arg(long, value_name = "NAME", value_parser = partition)]
+    partition: Option<String>,
+    /// Tasks that run at a time, at most.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
+    array_limit: Option<u32>,
+    /// The folder of the study, on a file system that all machines of the cluster see.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print the scripts and commands, and do nothing.
+    #[arg(long)]
+    dry_run: bool,
+}
+
+/// What runs the jobs of a cluster.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Engine {
+    /// An array job, and a job that merges what it leaves.
+    Slurm,
+}
+
+/// Submits what is neither finished nor in the queue.
+pub(super) fn run(args: &SubmitArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let Engine::Slurm = args.engine;
+    let protocol = args.choice.protocol()?;
+    super::say_warnings(&protocol);
+    let planned = PlannedStudy::in_folder(&args.out, protocol, args.tasks)?;
+    let slurm = Slurm {
+        program: std::env::current_exe()?,
+        minutes: args.time,
+        partition: args.partition.clone(),
+        array_limit: args.array_limit.map(|limit| limit as usize),
+    };
+    if args.dry_run {
+        return show(&slurm, &planned, out);
+    }
+    planned.make()?;
+    let queue = match Slurm::knows(&planned) {
+        true => Slurm::queue(&planned)?,
+        false => vec![],
+    };
+    let tasks = open_tasks(&planned, &queue)?;
+    if tasks.is_empty() {
+        return Ok(writeln!(out, "{}", nothing_to_do(&planned, &queue))?);
+    }
+    let [array, merge] = slurm.submit(&planned, &tasks, &queue)?;
+    let (count, folder) = (tasks.len(), xcscr::disk::typed(planned.path()));
+    writeln!(
+        out,
+        "submitted {count} of {} tasks as job {array} (--array={}), and their merge as job {merge}",
+        planned.tasks(),
+        ranges(&tasks)
+    )?;
+    Ok(writeln!(
+        out,
+        "how far they are: xcscr study status {folder}"
+    )?)
+}
+
+/// The tasks that are neither finished nor in the queue.
+fn open_tasks(planned: &PlannedStudy, queue: &[Queued]) -> Result<Vec<usize>, Failure> {
+    let states = planned.survey()?.states(queue).into_iter();
+    let open = states.filter(|(_, state)| matches!(state, TaskState::Failed | TaskState::Missing));
+    Ok(open.map(|(task, _)| task).collect())
+}
+
+fn nothing_to_do(planned: &PlannedStudy, queue: &[Queued]) -> String {
+    let folder = xcscr::disk::typed(planned.path());
+    match queue.len() {
+        0 => format!("all tasks are finished: merge them with `xcscr study merge {folder}`"),
+        count => format!("nothing to submit: {count} tasks are in the queue, the others finished"),
+    }
+}
+
+/// Prints what would be written and done.
+fn show(slurm: &Slurm, planned: &PlannedStudy, out: &mut impl Write) -> Result<(), Failure> {
+    let tasks = match PlannedStudy::is_in(planned.path()) {
+        true => open_tasks(planned, &[])?,
+        false => (1..=planned.tasks()).collect(),
+    };
+    if tasks.is_empty() {
+        return Ok(writeln!(out, "{}", nothing_to_do(planned, &[]))?);
+    }
+    for (name, script) in slurm.scripts(planned, &tasks) {
+        writeln!(out, "## {name}\n{script}")?;
+    }
+    Ok(write!(
+        out,
+        "## to submit them\n{}",
+        Slurm::commands(planned)
+    )?)
+}
+
+/// Whole minutes, as Slurm counts.
+fn minutes(text: &str) -> Result<u64, String> {
+    let units = [("m", 1), ("h", 60), ("d", 24 * 60)];
+    let read = |(unit, minutes): (&str, u64)| {
+        let number: u64 = text.strip_suffix(unit)?.parse().ok()?;
+        number.checked_mul(minutes)
+    };
+    let minutes = units.into_iter().find_map(read);
+    minutes
+        .filter(|minutes| (1..=365 * 24 * 60).contains(minutes))
+        .ok_or_else(|| {
+            "write minutes, hours or days, such as 45m, 1h or 2d; a year at most".to_owned()
+        })
+}
+
+/// A name that stays one word in a script.
+fn partition(text: &str) -> Result<String, String> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.,".contains(c);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => Ok(text.to_owned()),
+        false => Err("partitions have names of letters, digits, and - _ . ,".to_owned()),
+    }
+}

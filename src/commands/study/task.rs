@@ -1,0 +1,64 @@
+//! `xcscr study task`: one task of a planned study.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use xcscr::study::PlannedStudy;
+
+use super::progress::Progress;
+use crate::commands::failure::{Exit, Failure};
+use crate::commands::interrupt::Interrupt;
+
+/// Arguments of `study task`.
+#[derive(Debug, clap::Args)]
+pub struct TaskArgs {
+    /// The folder of a planned study.
+    folder: PathBuf,
+    /// The task, counted from 1.
+    task: usize,
+    /// Trials at a time; 0 for as many as there are cores.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    jobs: u16,
+    /// Do not show progress.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Runs what is missing of a task. Trials that failed are results, of which the merge tells.
+pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
+    let planned = PlannedStudy::read(&args.folder)?;
+    let task = args.task;
+    let finished = Arc::new(AtomicUsize::new(0));
+    let counter = finished.clone();
+    let farewell = move || interrupted(task, counter.load(Ordering::Relaxed));
+    let mut progress = Progress::new(args.quiet, Interrupt::watch(farewell)?).counting(finished);
+    let (survey, finished) = planned.run_task(task, args.jobs.into(), &mut progress)?;
+    drop(progress);
+    if !survey.missing().is_empty() {
+        return Err(interrupted(task, finished));
+    }
+    let all = survey.trials();
+    if !args.quiet {
+        eprintln!("task {task}: all {all} trials are finished, {finished} of them now");
+    }
+    Ok(())
+}
+
+/// What to say after a signal. A task that finished nothing would not do so another time either.
+fn interrupted(task: usize, finished: usize) -> Failure {
+    match finished {
+        0 => Failure::new(
+            Exit::Refuted,
+            format!(
+                "task {task} was interrupted before one of its trials ended: give it more time"
+            ),
+        ),
+        _ => Failure::new(
+            Exit::Interrupted,
+            format!(
+                "task {task} was interrupted after {finished} more trials; run it again to resume it"
+            ),
+        ),
+    }
+}

@@ -1,0 +1,110 @@
+//! `xcscr study tune`: which settings are best.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use xcscr::disk::typed;
+use xcscr::study::{Found, PlannedStudy, Rung, Stage, Tuning, Verdict};
+
+use super::choice::ChoiceArgs;
+use super::progress::Progress;
+use super::{Format, finish};
+use crate::commands::failure::{Exit, Failure};
+use crate::commands::interrupt::Interrupt;
+
+/// Arguments of `study tune`.
+#[derive(Debug, clap::Args)]
+pub struct TuneArgs {
+    #[command(flatten)]
+    choice: ChoiceArgs,
+    /// Trials that the search may take in all; those of the final come on top.
+    #[arg(long, value_name = "N")]
+    budget: usize,
+    /// The folder of the search.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Split each rung into so many tasks for a cluster, and end when there are tasks to run; run them
+    /// with `study task`, and give this command again.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    tasks: Option<u32>,
+    /// Trials at a time; 0 for as many as there are cores.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    jobs: u16,
+    /// Do not show progress.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Goes on with a search, to its end unless a cluster is to run its tasks.
+pub(super) fn run(args: &TuneArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let protocol = args.choice.protocol()?;
+    super::say_warnings(&protocol);
+    let tasks = args.tasks.map_or(1, |tasks| tasks as usize);
+    let tuning = Tuning::new(&args.out, protocol, args.budget, tasks)?;
+    let farewell = || Failure::new(Exit::Interrupted, INTERRUPTED);
+    let interrupt = Interrupt::watch(farewell)?;
+    loop {
+        match tuning.stage()? {
+            Stage::Done(found) => return show(&found, out),
+            Stage::Open(planned) if args.tasks.is_some() => return Err(to_run(&planned)),
+            Stage::Open(planned) => {
+                let mut progress = Progress::new(args.quiet, interrupt.clone());
+                let (survey, _) = planned.run_task(1, args.jobs.into(), &mut progress)?;
+                if !survey.missing().is_empty() {
+                    return Err(farewell());
+                }
+            }
+        }
+    }
+}
+
+const INTERRUPTED: &str = "the search was interrupted; run the same command again to resume it";
+
+/// What a cluster is to run before the search goes on.
+fn to_run(planned: &PlannedStudy) -> Failure {
+    let (folder, tasks) = (typed(planned.path()), planned.tasks());
+    let message = format!(
+        "the search waits for {}: run `xcscr study task {folder} I` with I from 1 to {tasks}, and \
+         then this command again",
+        planned.protocol().name
+    );
+    Failure::new(Exit::Interrupted, message)
+}
+
+/// Prints how the search went, and what the finalists came to on fresh seeds.
+fn show(found: &Found, out: &mut impl Write) -> Result<(), Failure> {
+    for (i, rung) in found.rungs.iter().enumerate() {
+        writeln!(
+            out,
+            "rung {}, {} seeds more in each world",
+            i + 1,
+            rung.seeds
+        )?;
+        show_rung(rung, out)?;
+    }
+    let Found { budget, spent, .. } = found;
+    writeln!(
+        out,
+        "episodes: the mean until the policy was optimal; trials that never were count with one more \
+         than they had. behind: behind the best with the same seeds, with its standard error.\n\
+         The search took {spent} of {budget} trials. On fresh seeds:\n"
+    )?;
+    let folder = found.last.merge(&found.last.result())?;
+    finish(&folder, Format::Text, out)
+}
+
+fn show_rung(rung: &Rung, out: &mut impl Write) -> Result<(), Failure> {
+    for one in &rung.standings {
+        let verdict = match one.verdict {
+            Verdict::Stays => "stays",
+            Verdict::Halved => "out: worse half",
+            Verdict::Worse => "out: worse for sure",
+        };
+        writeln!(
+            out,
+            "  {:8.1} episodes, behind {:6.1} ± {:5.1}, {:5} trials  {verdict:20} {}",
+            one.episodes, one.behind, one.behind_error, one.trials, one.candidate
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,266 @@
+//! The folder of a study that is run in tasks.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
+use crate::disk;
+use crate::study::error::StudyError;
+use crate::study::protocol::Protocol;
+use crate::study::runner::put_together;
+use crate::study::store::files::{frozen, thawed, write_json};
+use crate::study::store::folder::StudyFolder;
+use crate::study::store::journal::{self, Journal};
+use crate::study::store::{Shard, TrialRecord};
+use crate::trial::PlanError;
+use xcs::bounds::within;
+
+/// The frozen study, and into how many tasks it is split.
+const TASKS: &str = "tasks.json";
+/// The journals of all attempts at all tasks.
+const JOURNALS: &str = "journals";
+/// Where the whole study comes, unless somebody wants it elsewhere.
+const RESULT: &str = "result";
+/// More tasks than any engine takes at once.
+const MOST_TASKS: usize = 100_000;
+
+/// What `tasks.json` holds.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TasksFile {
+    plan: String,
+    tasks: usize,
+    study: Box<RawValue>,
+}
+
+/// A study that is frozen and split into tasks, for as many machines as there are. Task `i` of `n`
+/// holds every `n`-th trial; `n` stands in the plan, and nowhere else.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedStudy {
+    path: PathBuf,
+    protocol: Protocol,
+    plan: String,
+    tasks: usize,
+}
+
+impl PlannedStudy {
+    /// Splits a study into tasks, with a folder for them that is not made yet.
+    ///
+    /// # Errors
+    /// When there are to be more tasks than trials.
+    pub fn new(path: &Path, protocol: Protocol, tasks: usize) -> Result<Self, StudyError> {
+        let most = MOST_TASKS.min(protocol.len());
+        within("tasks", tasks, 1..=most).map_err(PlanError::from)?;
+        Ok(Self {
+            path: path.to_owned(),
+            plan: protocol.id(),
+            protocol,
+            tasks,
+        })
+    }
+
+    /// The same study as in its folder, if it has one; without a number of tasks, as many as there.
+    ///
+    /// # Errors
+    /// [`StudyError::OtherStudy`] or [`StudyError::OtherTasks`] when the folder holds something
+    /// else, [`StudyError::NoTasks`] when it is new and no number is given.
+    pub fn in_folder(
+        path: &Path,
+        protocol: Protocol,
+        tasks: Option<usize>,
+    ) -> Result<Self, StudyError> {
+        if !Self::is_in(path) {
+            let tasks = tasks.ok_or_else(|| StudyError::NoTasks(path.to_owned()))?;
+            return Self::new(path, protocol, tasks);
+        }
+        let (folder, found) = (path.to_owned(), Self::read(path)?);
+        match (protocol.id(), tasks.unwrap_or(found.tasks)) {
+            (wanted, _) if wanted != found.plan => Err(StudyError::OtherStudy {
+                folder,
+                found: found.plan,
+                wanted,
+            }),
+            (_, wanted) if wanted != found.tasks => Err(StudyError::OtherTasks {
+                folder,
+                found: found.tasks,
+                wanted,
+            }),
+            _ => Ok(found),
+        }
+    }
+
+    /// Is there a study in tasks in this folder?
+    pub fn is_in(path: &Path) -> bool {
+        path.join(TASKS).is_file()
+    }
+
+    /// Reads the folder of a study in tasks.
+    ///
+    /// # Errors
+    /// When there is none in it, or a damaged one.
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
+        let file = path.join(TASKS);
+        let text = disk::read(&file, disk::MOST_BYTES).map_err(|cause| match cause.kind() {
+            ErrorKind::NotFound => StudyError::NotPlanned(path.to_owned()),
+            _ => StudyError::io(&file, cause),
+        })?;
+        let read: TasksFile =
+            serde_json::from_slice(&text).map_err(|fault| StudyError::damaged(&file, fault))?;
+        let protocol = thawed(&read.study, &read.plan);
+        let protocol = protocol.map_err(|fault| StudyError::damaged(&file, fault))?;
+        within("tasks", read.tasks, 1..=protocol.len())
+            .map_err(|fault| StudyError::damaged(&file, fault))?;
+        Ok(Self {
+            path: path.to_owned(),
+            protocol,
+            plan: read.plan,
+            tasks: read.tasks,
+        })
+    }
+
+    /// Makes the folder, unless it is there.
+    ///
+    /// # Errors
+    /// [`StudyError::Foreign`] when there is something else, or an error of the file system.
+    pub fn make(&self) -> Result<(), StudyError> {
+        if !Self::is_in(&self.path) && self.is_foreign() {
+            return Err(StudyError::Foreign(self.path.clone()));
+        }
+        let journals = self.journals();
+        fs::create_dir_all(&journals).map_err(|cause| StudyError::create(&journals, cause))?;
+        if Self::is_in(&self.path) {
+            return Ok(());
+        }
+        let (study, plan) = frozen(&self.protocol);
+        let tasks = self.tasks;
+        write_json(&self.path.join(TASKS), &TasksFile { plan, tasks, study })
+    }
+
+    /// Is there something else than what is made before the plan?
+    fn is_foreign(&self) -> bool {
+        let part = disk::part(Path::new(TASKS));
+        let is_early = |name: &OsStr| name == JOURNALS || name == part.as_os_str();
+        let mut entries = self.path.read_dir().into_iter().flatten().flatten();
+        entries.any(|entry| !is_early(&entry.file_name()))
+    }
+
+    /// Where the folder is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The frozen study.
+    pub fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+
+    /// The id of the frozen study.
+    pub fn plan(&self) -> &str {
+        &self.plan
+    }
+
+    /// Into how many tasks it is split.
+    pub fn tasks(&self) -> usize {
+        self.tasks
+    }
+
+    /// Where the whole study comes, unless somebody wants it elsewhere.
+    pub fn result(&self) -> PathBuf {
+        self.path.join(RESULT)
+    }
+
+    /// The task of a trial, counted from 1.
+    pub(super) fn task_of(&self, trial: usize) -> usize {
+        trial % self.tasks + 1
+    }
+
+    fn journals(&self) -> PathBuf {
+        self.path.join(JOURNALS)
+    }
+
+    /// Begins a journal of its own for an attempt at a task.
+    pub(super) fn begin(&self, task: usize) -> Result<Journal, StudyError> {
+        let folder = self.journals();
+        let mut builder = tempfile::Builder::new();
+        let prefix = format!("{task:05}-");
+        builder.prefix(&prefix).rand_bytes(10);
+        // As readable as other files: a temporary file is otherwise for its owner alone.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let made = builder.tempfile_in(&folder);
+        let made = made.map_err(|cause| StudyError::create(&folder, cause))?;
+        let (file, path) = made
+            .keep()
+            .map_err(|fault| StudyError::create(&folder, fault.error))?;
+        Journal::begin(&path, file, &self.plan)
+    }
+
+    /// Gives each finished trial to `each`, in no order, and again when several attempts finished it.
+    /// With a shard, of the attempts at its task alone.
+    pub(super) fn each_record(
+        &self,
+        shard: Option<Shard>,
+        each: &mut dyn FnMut(&Path, TrialRecord) -> Result<(), StudyError>,
+    ) -> Result<(), StudyError> {
+        for (task, path) in self.attempts()? {
+            if shard.is_none_or(|shard| shard.number() == task) {
+                journal::read(&path, &self.plan, &mut |record| {
+                    let fault = record.check(&self.protocol);
+                    fault.map_err(|fault| StudyError::damaged(&path, fault))?;
+                    each(&path, record)
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The journals of all attempts, each with its task, in the order of their names.
+    pub(super) fn attempts(&self) -> Result<Vec<(usize, PathBuf)>, StudyError> {
+        let folder = self.journals();
+        let io = |cause| StudyError::io(&folder, cause);
+        let mut found = Vec::new();
+        for entry in folder.read_dir().map_err(io)? {
+            let name = entry.map_err(io)?.file_name();
+            // What else lies there, such as the traces of a network file system, is none of ours.
+            let task = name.to_str().and_then(|name| name.split_once('-'));
+            match task.map(|(task, _)| task.parse()) {
+                Some(Ok(task)) if (1..=self.tasks).contains(&task) => {
+                    found.push((task, folder.join(name)));
+                }
+                _ => {}
+            }
+        }
+        found.sort();
+        Ok(found)
+    }
+
+    /// Joins what all attempts finished, which must be the whole study, in the folder `out`.
+    ///
+    /// # Errors
+    /// [`StudyError::Incomplete`], [`StudyError::Contradiction`] when two attempts disagree about a
+    /// trial, or an error of a folder.
+    pub fn merge(&self, out: &Path) -> Result<StudyFolder, StudyError> {
+        put_together(&self.gather()?, out)
+    }
+
+    /// What all attempts finished.
+    pub(in crate::study) fn gather(&self) -> Result<StudyFolder, StudyError> {
+        let mut joined = StudyFolder::empty(&self.path, &self.protocol, &self.plan);
+        self.each_record(None, &mut |path, record| {
+            let trial = record.trial;
+            joined
+                .records_mut()
+                .insert(&record)
+                .map_err(|_| StudyError::Contradiction {
+                    place: path.to_owned(),
+                    trial,
+                    before: "a journal before it",
+                })
+        })?;
+        Ok(joined)
+    }
+}

@@ -1,0 +1,53 @@
+//! An attempt at a task.
+
+use super::planned::PlannedStudy;
+use super::survey::Survey;
+use crate::study::error::StudyError;
+use crate::study::runner::{StudyWatcher, run_trials};
+use crate::study::store::{Shard, TrialRecord};
+
+impl PlannedStudy {
+    /// Runs what is missing of a task, counted from 1, on `jobs` threads (all cores when 0). Gives
+    /// what is finished of it, and how many trials were finished now.
+    ///
+    /// # Errors
+    /// When there is no such task, the program is not the one that made the plan, or the folder
+    /// cannot be read or written.
+    pub fn run_task(
+        &self,
+        task: usize,
+        jobs: usize,
+        watcher: &mut dyn StudyWatcher,
+    ) -> Result<(Survey, usize), StudyError> {
+        let (count, folder) = (self.tasks(), self.path().to_owned());
+        let shard = Shard::nth(task, count).ok_or(StudyError::NoTask {
+            folder,
+            task,
+            count,
+        })?;
+        self.require_same_program()?;
+        let before = Survey::of(self, Some(shard))?;
+        if before.missing().is_empty() {
+            watcher.begins(0);
+            return Ok((before, 0));
+        }
+        let (mut journal, mut finished) = (self.begin(task)?, 0);
+        let mut keep = |records: Vec<TrialRecord>| {
+            finished += records.len();
+            journal.append(&records)
+        };
+        run_trials(self.protocol(), before.missing(), jobs, &mut keep, watcher)?;
+        Ok((Survey::of(self, Some(shard))?, finished))
+    }
+
+    /// Another version may come to other results, or know other settings.
+    fn require_same_program(&self) -> Result<(), StudyError> {
+        match self.protocol().version == env!("CARGO_PKG_VERSION") {
+            true => Ok(()),
+            false => Err(StudyError::OtherVersion {
+                folder: self.path().to_owned(),
+                found: self.protocol().version.clone(),
+            }),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The finished trials of a study in memory, packed: a million of them take less than 100 MB.
+
+use serde::{Deserialize, Serialize};
+
+use super::record::{Driven, Figures, TrialRecord};
+use crate::trial::Progress;
+
+/// Finished trials by their numbers.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Records {
+    packed: Vec<u8>,
+    /// Where the record of each trial begins, counted from 1; 0 when there is none.
+    places: Vec<usize>,
+    count: usize,
+}
+
+/// What is packed of a trial.
+#[derive(Serialize, Deserialize)]
+struct Packed(Result<PackedFigures, String>);
+
+#[derive(Serialize, Deserialize)]
+struct PackedFigures {
+    progress: Progress,
+    rules: usize,
+    condensed_rules: Option<usize>,
+    greedy_steps: Option<f64>,
+    greedy_ratio: Option<f64>,
+    driven: Option<Driven>,
+}
+
+/// Why a record cannot be added.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AnotherResult;
+
+impl Records {
+    /// Adds a record, unless it is there.
+    ///
+    /// # Errors
+    /// When there is another result of its trial.
+    pub fn insert(&mut self, record: &TrialRecord) -> Result<(), AnotherResult> {
+        if let Some(known) = self.get(record.trial) {
+            return if known == *record {
+                Ok(())
+            } else {
+                Err(AnotherResult)
+            };
+        }
+        if self.places.len() <= record.trial {
+            self.places.resize(record.trial + 1, 0);
+        }
+        self.places[record.trial] = self.packed.len() + 1;
+        self.packed.extend(packed(record));
+        self.count += 1;
+        Ok(())
+    }
+
+    /// The record of a trial.
+    pub fn get(&self, trial: usize) -> Option<TrialRecord> {
+        let place = self.places.get(trial)?.checked_sub(1)?;
+        let result = unpacked(&self.packed[place..]);
+        Some(TrialRecord { trial, result })
+    }
+
+    /// Is there one of this trial?
+    pub fn holds(&self, trial: usize) -> bool {
+        self.places.get(trial).is_some_and(|place| *place > 0)
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// All of them, in the order of their trials.
+    pub fn iter(&self) -> impl Iterator<Item = TrialRecord> + Clone + '_ {
+        (0..self.places.len()).filter_map(|trial| self.get(trial))
+    }
+}
+
+fn packed(record: &TrialRecord) -> Vec<u8> {
+    let figures = |figures: &Figures| PackedFigures {
+        progress: figures.progress.clone(),
+        rules: figures.rules,
+        condensed_rules: figures.condensed_rules,
+        greedy_steps: figures.greedy_steps,
+        greedy_ratio: figures.greedy_ratio,
+        driven: figures.driven,
+    };
+    let packed = Packed(record.result.as_ref().map(figures).map_err(Clone::clone));
+    postcard::to_stdvec(&packed).expect("plain data can be packed")
+}
+
+fn unpacked(bytes: &[u8]) -> Result<Figures, String> {
+    let (Packed(result), _) =
+        postcard::take_from_bytes(bytes).expect("what was packed can be unpacked");
+    result.map(|figures: PackedFigures| Figures {
+        progress: figures.progress,
+        rules: figures.rules,
+        condensed_rules: figures.condensed_rules,
+        greedy_steps: figures.greedy_steps,
+        greedy_ratio: figures.greedy_ratio,
+        driven: figures.driven,
+    })
+}

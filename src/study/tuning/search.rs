@@ -1,0 +1,195 @@
+//! A search: from rung to rung, as far as its folder says.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::candidates::Candidate;
+use super::standing::{Standing, Verdict, standings};
+use crate::study::cluster::PlannedStudy;
+use crate::study::error::StudyError;
+use crate::study::protocol::Protocol;
+use crate::study::store::files::write_json;
+use crate::study::store::folder::StudyFolder;
+use crate::trial::PlanError;
+use xcs::bounds::within;
+use xcs::random::replicate_seed;
+
+/// Root seeds of the final and of the rungs are drawn from here on: no study has as many trials.
+const FIRST_SEED: u64 = 1 << 32;
+/// Meet in the final.
+const FINALISTS: usize = 2;
+
+/// A search for settings, in a folder of its own.
+#[derive(Debug, Clone)]
+pub struct Tuning {
+    path: PathBuf,
+    protocol: Protocol,
+    budget: usize,
+    tasks: usize,
+    candidates: Vec<Candidate>,
+}
+
+/// What there is to do.
+#[derive(Debug)]
+pub enum Stage {
+    /// A rung, or the final, is to be run to its end.
+    Open(PlannedStudy),
+    /// All is done.
+    Done(Found),
+}
+
+/// How the search went.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Found {
+    /// The study that was searched.
+    pub study: String,
+    /// Its plan.
+    pub plan: String,
+    /// Trials that the search could take, ...
+    pub budget: usize,
+    /// ... and those that it took.
+    pub spent: usize,
+    /// The rungs, from the first.
+    pub rungs: Vec<Rung>,
+    /// The folder in which the finalists meet on fresh seeds.
+    #[serde(skip)]
+    pub last: PlannedStudy,
+}
+
+/// A rung of the search.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rung {
+    /// Seeds of each candidate in each world, in this rung.
+    pub seeds: usize,
+    /// The candidates in it, the best first.
+    pub standings: Vec<Standing>,
+}
+
+impl Tuning {
+    /// A search among all that a study varies, with so many trials until the final, each rung
+    /// split into so many tasks.
+    ///
+    /// # Errors
+    /// When there is nothing to choose among, or the budget does not give each candidate a trial.
+    pub fn new(
+        path: &Path,
+        protocol: Protocol,
+        budget: usize,
+        tasks: usize,
+    ) -> Result<Self, StudyError> {
+        let candidates = Candidate::all(&protocol)?;
+        let this = Self {
+            path: path.to_owned(),
+            protocol,
+            budget,
+            tasks,
+            candidates,
+        };
+        let least = this.rungs() * this.protocol.arms.len();
+        within("budget", budget, least..=100_000_000).map_err(PlanError::from)?;
+        Ok(this)
+    }
+
+    /// Looks how far the search is; makes the folder of the rung that comes next.
+    ///
+    /// # Errors
+    /// When the folder holds another search, or an error of the file system.
+    pub fn stage(&self) -> Result<Stage, StudyError> {
+        fs::create_dir_all(&self.path).map_err(|cause| StudyError::create(&self.path, cause))?;
+        let mut rungs: Vec<Rung> = Vec::new();
+        let (mut left, mut studies) = (self.candidates.clone(), Vec::new());
+        while rungs.len() < self.rungs() && left.len() > 1 {
+            let (number, seeds) = (rungs.len() + 1, self.seeds(&left));
+            let planned = self.planned(&format!("rung-{number}"), &left, seeds, number)?;
+            if !planned.survey()?.missing().is_empty() {
+                return Ok(Stage::Open(planned));
+            }
+            studies.push(planned.gather()?);
+            let standings = standings(&scores(&left, &studies), left.len().div_ceil(2));
+            left = staying(&left, &standings);
+            rungs.push(Rung { seeds, standings });
+        }
+        self.last_stage(
+            rungs,
+            studies.iter().map(|study| study.protocol().len()).sum(),
+        )
+    }
+
+    /// The final between the best of the last rung.
+    fn last_stage(&self, rungs: Vec<Rung>, spent: usize) -> Result<Stage, StudyError> {
+        let names = rungs.last().into_iter().flat_map(|rung| &rung.standings);
+        let best: Vec<&String> = names.map(|one| &one.candidate).take(FINALISTS).collect();
+        let is_best = |one: &&Candidate| best.contains(&&one.name);
+        let finalists: Vec<Candidate> = self.candidates.iter().filter(is_best).cloned().collect();
+        let last = self.planned("final", &finalists, self.protocol.trials, 0)?;
+        if !last.survey()?.missing().is_empty() {
+            return Ok(Stage::Open(last));
+        }
+        let found = Found {
+            study: self.protocol.name.clone(),
+            plan: self.protocol.id(),
+            budget: self.budget,
+            spent,
+            rungs,
+            last,
+        };
+        write_json(&self.path.join("search.json"), &found)?;
+        Ok(Stage::Done(found))
+    }
+
+    /// How many rungs there are at most: each halves the candidates.
+    fn rungs(&self) -> usize {
+        self.candidates.len().next_power_of_two().ilog2() as usize
+    }
+
+    /// Every rung may take the same share of the budget.
+    fn seeds(&self, left: &[Candidate]) -> usize {
+        let arms: usize = left.iter().map(|one| one.arms.len()).sum();
+        self.budget / self.rungs() / arms
+    }
+
+    /// The study of some candidates on seeds of its own.
+    fn planned(
+        &self,
+        name: &str,
+        candidates: &[Candidate],
+        seeds: usize,
+        number: usize,
+    ) -> Result<PlannedStudy, StudyError> {
+        let arms = candidates.iter().flat_map(|one| &one.arms);
+        let mut arms: Vec<usize> = arms.copied().collect();
+        arms.sort_unstable();
+        let protocol = Protocol {
+            name: format!("{} ({name})", self.protocol.name),
+            seed: replicate_seed(self.protocol.seed, FIRST_SEED + number as u64),
+            trials: seeds,
+            arms: arms
+                .iter()
+                .map(|arm| self.protocol.arms[*arm].clone())
+                .collect(),
+            ..self.protocol.clone()
+        };
+        let tasks = Some(self.tasks.min(protocol.len()));
+        let planned = PlannedStudy::in_folder(&self.path.join(name), protocol, tasks)?;
+        planned.make()?;
+        Ok(planned)
+    }
+}
+
+/// The scores of candidates in all rungs so far.
+fn scores(candidates: &[Candidate], studies: &[StudyFolder]) -> Vec<(String, Vec<f64>)> {
+    let scores = |one: &Candidate| studies.iter().flat_map(|study| one.scores(study)).collect();
+    let all = candidates.iter();
+    all.map(|one| (one.name.clone(), scores(one))).collect()
+}
+
+/// Those candidates that go on, in the order of the study.
+fn staying(candidates: &[Candidate], standings: &[Standing]) -> Vec<Candidate> {
+    let stays = |candidate: &&Candidate| {
+        let mut of = standings.iter().filter(|one| one.verdict == Verdict::Stays);
+        of.any(|one| one.candidate == candidate.name)
+    };
+    candidates.iter().filter(stays).cloned().collect()
+}

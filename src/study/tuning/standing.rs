@@ -1,0 +1,122 @@
+//! Who stays in a search, and who leaves.
+
+use serde::Serialize;
+
+/// Who is behind the leader by more standard errors of the paired difference is out before its time:
+/// three, because many candidates are looked at many times.
+const SURE: f64 = 3.0;
+/// With fewer pairs the standard error itself is not known well enough.
+const FEWEST_PAIRS: usize = 10;
+
+/// What became of a candidate in a rung.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It goes on.
+    Stays,
+    /// It is in the worse half.
+    Halved,
+    /// It is behind the leader for sure.
+    Worse,
+}
+
+/// A candidate after a rung.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Standing {
+    /// Method, arena, percept and settings.
+    pub candidate: String,
+    /// Its trials so far, of all rungs.
+    pub trials: usize,
+    /// Their mean number of episodes until the policy was optimal; those that never were count with
+    /// one more than they had.
+    pub episodes: f64,
+    /// How many more these are than the leader's, with the same seeds.
+    pub behind: f64,
+    /// The standard error of that; 0 for the leader.
+    pub behind_error: f64,
+    /// What became of it.
+    pub verdict: Verdict,
+}
+
+/// The standings of candidates with these scores, which are paired; the best first. So many
+/// stay at most.
+pub(super) fn standings(scores: &[(String, Vec<f64>)], places: usize) -> Vec<Standing> {
+    let mut order: Vec<&(String, Vec<f64>)> = scores.iter().collect();
+    order.sort_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)));
+    let Some((_, leader)) = order.first() else {
+        return vec![];
+    };
+    let standing = |(place, (name, scores)): (usize, &&(String, Vec<f64>))| {
+        let (behind, behind_error) = difference(scores, leader);
+        let is_sure = scores.len() >= FEWEST_PAIRS && behind > SURE * behind_error;
+        Standing {
+            candidate: name.clone(),
+            trials: scores.len(),
+            episodes: mean(scores),
+            behind,
+            behind_error,
+            verdict: match (place, place < places) {
+                (0, _) => Verdict::Stays,
+                _ if is_sure => Verdict::Worse,
+                (_, true) => Verdict::Stays,
+                (_, false) => Verdict::Halved,
+            },
+        }
+    };
+    order.iter().enumerate().map(standing).collect()
+}
+
+fn mean(numbers: &[f64]) -> f64 {
+    numbers.iter().sum::<f64>() / numbers.len().max(1) as f64
+}
+
+/// The mean of the paired differences, and its standard error.
+fn difference(a: &[f64], b: &[f64]) -> (f64, f64) {
+    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let (mean, count) = (mean(&differences), differences.len() as f64);
+    let squares: f64 = differences.iter().map(|one| (one - mean).powi(2)).sum();
+    (mean, (squares / (count - 1.0).max(1.0) / count).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scores(name: &str, add: f64, count: usize) -> (String, Vec<f64>) {
+        let wave = |i| f64::from(i * 7 % 11) + add * f64::from(1 + i % 3);
+        (name.to_owned(), (0..).map(wave).take(count).collect())
+    }
+
+    #[test]
+    fn the_worse_half_leaves_and_so_does_who_is_behind_for_sure() {
+        let all = [
+            scores("c", 0.1, 12),
+            scores("a", 0.0, 12),
+            scores("d", 9.0, 12),
+        ];
+        let found = standings(&all, 3);
+        let names: Vec<&str> = found.iter().map(|one| &one.candidate[..]).collect();
+        assert_eq!(names, ["a", "c", "d"]);
+        assert_eq!(found[0].verdict, Verdict::Stays);
+        assert_eq!(found[2].verdict, Verdict::Worse);
+        assert_eq!(
+            standings(&all, 1)[1].verdict,
+            Verdict::Worse,
+            "every pair says so"
+        );
+    }
+
+    #[test]
+    fn few_pairs_or_a_small_difference_put_nobody_out_before_the_time() {
+        let found = standings(&[scores("a", 0.0, 9), scores("d", 9.0, 9)], 2);
+        assert_eq!(found[1].verdict, Verdict::Stays, "nine pairs");
+        let mut close = scores("b", 0.0, 40);
+        for (i, score) in close.1.iter_mut().enumerate() {
+            *score += if i % 2 == 0 { 3.0 } else { -2.5 };
+        }
+        let found = standings(&[scores("a", 0.0, 40), close], 2);
+        assert_eq!(found[1].verdict, Verdict::Stays, "{found:?}");
+        let halved = standings(&[scores("a", 0.0, 9), scores("d", 9.0, 9)], 1);
+        assert_eq!(halved[1].verdict, Verdict::Halved);
+    }
+}

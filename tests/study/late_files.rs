@@ -1,0 +1,163 @@
+//! Tasks on a file system that lies: each machine sees the journals of the others late, cut short or
+//! not at all, tasks are run twice at a time, and who is killed leaves half a line.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use crate::kit::folder;
+use tempfile::TempDir;
+use xcscr::streams::StreamName;
+use xcscr::study::{
+    Overrides, PlannedStudy, Protocol, Shard, StudyError, StudyFile, StudyWatcher, TrialRecord,
+    run_study,
+};
+use xcscr::xcs::random::Stream;
+
+const TRIALS: usize = 12;
+const TASKS: usize = 3;
+
+fn protocol() -> Protocol {
+    let text = format!(
+        "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [\"xcs\", \"xcscr\"]\ntrials = {}\nepisodes = 2\n",
+        TRIALS / 2
+    );
+    let file = StudyFile::parse(&text, "s.toml", Path::new("")).unwrap();
+    Protocol::new(&file, &Overrides::default()).unwrap()
+}
+
+/// What was truly written, and the machines' views of it.
+struct Cluster {
+    folder: TempDir,
+    written: BTreeMap<String, Vec<u8>>,
+    views: usize,
+}
+
+impl Cluster {
+    fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().unwrap(),
+            written: BTreeMap::new(),
+            views: 0,
+        }
+    }
+
+    /// A folder as a machine sees it: of each journal so much as `seen` says.
+    fn view(&mut self, mut seen: impl FnMut(usize) -> Option<usize>) -> (PlannedStudy, PathBuf) {
+        self.views += 1;
+        let path = self.folder.path().join(self.views.to_string());
+        let planned = PlannedStudy::in_folder(&path, protocol(), Some(TASKS)).unwrap();
+        planned.make().unwrap();
+        for (name, bytes) in &self.written {
+            if let Some(length) = seen(bytes.len()) {
+                fs::write(path.join("journals").join(name), &bytes[..length]).unwrap();
+            }
+        }
+        (planned, path)
+    }
+
+    /// What a machine has written in its view becomes true, whatever it saw of the others.
+    fn take_up(&mut self, view: &Path, torn: usize) {
+        for (name, mut bytes) in folder::contents(&view.join("journals")) {
+            self.written.entry(name).or_insert_with(|| {
+                bytes.truncate(bytes.len() - torn.min(bytes.len()));
+                bytes
+            });
+        }
+    }
+}
+
+/// Ends an attempt after some trials.
+struct Patience(usize);
+
+impl StudyWatcher for Patience {
+    fn finished(&mut self, _: &TrialRecord) -> ControlFlow<()> {
+        self.0 -= 1;
+        match self.0 {
+            0 => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    }
+}
+
+#[test]
+fn whatever_the_machines_see_of_each_other_the_merge_is_that_of_one_process_or_none() {
+    let whole = tempfile::tempdir().unwrap();
+    run_study(
+        &protocol(),
+        &whole.path().join("a"),
+        Shard::WHOLE,
+        1,
+        &mut (),
+    )
+    .unwrap();
+    let mut chance = Stream::new(1, StreamName::World);
+    let (mut twice, mut refused, mut torn) = (0, 0, 0);
+    for round in 0..5 {
+        let mut cluster = Cluster::new();
+        loop {
+            let (planned, path) = cluster.view(|length| match chance.below(4) {
+                0 => None,
+                1 => Some(chance.below(length + 1)),
+                _ => Some(length),
+            });
+            let task = 1 + chance.below(TASKS);
+            let mut patience = Patience(1 + chance.below(4));
+            planned.run_task(task, 1, &mut patience).unwrap();
+            let half = chance.below(3) * chance.below(90);
+            torn += usize::from(half > 0);
+            cluster.take_up(&path, half);
+
+            let (planned, path) = cluster.view(|length| Some(chance.below(2 * length).min(length)));
+            match planned.merge(&path.join("result")) {
+                Err(StudyError::Incomplete { .. }) => refused += 1,
+                Ok(_) => break,
+                Err(other) => panic!("round {round}: {other}"),
+            }
+        }
+        let (planned, path) = cluster.view(Some);
+        planned.merge(&path.join("result")).unwrap();
+        folder::assert_same(&path.join("result"), &whole.path().join("a"), "merged");
+        let lines = |bytes: &Vec<u8>| bytes.iter().filter(|byte| **byte == b'\n').count();
+        let kept: usize = cluster
+            .written
+            .values()
+            .map(|journal| lines(journal).saturating_sub(1))
+            .sum();
+        twice += kept - TRIALS;
+    }
+    // Controls: the file system did lie, and it did cost something.
+    assert!(
+        twice > 5 && refused > 5 && torn > 5,
+        "{twice} {refused} {torn}"
+    );
+}
+
+#[test]
+fn two_results_of_one_trial_that_differ_are_refused_with_their_place() {
+    let mut cluster = Cluster::new();
+    for task in 1..=TASKS {
+        let (planned, path) = cluster.view(Some);
+        planned.run_task(task, 1, &mut ()).unwrap();
+        cluster.take_up(&path, 0);
+    }
+    let (name, journal) = cluster.written.first_key_value().unwrap();
+    let text = String::from_utf8(journal.clone()).unwrap();
+    let (header, line) = (text.lines().next().unwrap(), text.lines().nth(1).unwrap());
+    let (_, json) = line.split_once(' ').unwrap();
+    let mut record: serde_json::Value = serde_json::from_str(json).unwrap();
+    let rules = record["result"]["Ok"]["rules"].as_u64().unwrap();
+    record["result"]["Ok"]["rules"] = (rules + 1).into();
+    let other = record.to_string();
+    let sum = crc32fast::hash(other.as_bytes());
+    let forged = format!("{header}\n{sum:08x} {other}\n");
+    let twin = format!("{name}0");
+    cluster.written.insert(twin.clone(), forged.into_bytes());
+    let (planned, path) = cluster.view(Some);
+    let message = planned.merge(&path.join("result")).unwrap_err().to_string();
+    assert!(
+        message.contains(&twin) && message.contains("another result of trial 0"),
+        "{message}"
+    );
+}

@@ -1,0 +1,14 @@
+//! Studies: whole, in shards, in tasks; interrupted, mixed up, and on files that come late.
+
+#![allow(clippy::unwrap_used, reason = "a test ends there")]
+
+#[path = "../kit/mod.rs"]
+mod kit;
+
+mod late_files;
+#[cfg(target_os = "linux")]
+mod million;
+mod studies;
+#[cfg(unix)]
+mod tasks;
+mod tuning;

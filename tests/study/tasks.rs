@@ -1,0 +1,328 @@
+//! Studies in tasks, as a cluster runs them: killed, doubled, in any order. The engine is played by two
+//! scripts here; `tests/slurm/run` takes the real one.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::kit::folder;
+use assert_cmd::cargo::cargo_bin;
+use serde_json::Value;
+use tempfile::TempDir;
+use xcscr::streams::StreamName;
+use xcscr::xcs::random::Stream;
+
+/// 2 worlds x 2 methods x 4 trials.
+const SMALL: &str = r#"
+name = "small"
+worlds = ["maze4", "maze5"]
+methods = ["xcs", "xcscr"]
+trials = 4
+episodes = 12
+seed = 7
+"#;
+
+/// A folder with `small.toml`, and an engine that notes what it is asked.
+struct Desk(TempDir);
+
+impl Desk {
+    fn new() -> Self {
+        let desk = Self(tempfile::tempdir().unwrap());
+        fs::write(desk.path("small.toml"), SMALL).unwrap();
+        fs::write(desk.path("queue"), "").unwrap();
+        fs::create_dir(desk.path("bin")).unwrap();
+        let here = desk.0.path().display();
+        desk.play("squeue", &format!("cat {here}/queue"));
+        desk.play(
+            "sbatch",
+            &format!("echo \"$PWD $*\" >> {here}/submitted; wc -l < {here}/submitted"),
+        );
+        desk
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Puts a script in the place of a program.
+    fn play(&self, name: &str, script: &str) {
+        let path = self.path("bin").join(name);
+        fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    }
+
+    fn command(&self, words: &str) -> Command {
+        let mut command = Command::new(cargo_bin("xcscr"));
+        let path = std::env::var("PATH").unwrap();
+        command
+            .current_dir(self.0.path())
+            .env("PATH", format!("{}:{path}", self.path("bin").display()))
+            .arg("study")
+            .args(words.split(' '));
+        command
+    }
+
+    fn run(&self, words: &str) -> Output {
+        self.command(words).output().unwrap()
+    }
+
+    #[track_caller]
+    fn ends(&self, words: &str, code: i32) -> (String, String) {
+        let output = self.run(words);
+        assert_eq!(output.status.code(), Some(code), "{words}: {output:?}");
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (text(output.stdout), text(output.stderr))
+    }
+
+    #[track_caller]
+    fn done(&self, words: &str) -> String {
+        self.ends(words, 0).0
+    }
+
+    fn status(&self, folder: &str) -> Value {
+        serde_json::from_str(&self.done(&format!("status {folder} --json"))).unwrap()
+    }
+
+    /// The numbers of the trials in the journals, in the order of their lines.
+    fn kept(&self, folder: &str) -> Vec<u64> {
+        let journals = folder::contents(&self.path(folder).join("journals"));
+        let lines = journals.iter().flat_map(|(_, bytes)| {
+            let text = String::from_utf8_lossy(bytes).into_owned();
+            let whole = text.rfind('\n').map_or(0, |end| end + 1);
+            let lines = text[..whole].lines().skip(1).map(str::to_owned);
+            lines.collect::<Vec<_>>()
+        });
+        lines.map(|line| trial_in(&line)).collect()
+    }
+}
+
+fn trial_in(line: &str) -> u64 {
+    let (_, json) = line.split_once(' ').unwrap();
+    let record: Value = serde_json::from_str(json).unwrap();
+    record["trial"].as_u64().unwrap()
+}
+
+#[test]
+fn a_plan_says_what_would_be_run_and_writes_nothing_unless_told_where() {
+    let desk = Desk::new();
+    let before = folder::names(desk.0.path());
+    let said = desk.done("plan small.toml --tasks 5");
+    assert!(
+        said.contains("4 arms x 4 trials of 12 episodes = 16 trials"),
+        "{said}"
+    );
+    assert!(said.contains("5 tasks of at most 4 trials"), "{said}");
+    assert_eq!(folder::names(desk.0.path()), before);
+    let json: Value = serde_json::from_str(&desk.done("plan small.toml --json")).unwrap();
+    desk.done("run small.toml --out whole");
+    assert_eq!(json["plan"], desk.status("whole")["plan"]);
+}
+
+#[test]
+fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out whole");
+    for tasks in [1, 3, 16] {
+        let out = format!("split{tasks}");
+        desk.done(&format!("plan small.toml --tasks {tasks} --out {out}"));
+        for task in (1..=tasks).rev() {
+            desk.done(&format!("task {out} {task} --jobs {}", 1 + task % 3));
+        }
+        desk.done(&format!("task {out} 1"));
+        assert_eq!(
+            desk.kept(&out).len(),
+            16,
+            "a finished task runs nothing again"
+        );
+        desk.done(&format!("merge {out}"));
+        let result = desk.path(&out).join("result");
+        folder::assert_same(&result, &desk.path("whole"), &out);
+    }
+}
+
+#[test]
+fn what_is_not_finished_is_not_merged_and_status_tells_the_tasks() {
+    let desk = Desk::new();
+    desk.done("plan small.toml --tasks 5 --out split");
+    desk.done("task split 2");
+    desk.done("task split 4");
+    let said = desk.done("status split");
+    assert!(
+        said.contains("6 of 16 trials finished, in 5 tasks"),
+        "{said}"
+    );
+    assert!(said.contains("missing: not begun (3): 1,3,5"), "{said}");
+    assert!(said.contains("--array=1,3,5"), "{said}");
+    let (_, said) = desk.ends("merge split", 1);
+    assert!(said.contains("10 of 16 trials are missing"), "{said}");
+    assert!(!desk.path("split/result").exists());
+}
+
+#[test]
+fn killed_at_random_moments_a_task_keeps_what_it_finished_and_runs_none_of_it_again() {
+    let desk = Desk::new();
+    desk.done("run small.toml --trials 30 --out whole");
+    let mut moments = Stream::new(1, StreamName::World);
+    for jobs in [1, 3] {
+        let out = format!("killed{jobs}");
+        desk.done(&format!(
+            "plan small.toml --trials 30 --tasks 1 --out {out}"
+        ));
+        let words = format!("task {out} 1 --quiet --jobs {jobs}");
+        let (mut known, mut interrupted) = (0, 0);
+        while interrupted < 6 {
+            let mut child = desk.command(&words).stderr(Stdio::null()).spawn().unwrap();
+            sleep(Duration::from_millis(100 + moments.below(500) as u64));
+            child.kill().unwrap();
+            child.wait().unwrap();
+            let kept = desk.kept(&out).len();
+            assert!(kept >= known, "{kept} are left of {known} trials");
+            (known, interrupted) = (kept, interrupted + 1);
+        }
+        desk.done(&words);
+        // No trial is in two journals: what was finished was seen by the next attempt.
+        let mut kept = desk.kept(&out);
+        kept.sort_unstable();
+        assert_eq!(kept, (0..120).collect::<Vec<u64>>(), "{jobs} jobs");
+        desk.done(&format!("merge {out}"));
+        let result = desk.path(&out).join("result");
+        folder::assert_same(&result, &desk.path("whole"), &out);
+    }
+}
+
+#[test]
+fn a_signal_ends_a_task_in_order_with_code_75_and_the_next_attempt_goes_on() {
+    let desk = Desk::new();
+    desk.done("plan small.toml --trials 100 --tasks 2 --out split");
+    for name in ["USR1", "TERM"] {
+        let before = desk.kept("split").len();
+        let mut child = desk
+            .command("task split 1 --jobs 1")
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        while desk.kept("split").len() < before + 2 {
+            sleep(Duration::from_millis(5));
+        }
+        let pid = child.id().to_string();
+        Command::new("kill")
+            .args(["-s", name, &pid])
+            .status()
+            .unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(75), "{name}");
+        let kept = desk.status("split")["finished"].as_u64().unwrap();
+        assert_eq!(kept, desk.kept("split").len() as u64, "{name}");
+    }
+}
+
+#[test]
+fn submitted_again_is_what_is_neither_finished_nor_in_the_queue() {
+    let desk = Desk::new();
+    let words = "submit small.toml --time 90m --partition short --array-limit 2 --out split";
+    let (_, said) = desk.ends(words, 2);
+    assert!(said.contains("such as `--tasks 100`"), "{said}");
+    let said = desk.done(&format!("{words} --tasks 8"));
+    assert!(
+        said.contains("submitted 8 of 8 tasks as job 1 (--array=1-8)"),
+        "{said}"
+    );
+    let script = fs::read_to_string(desk.path("split/slurm/array.sh")).unwrap();
+    for line in ["--array=1-8%2", "--time=0-01:30:00", "--partition=short"] {
+        assert!(
+            script.contains(&format!("#SBATCH {line}\n")),
+            "{line}: {script}"
+        );
+    }
+    let here = desk.path("split").canonicalize().unwrap();
+    let here = here.display();
+    let asked = fs::read_to_string(desk.path("submitted")).unwrap();
+    assert_eq!(
+        asked,
+        format!(
+            "{here} --parsable slurm/array.sh\n{here} --parsable --dependency=afterok:1 \
+             --kill-on-invalid-dep=yes slurm/merge.sh\n"
+        )
+    );
+    // 1, 2 and 5 are done, 6 ended early, 3 runs, 4 waits; the last line is of another study.
+    for task in [1, 2, 5] {
+        desk.done(&format!("task split {task}"));
+    }
+    fs::write(desk.path("split/journals/00006-abc"), "").unwrap();
+    let queue = format!("1 3 RUNNING {here}\n1 4 PENDING {here}\n1 7 RUNNING {here}2\n");
+    fs::write(desk.path("queue"), queue).unwrap();
+    let status = desk.status("split");
+    for (key, tasks) in [
+        ("complete", vec![1, 2, 5]),
+        ("running", vec![3]),
+        ("waiting", vec![4]),
+        ("failed", vec![6]),
+        ("missing", vec![7, 8]),
+    ] {
+        assert_eq!(status[key], serde_json::json!(tasks), "{key}: {status}");
+    }
+    let said = desk.done(words);
+    assert!(
+        said.contains("submitted 3 of 8 tasks as job 3 (--array=6-8)"),
+        "{said}"
+    );
+    let asked = fs::read_to_string(desk.path("submitted")).unwrap();
+    assert!(
+        asked.contains("--dependency=afterok:3,afterany:1 "),
+        "{asked}"
+    );
+}
+
+#[test]
+fn what_the_engine_refuses_is_told_and_a_dry_run_asks_it_nothing() {
+    let desk = Desk::new();
+    let words = "submit small.toml --tasks 2 --time 1h --out split";
+    let said = desk.done(&format!("{words} --dry-run"));
+    assert!(said.contains("#SBATCH --array=1-2\n"), "{said}");
+    assert!(!desk.path("split").exists() && !desk.path("submitted").exists());
+    desk.play(
+        "sbatch",
+        "echo 'invalid partition specified: x' >&2; exit 1",
+    );
+    let (_, said) = desk.ends(words, 74);
+    assert_eq!(said, "error: sbatch: invalid partition specified: x\n");
+    for time in ["0m", "1:00", "h", "400d"] {
+        let (_, said) = desk.ends(&words.replace("1h", time), 2);
+        assert!(said.contains("such as 45m, 1h or 2d"), "{time}: {said}");
+    }
+}
+
+#[test]
+fn another_study_another_split_and_another_program_are_refused() {
+    let desk = Desk::new();
+    desk.done("plan small.toml --tasks 4 --out split");
+    desk.done("plan small.toml --tasks 4 --out split");
+    let (_, said) = desk.ends("plan small.toml --tasks 5 --out split", 73);
+    assert!(
+        said.contains("split is split into 4 tasks, not 5"),
+        "{said}"
+    );
+    let (_, said) = desk.ends("plan small.toml --seed 8 --tasks 4 --out split", 73);
+    assert!(said.contains("split holds another study"), "{said}");
+    desk.ends("task split 5", 2);
+    desk.ends("task nowhere 1", 66);
+    let (_, said) = desk.ends("plan small.toml --tasks 17", 65);
+    assert!(
+        said.contains("`tasks` is 17, but must be from 1 to 16"),
+        "{said}"
+    );
+    desk.ends("run small.toml --out split", 73);
+    let plan = fs::read_to_string(desk.path("split/tasks.json")).unwrap();
+    fs::write(
+        desk.path("split/tasks.json"),
+        plan.replace("\"seed\": 7", "\"seed\": 8"),
+    )
+    .unwrap();
+    let (_, said) = desk.ends("task split 1", 65);
+    assert!(
+        said.contains("it was changed after it was frozen"),
+        "{said}"
+    );
+}
