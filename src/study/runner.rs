@@ -14,6 +14,7 @@ use super::protocol::Protocol;
 use super::store::Shard;
 use super::store::TrialRecord;
 use super::store::folder::{OpenFolder, StudyFolder};
+use super::store::journal::Journal;
 
 /// Hears how a study goes on.
 pub trait StudyWatcher {
@@ -46,13 +47,7 @@ pub fn run_study(
     let mut open = OpenFolder::open(out, protocol)?;
     let mut trials = open.folder().missing();
     trials.retain(|trial| shard.holds(*trial));
-    run_trials(
-        protocol,
-        &trials,
-        jobs,
-        &mut |records| open.add(records),
-        watcher,
-    )?;
+    run_trials(protocol, &trials, jobs, &mut open, watcher)?;
     open.close()
 }
 
@@ -72,18 +67,45 @@ pub(super) fn put_together(joined: &StudyFolder, out: &Path) -> Result<StudyFold
     open.close()
 }
 
-/// What brings records to the disk.
-type Keep<'a> = &'a mut dyn FnMut(Vec<TrialRecord>) -> Result<(), StudyError>;
-/// A finished trial, and who waits until it is on the disk.
+/// What keeps finished trials.
+pub(super) trait Keep {
+    /// Writes them: a process that is killed loses them no more.
+    fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError>;
+
+    /// Brings what was written to the disk: a machine that dies loses it no more.
+    fn sync(&mut self) -> Result<(), StudyError>;
+}
+
+impl Keep for OpenFolder {
+    fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError> {
+        self.write(records)
+    }
+
+    fn sync(&mut self) -> Result<(), StudyError> {
+        self.sync()
+    }
+}
+
+impl Keep for Journal {
+    fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError> {
+        self.write(records)
+    }
+
+    fn sync(&mut self) -> Result<(), StudyError> {
+        self.sync()
+    }
+}
+
+/// A finished trial, and who waits until it is written.
 type Finished = (TrialRecord, SyncSender<()>);
 
 /// Runs trials on `jobs` threads (all cores when 0). A thread begins its next trial when the one
-/// before is kept, so that whoever kills the process costs each of them one trial at most.
+/// before is written, so that whoever kills the process costs each of them one trial at most.
 pub(super) fn run_trials(
     protocol: &Protocol,
     trials: &[usize],
     jobs: usize,
-    keep: Keep<'_>,
+    keep: &mut dyn Keep,
     watcher: &mut dyn StudyWatcher,
 ) -> Result<(), StudyError> {
     let fault = |fault: String| StudyError::Jobs { jobs, fault };
@@ -119,14 +141,14 @@ fn run_each(protocol: &Protocol, trials: &[usize], sender: Sender<Finished>, sto
 /// Keeps records as they come, all that wait at once, until there are no more.
 fn keep_all(
     receiver: Receiver<Finished>,
-    keep: Keep<'_>,
+    keep: &mut dyn Keep,
     watcher: &mut dyn StudyWatcher,
     stop: &AtomicBool,
 ) -> Result<(), StudyError> {
     while let Ok(first) = receiver.recv() {
         let finished = std::iter::once(first).chain(receiver.try_iter());
         let (records, waiting): (Vec<TrialRecord>, Vec<_>) = finished.unzip();
-        keep(records.clone())?;
+        keep.write(&records)?;
         if records
             .iter()
             .any(|record| watcher.finished(record).is_break())
@@ -134,6 +156,7 @@ fn keep_all(
             stop.store(true, Ordering::Relaxed);
         }
         drop(waiting);
+        keep.sync()?;
     }
     Ok(())
 }

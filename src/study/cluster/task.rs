@@ -4,7 +4,7 @@ use super::planned::PlannedStudy;
 use super::survey::Survey;
 use crate::study::error::StudyError;
 use crate::study::runner::{StudyWatcher, run_trials};
-use crate::study::store::{Shard, TrialRecord};
+use crate::study::store::Shard;
 
 impl PlannedStudy {
     /// Runs what is missing of a task, counted from 1, on `jobs` threads (all cores when 0). Gives
@@ -31,13 +31,17 @@ impl PlannedStudy {
             watcher.begins(0);
             return Ok((before, 0));
         }
-        let (mut journal, mut finished) = (self.begin(task)?, 0);
-        let mut keep = |records: Vec<TrialRecord>| {
-            finished += records.len();
-            journal.append(&records)
-        };
-        run_trials(self.protocol(), before.missing(), jobs, &mut keep, watcher)?;
-        Ok((Survey::of(self, Some(shard))?, finished))
+        let mut journal = self.begin(task)?;
+        run_trials(
+            self.protocol(),
+            before.missing(),
+            jobs,
+            &mut journal,
+            watcher,
+        )?;
+        let after = Survey::of(self, Some(shard))?;
+        let finished = before.missing().len() - after.missing().len();
+        Ok((after, finished))
     }
 
     /// Another version may come to other results, or know other settings.

@@ -305,12 +305,18 @@ impl OpenFolder {
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn add(&mut self, records: Vec<TrialRecord>) -> Result<(), StudyError> {
-        self.journal.append(&records)?;
-        for record in &records {
-            self.folder.insert(record)?;
-        }
-        Ok(())
+    pub fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError> {
+        self.journal.write(records)?;
+        let mut records = records.iter();
+        records.try_for_each(|record| self.folder.insert(record))
+    }
+
+    /// Brings them to the disk.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn sync(&mut self) -> Result<(), StudyError> {
+        self.journal.sync()
     }
 
     /// Keeps all trials of a joined study.
@@ -327,10 +333,10 @@ impl OpenFolder {
                 self.folder.insert(&record)?;
             }
             if missing.len() == MOST_AT_ONCE {
-                self.add(std::mem::take(&mut missing))?;
+                self.write(&std::mem::take(&mut missing))?;
             }
         }
-        self.add(missing)
+        self.write(&missing)
     }
 
     /// Puts the journal in order. The folder stays locked as long as it is held.

@@ -62,13 +62,17 @@ impl Journal {
             .map_err(|cause| StudyError::io(&self.path, cause))
     }
 
-    /// Adds records; when this returns, they are on the disk.
-    pub fn append(&mut self, records: &[TrialRecord]) -> Result<(), StudyError> {
+    /// Adds records.
+    pub fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError> {
         let lines: String = records.iter().map(line).collect();
         let written = self.file.write_all(lines.as_bytes());
-        written
-            .and_then(|()| self.file.sync_data())
-            .map_err(|cause| StudyError::io(&self.path, cause))
+        written.map_err(|cause| StudyError::io(&self.path, cause))
+    }
+
+    /// Brings what was added to the disk.
+    pub fn sync(&mut self) -> Result<(), StudyError> {
+        let synced = self.file.sync_data();
+        synced.map_err(|cause| StudyError::io(&self.path, cause))
     }
 }
 
@@ -209,7 +213,7 @@ mod tests {
             let mut journal = Journal::open(&path, "p", whole).unwrap();
             let kept = records.len();
             assert_eq!(records, all[..kept]);
-            journal.append(&all[kept..]).unwrap();
+            journal.write(&all[kept..]).unwrap();
             assert_eq!(fs::read_to_string(&path).unwrap(), full, "cut to {length}");
         }
     }
