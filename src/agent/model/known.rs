@@ -13,17 +13,22 @@ use xcs::{Action, MAX_ACTIONS};
 
 /// Changes of a value by less than this share of it are not passed on.
 const NEGLIGIBLE: f64 = 1e-9;
+/// The same where nothing is new, and only the odds of a pair have changed: they are not known that
+/// well. Measured with slipping moves (Maze4, slip 0.1 and 0.25, 60 trials): policies as good as
+/// with a billionth, at an eighth of the time; with a ten-thousandth training collides more.
+const NEGLIGIBLE_ODDS: f64 = 1e-5;
 /// Actions whose values differ by less than this share are equally good.
 const TIE: f64 = 1e-7;
 /// A greater discount would leave values without a floor.
 const GREATEST_DISCOUNT: f64 = 0.999_999;
 /// Values that may be updated at the beginning, and so many more with each step; what is left waits
 /// for later steps. Where moves are exact, this is more than there ever is to do. With noise every
-/// value depends a little on all others, and would be updated a thousand times at each step.
+/// value depends a little on all others, and far more could be done at each step. Too few updates
+/// cost quality: with 32 a step, policies in Maze4 took a quarter more steps at slip 0.1 and 0.25.
 const FIRST_UPDATES: usize = 100_000;
-const UPDATES_PER_STEP: usize = 32;
+const UPDATES_PER_STEP: usize = 1_024;
 /// Updates at once where nothing is new, and only the odds of a pair have changed.
-const UPDATES_FOR_ODDS: usize = 16;
+const UPDATES_FOR_ODDS: usize = 1_024;
 /// Places in the queue for each percept, on average, before it is tidied up.
 const MOST_PLACES: usize = 4;
 
@@ -163,14 +168,17 @@ impl Known {
         {
             self.before[next].push(pair);
         }
-        self.update(memory, pair.0);
+        let is_new = memory.outcomes(pair.0, pair.1).tries() == 1;
+        let (most, negligible) = match is_new {
+            true => (usize::MAX, NEGLIGIBLE),
+            false => (UPDATES_FOR_ODDS, NEGLIGIBLE_ODDS),
+        };
+        self.update(memory, pair.0, negligible);
         // There, a way back may have opened or closed.
         let nexts = memory.outcomes(pair.0, pair.1).nexts();
         nexts.for_each(|next| self.push(next, self.values[pair.0]));
-        let is_new = memory.outcomes(pair.0, pair.1).tries() == 1;
         self.updates = self.updates.saturating_add(UPDATES_PER_STEP);
-        let most = if is_new { usize::MAX } else { UPDATES_FOR_ODDS };
-        self.pass_on(memory, most);
+        self.pass_on(memory, most, negligible);
     }
 
     /// Takes note of whether `next`, taken right after a move by `first`, led back, and passes on
@@ -184,21 +192,21 @@ impl Known {
         let news = self.returns.learn(first, next, back);
         if news {
             (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
-            self.pass_on(memory, usize::MAX);
+            self.pass_on(memory, usize::MAX, NEGLIGIBLE);
         }
         news
     }
 
     /// Updates what waits for it, at most so many values. What has not changed is skipped: places
     /// in the queue are often many for one percept.
-    fn pass_on(&mut self, memory: &Transitions, most: usize) {
+    fn pass_on(&mut self, memory: &Transitions, most: usize, negligible: f64) {
         let mut left = most.min(self.updates);
         self.updates -= left;
         while left > 0
             && let Some((_, Reverse(percept))) = self.queue.pop()
         {
             if std::mem::take(&mut self.stale[percept]) {
-                self.update(memory, percept);
+                self.update(memory, percept, negligible);
                 left -= 1;
             }
         }
@@ -228,7 +236,7 @@ impl Known {
         Some(outcomes.mean(|o| o.reward - self.step + self.gamma * after(o.next)))
     }
 
-    fn update(&mut self, memory: &Transitions, percept: usize) {
+    fn update(&mut self, memory: &Transitions, percept: usize, negligible: f64) {
         let values = Action::all(self.actions);
         let values = values.filter_map(|action| self.value_of(memory, percept, action));
         let value = values.fold(0.0, f64::max);
@@ -238,7 +246,7 @@ impl Known {
             return;
         }
         let greater = value.max(old);
-        let is_great = (value - old).abs() > NEGLIGIBLE * greater;
+        let is_great = (value - old).abs() > negligible * greater;
         // From where its own moves lead, a way back may lead here.
         let own = Action::all(self.actions).map(|action| memory.outcomes(percept, action));
         let own = own.filter_map(|outcomes| outcomes.only_next());
@@ -332,7 +340,7 @@ mod tests {
 
     #[test]
     fn noise_updates_few_values_however_many_depend_on_them() {
-        let steps = 4_000;
+        let steps = 1_500;
         let (known, updates) = updates_of_noise(steps);
         let all: usize = updates.iter().map(|&(_, updated)| updated).sum();
         let most = FIRST_UPDATES + (1 + UPDATES_PER_STEP) * steps;
@@ -348,7 +356,11 @@ mod tests {
 
     #[test]
     fn what_waits_is_still_waiting_after_a_resumption() {
-        let (mut known, _) = updates_of_noise(2_000);
+        let (_, updates) = updates_of_noise(1_500);
+        let is_cut_short =
+            |&(is_new, updated): &(bool, usize)| !is_new && updated > UPDATES_FOR_ODDS;
+        let step = updates.iter().position(is_cut_short).unwrap();
+        let (mut known, _) = updates_of_noise(step + 1);
         known.tidy();
         let (values, (updates, queue), before, returns) = known.kept();
         assert!(!queue.is_empty(), "control");
