@@ -46,9 +46,10 @@ impl Knowledge {
         }
     }
 
-    /// Lets an XCS start from the rules; `false` if there are none.
+    /// Lets an XCS start from the rules; `false` if there are none that look at percepts.
     pub(super) fn bring_to(&self, xcs: &mut Xcs) -> bool {
-        self.rules().map(|rules| xcs.start_from(rules)).is_some()
+        let rules = self.rules().filter(|_| !self.remembers());
+        rules.map(|rules| xcs.start_from(rules)).is_some()
     }
 
     /// The worth of each of `actions` actions under a percept.

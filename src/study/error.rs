@@ -89,7 +89,7 @@ pub enum StudyError {
     Exists(PathBuf),
     /// The folder holds another study.
     #[error(
-        "{} holds another study (plan {found}, this one is {wanted}): choose another folder with `--out`, or replace the study in it with `--force`",
+        "{} holds another study (plan {found}, this one is {wanted}): choose another folder with `--out`, or, with `study run`, replace the study in it with `--force`",
         .folder.display()
     )]
     OtherStudy {

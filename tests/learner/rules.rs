@@ -183,6 +183,24 @@ fn a_run_that_began_with_rules_is_repeated_from_its_recording() {
 }
 
 #[test]
+fn rules_with_a_memory_are_refused_by_methods_without_one_before_anything_is_written() {
+    let desk = Desk::new("xcscr-memory");
+    for method in [
+        "xcs",
+        "adapted-even",
+        "xcscr",
+        "xcscr-coevolved",
+        "xcscr-plus",
+    ] {
+        let start = train(method, "maze4", "next");
+        let (code, message) = desk.refused(&[&start[..], &["--init-rules", "run"]].concat());
+        let named = format!("the method `{method}` cannot start from these rules");
+        assert!(code == Some(65) && message.contains(&named), "{message}");
+        assert!(!desk.0.path().join("next").exists(), "{method}");
+    }
+}
+
+#[test]
 fn rules_of_another_kind_are_refused_before_anything_is_written() {
     let desk = Desk::new("xcs");
     for method in ["xcscr-plus", "q-learning"] {

@@ -136,8 +136,8 @@ fn next_line(lines: &mut impl BufRead) -> io::Result<Vec<u8>> {
 
 fn damaged_line(number: u64) -> String {
     format!(
-        "line {number} is bad, and not the last; take it out, and `xcscr study run` runs its trial \
-         again"
+        "line {number} is bad, and not the last; take it out, and its trial is run again, by `xcscr study \
+         run` or, of a planned study, by `xcscr study task`"
     )
 }
 
