@@ -1,4 +1,4 @@
-//! What the README says about the paper's methods follows from `assets/results/`: each file there is
+//! What the pages say about the paper's methods follows from `assets/results/`: each file there is
 //! the `summary.json` of a study, `paper.json` and `ablation.json` of the presets with these names,
 //! `paper-physics.json` of `xcscr study run paper --arena physics`, the others of the study files that
 //! lie beside them.
@@ -17,6 +17,11 @@ const METHODS: [(&str, [u32; 3]); 4] = [
 
 fn text(name: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap()
+}
+
+/// The front page, and the page of results.
+fn pages() -> String {
+    text("README.md") + &text("docs/src/results.md")
 }
 
 fn results(name: &str) -> Value {
@@ -49,7 +54,7 @@ fn cell(arm: &Value) -> String {
 #[test]
 fn the_table_of_the_paper_is_that_of_the_results() {
     let summary = results("paper");
-    let readme = text("README.md");
+    let page = text("docs/src/results.md");
     for (method, paper) in METHODS {
         let arms = arms(&summary).iter();
         let cells = arms.filter(|arm| arm["method"] == method).map(cell);
@@ -57,7 +62,7 @@ fn the_table_of_the_paper_is_that_of_the_results() {
             .zip(paper)
             .map(|(ours, paper)| format!(" {ours} | {paper} |"));
         let row = format!("| `{method}` |{}", cells.collect::<String>());
-        assert!(readme.contains(&row), "the README lacks\n{row}");
+        assert!(page.contains(&row), "the results lack\n{row}");
     }
 }
 
@@ -93,7 +98,7 @@ fn default_cell(arm: &Value) -> String {
 #[test]
 fn the_rows_of_the_default_settings_are_those_of_the_results() {
     let summary = results("defaults");
-    let readme = text("README.md");
+    let page = text("docs/src/results.md");
     let mut methods: Vec<&Value> = arms(&summary).iter().map(|arm| &arm["method"]).collect();
     methods.dedup();
     let methods: Vec<&str> = methods[..9]
@@ -110,7 +115,7 @@ fn the_rows_of_the_default_settings_are_those_of_the_results() {
             "| `{method}` |{}",
             own.map(default_cell).collect::<String>()
         );
-        assert!(readme.contains(&row), "the README lacks\n{row}");
+        assert!(page.contains(&row), "the results lack\n{row}");
     }
 }
 
@@ -126,18 +131,18 @@ fn in_physics_the_paper_s_numbers_are_the_same() {
     };
     assert_eq!(figures("paper"), figures("paper-physics"));
     let told = "With `--arena physics` the twelve numbers, and the steps, are the same";
-    assert!(text("README.md").contains(told));
+    assert!(pages().contains(told));
 }
 
 #[test]
-fn what_the_readme_says_of_xcsam_is_in_the_results() {
+fn what_the_pages_say_of_xcsam_is_in_the_results() {
     let summary = results("paper-xcsam");
     let found: Vec<String> = arms(&summary)
         .iter()
         .map(|arm| arm["successes"].to_string())
         .collect();
     let told = format!("in {} of 100 trials", found.join(", "));
-    assert!(text("README.md").contains(&told), "the README lacks {told}");
+    assert!(pages().contains(&told), "the pages lack {told}");
 }
 
 const MECHANISMS: [&str; 4] = [
@@ -191,12 +196,24 @@ fn what_the_mechanisms_contribute_is_in_the_results() {
     let added = span(&mut three.map(|effect| effect.0));
     let last = by_maze[1..].iter().flat_map(|maze| &maze[..3]);
     let last = span(&mut last.map(|effect| effect.1));
-    let readme = text("README.md").replace('\n', " ");
+    let pages = pages().replace('\n', " ");
     for told in [
         format!("short-term filter add {added} points each"),
         format!("is still worth {last} points in Maze5 and Maze6"),
     ] {
-        assert!(readme.contains(&told), "the README lacks {told}");
+        assert!(pages.contains(&told), "the pages lack {told}");
     }
     assert!(by_maze.iter().all(|maze| maze[3].0.abs() < 2.0));
+}
+
+#[test]
+fn rows_of_the_front_page_stand_among_the_results() {
+    let (readme, results) = (text("README.md"), text("docs/src/results.md"));
+    let (_, after) = readme.split_once("## Results").unwrap();
+    let (told, _) = after.split_once("### Rules that can be read").unwrap();
+    let rows: Vec<&str> = told.lines().filter(|line| line.starts_with("| ")).collect();
+    assert!(rows.len() > 15, "{rows:?}");
+    for row in rows {
+        assert!(results.contains(row), "the results lack\n{row}");
+    }
 }

@@ -130,6 +130,11 @@ fn the_page_about_recordings_can_be_followed() {
 }
 
 #[test]
+fn the_page_of_results_can_be_followed() {
+    assert!(follow("docs/src/results.md") > 3);
+}
+
+#[test]
 fn the_page_about_studies_can_be_followed() {
     assert!(follow("docs/src/studies.md") > 8);
 }
