@@ -27,7 +27,7 @@ SCHEMAS = {
     "/scene/robot": "foxglove.SceneUpdate",
     "/scene/policy": "foxglove.SceneUpdate",
     "/scene/trail": "foxglove.SceneUpdate",
-    "/worth": "foxglove.Grid",
+    "/worth": "foxglove.SceneUpdate",
     "/contact": "xcscr.Contact",
     "/step": "xcscr.Step",
     "/episode": "xcscr.Episode",
@@ -40,7 +40,6 @@ SCHEMAS = {
     "/scene/worth": "foxglove.SceneUpdate",
     "/ended": "xcscr.Ended",
     "/estimate": "xcscr.Estimate",
-    "/scene/estimate": "foxglove.SceneUpdate",
     "/scan": "foxglove.LaserScan",
 }
 ONLY_IN_EPISODES = {
@@ -54,7 +53,7 @@ ONLY_IN_EPISODES = {
 }
 ONLY_IN_RUN = {"/ended"}
 # What a robot that senses believes, and what its beams measured, which is recorded on demand.
-ONLY_IF_SENSED = {"/estimate", "/scene/estimate"}
+ONLY_IF_SENSED = {"/estimate"}
 ON_DEMAND = {"/scan"}
 ATTACHED = {"world.json", "config.json"}
 ATTACHED_TO_RUN = {"foxglove-layout.json", "rules.json"}

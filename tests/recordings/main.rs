@@ -14,5 +14,6 @@ mod recording_faults;
 mod recovery;
 mod ros;
 mod serving;
+mod size;
 mod story;
 mod watching;

@@ -320,7 +320,7 @@ fn two_runs_are_compared_side_by_side_in_one_recording_in_which_nothing_interlea
     let known: BTreeSet<String> = both.topics().into_iter().map(|topic| topic.name).collect();
     for path in xcscr::record::layout::paths(layout) {
         // Only what a robot that senses believes may be missing.
-        let is_known = known.contains(&path.topic) || path.topic.ends_with("/scene/estimate");
+        let is_known = known.contains(&path.topic);
         assert!(is_known, "{path}");
     }
     let (code, _, stderr) = outcome(&["replay", one, "--compare", "-o", to]);

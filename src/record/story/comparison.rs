@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use foxglove::messages::{FrameTransforms, Grid, SceneUpdate};
+use foxglove::messages::{FrameTransforms, SceneUpdate};
 use mcap::McapResult;
 use mcap::records::{MessageHeader, Metadata};
 
@@ -133,17 +133,11 @@ fn below(side: &str, topic: Topic, data: &[u8]) -> Vec<u8> {
             }
             encoded(&frames)
         }),
-        Topic::Worth => decoded(data).map(|mut grid: Grid| {
-            put(&mut grid.frame_id);
-            encoded(&grid)
+        topic if topic.is_scene() => decoded(data).map(|mut scene: SceneUpdate| {
+            let frames = scene.entities.iter_mut();
+            frames.for_each(|entity| put(&mut entity.frame_id));
+            encoded(&scene)
         }),
-        topic if topic.name().starts_with("/scene/") => {
-            decoded(data).map(|mut scene: SceneUpdate| {
-                let frames = scene.entities.iter_mut();
-                frames.for_each(|entity| put(&mut entity.frame_id));
-                encoded(&scene)
-            })
-        }
         _ => return data.to_vec(),
     };
     // A story holds only what could be decoded.

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use foxglove::messages::{
-    FrameTransform, FrameTransforms, Grid, LaserScan, Log, SceneUpdate, Timestamp,
-};
+use foxglove::messages::{FrameTransform, FrameTransforms, LaserScan, Log, SceneUpdate, Timestamp};
 use foxglove::{Decode, Encode};
 
 use crate::record::topics::{Topic, timestamp};
@@ -58,22 +56,17 @@ pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, Stri
         Topic::Maze
         | Topic::Robot
         | Topic::Policy
+        | Topic::Worth
         | Topic::Trail
         | Topic::Caption
         | Topic::RuleText
         | Topic::Percept
-        | Topic::Landscape
-        | Topic::Ghost => {
+        | Topic::Landscape => {
             let mut scene: SceneUpdate = decoded(data)?;
             for entity in &mut scene.entities {
                 tempo.stamp(&mut entity.timestamp);
             }
             Ok(encoded(&scene))
-        }
-        Topic::Worth => {
-            let mut grid: Grid = decoded(data)?;
-            tempo.stamp(&mut grid.timestamp);
-            Ok(encoded(&grid))
         }
         Topic::Scan => {
             let mut scan: LaserScan = decoded(data)?;

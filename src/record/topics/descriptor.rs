@@ -1,28 +1,35 @@
 //! The definitions of well-known messages, in as few bytes as say it.
 //!
-//! A recording carries each definition twice, and an episode may have ten steps only: as the
-//! libraries have them, they would be a quarter of its file. Left out are fields that we never
-//! write, and what no reader needs: options, and names for JSON. Messages share files as far as
-//! they can: readers put all definitions of a recording into one pool, in which a file must be the
-//! same whoever brings it, and a message must not be in two.
+//! A recording carries each definition twice, once of them uncompressed, and an episode may have ten
+//! steps only: as the libraries have them, they would be a quarter of its file. Left out are fields
+//! that we never write, and what no reader needs: options, names for JSON, and what is the default
+//! anyway. What a message consists of is defined inside it: readers may put all definitions of a
+//! recording into one pool, in which a file must be the same whoever brings it, and a message must
+//! not be in two.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use foxglove::Schema;
 use prost::Message;
-use prost_types::{DescriptorProto, FileDescriptorProto, FileDescriptorSet};
+use prost_types::field_descriptor_proto::Label;
+use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 
 /// Fields that are never written, by their message.
-const UNUSED: [(&str, &str); 5] = [
+const UNUSED: [(&str, &str); 8] = [
     ("SceneUpdate", "deletions"),
     ("SceneEntity", "lifetime"),
     ("SceneEntity", "metadata"),
+    ("SceneEntity", "arrows"),
     ("SceneEntity", "spheres"),
     ("SceneEntity", "models"),
+    ("Log", "file"),
+    ("Log", "line"),
 ];
-/// Messages that several well-known ones are made of; each has a file of its own.
-const SHARED: [&str; 3] = ["Vector3", "Quaternion", "Pose"];
+/// Levels of a log that are never written.
+const UNSAID: [&str; 3] = ["DEBUG", "ERROR", "FATAL"];
+/// What the names of parts end with, and no reader looks for.
+const PRIMITIVE: &str = "Primitive";
 const PACKAGE: &str = "foxglove";
 const OF_TIME: &str = "google.protobuf";
 const TIME_FILE: &str = "google/protobuf/timestamp.proto";
@@ -31,31 +38,20 @@ const TIME_FILE: &str = "google/protobuf/timestamp.proto";
 pub(super) fn short(schema: &Schema) -> Schema {
     let whole = FileDescriptorSet::decode(&*schema.data)
         .expect("well-known schemas are sets of descriptors");
-    let root = schema.name.trim_start_matches("foxglove.");
-    let used = used(messages(&whole, PACKAGE), root);
-    let is_shared = |message: &DescriptorProto| SHARED.contains(&message.name());
-    let (shared, own): (Vec<_>, Vec<_>) = used.into_iter().partition(is_shared);
+    let name = schema.name.trim_start_matches("foxglove.");
+    let used = used(messages(&whole, PACKAGE), name);
+    let is_root = |message: &DescriptorProto| message.name() == name;
+    let (mut roots, parts): (Vec<_>, Vec<_>) = used.into_iter().partition(is_root);
+    roots
+        .iter_mut()
+        .for_each(|root| root.nested_type.extend(parts.iter().cloned()));
     let mut time = messages(&whole, OF_TIME);
     time.retain(|message| message.name() == "Timestamp");
-    let mut files = vec![file(TIME_FILE, OF_TIME, time)];
-    // A pose consists of the other two.
-    for message in shared {
-        let name = format!("{PACKAGE}/{}.proto", message.name());
-        let mut file = file(&name, PACKAGE, vec![message.clone()]);
-        file.dependency = match message.name() {
-            "Pose" => files[1..]
-                .iter()
-                .map(|file| file.name().to_owned())
-                .collect(),
-            _ => Vec::new(),
-        };
-        files.push(file);
-    }
-    let mut own = file(&format!("{PACKAGE}/{root}.proto"), PACKAGE, own);
-    own.dependency = files.iter().map(|file| file.name().to_owned()).collect();
-    files.push(own);
+    let mut own = file(&format!("{name}.proto"), PACKAGE, roots);
+    own.dependency = vec![TIME_FILE.to_owned()];
+    let file = vec![file(TIME_FILE, OF_TIME, time), own];
     Schema {
-        data: Cow::Owned(FileDescriptorSet { file: files }.encode_to_vec()),
+        data: Cow::Owned(FileDescriptorSet { file }.encode_to_vec()),
         ..schema.clone()
     }
 }
@@ -68,17 +64,30 @@ fn messages(set: &FileDescriptorSet, package: &str) -> Vec<DescriptorProto> {
         let name = message.name().to_owned();
         let is_used = |field: &str| !UNUSED.contains(&(name.as_str(), field));
         message.field.retain(|field| is_used(field.name()));
-        for field in &mut message.field {
-            field.json_name = None;
-            // Names without a dot in front are looked up in the package first.
-            let own = field.type_name.as_deref();
-            let own = own.and_then(|name| name.strip_prefix(".foxglove."));
-            if let Some(own) = own.map(str::to_owned) {
-                field.type_name = Some(own);
-            }
+        message.field.iter_mut().for_each(shorten);
+        message.name = Some(name.replace(PRIMITIVE, ""));
+        for one in &mut message.enum_type {
+            one.value.retain(|value| !UNSAID.contains(&value.name()));
         }
     }
     found
+}
+
+/// Leaves out of a field what follows from the rest.
+fn shorten(field: &mut FieldDescriptorProto) {
+    field.json_name = None;
+    if field.label() == Label::Optional {
+        field.label = None;
+    }
+    if field.type_name.is_some() {
+        field.r#type = None;
+    }
+    // Names without a dot in front are looked up around the field first.
+    let own = field.type_name.as_deref();
+    let own = own.and_then(|name| name.strip_prefix(".foxglove."));
+    if let Some(own) = own.map(|name| name.replace(PRIMITIVE, "")) {
+        field.type_name = Some(own);
+    }
 }
 
 /// Those of which `root` and its parts consist.
@@ -110,7 +119,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use foxglove::Encode;
-    use foxglove::messages::{FrameTransforms, Grid, LaserScan, Log, SceneUpdate};
+    use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
 
     use super::*;
 
@@ -118,11 +127,26 @@ mod tests {
         let all = [
             FrameTransforms::get_schema(),
             SceneUpdate::get_schema(),
-            Grid::get_schema(),
             Log::get_schema(),
             LaserScan::get_schema(),
         ];
         all.into_iter().flatten().collect()
+    }
+
+    /// All messages of a file, those inside others, too, by their full names.
+    fn defined(file: &FileDescriptorProto) -> BTreeMap<String, DescriptorProto> {
+        let mut left: Vec<(String, &DescriptorProto)> = file
+            .message_type
+            .iter()
+            .map(|message| (file.package().to_owned(), message))
+            .collect();
+        let mut found = BTreeMap::new();
+        while let Some((scope, message)) = left.pop() {
+            let name = format!("{scope}.{}", message.name());
+            left.extend(message.nested_type.iter().map(|part| (name.clone(), part)));
+            found.insert(name, message.clone());
+        }
+        found
     }
 
     #[test]
@@ -131,10 +155,10 @@ mod tests {
         for schema in well_known() {
             let short = FileDescriptorSet::decode(&*short(&schema).data).unwrap();
             for file in short.file {
-                for message in &file.message_type {
-                    let name = format!("{}.{}", file.package(), message.name());
-                    let home = homes.entry(name).or_insert_with(|| file.name().to_owned());
-                    assert_eq!(home, file.name(), "{}", message.name());
+                for name in defined(&file).into_keys() {
+                    let home = homes.entry(name.clone());
+                    let home = home.or_insert_with(|| file.name().to_owned());
+                    assert_eq!(home, file.name(), "{name}");
                 }
                 let known = files.entry(file.name().to_owned());
                 let known = known.or_insert_with(|| file.clone());
@@ -144,29 +168,40 @@ mod tests {
         assert!(homes.len() > 20, "{homes:?}");
     }
 
+    /// Is there what a field inside the message `scope` names, there or further out?
+    fn is_found(known: &BTreeMap<String, DescriptorProto>, scope: &str, part: &str) -> bool {
+        let mut scope = Some(scope);
+        while let Some(inner) = scope {
+            let (message, last) = part.rsplit_once('.').unwrap_or(("", part));
+            let home = format!("{inner}.{message}");
+            let enums = known.get(home.trim_end_matches('.'));
+            let enums = enums.into_iter().flat_map(|home| &home.enum_type);
+            if known.contains_key(&format!("{inner}.{part}"))
+                || enums.map(|one| one.name()).any(|name| name == last)
+            {
+                return true;
+            }
+            scope = inner.rsplit_once('.').map(|(outer, _)| outer);
+        }
+        part.strip_prefix('.')
+            .is_some_and(|full| known.contains_key(full))
+    }
+
     #[test]
     fn a_definition_has_all_that_it_names_and_all_of_them_two_thirds_of_the_bytes_at_most() {
         let (mut all_now, mut all_before) = (0, 0);
         for schema in well_known() {
             let short = short(&schema);
             let set = FileDescriptorSet::decode(&*short.data).unwrap();
-            let defined: Vec<&str> = set
-                .file
-                .iter()
-                .flat_map(|f| &f.message_type)
-                .map(|m| m.name())
-                .collect();
-            for message in set.file.iter().flat_map(|file| &file.message_type) {
-                let nested: Vec<&str> = message.enum_type.iter().map(|one| one.name()).collect();
-                for part in message
-                    .field
-                    .iter()
-                    .filter_map(|field| field.type_name.as_deref())
-                {
-                    let name = part.rsplit('.').next().unwrap();
-                    assert!(defined.contains(&name) || nested.contains(&name), "{part}");
+            let known: BTreeMap<_, _> = set.file.iter().flat_map(defined).collect();
+            assert!(known.contains_key(&schema.name), "{}", schema.name);
+            for (name, message) in &known {
+                let parts = message.field.iter();
+                for part in parts.filter_map(|field| field.type_name.as_deref()) {
+                    assert!(is_found(&known, name, part), "{part} in {name}");
                 }
             }
+            assert!(!is_found(&known, &schema.name, "Nothing"));
             let (now, before) = (short.data.len(), schema.data.len());
             assert!(now < before, "{}: {now} of {before}", schema.name);
             all_now += now;

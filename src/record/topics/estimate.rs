@@ -1,11 +1,11 @@
-//! `/estimate` and `/scene/estimate`: where the robot believes to be, how sure it is, and how much
+//! `/estimate`, and in `/scene/percept`: where the robot believes to be, how sure it is, and how much
 //! it is mistaken.
 
-use foxglove::messages::{CylinderPrimitive, Pose, Quaternion, SceneUpdate};
+use foxglove::messages::{CylinderPrimitive, Pose, Quaternion, SceneEntity};
 use nalgebra::{Complex, Matrix3, UnitComplex};
 use serde::Serialize;
 
-use super::scene::{ESTIMATE, color, entity, heading, place, update, vector};
+use super::scene::{ESTIMATE, color, entity, heading, place, vector};
 use super::schema::{Kind, Object};
 use super::{decimal, rounded};
 use crate::arena::{Sample, Sensed};
@@ -121,7 +121,11 @@ pub(super) fn schema() -> Object {
 }
 
 /// An ellipse around the believed position, ten times as large as it is, and a ghost of the robot where it believes to be.
-pub(in crate::record) fn scene(sensed: &Sensed<'_>, radius_m: f64, time_ns: u64) -> SceneUpdate {
+pub(in crate::record) fn entities(
+    sensed: &Sensed<'_>,
+    radius_m: f64,
+    time_ns: u64,
+) -> [SceneEntity; 2] {
     let mut ellipse = entity("ellipse", ESTIMATE, time_ns);
     ellipse.cylinders = sensed
         .estimates
@@ -159,7 +163,7 @@ pub(in crate::record) fn scene(sensed: &Sensed<'_>, radius_m: f64, time_ns: u64)
         top_scale: rounded(1.0),
         color: color(GHOST, 0.6),
     }];
-    update(vec![ellipse, ghost])
+    [ellipse, ghost]
 }
 
 /// A number as finely as anyone sees it in the picture.

@@ -27,7 +27,7 @@ pub(super) use scene::timestamp;
 
 use std::sync::LazyLock;
 
-use foxglove::messages::{FrameTransforms, Grid, LaserScan, Log, SceneUpdate};
+use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
 use strum::VariantArray;
 
@@ -45,7 +45,7 @@ pub enum Topic {
     Robot,
     /// `/scene/policy`: the best actions of each cell, as they are learned.
     Policy,
-    /// `/worth`: the greatest worth of each cell as a heat map, as it is learned.
+    /// `/worth`: the greatest worth of each cell as colour on the floor, as it is learned.
     Worth,
     /// `/scene/trail`: the way that the robot took in this episode, after each step.
     Trail,
@@ -65,14 +65,13 @@ pub enum Topic {
     Rule,
     /// `/scene/rule`: the same over the robot.
     RuleText,
-    /// `/scene/percept`: what the robot perceives of the cells around it, when it decides.
+    /// `/scene/percept`: what the robot perceives of the cells around it, and where one that only
+    /// senses believes to be, when it decides.
     Percept,
     /// `/scene/worth`: what cells are worth as columns, when an episode was learned.
     Landscape,
     /// `/estimate`: where a robot that only senses believes to be, and how much it is mistaken.
     Estimate,
-    /// `/scene/estimate`: the same as a picture.
-    Ghost,
     /// `/scan`: what the beams of the lidar measured, if they are recorded.
     Scan,
     /// `/ended`: the number of an episode that is over. Viewers that plot figures by episode want
@@ -127,7 +126,6 @@ impl Topic {
             Self::Percept => ("/scene/percept", Place::Episode),
             Self::Landscape => ("/scene/worth", Place::Both),
             Self::Estimate => ("/estimate", Place::Sensed),
-            Self::Ghost => ("/scene/estimate", Place::Sensed),
             Self::Scan => ("/scan", Place::Beams),
             Self::Ended => ("/ended", Place::Run),
         }
@@ -139,13 +137,12 @@ impl Topic {
             Self::Maze
             | Self::Robot
             | Self::Policy
+            | Self::Worth
             | Self::Trail
             | Self::Caption
             | Self::RuleText
             | Self::Percept
-            | Self::Landscape
-            | Self::Ghost => Content::WellKnown(SceneUpdate::get_schema()),
-            Self::Worth => Content::WellKnown(Grid::get_schema()),
+            | Self::Landscape => Content::WellKnown(SceneUpdate::get_schema()),
             Self::Log => Content::WellKnown(Log::get_schema()),
             Self::Scan => Content::WellKnown(LaserScan::get_schema()),
             Self::Contact => Content::Own(contact::schema()),
@@ -183,6 +180,11 @@ impl Topic {
     /// The topics of `run.mcap`.
     pub fn of_run() -> Vec<Self> {
         Self::at(|place| matches!(place, Place::Both | Place::Run))
+    }
+
+    /// Are its messages scenes?
+    pub(super) fn is_scene(self) -> bool {
+        self == Self::Worth || self.name().starts_with("/scene/")
     }
 
     /// Does only a robot that senses have it? Layouts show it nevertheless: viewers leave out what a

@@ -1,6 +1,7 @@
-//! `/scene/percept`: what the robot perceives of the eight cells around it, as frames around them.
+//! `/scene/percept`: what the robot perceives of the eight cells around it, as frames around them, and
+//! where it believes to be.
 
-use foxglove::messages::{LinePrimitive, Point3, SceneUpdate, line_primitive};
+use foxglove::messages::{LinePrimitive, Point3, SceneEntity, SceneUpdate, line_primitive};
 use nalgebra::{Point2, Vector2};
 
 use super::rounded;
@@ -19,24 +20,45 @@ const HEIGHT: f64 = 0.28;
 const THICK: f64 = 0.045;
 
 /// The frames around the cell in which the robot decides; none if it perceives no cells around.
-pub(in crate::record) fn scene(
+pub(in crate::record) fn halo(
     sensor: Sensor,
     maze: &Maze,
     cell: Cell,
     percept: &Percept,
     time_ns: u64,
-) -> SceneUpdate {
+) -> SceneEntity {
     let mut halo = entity("percept", WORLD, time_ns);
     if sensor.begins_with_neighbours() {
-        let corners = corners(maze);
-        let kinds = KINDS.iter().enumerate();
-        let frames = kinds.map(|(kind, &rgb)| (rgb, edges(percept, kind)));
-        let shown = frames.filter(|(_, edges)| !edges.is_empty());
-        halo.lines = shown
-            .map(|(rgb, edges)| frames_of(maze, cell, rgb, corners.clone(), edges))
-            .collect();
+        halo.lines = vec![frames(maze, cell, percept)];
     }
-    update(vec![halo])
+    halo
+}
+
+/// What the robot perceives and believes.
+pub(in crate::record) fn scene(halo: SceneEntity, belief: &[SceneEntity]) -> SceneUpdate {
+    let mut entities = vec![halo];
+    entities.extend_from_slice(belief);
+    update(entities)
+}
+
+fn frames(maze: &Maze, cell: Cell, percept: &Percept) -> LinePrimitive {
+    let (at, unit) = (maze.centre_m(cell), maze.cell_size_m());
+    let kinds = (0..Direction::CLOCKWISE.len()).map(|number| perceived(percept, number));
+    let colors = kinds.flat_map(|kind| [color(KINDS[kind], 0.9).unwrap_or_default(); 4]);
+    let edges = [0, 1, 1, 2, 2, 3, 3, 0];
+    let cells = 0..Direction::CLOCKWISE.len() as u32;
+    LinePrimitive {
+        r#type: line_primitive::Type::LineList as i32,
+        pose: place(at.x, at.y, HEIGHT * unit),
+        thickness: rounded(THICK * unit),
+        scale_invariant: false,
+        points: corners(maze),
+        color: None,
+        colors: colors.collect(),
+        indices: cells
+            .flat_map(|cell| edges.map(|corner| 4 * cell + corner))
+            .collect(),
+    }
 }
 
 /// The corners of the frames of all eight cells, four for each, seen from the robot's cell: so
@@ -54,40 +76,11 @@ fn corners(maze: &Maze) -> Vec<Point3> {
     framed.collect()
 }
 
-/// The edges of the frames of all cells of a kind, as pairs of corners.
-fn edges(percept: &Percept, kind: usize) -> Vec<u32> {
-    let of_kind = (0..Direction::CLOCKWISE.len()).filter(|&at| perceived(percept, at) == kind);
-    let edges = [0, 1, 1, 2, 2, 3, 3, 0];
-    of_kind
-        .flat_map(|cell| edges.map(|corner| 4 * cell as u32 + corner))
-        .collect()
-}
-
 /// What the bits of cell `number` say: free, wall or goal, as an index into their colours.
 fn perceived(percept: &Percept, number: usize) -> usize {
     match (percept.bit(2 * number), percept.bit(2 * number + 1)) {
         (true, _) => 2,
         (false, true) => 1,
         (false, false) => 0,
-    }
-}
-
-fn frames_of(
-    maze: &Maze,
-    cell: Cell,
-    rgb: u32,
-    corners: Vec<Point3>,
-    edges: Vec<u32>,
-) -> LinePrimitive {
-    let (at, unit) = (maze.centre_m(cell), maze.cell_size_m());
-    LinePrimitive {
-        r#type: line_primitive::Type::LineList as i32,
-        pose: place(at.x, at.y, HEIGHT * unit),
-        thickness: rounded(THICK * unit),
-        scale_invariant: false,
-        points: corners,
-        color: color(rgb, 0.9),
-        colors: Vec::new(),
-        indices: edges,
     }
 }

@@ -79,7 +79,7 @@ pub(in crate::record) fn columns(policy: Option<&PolicyMap>, maze: &Maze) -> Vec
     let unit = maze.cell_size_m();
     let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
     let columns = ranked.filter_map(|((cell, _), rank)| {
-        let (at, high) = (maze.centre_m(*cell), COLUMN[0] * (0.05 + rank?) * unit);
+        let (at, high) = (maze.centre_m(*cell), height(rank?) * unit);
         let size = vector(COLUMN[1] * unit, COLUMN[1] * unit, high);
         Some(cube(
             place(at.x, at.y, high / 2.0),
@@ -88,6 +88,11 @@ pub(in crate::record) fn columns(policy: Option<&PolicyMap>, maze: &Maze) -> Vec
         ))
     });
     columns.collect()
+}
+
+/// How high a column of this rank is, in cells: in sixteenths, which take few bytes.
+fn height(rank: f64) -> f64 {
+    (16.0 * COLUMN[0] * (0.05 + rank)).round() / 16.0
 }
 
 /// These columns as a scene.

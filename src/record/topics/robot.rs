@@ -2,9 +2,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use foxglove::messages::{
-    ArrowPrimitive, CylinderPrimitive, Pose, Quaternion, SceneEntity, SceneUpdate,
-};
+use foxglove::messages::{CylinderPrimitive, Pose, Quaternion, SceneEntity, SceneUpdate};
 
 use super::rounded;
 use super::scene::{ROBOT, color, entity, place, update, vector};
@@ -26,15 +24,32 @@ pub(in crate::record) fn scene(robot: &RobotShape, time_ns: u64) -> SceneUpdate 
         wheel(robot, 0.5),
         wheel(robot, -0.5),
     ];
-    body.arrows = vec![ArrowPrimitive {
-        pose: place(0.1 * r, 0.0, deck + 0.3 * r),
-        shaft_length: rounded(0.4 * r),
-        shaft_diameter: rounded(0.16 * r),
-        head_length: rounded(0.45 * r),
-        head_diameter: rounded(0.45 * r),
-        color: color(NOSE, 1.0),
-    }];
+    let high = deck + 0.3 * r;
+    body.cylinders.extend([
+        ahead([0.1 * r, 0.5 * r], high, [0.16 * r, 0.16 * r]),
+        ahead([0.5 * r, 0.95 * r], high, [0.45 * r, 0.0]),
+    ]);
     update(vec![body])
+}
+
+/// A part of the arrow that shows ahead: from where to where, how high, and how wide at both ends.
+fn ahead([from, to]: [f64; 2], high: f64, [wide, narrow]: [f64; 2]) -> CylinderPrimitive {
+    // A quarter turn about y lays the cylinder's axis along x.
+    let quarter = rounded(FRAC_1_SQRT_2);
+    CylinderPrimitive {
+        pose: Some(Pose {
+            position: Some(vector((from + to) / 2.0, 0.0, high)),
+            orientation: Some(Quaternion {
+                y: quarter,
+                w: quarter,
+                ..Quaternion::default()
+            }),
+        }),
+        size: Some(vector(wide, wide, to - from)),
+        bottom_scale: 1.0,
+        top_scale: rounded(narrow / wide),
+        color: color(NOSE, 1.0),
+    }
 }
 
 /// A round slice from height `bottom` upwards, whose top is scaled.

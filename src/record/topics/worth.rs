@@ -1,89 +1,68 @@
-//! `/worth`: the greatest worth of each cell as a heat map.
+//! `/worth`: the greatest worth of each cell as colour on the floor.
 
 use std::collections::BTreeMap;
 
-use foxglove::bytes::Bytes;
-use foxglove::messages::{Grid, PackedElementField, Vector2, packed_element_field::NumericType};
+use foxglove::messages::{Point3, SceneUpdate, TriangleListPrimitive};
+use nalgebra::Vector2;
 
-use super::rounded;
-use super::scene::{WORLD, place, timestamp};
+use super::scene::{WORLD, color, entity, place, point, update};
 use crate::episode::PolicyMap;
 use crate::world::{Cell, Maze};
 
-/// Bytes per cell: four of colour, then the worth as a `f32`.
-const CELL_BYTES: u32 = 8;
 /// Red below 0, blue above; the opacity tells the rank among all cells, so that cells far from the
 /// goal differ, too.
-const BAD: [u8; 3] = [0xf0, 0x6a, 0x70];
-const GOOD: [u8; 3] = [0x5a, 0xa9, 0xff];
+const BAD: u32 = 0xf06a70;
+const GOOD: u32 = 0x5aa9ff;
+/// Opacities of the least and of the greatest rank ...
+const OPACITY: [f64; 2] = [0.08, 0.78];
+/// ... between which so many steps are told apart, each a list of triangles in one colour.
+const SHADES: f64 = 8.0;
+/// The corners of a cell, seen from its middle, and the two triangles between them.
+const CORNERS: [[f64; 2]; 4] = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
 
-/// What each cell is worth: its colour, and its worth, NaN where that is unknown. A vast maze is a
-/// single cell.
-pub(in crate::record) fn heat(policy: Option<&PolicyMap>, maze: &Maze) -> Bytes {
-    let Some(policy) = policy.filter(|_| !maze.is_vast()) else {
-        let cells = match maze.is_vast() {
-            true => 1,
-            false => usize::from(maze.width()) * usize::from(maze.height()),
-        };
-        return packed(None).repeat(cells).into();
-    };
-    let ranked = policy.cells().map(|(cell, _)| *cell).zip(policy.ranks());
-    let ranks: BTreeMap<Cell, f64> = ranked
-        .filter_map(|(cell, rank)| Some((cell, rank?)))
-        .collect();
-    let rows = (0..maze.height()).rev();
-    let cells = rows.flat_map(|row| (0..maze.width()).map(move |col| Cell { col, row }));
-    let data = cells.flat_map(|cell| {
-        let worth = policy.worth(cell).and_then(|worth| worth.greatest());
-        packed(worth.zip(ranks.get(&cell).copied()))
+/// How a cell is coloured: worth less than nothing or not, and the step of its opacity.
+pub(in crate::record) type Tint = (bool, u8);
+
+/// The cells whose worth is known, and how they are coloured; none of a vast maze.
+pub(in crate::record) fn tints(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<(Cell, Tint)> {
+    let policy = policy.filter(|_| !maze.is_vast());
+    let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
+    let known = ranked.filter_map(|((cell, worth), rank)| {
+        let is_bad = worth.greatest()? < 0.0;
+        let share = if is_bad { 1.0 - rank? } else { rank? };
+        Some((*cell, (is_bad, (share * SHADES).round() as u8)))
     });
-    data.collect::<Vec<u8>>().into()
+    known.collect()
 }
 
-/// Colour and worth of a cell, from its worth and rank.
-fn packed(known: Option<(f64, f64)>) -> [u8; CELL_BYTES as usize] {
-    let Some((worth, rank)) = known else {
-        let [a, b, c, d] = f32::NAN.to_le_bytes();
-        return [0, 0, 0, 0, a, b, c, d];
-    };
-    let [r, g, b] = if worth < 0.0 { BAD } else { GOOD };
-    let share = if worth < 0.0 { 1.0 - rank } else { rank };
-    let opacity = (20.0 + 180.0 * share).round() as u8;
-    let [w, x, y, z] = (rounded(worth) as f32).to_le_bytes();
-    [r, g, b, opacity, w, x, y, z]
+/// The coloured floor.
+pub(in crate::record) fn scene(tints: &[(Cell, Tint)], maze: &Maze, time_ns: u64) -> SceneUpdate {
+    let mut corners: BTreeMap<Tint, Vec<Point3>> = BTreeMap::new();
+    for &(cell, tint) in tints {
+        let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
+        let around = CORNERS.map(|[x, y]| point(at + Vector2::new(x, y) * unit, 0.0));
+        corners.entry(tint).or_default().extend(around);
+    }
+    let mut floor = entity("worth", WORLD, time_ns);
+    let corners = corners.into_iter();
+    floor.triangles = corners
+        .map(|(tint, corners)| squares(maze, tint, corners))
+        .collect();
+    update(vec![floor])
 }
 
-/// The map of what each cell is worth.
-pub(in crate::record) fn grid(maze: &Maze, time_ns: u64, heat: Bytes) -> Grid {
-    let unit = maze.cell_size_m();
-    let (width, height) = (maze.width(), maze.height());
-    let (columns, cells_wide, cells_high) = match maze.is_vast() {
-        true => (1, width, height),
-        false => (u32::from(width), 1, 1),
-    };
-    let field = |name: &str, offset, kind: NumericType| PackedElementField {
-        name: name.to_owned(),
-        offset,
-        r#type: kind as i32,
-    };
-    Grid {
-        timestamp: Some(timestamp(time_ns)),
-        frame_id: WORLD.to_owned(),
-        pose: place(0.0, 0.0, 0.002 * unit),
-        column_count: columns,
-        cell_size: Some(Vector2 {
-            x: f64::from(cells_wide) * unit,
-            y: f64::from(cells_high) * unit,
-        }),
-        row_stride: columns * CELL_BYTES,
-        cell_stride: CELL_BYTES,
-        fields: vec![
-            field("red", 0, NumericType::Uint8),
-            field("green", 1, NumericType::Uint8),
-            field("blue", 2, NumericType::Uint8),
-            field("alpha", 3, NumericType::Uint8),
-            field("worth", 4, NumericType::Float32),
-        ],
-        data: heat,
+fn squares(maze: &Maze, (is_bad, shade): Tint, corners: Vec<Point3>) -> TriangleListPrimitive {
+    let [least, greatest] = OPACITY;
+    let opacity = least + (greatest - least) * f64::from(shade) / SHADES;
+    let squares = 0..corners.len() as u32 / 4;
+    TriangleListPrimitive {
+        pose: place(0.0, 0.0, 0.002 * maze.cell_size_m()),
+        points: corners,
+        color: color(if is_bad { BAD } else { GOOD }, opacity),
+        colors: Vec::new(),
+        indices: squares
+            .flat_map(|square| TRIANGLES.map(|corner| 4 * square + corner))
+            .collect(),
     }
 }

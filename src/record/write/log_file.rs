@@ -28,7 +28,7 @@ pub fn writer<W: Write>(sink: W) -> McapResult<Sink<W>> {
     // chunk of length 2^64-1. Threads would be started anew for every file.
     WriteOptions::new()
         .compression(Some(Compression::Zstd))
-        .compression_level(3)
+        .compression_level(6)
         .compression_threads(0)
         .chunk_size(Some(CHUNK_BYTES))
         .disable_seeking(true)

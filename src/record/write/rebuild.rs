@@ -1,4 +1,5 @@
-//! An unfinished `run.mcap` written again, so that it can go on with the same bytes.
+//! An unfinished `run.mcap` written again: so that it can go on with the same bytes, or in fewer of
+//! them when it is whole.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -15,9 +16,22 @@ use crate::record::read::parse::parse_record;
 use crate::record::read::reader::longest_record;
 use crate::record::topics::Topic;
 
-/// Sends the first `messages` messages of `source` to `file` and closes chunks where the source
-/// does. Check sums are checked on the way.
-pub fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<(), RecordError> {
+/// When the copy closes a chunk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Chunks {
+    /// Where the source does.
+    AsBefore,
+    /// When they are full.
+    Full,
+}
+
+/// Sends the first `messages` messages of `source` to `file`. Check sums are checked on the way.
+pub fn copy(
+    source: &Path,
+    messages: u64,
+    chunks: Chunks,
+    file: &mut OpenFile,
+) -> Result<(), RecordError> {
     let unreadable = |cause| RecordError::Read {
         path: source.to_owned(),
         cause,
@@ -34,6 +48,7 @@ pub fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<(), Rec
     let mut reader = LinearReader::new_with_options(options);
     let mut copy = Copy {
         file,
+        chunks,
         topics: BTreeMap::new(),
         left: messages,
     };
@@ -60,6 +75,7 @@ pub fn copy(source: &Path, messages: u64, file: &mut OpenFile) -> Result<(), Rec
 /// What is copied, and how much of it is left.
 struct Copy<'a> {
     file: &'a mut OpenFile,
+    chunks: Chunks,
     topics: BTreeMap<u16, Topic>,
     left: u64,
 }
@@ -79,7 +95,9 @@ impl Copy<'_> {
                     .with(|log| send(log, &self.topics, &header, &data))
             }
             // These follow a chunk.
-            Record::MessageIndex(_) => self.file.with(|log| log.flush()),
+            Record::MessageIndex(_) if self.chunks == Chunks::AsBefore => {
+                self.file.with(|log| log.flush())
+            }
             _ => Ok(()),
         }
     }

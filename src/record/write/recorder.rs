@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::log_file::OpenFile;
 use super::outbox::{Outbox, Tap};
-use super::rebuild;
+use super::rebuild::{self, Chunks};
 use super::scribe::Scribe;
 use crate::agent::Agent;
 use crate::arena::View;
@@ -39,7 +39,8 @@ pub struct Recorder {
     info: RunInfo,
     mode: RecordMode,
     world: String,
-    layout: String,
+    /// Of the recordings of episodes, and of that of the run.
+    layouts: [String; 2],
     scribe: Scribe,
     outbox: Outbox,
     /// The episodes whose files are kept, with their sizes in bytes.
@@ -99,8 +100,8 @@ impl Recorder {
     ) -> Result<Self, RecordError> {
         let mut recorder = Self::new(folder, maze, info, mode);
         if mode != RecordMode::None {
-            recorder.lay_out(maze)?;
-            recorder.outbox.run = Some(recorder.open_run(maze, "part")?);
+            recorder.lay_out()?;
+            recorder.outbox.run = Some(recorder.open_run("part")?);
         }
         Ok(recorder)
     }
@@ -122,8 +123,8 @@ impl Recorder {
             return Self::create(folder, maze, info, memory.mode);
         }
         let mut recorder = Self::new(folder, maze, info, memory.mode);
-        recorder.lay_out(maze)?;
-        recorder.outbox.run = Some(recorder.rebuilt_run(maze, memory.messages)?);
+        recorder.lay_out()?;
+        recorder.outbox.run = Some(recorder.rebuilt_run(memory.messages)?);
         recorder.scribe.resume(memory.scribe, learned, maze);
         recorder.kept = memory.kept;
         recorder.best = memory.best;
@@ -133,13 +134,13 @@ impl Recorder {
 
     /// `run.mcap.part` with its first `messages` messages only. When the run was stopped on its
     /// last steps, it may have its final name already.
-    fn rebuilt_run(&self, maze: &Maze, messages: u64) -> Result<OpenFile, RecordError> {
+    fn rebuilt_run(&self, messages: u64) -> Result<OpenFile, RecordError> {
         let whole = self.folder.join(Extent::Run.file_name());
         let part = disk::part(&whole);
         let source = if part.exists() { part } else { whole };
         // Aside, so that nothing is lost if this is stopped, too.
-        let mut run = self.open_run(maze, "again")?;
-        rebuild::copy(&source, messages, &mut run)?;
+        let mut run = self.open_run("again")?;
+        rebuild::copy(&source, messages, Chunks::AsBefore, &mut run)?;
         run.become_part()?;
         Ok(run)
     }
@@ -149,7 +150,7 @@ impl Recorder {
             folder: folder.to_owned(),
             mode,
             world: maze.name().to_owned(),
-            layout: layout::of_episode(maze),
+            layouts: [layout::of_episode(maze), layout::of_run(maze)],
             scribe: Scribe::new(maze, &info, mode == RecordMode::Beams),
             info,
             outbox: Outbox::default(),
@@ -213,10 +214,8 @@ impl Recorder {
                 )
             })
             .collect();
-        if let Some(mut run) = self.outbox.run.take() {
-            let rules = rules_json(method);
-            run.with(|log| log.attach("rules.json", self.clock_ns, &rules))?;
-            files.push(run.finish()?);
+        if let Some(run) = self.outbox.run.take() {
+            files.push(self.pack(run, &rules_json(method))?);
         }
         Ok(RecordSummary {
             bytes: files.iter().map(|(_, bytes)| bytes).sum(),
@@ -224,16 +223,27 @@ impl Recorder {
         })
     }
 
+    /// Finishes `run.mcap` in fewer bytes. While it grew, each episode closed a chunk, so that it
+    /// was safe; now that it is whole, episodes that look alike share one.
+    fn pack(&self, mut run: OpenFile, rules: &str) -> Result<(PathBuf, u64), RecordError> {
+        run.with(|log| log.flush())?;
+        let part = disk::part(&self.folder.join(Extent::Run.file_name()));
+        let mut packed = self.open_run("again")?;
+        rebuild::copy(&part, run.messages(), Chunks::Full, &mut packed)?;
+        packed.with(|log| log.attach("rules.json", self.clock_ns, rules))?;
+        let finished = packed.finish()?;
+        run.discard()?;
+        Ok(finished)
+    }
+
     /// Makes the folder and lays both layouts into it.
-    fn lay_out(&self, maze: &Maze) -> Result<(), RecordError> {
+    fn lay_out(&self) -> Result<(), RecordError> {
         fs::create_dir_all(&self.folder).map_err(|cause| RecordError::Create {
             path: self.folder.clone(),
             cause,
         })?;
-        for (name, text) in [
-            ("foxglove-layout.json", &self.layout),
-            ("foxglove-layout-run.json", &layout::of_run(maze)),
-        ] {
+        let names = ["foxglove-layout.json", "foxglove-layout-run.json"];
+        for (name, text) in names.into_iter().zip(&self.layouts) {
             let path = self.folder.join(name);
             disk::replace(&path, text.as_bytes())
                 .map_err(|cause| RecordError::Create { path, cause })?;
@@ -241,9 +251,9 @@ impl Recorder {
         Ok(())
     }
 
-    fn open_run(&self, maze: &Maze, extension: &str) -> Result<OpenFile, RecordError> {
+    fn open_run(&self, extension: &str) -> Result<OpenFile, RecordError> {
         let file = OpenFile::create_as(&self.folder, &Extent::Run.file_name(), extension)?;
-        self.introduce(file, Extent::Run, &layout::of_run(maze), &Topic::of_run())
+        self.introduce(file, Extent::Run, &Topic::of_run())
     }
 
     /// Begins a file with the facts of the run and its topics.
@@ -251,7 +261,6 @@ impl Recorder {
         &self,
         mut file: OpenFile,
         extent: Extent,
-        layout: &str,
         topics: &[Topic],
     ) -> Result<OpenFile, RecordError> {
         file.with(|log| {
@@ -259,6 +268,7 @@ impl Recorder {
             log.attach("world.json", self.clock_ns, &self.info.world_json)?;
             log.attach("config.json", self.clock_ns, &self.info.config_json)?;
             if extent == Extent::Run {
+                let [_, layout] = &self.layouts;
                 log.attach("foxglove-layout.json", self.clock_ns, layout)?;
             }
             log.declare(extent, topics)
@@ -273,7 +283,6 @@ impl Recorder {
             let file = self.introduce(
                 file,
                 Extent::Episode(episode),
-                &self.layout,
                 &Topic::of_episode(view.sensed.is_some(), self.mode == RecordMode::Beams),
             )?;
             self.outbox.episode = Some(file);

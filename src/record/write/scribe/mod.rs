@@ -2,8 +2,7 @@
 
 mod step;
 
-use foxglove::bytes::Bytes;
-use foxglove::messages::CubePrimitive;
+use foxglove::messages::{CubePrimitive, SceneEntity};
 
 use super::outbox::{For, Outbox};
 use super::way::Way;
@@ -49,6 +48,9 @@ pub(super) struct Scribe {
     /// When the robot could decide last: at the end of the last move.
     decided_ns: u64,
     way: Way,
+    /// What the robot perceived when it decided last, and where one that only senses believes to be.
+    halo: SceneEntity,
+    belief: Vec<SceneEntity>,
     maze_shown: bool,
     /// After every how many steps all cells are asked what was learned; never in a vast maze.
     asks_every: Option<u32>,
@@ -61,7 +63,7 @@ pub(super) struct Scribe {
 struct Shown {
     /// What decides how its arrows look.
     marks: Option<Vec<policy::Mark>>,
-    heat: Option<Bytes>,
+    tints: Option<Vec<(Cell, worth::Tint)>>,
     columns: Option<Vec<CubePrimitive>>,
 }
 
@@ -70,7 +72,7 @@ impl Shown {
     fn all(policy: &PolicyMap, maze: &Maze) -> Self {
         Self {
             marks: Some(policy::marks(Some(policy))),
-            heat: Some(worth::heat(Some(policy), maze)),
+            tints: Some(worth::tints(Some(policy), maze)),
             columns: Some(policy::columns(Some(policy), maze)),
         }
     }
@@ -98,6 +100,8 @@ impl Scribe {
             was_optimal: false,
             decided_ns: 0,
             way: Way::new(maze.cell_size_m()),
+            halo: SceneEntity::default(),
+            belief: Vec::new(),
             maze_shown: false,
             asks_every: (!maze.is_vast()).then(|| {
                 (maze.free_cells().count() as u32)
@@ -198,6 +202,9 @@ impl Scribe {
             For::Both
         };
         self.show_trail(out, to, time_ns)?;
+        if !self.belief.is_empty() {
+            self.show_percept(out, time_ns)?;
+        }
         out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
         // Nothing new, but viewers draw a state only up to its last message.
         let clear = ContactRecord::clear(episode.episode, episode.steps);
@@ -260,11 +267,11 @@ impl Scribe {
             out.send(to, Topic::Policy, time_ns, &policy::scene(arrows, time_ns))?;
             self.shown(to).marks = marks;
         }
-        let heat = worth::heat(self.policy.as_ref(), maze);
-        if self.shown(to).heat.as_ref() != Some(&heat) {
-            let grid = worth::grid(maze, time_ns, heat.clone());
-            out.send(to, Topic::Worth, time_ns, &grid)?;
-            self.shown(to).heat = Some(heat);
+        let tints = worth::tints(self.policy.as_ref(), maze);
+        if self.shown(to).tints.as_ref() != Some(&tints) {
+            let floor = worth::scene(&tints, maze, time_ns);
+            out.send(to, Topic::Worth, time_ns, &floor)?;
+            self.shown(to).tints = Some(tints);
         }
         Ok(())
     }

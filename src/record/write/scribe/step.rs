@@ -30,8 +30,8 @@ impl Scribe {
         let over_robot = rule.scene(step.view.maze, self.decided_ns);
         out.send(For::Episode, Topic::RuleText, self.decided_ns, &over_robot)?;
         let (maze, at_ns) = (step.view.maze, self.decided_ns);
-        let halo = percept::scene(self.sensor, maze, step.cell, &step.percept, at_ns);
-        out.send(For::Episode, Topic::Percept, at_ns, &halo)?;
+        self.halo = percept::halo(self.sensor, maze, step.cell, &step.percept, at_ns);
+        self.show_percept(out, at_ns)?;
         self.moved(out, step)?;
         let record = StepRecord::new(step);
         out.send_json(For::Both, Topic::Step, end_ns, &record)?;
@@ -154,7 +154,7 @@ impl Scribe {
 
     /// What a robot that senses believes at the end of an action.
     pub(super) fn show_estimate(
-        &self,
+        &mut self,
         out: &mut Outbox,
         episode: u32,
         step: u32,
@@ -164,11 +164,17 @@ impl Scribe {
         let Some(sensed) = sensed else {
             return Ok(());
         };
-        if let Some(record) = EstimateRecord::new(episode, step, sensed, &now) {
-            out.send_json(For::Episode, Topic::Estimate, now.time_ns, &record)?;
+        self.belief = estimate::entities(sensed, self.robot.radius_m, now.time_ns).into();
+        match EstimateRecord::new(episode, step, sensed, &now) {
+            Some(record) => out.send_json(For::Episode, Topic::Estimate, now.time_ns, &record),
+            None => Ok(()),
         }
-        let scene = estimate::scene(sensed, self.robot.radius_m, now.time_ns);
-        out.send(For::Episode, Topic::Ghost, now.time_ns, &scene)
+    }
+
+    /// What the robot perceived when it decided last, and what it believes.
+    pub(super) fn show_percept(&self, out: &mut Outbox, time_ns: u64) -> Result<(), RecordError> {
+        let scene = percept::scene(self.halo.clone(), &self.belief);
+        out.send(For::Episode, Topic::Percept, time_ns, &scene)
     }
 }
 
