@@ -230,20 +230,25 @@ pub fn require_free(path: &Path, force: bool) -> io::Result<()> {
 /// What helps against an error of the file system, as the end of a message; empty when nothing is
 /// known to.
 pub fn way_out(cause: &io::Error) -> &'static str {
-    use io::ErrorKind::{FileTooLarge, NotFound, QuotaExceeded, StorageFull};
     /// Of this process, and of the whole system.
     #[cfg(unix)]
     const TOO_MANY_OPEN_FILES: [i32; 2] = [24, 23];
     #[cfg(not(unix))]
     const TOO_MANY_OPEN_FILES: [i32; 1] = [4];
     match (cause.kind(), cause.raw_os_error()) {
-        (StorageFull | QuotaExceeded | FileTooLarge, _) => "; free some space",
-        (NotFound, _) => "; its folder is gone",
+        _ if is_full(cause) => "; free some space",
+        (io::ErrorKind::NotFound, _) => "; its folder is gone",
         (_, Some(code)) if TOO_MANY_OPEN_FILES.contains(&code) => {
             "; allow more open files (`ulimit -n`), or close some"
         }
         _ => "",
     }
+}
+
+/// Is there no room for more?
+pub(crate) fn is_full(cause: &io::Error) -> bool {
+    use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+    matches!(cause.kind(), StorageFull | QuotaExceeded | FileTooLarge)
 }
 
 /// A file beside `path` with a name that nothing has; it vanishes unless it is

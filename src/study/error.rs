@@ -81,9 +81,14 @@ pub enum StudyError {
     /// A number of the study is no good.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The folder holds something that is no study.
-    #[error("{} holds files that no study wrote, and is left as it is, even with `--force`: choose another folder with `--out`", .0.display())]
-    Foreign(PathBuf),
+    /// The folder holds something else than a study of the kind that is to come into it.
+    #[error("{} holds {holds}, and is left as it is: choose another folder with `--out`", .folder.display())]
+    Foreign {
+        /// The folder.
+        folder: PathBuf,
+        /// What is in it.
+        holds: &'static str,
+    },
     /// A file is there already, and holds something else than would be written.
     #[error("{} exists and holds something other than what this study wrote: replace it with `--force`; the trials are kept", .0.display())]
     Exists(PathBuf),
@@ -175,12 +180,11 @@ pub enum StudyError {
 
 /// What helps when a file cannot be written.
 fn way_out(cause: &io::Error) -> String {
-    match disk::way_out(cause) {
-        way if way.contains("free some space") => {
-            format!("{way}, and give the same command again: finished trials are kept")
-        }
-        way => way.to_owned(),
-    }
+    let again = match disk::is_full(cause) {
+        true => ", and give the same command again: finished trials are kept",
+        false => "",
+    };
+    format!("{}{again}", disk::way_out(cause))
 }
 
 impl StudyError {

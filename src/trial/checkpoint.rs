@@ -60,7 +60,7 @@ pub enum CheckpointError {
     Foreign,
     /// It has another format.
     #[error(
-        "it has format {found}, and this version reads format {FORMAT}; resume with the version that wrote it"
+        "it has format {found}, and this version reads format {FORMAT}; resume with the version that wrote it, or begin anew with `--force`"
     )]
     Format {
         /// The format that it names.

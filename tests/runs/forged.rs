@@ -11,7 +11,9 @@ use crate::kit::chance::{dice, rounds};
 use serde_json::{Value, json};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
-use xcscr::study::{Overrides, Protocol, Report, Shard, StudyFile, StudyFolder, run_study};
+use xcscr::study::{
+    Overrides, PlannedStudy, Protocol, Report, Shard, StudyFile, StudyFolder, run_study,
+};
 use xcscr::trial::{Config, Plan, Trial};
 use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
@@ -105,8 +107,8 @@ fn forge(sound: &Value, dice: &mut Stream) -> Value {
 const STUDY: &str = r#"
 name = "small"
 worlds = ["maze4", "maze5"]
-methods = ["xcs", "xcscr", "q-learning"]
-trials = 3
+methods = ["xcs", "q-learning"]
+trials = 2
 episodes = 12
 "#;
 
@@ -185,6 +187,38 @@ fn forged_plans() {
     }
     // Control: another seed, or another value of a setting, is a study, too.
     assert!(taken > 0, "every forged plan was refused");
+}
+
+#[test]
+fn forged_tasks() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = StudyFile::parse(STUDY, "small.toml", Path::new("")).unwrap();
+    let protocol = Protocol::new(&file, &Overrides::default()).unwrap();
+    let planned = PlannedStudy::new(folder.path(), protocol, 4).unwrap();
+    planned.make().unwrap();
+    let path = folder.path().join("tasks.json");
+    let sound: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    let mut dice = dice(13);
+    let mut taken = 0;
+    for number in 0..rounds(10_000, 100_000) {
+        let study = forge(&sound["study"], &mut dice).to_string();
+        let plan = format!("{:08x}", crc32fast::hash(study.as_bytes()));
+        let rest = json!({ "plan": plan, "tasks": sound["tasks"], "checksum": "" });
+        let mut rest = forge(&rest, &mut dice);
+        // Half of them get the right checksum for what they say.
+        if number % 2 == 0 && rest["plan"].is_string() && rest["tasks"].is_u64() {
+            let split = format!("{plan} in {} tasks", rest["tasks"]);
+            rest["plan"] = json!(plan);
+            rest["checksum"] = json!(format!("{:08x}", crc32fast::hash(split.as_bytes())));
+        }
+        let rest = rest.to_string();
+        let text = format!("{},\"study\":{study}}}", rest.trim_end_matches('}'));
+        fs::write(&path, text).unwrap();
+        let survey = PlannedStudy::read(folder.path()).and_then(|planned| planned.survey());
+        taken += usize::from(survey.is_ok());
+    }
+    // Control: another number of tasks, or another seed, is a plan, too.
+    assert!(taken > 0, "every forged plan of tasks was refused");
 }
 
 /// What was learned in one episode, as little as it is, and what is foreseen.

@@ -325,4 +325,66 @@ fn another_study_another_split_and_another_program_are_refused() {
         said.contains("it was changed after it was frozen"),
         "{said}"
     );
+    fs::write(
+        desk.path("split/tasks.json"),
+        plan.replace("\"tasks\": 4", "\"tasks\": 2"),
+    )
+    .unwrap();
+    let (_, said) = desk.ends("task split 1", 65);
+    assert!(said.contains("the number of tasks was changed"), "{said}");
+}
+
+#[test]
+fn a_folder_that_holds_something_else_is_refused_by_what_it_holds_and_left_as_it_is() {
+    let desk = Desk::new();
+    let kinds = ["notes", "whole", "split", "search"];
+    let [plan, submit, run, tune] = [
+        "plan small.toml --tasks 4 --out",
+        "submit small.toml --tasks 4 --time 1h --out",
+        "run small.toml --force --out",
+        "tune small.toml --budget 16 --out",
+    ];
+    fs::create_dir(desk.path("notes")).unwrap();
+    fs::write(desk.path("notes/search.md"), "mine").unwrap();
+    desk.done(&format!("{run} whole"));
+    desk.done(&format!("{plan} split"));
+    desk.done(&format!("{tune} search"));
+    let before = kinds.map(|kind| folder::names(&desk.path(kind)));
+    for (kind, words, refused) in [
+        (
+            "notes",
+            "holds files that no study wrote",
+            vec![plan, submit, run, tune],
+        ),
+        (
+            "whole",
+            "holds a study that `xcscr study run`",
+            vec![plan, submit, tune],
+        ),
+        ("split", "holds a study in tasks", vec![run, tune]),
+        ("search", "holds a search", vec![plan, submit, run]),
+    ] {
+        for command in refused {
+            let (_, said) = desk.ends(&format!("{command} {kind}"), 73);
+            assert!(said.contains(words), "{command} {kind}: {said}");
+        }
+        if ["notes", "whole", "search"].contains(&kind) {
+            let (_, said) = desk.ends(&format!("{submit} {kind} --dry-run"), 73);
+            assert!(said.contains(words), "a dry run in {kind}: {said}");
+        }
+    }
+    assert_eq!(kinds.map(|kind| folder::names(&desk.path(kind))), before);
+}
+
+#[test]
+fn a_task_whose_journal_cannot_be_made_names_no_option_that_it_does_not_have() {
+    let desk = Desk::new();
+    desk.done("plan small.toml --tasks 4 --out split");
+    fs::remove_dir(desk.path("split/journals")).unwrap();
+    fs::write(desk.path("split/journals"), "in the way").unwrap();
+    let (_, said) = desk.ends("task split 1", 74);
+    assert!(
+        said.contains("journals") && !said.contains("--out"),
+        "{said}"
+    );
 }

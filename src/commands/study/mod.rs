@@ -279,7 +279,7 @@ impl From<StudyError> for Failure {
             }
             StudyError::OtherStudy { .. }
             | StudyError::OtherTasks { .. }
-            | StudyError::Foreign(_)
+            | StudyError::Foreign { .. }
             | StudyError::Exists(_)
             | StudyError::Locked { .. }
             | StudyError::Create { .. } => Exit::CannotCreate,

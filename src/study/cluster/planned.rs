@@ -1,6 +1,6 @@
 //! The folder of a study that is run in tasks.
 
-use std::ffi::OsStr;
+use std::ffi::OsString;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -10,17 +10,15 @@ use serde_json::value::RawValue;
 
 use crate::disk;
 use crate::study::error::StudyError;
-use crate::study::protocol::Protocol;
+use crate::study::protocol::{Protocol, id_of};
 use crate::study::runner::put_together;
-use crate::study::store::files::{frozen, thawed, write_json};
+use crate::study::store::files::{TASKS, foreign, frozen, names, thawed, write_json};
 use crate::study::store::folder::StudyFolder;
 use crate::study::store::journal::{self, Journal};
 use crate::study::store::{Shard, TrialRecord};
 use crate::trial::PlanError;
 use xcs::bounds::within;
 
-/// The frozen study, and into how many tasks it is split.
-const TASKS: &str = "tasks.json";
 /// The journals of all attempts at all tasks.
 const JOURNALS: &str = "journals";
 /// Where the whole study comes, unless somebody wants it elsewhere.
@@ -34,7 +32,14 @@ const MOST_TASKS: usize = 100_000;
 struct TasksFile {
     plan: String,
     tasks: usize,
+    /// Of the plan and the number of tasks.
+    checksum: String,
     study: Box<RawValue>,
+}
+
+/// Guards the number of tasks: the id of the study says nothing of it.
+fn checksum(plan: &str, tasks: usize) -> String {
+    id_of(&format!("{plan} in {tasks} tasks"))
 }
 
 /// A study that is frozen and split into tasks, for as many machines as there are. Task `i` of `n`
@@ -66,14 +71,15 @@ impl PlannedStudy {
     /// The same study as in its folder, if it has one; without a number of tasks, as many as there.
     ///
     /// # Errors
-    /// [`StudyError::OtherStudy`] or [`StudyError::OtherTasks`] when the folder holds something
-    /// else, [`StudyError::NoTasks`] when it is new and no number is given.
+    /// [`StudyError::Foreign`], [`StudyError::OtherStudy`] or [`StudyError::OtherTasks`] when the
+    /// folder holds something else, [`StudyError::NoTasks`] when it is new and no number is given.
     pub fn in_folder(
         path: &Path,
         protocol: Protocol,
         tasks: Option<usize>,
     ) -> Result<Self, StudyError> {
         if !Self::is_in(path) {
+            require_own(path)?;
             let tasks = tasks.ok_or_else(|| StudyError::NoTasks(path.to_owned()))?;
             return Self::new(path, protocol, tasks);
         }
@@ -114,6 +120,10 @@ impl PlannedStudy {
         let protocol = protocol.map_err(|fault| StudyError::damaged(&file, fault))?;
         within("tasks", read.tasks, 1..=protocol.len())
             .map_err(|fault| StudyError::damaged(&file, fault))?;
+        if read.checksum != checksum(&read.plan, read.tasks) {
+            let fault = "the number of tasks was changed after it was frozen";
+            return Err(StudyError::damaged(&file, fault));
+        }
         Ok(Self {
             path: path.to_owned(),
             protocol,
@@ -127,8 +137,8 @@ impl PlannedStudy {
     /// # Errors
     /// [`StudyError::Foreign`] when there is something else, or an error of the file system.
     pub fn make(&self) -> Result<(), StudyError> {
-        if !Self::is_in(&self.path) && self.is_foreign() {
-            return Err(StudyError::Foreign(self.path.clone()));
+        if !Self::is_in(&self.path) {
+            require_own(&self.path)?;
         }
         let journals = self.journals();
         fs::create_dir_all(&journals).map_err(|cause| StudyError::create(&journals, cause))?;
@@ -136,16 +146,13 @@ impl PlannedStudy {
             return Ok(());
         }
         let (study, plan) = frozen(&self.protocol);
-        let tasks = self.tasks;
-        write_json(&self.path.join(TASKS), &TasksFile { plan, tasks, study })
-    }
-
-    /// Is there something else than what is made before the plan?
-    fn is_foreign(&self) -> bool {
-        let part = disk::part(Path::new(TASKS));
-        let is_early = |name: &OsStr| name == JOURNALS || name == part.as_os_str();
-        let mut entries = self.path.read_dir().into_iter().flatten().flatten();
-        entries.any(|entry| !is_early(&entry.file_name()))
+        let file = TasksFile {
+            checksum: checksum(&plan, self.tasks),
+            plan,
+            tasks: self.tasks,
+            study,
+        };
+        write_json(&self.path.join(TASKS), &file)
     }
 
     /// Where the folder is.
@@ -192,10 +199,10 @@ impl PlannedStudy {
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let made = builder.tempfile_in(&folder);
-        let made = made.map_err(|cause| StudyError::create(&folder, cause))?;
+        let made = made.map_err(|cause| StudyError::io(&folder, cause))?;
         let (file, path) = made
             .keep()
-            .map_err(|fault| StudyError::create(&folder, fault.error))?;
+            .map_err(|fault| StudyError::io(&folder, fault.error))?;
         Journal::begin(&path, file, &self.plan)
     }
 
@@ -262,5 +269,15 @@ impl PlannedStudy {
                 })
         })?;
         Ok(joined)
+    }
+}
+
+/// A folder without a plan may hold what is made before the plan, and nothing else.
+fn require_own(path: &Path) -> Result<(), StudyError> {
+    let part = disk::part(Path::new(TASKS));
+    let is_early = |name: &OsString| name == JOURNALS || name == part.as_os_str();
+    match names(path)?.iter().all(is_early) {
+        true => Ok(()),
+        false => Err(foreign(path)),
     }
 }

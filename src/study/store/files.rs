@@ -1,5 +1,6 @@
 //! The plan of a study and its finished trials, as files.
 
+use std::ffi::OsString;
 use std::io;
 use std::path::Path;
 
@@ -14,6 +15,10 @@ use crate::study::protocol::{Protocol, id_of};
 
 /// The frozen study.
 pub const PLAN: &str = "plan.json";
+/// The same of a study in tasks, and into how many it is split.
+pub const TASKS: &str = "tasks.json";
+/// What came of a search for settings.
+pub const SEARCH: &str = "search.json";
 /// Finished trials.
 pub const JOURNAL: &str = "journal";
 
@@ -38,6 +43,32 @@ pub fn read_plan(folder: &Path) -> Result<Option<(Protocol, String)>, StudyError
         serde_json::from_slice(&text).map_err(|fault| damaged(fault.to_string()))?;
     let study = thawed(&file.study, &file.plan).map_err(damaged)?;
     Ok(Some((study, file.plan)))
+}
+
+/// The names of the files in a folder; none when it is not there.
+pub fn names(folder: &Path) -> Result<Vec<OsString>, StudyError> {
+    let names = folder.read_dir().and_then(|entries| {
+        let names = entries.map(|entry| Ok(entry?.file_name()));
+        names.collect::<io::Result<Vec<_>>>()
+    });
+    match names {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+        names => names.map_err(|cause| StudyError::create(folder, cause)),
+    }
+}
+
+/// Says what is in a folder that holds something else than was wanted.
+pub fn foreign(folder: &Path) -> StudyError {
+    let kinds = [
+        (PLAN, "a study that `xcscr study run` or a merge made"),
+        (TASKS, "a study in tasks, made by `xcscr study plan`"),
+        (SEARCH, "a search that `xcscr study tune` made"),
+    ];
+    let found = kinds.iter().find(|(name, _)| folder.join(name).is_file());
+    StudyError::Foreign {
+        folder: folder.to_owned(),
+        holds: found.map_or("files that no study wrote", |(_, what)| what),
+    }
 }
 
 /// The study that was frozen as this text, if it still is the one with this id.

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::files::{JOURNAL, PLAN, read_plan, read_records, write_plan};
+use super::files::{JOURNAL, PLAN, foreign, names, read_plan, read_records, write_plan};
 use super::journal::{self, Journal};
 use super::record::TrialRecord;
 use super::records::Records;
@@ -265,13 +265,13 @@ impl OpenFolder {
         let held = path.join(LOCK);
         let is_free = !held.exists() || disk::is_foreign_lock(&held);
         if is_free && is_foreign(path)? {
-            return Err(StudyError::Foreign(path.to_owned()));
+            return Err(foreign(path));
         }
         fs::create_dir_all(path).map_err(|cause| StudyError::create(path, cause))?;
         let lock = lock(path)?;
         let wanted = protocol.id();
         match read_plan(path)? {
-            None if is_foreign(path)? => return Err(StudyError::Foreign(path.to_owned())),
+            None if is_foreign(path)? => return Err(foreign(path)),
             None => write_plan(path, protocol)?,
             Some((_, found)) if found == wanted => (),
             Some((_, found)) => {
@@ -357,14 +357,7 @@ impl OpenFolder {
 
 /// Are there files, but no plan of a study?
 fn is_foreign(path: &Path) -> Result<bool, StudyError> {
-    let names = path.read_dir().and_then(|entries| {
-        let names = entries.map(|entry| Ok(entry?.file_name()));
-        names.collect::<io::Result<Vec<_>>>()
-    });
-    let names = match names {
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(false),
-        names => names.map_err(|cause| StudyError::create(path, cause))?,
-    };
+    let names = names(path)?;
     // What is there before the plan.
     let part = disk::part(Path::new(PLAN));
     let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));

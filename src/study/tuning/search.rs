@@ -10,7 +10,7 @@ use super::standing::{Standing, Verdict, standings};
 use crate::study::cluster::PlannedStudy;
 use crate::study::error::StudyError;
 use crate::study::protocol::Protocol;
-use crate::study::store::files::write_json;
+use crate::study::store::files::{SEARCH, foreign, names, write_json};
 use crate::study::store::folder::StudyFolder;
 use crate::trial::PlanError;
 use xcs::bounds::within;
@@ -95,8 +95,9 @@ impl Tuning {
     /// Looks how far the search is; makes the folder of the rung that comes next.
     ///
     /// # Errors
-    /// When the folder holds another search, or an error of the file system.
+    /// When the folder holds another search or something else, or an error of the file system.
     pub fn stage(&self) -> Result<Stage, StudyError> {
+        self.require_own_folder()?;
         fs::create_dir_all(&self.path).map_err(|cause| StudyError::create(&self.path, cause))?;
         let mut rungs: Vec<Rung> = Vec::new();
         let (mut left, mut studies) = (self.candidates.clone(), Vec::new());
@@ -117,6 +118,15 @@ impl Tuning {
         )
     }
 
+    /// A folder without a first rung may hold what is made before its plan, and nothing else.
+    fn require_own_folder(&self) -> Result<(), StudyError> {
+        let is_begun = PlannedStudy::is_in(&self.path.join("rung-1"));
+        match is_begun || names(&self.path)?.iter().all(|name| name == "rung-1") {
+            true => Ok(()),
+            false => Err(foreign(&self.path)),
+        }
+    }
+
     /// The final between the best of the last rung.
     fn last_stage(&self, rungs: Vec<Rung>, spent: usize) -> Result<Stage, StudyError> {
         let names = rungs.last().into_iter().flat_map(|rung| &rung.standings);
@@ -135,7 +145,7 @@ impl Tuning {
             rungs,
             last,
         };
-        write_json(&self.path.join("search.json"), &found)?;
+        write_json(&self.path.join(SEARCH), &found)?;
         Ok(Stage::Done(found))
     }
 
