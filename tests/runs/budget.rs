@@ -428,7 +428,7 @@ fn recordings_of_a_hall_without_landmarks_are_believed() {
 fn memory_that_cannot_be_had_ends_in_code_74() {
     let folder = tempfile::tempdir().unwrap();
     let (study, out) = (folder.path().join("s.toml"), folder.path().join("out"));
-    let text = "name = \"s\"\nworlds = [\"rooms-200-1\"]\nmethods = [\"dyna-q\"]\n\
+    let text = "name = \"s\"\nworlds = [\"rooms-100-1\"]\nmethods = [\"dyna-q\"]\n\
                 sensors = [\"position\"]\ntrials = 4\nepisodes = 2\n";
     fs::write(&study, text).unwrap();
     let (study, out) = (study.to_str().unwrap(), out.to_str().unwrap());
