@@ -24,7 +24,7 @@ pub use explorer::Explorer;
 pub use frozen::Frozen;
 pub use knowledge::Knowledge;
 pub(crate) use knowledge::Misfit;
-pub use memory::MemoryError;
+pub(crate) use memory::MemoryError;
 pub use method::{Method, Setup};
 pub(crate) use model::pomdp;
 pub use model::{CollisionRule, Foresight, ReturnRule};

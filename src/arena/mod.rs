@@ -14,21 +14,22 @@ mod slip;
 use nalgebra::{Isometry2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
-pub use auxiliary::RewardingArena;
+pub(crate) use auxiliary::RewardingArena;
 pub use grid::GridArena;
 pub use kind::ArenaKind;
 pub use physics::{
     BatchArena, BumperParams, Care, CareParams, EncoderParams, EstimatorParams, FaultParams,
     GyroParams, Lanes, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,
-    SensingMemory, Snapshot,
+    Snapshot,
 };
 pub use sensed::{Beam, Estimate, Sensed};
-pub use slip::{ArenaParams, SlippingArena};
+pub use slip::ArenaParams;
+pub(crate) use slip::SlippingArena;
 
 use crate::world::{Cell, Maze};
 use xcs::Action;
 use xcs::random::Stream;
-pub use xcscr_sensing::Surroundings;
+pub(crate) use xcscr_sensing::Surroundings;
 
 /// What came of an action.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,7 +123,7 @@ pub struct Lasting {
     /// The noise to come; `None` where there is none.
     pub noise: Option<Stream>,
     /// What sensors and estimator keep; `None` of a robot that is told where it is.
-    pub sensing: Option<SensingMemory>,
+    pub sensing: Option<physics::SensingMemory>,
     /// Which actions will slip; `None` where none do.
     pub slip: Option<Stream>,
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-pub use lock::LockError;
+pub(crate) use lock::LockError;
 pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};
 
 /// The name under which a file is written until it is whole.

@@ -32,7 +32,7 @@ pub fn of_run(maze: &Maze) -> String {
 }
 
 /// The layout for two stories side by side, as compact JSON: their mazes and headings.
-pub fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
+pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
     let mut layout: Value =
         serde_json::from_str(COMPARISON).expect("the layouts in assets are JSON");
     for (side, (maze, heading)) in SIDES.iter().zip(mazes.into_iter().zip(headings)) {

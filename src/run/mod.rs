@@ -2,7 +2,7 @@
 //!
 //! [`Session`] trains and records into a [`RunFolder`], and resumes what was stopped; [`Source`]
 //! tells what run a recording comes from, and [`Again`] makes that run again to compare the bytes.
-//! [`story_of`] a run shows its turning points in less than two minutes.
+//! [`RunFolder::story`] shows its turning points in less than two minutes.
 //!
 //! # Example
 //! ```
@@ -37,5 +37,4 @@ pub use folder::RunFolder;
 pub use ros::ros_bag;
 pub use session::{Finished, Resumed, Session};
 pub use source::Source;
-pub use story::{story_again, story_of};
 pub use verify::Again;

@@ -8,27 +8,32 @@ use super::error::RunError;
 use super::evaluation::record_evaluation;
 use super::facts::run_info;
 use super::folder::RunFolder;
+use super::source::Source;
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
 use crate::record::{Chapter, Extent, RecordMode, Recorder, Teller, Topic, chapters};
 use crate::trial::{Plan, Trial};
 
-/// Tells the story of a run: `story.mcap` as bytes. The same run gives the same bytes.
-///
-/// Where the folder lacks the recordings of some episodes, the trial is run again.
-///
-/// # Errors
-/// When the folder is not that of a finished run, or a recording in it is damaged.
-pub fn story_of(folder: &RunFolder) -> Result<Vec<u8>, RunError> {
-    Material::of(folder)?.tell()
+impl RunFolder {
+    /// Tells the story of the run: `story.mcap` as bytes. The same run gives the same bytes.
+    ///
+    /// Where the folder lacks the recordings of some episodes, the trial is run again.
+    ///
+    /// # Errors
+    /// When the folder is not that of a finished run, or a recording in it is damaged.
+    pub fn story(&self) -> Result<Vec<u8>, RunError> {
+        Material::of(self)?.tell()
+    }
 }
 
-/// Tells the story of a trial, which is run for that.
-///
-/// # Errors
-/// When the plan is refused, or a temporary file cannot be written.
-pub fn story_again(plan: &Plan) -> Result<Vec<u8>, RunError> {
-    Material::again(plan)?.tell()
+impl Source {
+    /// Tells the story of the recorded trial, which is run again for that.
+    ///
+    /// # Errors
+    /// When the plan is refused, or a temporary file cannot be written.
+    pub fn story(&self) -> Result<Vec<u8>, RunError> {
+        Material::again(&self.plan)?.tell()
+    }
 }
 
 /// Tells the story of the recordings in `folder`, all of which are there.

@@ -27,11 +27,11 @@ pub use direction::{Direction, Moves};
 pub use draw::draw;
 pub use error::{Diagnostic, WorldError};
 pub use facts::{Facts, FloorFacts};
-pub use generate::{MazeKind, NoRecipe, Recipe};
+pub use generate::{MazeKind, Recipe};
 pub use maze::{Cell, Maze};
 pub use name::repaired as repaired_name;
 pub use occupancy::{
     Gridded, Gridding, KeptWorld, MapError, Occupancy, OccupancyMap, Passage, WrittenMap, written,
 };
 pub use paths::Paths;
-pub use starts::Starts;
+pub(crate) use starts::Starts;

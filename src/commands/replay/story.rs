@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 use xcscr::record::Extent;
-use xcscr::run::{RunFolder, Source, story_again, story_of};
+use xcscr::run::{RunFolder, Source};
 
 use crate::commands::failure::Failure;
 use crate::commands::output::OutputFile;
@@ -13,8 +13,8 @@ use crate::commands::output::OutputFile;
 pub fn run(run: &Path, output: &Path, force: bool) -> Result<(), Failure> {
     let file = OutputFile::free(output, force)?;
     let story = match run.is_dir() {
-        true => story_of(&RunFolder::open(run))?,
-        false => story_again(&Source::of(run)?.plan)?,
+        true => RunFolder::open(run).story()?,
+        false => Source::of(run)?.story()?,
     };
     file.write(&story)
 }
@@ -41,7 +41,7 @@ pub fn tell_missing(paths: &[PathBuf], mut files: Vec<PathBuf>) -> Result<WithSt
         }
         let place = tempfile::tempdir()?;
         let file = place.path().join(Extent::Story.file_name());
-        std::fs::write(&file, story_of(&folder)?)?;
+        std::fs::write(&file, folder.story()?)?;
         files.push(file);
         told.push(place);
     }

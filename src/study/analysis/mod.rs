@@ -2,5 +2,3 @@
 
 pub(super) mod summary;
 pub(super) mod tables;
-
-pub use summary::{ArmRecords, ArmSummary};

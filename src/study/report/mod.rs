@@ -11,10 +11,10 @@ mod settings;
 
 use serde::Serialize;
 
-pub use ablation::SwitchEffect;
-pub use comparisons::Comparison;
-pub use nearest::Nearness;
-pub use paper::AgainstPaper;
+use ablation::SwitchEffect;
+use comparisons::Comparison;
+use nearest::Nearness;
+use paper::AgainstPaper;
 
 use crate::page::{self, Block, Picture, Table};
 
@@ -24,7 +24,8 @@ use super::protocol::Protocol;
 use super::report::figures::draw_figures;
 use super::store::folder::StudyFolder;
 
-/// The report of a study.
+/// The report of a study. As JSON, it holds all figures: what came out per arm, next to the paper's
+/// numbers, method against method, and what each switch contributes.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
     study: String,
@@ -34,15 +35,15 @@ pub struct Report {
     trials: usize,
     episodes: u32,
     /// What came out, per arm.
-    pub arms: Vec<ArmSummary>,
+    arms: Vec<ArmSummary>,
     /// Next to the paper's numbers.
-    pub against_paper: Vec<AgainstPaper>,
+    against_paper: Vec<AgainstPaper>,
     /// Swept settings, the nearest to the paper's numbers first.
-    pub nearest: Vec<Nearness>,
+    nearest: Vec<Nearness>,
     /// Method against method.
-    pub comparisons: Vec<Comparison>,
+    comparisons: Vec<Comparison>,
     /// What each switch contributes.
-    pub switches: Vec<SwitchEffect>,
+    switches: Vec<SwitchEffect>,
     #[serde(skip)]
     results: Table,
     #[serde(skip)]
