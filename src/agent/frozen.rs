@@ -84,8 +84,8 @@ impl Agent for Frozen {
         }
     }
 
-    fn credit(&mut self, action: Action, _: Outcome) -> StepCredit {
-        self.tracker.act(action);
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        self.tracker.act(action, outcome.found() > 0.0);
         self.matching(action)
     }
 

@@ -3,6 +3,7 @@
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
+use super::recall::Worth;
 use super::recall::learner::Learner;
 use super::{Agent, Choice, Chooser, EndCredit, Params, StepCredit};
 use crate::arena::Outcome;
@@ -23,8 +24,12 @@ impl Recall {
     /// A learner for so many actions; `stream` draws what is imagined and explored. The parameters
     /// must have been checked.
     pub fn new(actions: usize, params: Params, stream: Stream) -> Self {
+        let Params {
+            goal, step, gamma, ..
+        } = params;
+        let worth = Worth { goal, step, gamma };
         Self {
-            learner: Learner::new(actions, stream),
+            learner: Learner::new(actions, worth, stream),
             params,
             percept: None,
         }
@@ -49,7 +54,7 @@ impl Agent for Recall {
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let percept = self.percept.expect("consider comes before credit");
         let matching = self.learner.matching(action);
-        self.learner.act(&percept, action);
+        self.learner.act(&percept, action, outcome.found());
         StepCredit {
             short_term_reward: self.params.short_term(outcome),
             match_set: matching.match_set,

@@ -17,7 +17,9 @@ pub struct OutputFile<'a> {
 impl<'a> OutputFile<'a> {
     /// Fails if the file exists, unless `force` allows to replace it, or if it cannot be written.
     pub fn free(path: &'a Path, force: bool) -> Result<Self, Failure> {
-        disk::require_free(path, force).map_err(|cause| unwritten(path, &cause))?;
+        disk::require_free(path, force)
+            .and_then(|()| require_folder(path))
+            .map_err(|cause| unwritten(path, &cause))?;
         Ok(Self { path, force })
     }
 
@@ -31,6 +33,18 @@ impl<'a> OutputFile<'a> {
         let mut aside = disk::aside(self.path)?;
         aside.write_all(bytes)?;
         disk::persist(aside, self.path, self.force)
+    }
+}
+
+/// Fails if there is no folder to write the file into.
+fn require_folder(path: &Path) -> io::Result<()> {
+    let named = |folder: &&Path| !folder.as_os_str().is_empty();
+    match path.parent().filter(named) {
+        Some(folder) if !folder.is_dir() => Err(io::Error::new(
+            ErrorKind::NotADirectory,
+            "there is no such folder; make it first, or choose another",
+        )),
+        _ => Ok(()),
     }
 }
 

@@ -199,6 +199,10 @@ impl Description {
         if let Some(auxiliary) = &facts.auxiliary {
             let (cells, reward) = (places(&auxiliary.cells), auxiliary.reward);
             writeln!(out, "rewards     {reward} in {cells}, once in an episode")?;
+            if !auxiliary.out_of_reach.is_empty() {
+                let cells = places(&auxiliary.out_of_reach);
+                writeln!(out, "            never found: no episode comes to {cells}")?;
+            }
         }
         for floor in &facts.floors {
             let (friction, cells) = (floor.friction, floor.cells);

@@ -33,6 +33,12 @@ pub enum RunError {
         /// What is wrong with it.
         fault: String,
     },
+    /// A recording shows two runs where one is asked for.
+    #[error(
+        "{} compares two runs, and is no run itself; give the folders of those two, or recordings of them",
+        .0.display()
+    )]
+    TwoRuns(PathBuf),
     /// A story draws every cell, and the maze has too many.
     #[error(
         "{world} has too many cells for a story, which draws each of them; watch an episode of it"

@@ -34,9 +34,13 @@ impl Source {
             file: file.to_owned(),
             fault,
         };
-        let plan = attached_plan(&recording, "")?;
         let metadata = recording.metadata("run");
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
+        let extent = Extent::of_entry(entry("episode"));
+        if extent == Extent::Comparison {
+            return Err(RunError::TwoRuns(file.to_owned()));
+        }
+        let plan = attached_plan(&recording, "")?;
         let mode = entry("record")
             .parse()
             .map_err(|fault| damaged(format!("{fault}")))?;
@@ -47,7 +51,7 @@ impl Source {
                 true => Some(evaluated(file, &recording)?),
                 false => None,
             },
-            extent: Extent::of_entry(entry("episode")),
+            extent,
             bytes: recording.bytes().to_vec(),
         })
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::bounds::Bounds;
 use super::plan::Plan;
 use crate::agent::{Agent, Explorer, Frozen, Knowledge};
-use crate::arena::{GridArena, Outcome, SlippingArena};
+use crate::arena::{GridArena, Outcome, RewardingArena, SlippingArena};
 use crate::episode;
 use crate::sensor::Sensor;
 use crate::streams::StreamName;
@@ -39,7 +39,8 @@ impl GreedySteps {
         let settings = &config.settings;
         let stream = |name| Stream::new(config.seed, name);
         let grid = Box::new(GridArena::new(maze.clone()));
-        let mut arena = SlippingArena::new(grid, settings.arena.slip, config.seed);
+        let paying = Box::new(RewardingArena::new(grid));
+        let mut arena = SlippingArena::new(paying, settings.arena.slip, config.seed);
         let limit = settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
         let mut greedy = Explorer::new(0.0, stream(StreamName::Exploration));
@@ -114,39 +115,67 @@ pub(super) fn expected_steps(plan: &Plan, knowledge: &Knowledge) -> Option<f64> 
 fn steps_from(maze: &Maze, sensor: Sensor, policy: &Frozen, start: Cell) -> Option<f64> {
     let mut steps = 0.0;
     let mut left = MOST_FOLLOWED;
-    let mut open = vec![(policy.clone(), start, 1.0)];
-    while let Some((mut policy, cell, share)) = open.pop() {
-        if maze.is_goal(cell) {
+    let mut open = vec![Drive {
+        policy: policy.clone(),
+        cell: start,
+        spent: Vec::new(),
+        share: 1.0,
+    }];
+    while let Some(mut drive) = open.pop() {
+        if maze.is_goal(drive.cell) {
             continue;
         }
         left = left.checked_sub(1)?;
-        steps += share;
-        let worth = policy.consider(&sensor.perceive_at(maze, cell));
+        steps += drive.share;
+        let worth = drive.policy.consider(&sensor.perceive_at(maze, drive.cell));
         worth.greatest()?;
         let best: Vec<Action> = worth.best_actions().collect();
-        let share = share / best.len() as f64;
+        drive.share /= best.len() as f64;
         for &other in &best[1..] {
-            let mut policy = policy.clone();
-            let next = take(maze, &mut policy, cell, other);
-            open.push((policy, next, share));
+            let mut drive = drive.clone();
+            drive.take(maze, other);
+            open.push(drive);
         }
-        let next = take(maze, &mut policy, cell, best[0]);
-        open.push((policy, next, share));
+        drive.take(maze, best[0]);
+        open.push(drive);
     }
     Some(steps)
 }
 
-/// Takes an action; gives the cell in which that ends.
-fn take(maze: &Maze, policy: &mut Frozen, cell: Cell, action: Action) -> Cell {
-    let direction = maze.direction(action);
-    let next = direction.and_then(|direction| maze.step(cell, direction));
-    let outcome = match next {
-        None => Outcome::Collided { impulse_ns: None },
-        Some(next) if maze.is_goal(next) => Outcome::ReachedGoal,
-        Some(_) => Outcome::Moved,
-    };
-    policy.credit(action, outcome);
-    next.unwrap_or(cell)
+/// An episode that is followed, and how likely it is.
+#[derive(Clone)]
+struct Drive {
+    policy: Frozen,
+    cell: Cell,
+    /// The cells that have paid.
+    spent: Vec<Cell>,
+    share: f64,
+}
+
+impl Drive {
+    /// Takes an action.
+    fn take(&mut self, maze: &Maze, action: Action) {
+        let direction = maze.direction(action);
+        let next = direction.and_then(|direction| maze.step(self.cell, direction));
+        let outcome = match next {
+            None => Outcome::Collided { impulse_ns: None },
+            Some(next) if maze.is_goal(next) => Outcome::ReachedGoal,
+            Some(next) => self.found(maze, next),
+        };
+        self.policy.credit(action, outcome);
+        self.cell = next.unwrap_or(self.cell);
+    }
+
+    /// What coming into a cell brings.
+    fn found(&mut self, maze: &Maze, cell: Cell) -> Outcome {
+        match maze.auxiliary_reward(cell) {
+            Some(reward) if !self.spent.contains(&cell) => {
+                self.spent.push(cell);
+                Outcome::FoundReward { reward }
+            }
+            _ => Outcome::Moved,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::fmt;
 use super::plan::{Config, Plan};
 use crate::agent::Method;
 use crate::sensor::{Alike, Sensor, alike_among};
-use crate::world::{Cell, Maze, Paths};
+use crate::world::{Cell, Facts, Maze, Paths};
 
 /// How many groups of cells, and how many cells of each, a warning names.
 const MOST_NAMED: usize = 3;
@@ -31,6 +31,8 @@ pub enum Warning {
         /// The cells, group by group.
         groups: Vec<Vec<Cell>>,
     },
+    /// Cells pay, but no episode can come there.
+    OutOfReach(Vec<Cell>),
 }
 
 impl Plan {
@@ -42,6 +44,7 @@ impl Plan {
         [
             step_limit(config, maze, &paths),
             look_alike(config, maze, &paths),
+            out_of_reach(maze),
         ]
         .into_iter()
         .flatten()
@@ -67,6 +70,12 @@ fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
         instead: telling_apart(sensor, maze, paths),
         groups,
     })
+}
+
+fn out_of_reach(maze: &Maze) -> Option<Warning> {
+    maze.rewarding_cells().first()?;
+    let cells = Facts::new(maze).auxiliary?.out_of_reach;
+    (!cells.is_empty()).then_some(Warning::OutOfReach(cells))
 }
 
 /// The cells on the way that look alike and in which no action is best in all, group by group.
@@ -101,6 +110,7 @@ impl Warning {
             Self::LookAlike { instead, .. } => {
                 format!("`--sensor {}` (in a study file: `sensors`)", instead.name())
             }
+            Self::OutOfReach(_) => "to open a way in `rows`".to_owned(),
         }
     }
 }
@@ -118,6 +128,13 @@ impl fmt::Display for Warning {
                 sensor.name(),
                 listed(groups)
             ),
+            Self::OutOfReach(cells) => {
+                write!(
+                    f,
+                    "no episode can come to these cells that pay: {}",
+                    named(cells)
+                )
+            }
         }?;
         write!(f, "; try {}", self.way_out())
     }
@@ -214,6 +231,21 @@ mod tests {
             slippery.len() == 1 && slippery[0].contains("5,2 4,5"),
             "{slippery:?}"
         );
+    }
+
+    #[test]
+    fn a_reward_that_no_episode_comes_to_is_named() {
+        let rows = ["#######", "#S.G#*#", "#######"];
+        let text = format!(r#"{{ "rows": {rows:?}, "reward": 5 }}"#);
+        let maze = Maze::from_json(text.as_bytes(), "paid.json").unwrap();
+        let said: Vec<String> = Plan::new(maze)
+            .warnings()
+            .iter()
+            .map(Warning::to_string)
+            .collect();
+        let wanted =
+            "no episode can come to these cells that pay: 5,1; try to open a way in `rows`";
+        assert_eq!(said, [wanted]);
     }
 
     #[test]

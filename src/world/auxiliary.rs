@@ -2,7 +2,7 @@
 
 use super::error::WorldError;
 use super::json::{kind, wrong_type};
-use super::maze::Auxiliary;
+use super::maze::{Auxiliary, Cell, Maze};
 use super::rows::Rows;
 use super::source::{Source, quoted};
 
@@ -56,8 +56,30 @@ fn read_reward(source: Source<'_>, raw: &str) -> Result<f64, WorldError> {
     ))
 }
 
+/// The cells that pay, but into which no episode can come: no way leads there from a start that
+/// does not end at a goal before.
+pub(super) fn out_of_reach(maze: &Maze) -> Vec<Cell> {
+    let mut left = maze.rewarding_cells().to_vec();
+    if left.is_empty() {
+        return left;
+    }
+    let mut entered = vec![false; usize::from(maze.width()) * usize::from(maze.height())];
+    let mut open: Vec<Cell> = maze.starts().collect();
+    while let Some(cell) = open.pop().filter(|_| !left.is_empty()) {
+        let around = maze.moves().directions().iter();
+        for next in around.filter_map(|&along| maze.step(cell, along)) {
+            if !maze.is_goal(next) && !std::mem::replace(&mut entered[maze.index(next)], true) {
+                left.retain(|&other| other != next);
+                open.push(next);
+            }
+        }
+    }
+    left
+}
+
 #[cfg(test)]
 mod tests {
+    use super::out_of_reach;
     use crate::world::{Cell, Maze};
 
     fn maze(rows: [&str; 3], more: &str) -> Result<Maze, String> {
@@ -75,6 +97,23 @@ mod tests {
         assert_eq!([1, 2, 3, 4].map(pay), [None, Some(2.5), None, None]);
         let again = Maze::from_json(maze.to_json().as_bytes(), "again.json").unwrap();
         assert_eq!(again, maze);
+    }
+
+    #[test]
+    fn cells_that_pay_are_out_of_reach_behind_walls_and_behind_goals() {
+        let cell = |col| Cell { col, row: 1 };
+        let reward = r#", "reward": 1"#;
+        for (row, cells) in [
+            ("#S*.G#", vec![]),
+            ("#SG*.#", vec![cell(3)]),
+            ("#SG#*#", vec![cell(4)]),
+            // Who starts there is not paid, and cannot come back.
+            ("#.G*G#", vec![cell(3)]),
+            ("#.G*.#", vec![]),
+        ] {
+            let maze = maze(["######", row, "######"], reward).unwrap();
+            assert_eq!(out_of_reach(&maze), cells, "{row}");
+        }
     }
 
     #[test]

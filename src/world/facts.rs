@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::auxiliary::out_of_reach;
 use super::maze::{Cell, Maze};
 use super::paths::Paths;
 
@@ -59,6 +60,9 @@ pub struct AuxiliaryFacts {
     pub cells: Vec<Cell>,
     /// What each pays, once in an episode.
     pub reward: f64,
+    /// Those into which no episode can come; not there if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub out_of_reach: Vec<Cell>,
 }
 
 impl Facts {
@@ -91,7 +95,12 @@ impl Facts {
 fn auxiliary(maze: &Maze) -> Option<AuxiliaryFacts> {
     let cells = maze.rewarding_cells().to_vec();
     let reward = maze.auxiliary_reward(*cells.first()?)?;
-    Some(AuxiliaryFacts { cells, reward })
+    let out_of_reach = out_of_reach(maze);
+    Some(AuxiliaryFacts {
+        cells,
+        reward,
+        out_of_reach,
+    })
 }
 
 /// Counts the cells of each floor.

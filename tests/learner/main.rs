@@ -5,6 +5,7 @@
 #[path = "../kit/mod.rs"]
 mod kit;
 
+mod auxiliary;
 mod ceilings;
 mod examples;
 mod exporting;

@@ -120,6 +120,14 @@ fn a_cell_shows_the_rules_that_match_there_in_the_wanted_order() {
     );
     // In Maze4 there is a wall on every side of the start but one.
     assert_eq!(&rows[0][go], "east", "{csv}");
+    // No rules are a table, too.
+    desk.keep("none.json", r#"{"rules": []}"#);
+    let none = ["rules", "none.json", "--world", world("maze4"), "--csv"];
+    let none = desk.fine(&[&none[..], &["--sensor", "neighbours"]].concat());
+    assert_eq!(
+        none.lines().collect::<Vec<_>>(),
+        [csv.lines().next().unwrap()]
+    );
 }
 
 #[test]
@@ -368,4 +376,30 @@ fn a_page_shows_the_policy_the_rules_and_where_they_lead_in_each_cell() {
     assert!(!lone.contains(policy) && lone.contains(foreseen), "{lone}");
     let (code, message) = desk.refused(&["rules", "run", "--format", "html", "--csv"]);
     assert!(code == Some(2) && message.contains("--format"), "{message}");
+}
+
+#[test]
+fn the_page_of_a_vast_maze_says_what_it_does_not_draw() {
+    let desk = Desk(tempfile::tempdir().unwrap());
+    let vast = desk.fine(&["world", "generate", "--kind", "dfs", "--size", "150"]);
+    desk.keep("vast.json", &vast);
+    let train = [
+        "train",
+        "vast.json",
+        "--arena",
+        "grid",
+        "--episodes",
+        "1",
+        "--quiet",
+    ];
+    desk.xcscr(&[&train[..], &["--record", "none", "--out", "run"]].concat());
+    let page = desk.fine(&["rules", "run", "--format", "html"]);
+    assert!(
+        page.len() < 1_000_000 && !page.contains("<svg"),
+        "{}",
+        page.len()
+    );
+    for omitted in ["a picture of its policy", "400 at most are"] {
+        assert!(page.contains(omitted), "{omitted}");
+    }
 }

@@ -327,6 +327,16 @@ fn two_runs_are_compared_side_by_side_in_one_recording_in_which_nothing_interlea
     assert_eq!(code, Some(2), "{stderr}");
     let (code, _, stderr) = outcome(&["replay", one, two, "--compare", "-o", to]);
     assert_eq!(code, Some(73), "a file was replaced: {stderr}");
+    let (code, _, stderr) = outcome(&["replay", one, two, "--compare", "-o", "nowhere/it.mcap"]);
+    assert!(
+        code == Some(73) && stderr.contains("no such folder"),
+        "{stderr}"
+    );
+    let (code, _, stderr) = outcome(&["replay", one, to, "--compare"]);
+    assert!(
+        code == Some(65) && stderr.contains("compares two runs"),
+        "{stderr}"
+    );
 }
 
 /// The drive of what was learned is that of an agent which only uses it, whoever learned it.

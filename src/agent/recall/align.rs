@@ -19,6 +19,8 @@ pub struct Seen {
     pub around: Around,
     /// The action that it chose.
     pub action: Action,
+    /// The auxiliary reward that it found by it, or 0.
+    pub found: f64,
 }
 
 /// What is believed of the moves and of the percepts.

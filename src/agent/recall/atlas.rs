@@ -5,13 +5,12 @@ use std::collections::{BTreeSet, VecDeque};
 use serde::{Deserialize, Serialize};
 
 use super::align::{Alignment, Habits, Likelihood, Seen, align};
-use super::chart::{Chart, FURTHEST};
-use super::place::{AROUND, Letter, Place, heading, percept_of};
-use crate::agent::model::pomdp::{GOAL, Pomdp};
+use super::chart::Chart;
+use super::map::{Charted, MOST_CHARTS, Map, Worth};
+use super::payments::Payments;
+use super::place::{Letter, Place};
 use xcs::MAX_ACTIONS;
 
-/// The most charts: goals that can be told apart.
-pub const MOST_CHARTS: usize = 6;
 /// Episodes that are kept to draw the charts anew.
 const KEPT_EPISODES: usize = 100;
 /// The last steps of an episode that are kept.
@@ -30,11 +29,25 @@ const BLANK_ADVANTAGE: f64 = 7.4;
 /// A chart that fewer episodes than this share belong to is not planned on.
 const LEAST_SHARE: f64 = 0.05;
 
-/// A chart, and how many episodes belong to it.
+/// A chart, what cells of it pay, and how many episodes belong to it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 struct Sheet {
     chart: Chart,
+    payments: Payments,
     episodes: f64,
+}
+
+impl Sheet {
+    /// Takes down an episode that lies on it so.
+    fn take_down(&mut self, steps: &[Seen], alignment: &Alignment) {
+        self.episodes += 1.0;
+        for (step, place) in steps.iter().zip(&alignment.places) {
+            place
+                .iter()
+                .for_each(|&place| self.chart.take_down(place, &step.around));
+        }
+        self.payments.take_down(steps, &alignment.places);
+    }
 }
 
 /// The charts, what is believed of moves and percepts, and the episodes that say so.
@@ -46,51 +59,6 @@ pub struct Atlas {
     slips: [f64; 2],
     episodes: VecDeque<Vec<Seen>>,
     successes: u32,
-}
-
-/// Places on charts as states to plan on.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(try_from = "ReadMap")]
-pub struct Map {
-    /// What moves do, and what is perceived.
-    pub pomdp: Pomdp,
-    /// By state: the number of the chart, and the place on it.
-    pub places: Vec<(u8, Place)>,
-}
-
-/// A map as it stands in a file, which nobody has looked at.
-#[derive(Deserialize)]
-struct ReadMap {
-    pomdp: Pomdp,
-    places: Vec<(u8, Place)>,
-}
-
-impl TryFrom<ReadMap> for Map {
-    type Error = &'static str;
-
-    fn try_from(read: ReadMap) -> Result<Self, Self::Error> {
-        let ReadMap { pomdp, places } = read;
-        let map = Self { pomdp, places };
-        match map.is_sound(map.pomdp.actions()) {
-            true => Ok(map),
-            false => Err("the map that the rules go by contradicts itself"),
-        }
-    }
-}
-
-impl Map {
-    /// Is it a map for so many actions, of places on charts?
-    pub fn is_sound(&self, actions: usize) -> bool {
-        let charted = |&(chart, place): &(u8, Place)| {
-            usize::from(chart) < MOST_CHARTS && place.reach() <= FURTHEST
-        };
-        let blank = self.places.is_empty() && self.pomdp == Pomdp::default();
-        blank
-            || self.pomdp.actions() == actions
-                && self.pomdp.is_sound()
-                && self.pomdp.states() == self.places.len()
-                && self.places.iter().all(charted)
-    }
 }
 
 impl Atlas {
@@ -137,12 +105,7 @@ impl Atlas {
             self.sheets.push(Sheet::default());
         }
         let sheet = &mut self.sheets[at];
-        sheet.episodes += 1.0;
-        for (step, place) in steps.iter().zip(&alignment.places) {
-            place
-                .iter()
-                .for_each(|&place| sheet.chart.take_down(place, &step.around));
-        }
+        sheet.take_down(steps, &alignment);
         sheet.chart.sight(Place::ORIGIN, Letter::Goal);
         let fading = 0.99;
         self.slips[0] = self.slips[0] * fading + alignment.slips;
@@ -233,13 +196,8 @@ impl Atlas {
                 continue;
             };
             let sheet = &mut again.sheets[at];
-            sheet.episodes += 1.0;
             sheet.chart.sight(Place::ORIGIN, Letter::Goal);
-            for (step, place) in steps.iter().zip(&alignment.places) {
-                place
-                    .iter()
-                    .for_each(|&place| sheet.chart.take_down(place, &step.around));
-            }
+            sheet.take_down(steps, &alignment);
             again.slips[0] += alignment.slips;
             again.slips[1] += steps.len() as f64;
         }
@@ -256,55 +214,20 @@ impl Atlas {
             .fold(Likelihood::ONE, Likelihood::and)
     }
 
-    /// The charted places as states to plan on: all that can be perceived wholly.
-    pub fn map(&self) -> Map {
-        if self.sheets.is_empty() {
-            return Map::default();
-        }
+    /// The charted places as states to plan on, on all charts that are not rare.
+    pub fn map(&self, worth: &Worth) -> Map {
         let all: f64 = self.sheets.iter().map(|sheet| sheet.episodes).sum();
-        let used = self
-            .sheets
-            .iter()
-            .filter(|sheet| sheet.episodes >= LEAST_SHARE * all);
-        let charts: Vec<&Chart> = used.map(|sheet| &sheet.chart).collect();
-        let mut places = Vec::new();
-        for (number, chart) in charts.iter().enumerate() {
-            let stands = |place: &Place| {
-                chart.letter(*place) == Some(Letter::Free) && chart.around(*place).is_some()
-            };
-            places.extend(
-                chart
-                    .places()
-                    .filter(stands)
-                    .map(|place| (number as u8, place)),
-            );
-        }
-        places.sort_unstable();
-        let seen: Vec<_> = places
-            .iter()
-            .map(|&(number, place)| charts[usize::from(number)].around(place))
-            .map(|around| percept_of(&around.expect("only places that are charted all around")))
+        let used = self.sheets.iter();
+        let used = used.filter(|sheet| sheet.episodes >= LEAST_SHARE * all);
+        let charted: Vec<Charted<'_>> = used
+            .map(|sheet| Charted::new(&sheet.chart, &sheet.payments))
             .collect();
         let slip = if self.habits.slip < EXACT {
             0.0
         } else {
             (self.habits.slip * 50.0).round() / 50.0
         };
-        let actions = self.habits.actions;
-        let next = |state: usize, action| {
-            let (number, place) = places[state];
-            let to = place.plus(AROUND[heading(action, actions)]);
-            match charts[usize::from(number)].letter(to) {
-                Some(Letter::Goal) => GOAL,
-                Some(Letter::Free) => {
-                    let known = places.binary_search(&(number, to));
-                    known.unwrap_or(state) as u32
-                }
-                _ => state as u32,
-            }
-        };
-        let pomdp = Pomdp::new(actions, slip, &seen, next);
-        Map { pomdp, places }
+        Map::drawn(&charted, self.habits.actions, slip, worth)
     }
 
     /// Can an atlas of a robot with so many actions look like this?
@@ -313,9 +236,14 @@ impl Atlas {
         self.habits.actions == actions
             && actions <= MAX_ACTIONS
             && self.sheets.len() <= MOST_CHARTS
-            && self.sheets.iter().all(|sheet| sheet.chart.is_sound())
+            && self
+                .sheets
+                .iter()
+                .all(|sheet| sheet.chart.is_sound() && sheet.payments.is_sound())
             && self.episodes.iter().all(|steps| steps.len() <= KEPT_STEPS)
-            && steps.clone().all(|step| step.action.index() < actions)
+            && steps
+                .clone()
+                .all(|step| step.action.index() < actions && step.found.is_finite())
             && (0.0..=1.0).contains(&self.habits.slip)
             && (0.0..=1.0).contains(&self.habits.misread)
     }

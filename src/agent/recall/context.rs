@@ -1,10 +1,11 @@
-//! What a rule looks at: the percept, the likeliest place on the map, and the last two steps.
+//! What a rule looks at: the percept, the likeliest place on the map, what was found there, and the
+//! last two steps.
 
 use serde::Serialize;
 
-use super::atlas::Map;
 use super::chart::FURTHEST;
-use super::place::{AROUND, Place, around};
+use super::map::{MOST_PAYING, Map, sight};
+use super::place::{AROUND, around};
 use crate::agent::model::pomdp::Belief;
 use xcs::{Action, Percept};
 
@@ -20,7 +21,7 @@ const STEP_BITS: usize = 1 + 3 + PERCEPT_BITS;
 const WINDOW: usize = 2;
 /// All bits of a context.
 pub const CONTEXT_BITS: usize =
-    PERCEPT_BITS + 2 * COORDINATE_BITS + CHART_BITS + WINDOW * STEP_BITS;
+    PERCEPT_BITS + 2 * COORDINATE_BITS + CHART_BITS + MOST_PAYING + WINDOW * STEP_BITS;
 
 const _: () = assert!(CONTEXT_BITS <= xcs::MAX_PERCEPT_BITS);
 
@@ -32,7 +33,10 @@ pub struct Tracker {
     now: Option<Percept>,
     /// What was perceived and done, the latest last.
     window: [Option<(Percept, Action)>; WINDOW],
-    acted: Option<Action>,
+    /// What was done last, and did it find a reward?
+    acted: Option<(Action, bool)>,
+    /// How many rewards of the map were found.
+    found: u32,
 }
 
 impl Tracker {
@@ -44,40 +48,48 @@ impl Tracker {
     /// Perceives; the percept's first sixteen bits count.
     pub fn perceive(&mut self, map: &Map, percept: &Percept) {
         let percept = Percept::from_word(percept.words()[0], PERCEPT_BITS);
-        let after = match self.acted.take() {
-            Some(action) if !self.belief.is_empty() => {
-                self.belief.after(&map.pomdp, action, &percept)
-            }
-            _ => Belief::default(),
-        };
-        self.belief = match after.is_empty() {
-            true => lost(map, &percept),
-            false => after,
-        };
+        let after = self.acted.take().and_then(|(action, found)| {
+            // A reward that was not foreseen, or did not come, still tells where the robot is.
+            let counts = [
+                self.found + u32::from(found),
+                self.found + u32::from(!found),
+            ];
+            let after = |found: u32| {
+                let sight = sight(&percept, found);
+                (found, self.belief.after(&map.pomdp, action, &sight))
+            };
+            counts
+                .map(after)
+                .into_iter()
+                .find(|(_, after)| !after.is_empty())
+        });
+        let lost = || (self.found, lost(map, &percept, self.found));
+        (self.found, self.belief) = after.unwrap_or_else(lost);
         self.now = Some(percept);
     }
 
-    /// Acts on what was perceived.
-    pub fn act(&mut self, action: Action) {
+    /// Acts on what was perceived, and did or did not find a reward.
+    pub fn act(&mut self, action: Action, found: bool) {
         if let Some(percept) = self.now {
             self.window.rotate_left(1);
             self.window[WINDOW - 1] = Some((percept, action));
         }
-        self.acted = Some(action);
+        self.acted = Some((action, found));
     }
 
     /// All that rules look at, as bits.
     pub fn context(&self, map: &Map) -> Percept {
         let percept = self.now.unwrap_or(Percept::from_word(0, PERCEPT_BITS));
-        let place = self
+        let spot = self
             .belief
             .likeliest()
-            .map(|(state, _)| map.places[state as usize]);
-        let (chart, place) = place.unwrap_or((0, Place::ORIGIN));
+            .map(|(state, _)| map.spots[state as usize]);
+        let spot = spot.unwrap_or_default();
         let mut context = percept
-            .followed_by(&above(place.east))
-            .followed_by(&above(place.north))
-            .followed_by(&Percept::from_word(chart.into(), CHART_BITS));
+            .followed_by(&above(spot.place.east))
+            .followed_by(&above(spot.place.north))
+            .followed_by(&Percept::from_word(spot.chart.into(), CHART_BITS))
+            .followed_by(&Percept::from_word(spot.eaten.into(), MOST_PAYING));
         for step in self.window.iter().rev() {
             context = context.followed_by(&step_bits(*step));
         }
@@ -110,10 +122,11 @@ fn step_bits(step: Option<(Percept, Action)>) -> Percept {
     Percept::from_word(bits, STEP_BITS)
 }
 
-/// Everywhere where it looks like this, or else as much like this as anywhere.
-fn lost(map: &Map, percept: &Percept) -> Belief {
+/// Everywhere where it looks like this when so many rewards were found, or else as much like this as
+/// anywhere.
+fn lost(map: &Map, percept: &Percept, found: u32) -> Belief {
     let pomdp = &map.pomdp;
-    if let Some(look) = pomdp.look_of(percept) {
+    if let Some(look) = pomdp.look_of(&sight(percept, found)) {
         return Belief::even(pomdp.alike(look));
     }
     let seen = around(percept);
@@ -124,6 +137,7 @@ fn lost(map: &Map, percept: &Percept) -> Belief {
             .count()
     };
     let states = 0..pomdp.states() as u32;
+    let states = states.filter(|&state| map.spots[state as usize].eaten.count_ones() == found);
     let least = states.clone().map(strange).min();
     match least {
         Some(least) => Belief::even(states.filter(|&state| strange(state) == least)),
@@ -136,7 +150,8 @@ pub fn words(alleles: &dyn Fn(usize) -> Option<bool>) -> Vec<String> {
     let east = PERCEPT_BITS;
     let north = east + COORDINATE_BITS;
     let chart = north + COORDINATE_BITS;
-    let window = chart + CHART_BITS;
+    let eaten = chart + CHART_BITS;
+    let window = eaten + MOST_PAYING;
     let mut words = coordinate_words("x", east, alleles);
     words.extend(coordinate_words("y", north, alleles));
     let part = |name: &str, range: std::ops::Range<usize>| {
@@ -144,7 +159,8 @@ pub fn words(alleles: &dyn Fn(usize) -> Option<bool>) -> Vec<String> {
         let bits: String = range.map(letter).collect();
         bits.contains(['0', '1']).then(|| format!("{name} {bits}"))
     };
-    words.extend(part("chart", chart..window));
+    words.extend(part("chart", chart..eaten));
+    words.extend(part("rewards found", eaten..window));
     for (step, ago) in ["last step", "step before"].into_iter().enumerate() {
         let from = window + step * STEP_BITS;
         words.extend(part(&format!("{ago} taken"), from..from + 1));

@@ -1,12 +1,13 @@
-//! The learner itself: charts, belief and rules, without the rewards.
+//! The learner itself: charts, belief and rules.
 
 use serde::{Deserialize, Serialize};
 
 use super::align::Seen;
-use super::atlas::{Atlas, Map};
+use super::atlas::Atlas;
 use super::context::{CONTEXT_BITS, Tracker, without_window};
 use super::induction::induce;
 use super::lessons::{Lessons, imagine};
+use super::map::{Map, Worth};
 use super::place::around;
 use super::wander::Sketch;
 use crate::agent::model::pomdp::{BeliefPlanner, Effort};
@@ -40,6 +41,7 @@ const TESTS: usize = 300;
 #[derive(Debug, Clone)]
 pub struct Learner {
     actions: usize,
+    worth: Worth,
     atlas: Atlas,
     /// Follows from the atlas.
     map: Map,
@@ -79,10 +81,11 @@ pub struct Matching {
 }
 
 impl Learner {
-    /// A learner that knows nothing, for so many actions.
-    pub fn new(actions: usize, stream: Stream) -> Self {
+    /// A learner that knows nothing, for so many actions, and what it is to seek.
+    pub fn new(actions: usize, worth: Worth, stream: Stream) -> Self {
         Self {
             actions,
+            worth,
             atlas: Atlas::new(actions),
             map: Map::default(),
             planner: BeliefPlanner::default(),
@@ -116,7 +119,7 @@ impl Learner {
         if !kept.atlas.is_sound(self.actions) || !kept.rules.rules().iter().all(fits) {
             return false;
         }
-        self.map = kept.atlas.map();
+        self.map = kept.atlas.map(&self.worth);
         self.atlas = kept.atlas;
         self.planner = kept.planner;
         self.rules = kept.rules;
@@ -181,11 +184,15 @@ impl Learner {
         self.sketch.explore(self.actions, &mut self.stream)
     }
 
-    /// Acts on what was perceived.
-    pub fn act(&mut self, percept: &Percept, action: Action) {
-        self.tracker.act(action);
+    /// Acts on what was perceived, and finds an auxiliary reward or none, 0.
+    pub fn act(&mut self, percept: &Percept, action: Action, found: f64) {
+        self.tracker.act(action, found > 0.0);
         let around = around(percept);
-        self.steps.push(Seen { around, action });
+        self.steps.push(Seen {
+            around,
+            action,
+            found,
+        });
     }
 
     /// Ends the episode: learns charts, plan and rules.
@@ -196,14 +203,14 @@ impl Learner {
         self.sketch = Sketch::default();
         if reached_goal && !steps.is_empty() {
             self.atlas.learn(steps);
-            let map = self.atlas.map();
+            let map = self.atlas.map(&self.worth);
             if map != self.map {
                 self.planner = BeliefPlanner::new(&map.pomdp);
                 self.map = map;
                 self.stale = true;
             }
         }
-        if self.map.places.is_empty() {
+        if self.map.spots.is_empty() {
             return;
         }
         self.stale |= self.plan();
@@ -225,7 +232,7 @@ impl Learner {
         let mut changed = false;
         for _ in 0..SWEEPS {
             let mut change = 0.0_f64;
-            for start in 0..self.map.pomdp.states() as u32 {
+            for start in 0..self.map.starts() {
                 let effort = self.imagine(start);
                 change = change.max(effort.change);
             }
@@ -239,7 +246,7 @@ impl Learner {
 
     /// From states drawn by chance.
     fn plan_by_chance(&mut self) -> bool {
-        let states = self.map.pomdp.states();
+        let states = self.map.starts() as usize;
         let budget = WEIGHED[usize::from(self.episodes > EARLY)];
         let mut weighed = 0;
         for _ in 0..IMAGINED {
@@ -275,7 +282,7 @@ impl Learner {
     /// steps of the last test.
     fn induced(&mut self, windowed: bool) -> (Population, u64) {
         let (map, planner, stream) = (&self.map, &self.planner, &mut self.stream);
-        let states = map.pomdp.states() as u32;
+        let states = map.starts();
         let slips = map.pomdp.slip() > 0.0;
         let rounds = if slips {
             (TESTS as u32).div_ceil(states)

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::atlas::Map;
 use super::context::Tracker;
+use super::map::Map;
 use crate::agent::model::pomdp::{BeliefPlanner, GOAL, moved};
 use xcs::random::Stream;
 use xcs::{Action, MAX_ACTIONS, Percept};
@@ -59,15 +59,16 @@ pub fn imagine(
                 .or_insert_with(|| planner.costs(&map.pomdp, tracker.belief()));
             let lesson = lessons.entry(context).or_default();
             lesson.weight += 1.0;
-            let sums = lesson.costs.iter_mut().zip(costs.as_slice());
+            let sums = lesson.costs.iter_mut().zip(costs.in_steps(&map.pomdp));
             sums.for_each(|(sum, cost)| *sum += cost);
             let action = choose(&context).unwrap_or_else(|| costs.best());
-            tracker.act(action);
             steps += 1;
+            let before = state;
             state = moved(&map.pomdp, state, action, stream);
             if state == GOAL {
                 break;
             }
+            tracker.act(action, map.pays(before, state));
         }
     }
     steps

@@ -4,12 +4,16 @@
 //! ([`atlas`]), drawn from episodes that reached it ([`align`]). On them it tracks where it may be
 //! ([`context`]), plans ([`crate::agent::model::pomdp`]), imagines episodes ([`lessons`]), and induces from
 //! these a few general rules that never err in them ([`induction`]). **The rules act**: what they look
-//! at is the percept, the likeliest place on the charts, and the last two steps. Charts and plan teach
-//! them, and say what to explore ([`wander`]).
+//! at is the percept, the likeliest place on the charts, what was found there in this episode, and the
+//! last two steps. Charts and plan teach them, and say what to explore ([`wander`]).
+//!
+//! Cells that pay by themselves are remembered ([`payments`]), and that they pay once in an episode is
+//! part of the state ([`map`]). While none is known the plan is the one of the fewest steps; with them
+//! it is the one of the greatest discounted sum of all rewards, which may be a detour.
 //!
 //! Built in are that the first sixteen bits of a percept are the eight cells around the robot, what
-//! the letters mean (free, wall, goal), that a move goes one cell its way unless there is a wall, and
-//! that the world stands still. Learned are charts, slips and rules. Whether a move slipped is not
+//! the letters mean (free, wall, goal), that a move goes one cell its way unless there is a wall, that
+//! cells pay once, and that the world stands still. Learned are charts, slips and rules. Whether a move slipped is not
 //! perceived but inferred from the percepts; collisions tell nothing that these do not.
 
 mod align;
@@ -19,8 +23,10 @@ mod context;
 mod induction;
 pub(super) mod learner;
 mod lessons;
+mod map;
+mod payments;
 mod place;
 mod wander;
 
-pub use atlas::Map;
 pub use context::{CONTEXT_BITS, PERCEPT_BITS, Tracker, words};
+pub use map::{Map, Worth};

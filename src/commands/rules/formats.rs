@@ -7,7 +7,7 @@ use xcscr::page::Table;
 use xcscr::trial::Condensed;
 use xcscr::xcs::{Classifier, Population};
 
-use super::listing::Row;
+use super::listing::{COLUMNS, Row};
 use super::{Shown, foreseen};
 use crate::commands::failure::Failure;
 
@@ -54,7 +54,9 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
 
 /// A CSV table.
 pub fn csv(rows: Vec<Row>, out: &mut impl Write) -> Result<(), Failure> {
-    let mut table = csv::Writer::from_writer(out);
+    let mut table = csv::WriterBuilder::new();
+    let mut table = table.has_headers(false).from_writer(out);
+    table.write_record(COLUMNS).map_err(std::io::Error::from)?;
     for row in rows {
         table.serialize(row).map_err(std::io::Error::from)?;
     }

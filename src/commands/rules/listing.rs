@@ -22,6 +22,20 @@ pub enum Order {
     Experience,
 }
 
+/// The columns of a [`Row`] in a file.
+pub const COLUMNS: [&str; 10] = [
+    "condition",
+    "action",
+    "if",
+    "go",
+    "covers",
+    "prediction",
+    "error",
+    "fitness",
+    "numerosity",
+    "experience",
+];
+
 /// A rule as it is shown.
 #[derive(Debug, Serialize)]
 pub struct Row {

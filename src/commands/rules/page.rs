@@ -22,7 +22,9 @@ pub fn print(shown: &Shown<'_>, is_run: bool, out: &mut impl Write) -> Result<()
     if let Some(percept) = &shown.here {
         blocks.push(Block::Text(format!("Only where the percept is {percept}.")));
     }
-    if is_run {
+    if shown.plan.maze.is_vast() {
+        blocks.push(Block::Text(TOO_VAST.to_owned()));
+    } else if is_run {
         blocks.push(Block::Picture(policy(shown.plan)?));
     }
     blocks.push(Block::Heading("Rules".to_owned()));
@@ -37,6 +39,9 @@ pub fn print(shown: &Shown<'_>, is_run: bool, out: &mut impl Write) -> Result<()
     let title = format!("What was learned in {}", shown.plan.maze.name());
     Ok(write!(out, "{}", html(&title, &blocks))?)
 }
+
+/// In place of the policy.
+const TOO_VAST: &str = "The maze has too many cells for a picture of its policy.";
 
 /// What the columns of the rules say.
 const LEGEND: &str = "**if**: the condition; **covers**: percepts of this world that it matches; \
@@ -60,12 +65,20 @@ fn add_cells(shown: &Shown<'_>, blocks: &mut Vec<Block>) {
         .free_cells()
         .filter(|&cell| !maze.is_goal(cell))
         .collect();
-    if cells.len() > MOST_CELLS || shown.here.is_some() {
+    if shown.here.is_some() {
+        return;
+    }
+    blocks.push(Block::Heading("In each cell".to_owned()));
+    if cells.len() > MOST_CELLS {
+        blocks.push(Block::Text(format!(
+            "Not listed for the {} free cells of this maze: {MOST_CELLS} at most are. `xcscr rules \
+             --why COL,ROW` tells it for one.",
+            cells.len()
+        )));
         return;
     }
     let mut table = Table::new(["cell", "goes", "worth", "because", "perceives"]);
     table.rows = cells.into_iter().map(|cell| row(shown, cell)).collect();
-    blocks.push(Block::Heading("In each cell".to_owned()));
     blocks.push(Block::Table(table));
 }
 

@@ -61,21 +61,41 @@ impl Belief {
 
     /// Percept, state and probability of all that an action may lead to; states can come twice.
     fn reached(&self, pomdp: &Pomdp, action: Action) -> Vec<(u32, u32, f64)> {
-        let each = pomdp.slip() / pomdp.actions() as f64;
         let mut reached = Vec::with_capacity(self.0.len() * 2);
-        let mut reach = |state, weight| {
-            if state != GOAL && weight > 0.0 {
-                reached.push((pomdp.look(state), state, weight));
+        self.each_move(pomdp, action, |_, next, weight| {
+            if next != GOAL && weight > 0.0 {
+                reached.push((pomdp.look(next), next, weight));
             }
-        };
+        });
+        reached
+    }
+
+    /// Every state, where an action may lead from it, and how likely both are.
+    fn each_move(&self, pomdp: &Pomdp, action: Action, mut visit: impl FnMut(u32, u32, f64)) {
+        let each = pomdp.slip() / pomdp.actions() as f64;
         for &(state, weight) in &self.0 {
-            reach(pomdp.next(state, action), weight * (1.0 - pomdp.slip()));
+            visit(
+                state,
+                pomdp.next(state, action),
+                weight * (1.0 - pomdp.slip()),
+            );
             if each > 0.0 {
                 Action::all(pomdp.actions())
-                    .for_each(|executed| reach(pomdp.next(state, executed), weight * each));
+                    .for_each(|executed| visit(state, pomdp.next(state, executed), weight * each));
             }
         }
-        reached
+    }
+
+    /// What an action costs, without what follows it.
+    pub fn cost_of_acting(&self, pomdp: &Pomdp, action: Action) -> f64 {
+        let mut cost = pomdp.cost_of_step();
+        if pomdp.prizes().is_none() {
+            return cost;
+        }
+        self.each_move(pomdp, action, |state, next, weight| {
+            cost += weight * pomdp.cost_of_move(state, next);
+        });
+        cost
     }
 
     fn merged(alike: &[(u32, u32, f64)]) -> Self {

@@ -6,9 +6,11 @@
 
 mod belief;
 mod planner;
+mod prizes;
 
 pub use belief::Belief;
 pub use planner::{BeliefPlanner, Effort, moved};
+pub use prizes::Prizes;
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +19,8 @@ use xcs::{Action, MAX_ACTIONS, Percept};
 /// In place of a state: the goal, where the episode ends.
 pub const GOAL: u32 = u32::MAX;
 
-/// States, what is perceived in each, and what each action does there. Every step costs 1.
+/// States, what is perceived in each, and what each action does there. Every step costs 1, unless
+/// there are [`Prizes`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Pomdp {
     actions: usize,
@@ -29,6 +32,7 @@ pub struct Pomdp {
     looks: Vec<u32>,
     /// All percepts, in order.
     percepts: Vec<Percept>,
+    prizes: Option<Prizes>,
 }
 
 impl Pomdp {
@@ -54,7 +58,14 @@ impl Pomdp {
                 .collect(),
             looks: seen.iter().map(look).collect(),
             percepts,
+            prizes: None,
         }
+    }
+
+    /// The same where more is paid than at the goal.
+    pub fn with_prizes(self, prizes: Prizes) -> Self {
+        let prizes = Some(prizes);
+        Self { prizes, ..self }
     }
 
     /// The number of states, the goal not counted.
@@ -123,10 +134,41 @@ impl Pomdp {
                 .all(|&next| next == GOAL || (next as usize) < states)
             && self.looks.iter().all(|&look| (look as usize) < looks)
             && self.percepts.is_sorted()
+            && self
+                .prizes
+                .as_ref()
+                .is_none_or(|prizes| prizes.is_sound(states))
     }
 
-    /// The expected steps to the goal from each state for one who sees the state (value iteration),
-    /// at most `most`.
+    /// What is paid on the way.
+    fn prizes(&self) -> Option<&Prizes> {
+        self.prizes.as_ref()
+    }
+
+    /// What a later step counts for, beside the one now.
+    fn discount(&self) -> f64 {
+        self.prizes().map_or(1.0, |prizes| prizes.discount)
+    }
+
+    /// What every step costs.
+    fn cost_of_step(&self) -> f64 {
+        if self.prizes.is_none() { 1.0 } else { 0.0 }
+    }
+
+    /// What a move from a state to the next costs beside that, without what follows it.
+    fn cost_of_move(&self, state: u32, next: u32) -> f64 {
+        self.prizes()
+            .map_or(0.0, |prizes| -prizes.gain(state, next))
+    }
+
+    /// The steps from the goal at which one is as well off as with such a cost, were there nothing
+    /// but the goal.
+    pub fn in_steps(&self, cost: f64) -> f64 {
+        self.prizes().map_or(cost, |prizes| prizes.in_steps(-cost))
+    }
+
+    /// What each state costs one who sees the state (value iteration), at most `most`; without prizes
+    /// that is the expected steps to the goal.
     pub fn costs_when_seen(&self, most: f64) -> Vec<f64> {
         let mut costs = vec![0.0; self.states()];
         for _ in 0..most.max(1.0) as u64 * 10 {
@@ -144,15 +186,16 @@ impl Pomdp {
 
     fn cost_when_seen(&self, costs: &[f64], state: usize) -> f64 {
         let row = &self.next[state * self.actions..][..self.actions];
-        let cost = |&next: &u32| {
-            if next == GOAL {
-                0.0
-            } else {
-                costs[next as usize]
-            }
-        };
-        let sum: f64 = row.iter().map(cost).sum();
-        let least = row.iter().map(cost).fold(f64::INFINITY, f64::min);
-        1.0 + (1.0 - self.slip) * least + self.slip * sum / self.actions as f64
+        let (mut least, mut sum) = (f64::INFINITY, 0.0);
+        for &next in row {
+            let after = costs
+                .get(next as usize)
+                .map_or(0.0, |cost| self.discount() * cost);
+            let cost = self.cost_of_move(state as u32, next) + after;
+            least = least.min(cost);
+            sum += cost;
+        }
+        let chosen = self.cost_of_step() + (1.0 - self.slip) * least;
+        chosen + self.slip * sum / self.actions as f64
     }
 }

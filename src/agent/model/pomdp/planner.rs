@@ -5,12 +5,11 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::belief::{Belief, Branch};
+use super::prizes::MOST_STEPS;
 use super::{GOAL, Pomdp};
 use xcs::random::Stream;
 use xcs::{Action, MAX_ACTIONS};
 
-/// No way costs more steps than this.
-const MOST_STEPS: f64 = 1000.0;
 /// The most beliefs of which costs are kept; then all are forgotten.
 const MOST_BELIEFS: usize = 50_000;
 
@@ -26,7 +25,13 @@ pub struct Effort {
     pub change: f64,
 }
 
-/// The expected steps to the goal after each action.
+/// Costs that differ by less than this from another are equal.
+fn tie(cost: f64) -> f64 {
+    1e-9 * cost.abs().min(1.0)
+}
+
+/// What is expected to come to pass after each action: steps to the goal or, where there are
+/// prizes, its worth, taken from nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Costs {
     costs: [f64; MAX_ACTIONS],
@@ -37,6 +42,12 @@ impl Costs {
     /// By action.
     pub fn as_slice(&self) -> &[f64] {
         &self.costs[..self.actions]
+    }
+
+    /// By action, in steps from the goal (see [`Pomdp::in_steps`]).
+    pub fn in_steps<'a>(&'a self, pomdp: &'a Pomdp) -> impl Iterator<Item = f64> + 'a {
+        let costs = self.as_slice().iter();
+        costs.map(|&cost| pomdp.in_steps(cost))
     }
 
     /// The least.
@@ -51,7 +62,7 @@ impl Costs {
     pub fn best(&self) -> Action {
         let least = self.least();
         let mut actions = Action::all(self.actions);
-        let best = actions.find(|action| self.costs[action.index()] <= least + 1e-9);
+        let best = actions.find(|action| self.costs[action.index()] <= least + tie(least));
         best.expect("one of the costs is the least")
     }
 }
@@ -110,9 +121,10 @@ impl BeliefPlanner {
         for action in Action::all(pomdp.actions()) {
             let branches = belief.branches(pomdp, action);
             let after = |branch: &Branch| branch.probability * self.cost(&branch.belief);
-            let cost = 1.0 + branches.iter().map(after).sum::<f64>();
+            let after = branches.iter().map(after).sum::<f64>();
+            let cost = belief.cost_of_acting(pomdp, action) + pomdp.discount() * after;
             costs.costs[action.index()] = cost;
-            if best.as_ref().is_none_or(|best| cost < best.0 - 1e-9) {
+            if best.as_ref().is_none_or(|best| cost < best.0 - tie(best.0)) {
                 best = Some((cost, branches));
             }
         }

@@ -1,0 +1,203 @@
+//! Charts as a world to plan in.
+
+use serde::{Deserialize, Serialize};
+
+use super::chart::{Chart, FURTHEST};
+use super::payments::Payments;
+use super::place::{AROUND, Letter, Place, heading, percept_of};
+use crate::agent::model::pomdp::{GOAL, Pomdp, Prizes};
+use xcs::{Action, Percept};
+
+/// The most charts: goals that can be told apart.
+pub const MOST_CHARTS: usize = 6;
+/// The cells of a chart that pay by themselves and are planned with, at most: the nearest to the goal.
+pub const MOST_PAYING: usize = 4;
+/// States of a chart at most, if some of its cells pay; each of these doubles them.
+const MOST_STATES: usize = 1 << 14;
+/// The bits of how many rewards were found.
+const FOUND_BITS: usize = 3;
+
+/// What is sought: the setting `reward`, as far as it matters here.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worth {
+    /// What the goal pays.
+    pub goal: f64,
+    /// What a step pays.
+    pub step: f64,
+    /// The discount per step.
+    pub gamma: f64,
+}
+
+/// Where a robot is, and what it has found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub struct Spot {
+    /// As bits: which of the paying cells of the chart have paid in this episode.
+    pub eaten: u8,
+    /// The number of the chart.
+    pub chart: u8,
+    /// The place on it.
+    pub place: Place,
+}
+
+/// Spots as states to plan on.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(try_from = "ReadMap")]
+pub struct Map {
+    /// What moves do, and what is perceived.
+    pub pomdp: Pomdp,
+    /// By state; those in which an episode may begin come first.
+    pub spots: Vec<Spot>,
+}
+
+/// A map as it stands in a file, which nobody has looked at.
+#[derive(Deserialize)]
+struct ReadMap {
+    pomdp: Pomdp,
+    spots: Vec<Spot>,
+}
+
+impl TryFrom<ReadMap> for Map {
+    type Error = &'static str;
+
+    fn try_from(read: ReadMap) -> Result<Self, Self::Error> {
+        let ReadMap { pomdp, spots } = read;
+        let map = Self { pomdp, spots };
+        match map.is_sound(map.pomdp.actions()) {
+            true => Ok(map),
+            false => Err("the map that the rules go by contradicts itself"),
+        }
+    }
+}
+
+/// A chart, and the cells of it that pay.
+pub struct Charted<'a> {
+    chart: &'a Chart,
+    /// The places that can be perceived wholly.
+    places: Vec<Place>,
+    paying: Vec<(Place, f64)>,
+}
+
+impl<'a> Charted<'a> {
+    /// All places of a chart that can be perceived wholly, and what they pay.
+    pub fn new(chart: &'a Chart, payments: &Payments) -> Self {
+        let stands = |place: &Place| {
+            chart.letter(*place) == Some(Letter::Free) && chart.around(*place).is_some()
+        };
+        let places: Vec<Place> = chart.places().filter(stands).collect();
+        let mut paying = payments.likely();
+        paying.retain(|(place, _)| stands(place));
+        let room = (MOST_STATES / places.len().max(1)).max(1).ilog2() as usize;
+        paying.truncate(room.min(MOST_PAYING));
+        Self {
+            chart,
+            places,
+            paying,
+        }
+    }
+
+    /// All spots of the chart with this number.
+    fn spots(&self, chart: u8) -> impl Iterator<Item = Spot> + '_ {
+        let eaten = 0..1_u8 << self.paying.len();
+        eaten.flat_map(move |eaten| {
+            let places = self.places.iter();
+            places.map(move |&place| Spot {
+                eaten,
+                chart,
+                place,
+            })
+        })
+    }
+
+    /// What has been eaten once a robot comes into a place, if it was `eaten` before.
+    fn eaten_in(&self, place: Place, eaten: u8) -> u8 {
+        let at = self.paying.iter().position(|paying| paying.0 == place);
+        at.map_or(eaten, |at| eaten | 1 << at)
+    }
+
+    /// What was paid in all.
+    fn paid(&self, eaten: u8) -> f64 {
+        let paying = self.paying.iter().enumerate();
+        let paid = paying.filter(|(at, _)| eaten >> at & 1 == 1);
+        paid.map(|(_, (_, reward))| reward).sum()
+    }
+}
+
+impl Map {
+    /// The map of some charts, for a robot with so many actions that slip so often.
+    pub fn drawn(charted: &[Charted<'_>], actions: usize, slip: f64, worth: &Worth) -> Self {
+        if charted.is_empty() {
+            return Self::default();
+        }
+        let all = charted.iter().enumerate();
+        let mut spots: Vec<Spot> = all.flat_map(|(at, one)| one.spots(at as u8)).collect();
+        spots.sort_unstable();
+        let on = |spot: &Spot| &charted[usize::from(spot.chart)];
+        let seen: Vec<Percept> = spots
+            .iter()
+            .map(|spot| {
+                let around = on(spot).chart.around(spot.place);
+                let around = around.expect("only places that are charted all around");
+                sight(&percept_of(&around), spot.eaten.count_ones())
+            })
+            .collect();
+        let next = |state: usize, action| next(&spots, on(&spots[state]), state, action, actions);
+        let mut pomdp = Pomdp::new(actions, slip, &seen, next);
+        if charted.iter().any(|one| !one.paying.is_empty()) {
+            let found = spots.iter().map(|spot| on(spot).paid(spot.eaten)).collect();
+            let Worth { goal, step, gamma } = *worth;
+            pomdp = pomdp.with_prizes(Prizes::new(gamma, goal, step, found));
+        }
+        Self { pomdp, spots }
+    }
+
+    /// The states in which an episode may begin: nothing was found yet.
+    pub fn starts(&self) -> u32 {
+        self.spots.partition_point(|spot| spot.eaten == 0) as u32
+    }
+
+    /// Does it pay to come from one state into another?
+    pub fn pays(&self, from: u32, to: u32) -> bool {
+        let [from, to] = [from, to].map(|state| self.spots[state as usize].eaten);
+        from != to
+    }
+
+    /// Is it a map for so many actions, of places on charts?
+    pub fn is_sound(&self, actions: usize) -> bool {
+        let charted = |spot: &Spot| {
+            usize::from(spot.chart) < MOST_CHARTS
+                && spot.place.reach() <= FURTHEST
+                && spot.eaten < 1 << MOST_PAYING
+        };
+        let blank = self.spots.is_empty() && self.pomdp == Pomdp::default();
+        blank
+            || self.pomdp.actions() == actions
+                && self.pomdp.is_sound()
+                && self.pomdp.states() == self.spots.len()
+                && self.spots.is_sorted()
+                && self.spots.iter().all(charted)
+    }
+}
+
+/// The state that an action leads to.
+fn next(spots: &[Spot], on: &Charted<'_>, state: usize, action: Action, actions: usize) -> u32 {
+    let spot = spots[state];
+    let place = spot.place.plus(AROUND[heading(action, actions)]);
+    match on.chart.letter(place) {
+        Some(Letter::Goal) => GOAL,
+        Some(Letter::Free) => {
+            let eaten = on.eaten_in(place, spot.eaten);
+            let known = spots.binary_search(&Spot {
+                eaten,
+                place,
+                ..spot
+            });
+            known.unwrap_or(state) as u32
+        }
+        _ => state as u32,
+    }
+}
+
+/// What a robot perceives, and how many rewards it has found in the episode.
+pub fn sight(percept: &Percept, found: u32) -> Percept {
+    percept.followed_by(&Percept::from_word(found.into(), FOUND_BITS))
+}
