@@ -57,7 +57,8 @@ fn fitted(layout: &str, maze: &Maze) -> String {
             aim(&mut panel["cameraState"], maze);
         } else if id == "Plot!worth" {
             // Of a whole run, only what actions are worth in the start cell.
-            let of_starts = panel["xAxisVal"] == "custom";
+            let shown = panel["paths"][0]["value"].as_str().unwrap_or_default();
+            let of_starts = shown.starts_with("/episode");
             let worth = if of_starts {
                 "/episode.start_worth"
             } else {

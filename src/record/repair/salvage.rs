@@ -11,7 +11,7 @@ use mcap::{MAGIC, McapResult, Summary};
 use crate::disk;
 use crate::record::read::parse::parse_record;
 use crate::record::read::reader::{HEAD_BYTES, Records, longest_record, unpacked_size};
-use crate::record::write::log_file::{Sink, writer};
+use crate::record::write::log_file::{Packing, Sink, writer};
 
 /// What was saved, and what was not.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -126,7 +126,7 @@ struct Salvor<W: Write> {
 impl<W: Write> Salvor<W> {
     fn new(sink: W) -> McapResult<Self> {
         Ok(Self {
-            writer: writer(sink)?,
+            writer: writer(sink, Packing::Small)?,
             schemas: BTreeMap::from([(0, 0)]),
             channels: BTreeMap::new(),
             recovery: Recovery::default(),

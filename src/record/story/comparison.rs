@@ -14,7 +14,7 @@ use crate::record::info::Extent;
 use crate::record::layout::{self, SIDES};
 use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
-use crate::record::write::log_file::{Sink, writer};
+use crate::record::write::log_file::{Packing, Sink, writer};
 
 /// Two stories in one recording.
 #[derive(Debug)]
@@ -46,7 +46,7 @@ pub fn compare_stories(
 }
 
 fn merged(stories: [&Teller<'_>; 2], curves: &[Vec<u8>; 2], layout: &str) -> McapResult<Vec<u8>> {
-    let mut out = writer(Vec::new())?;
+    let mut out = writer(Vec::new(), Packing::Small)?;
     introduce(&mut out, stories, layout)?;
     let mut channels = BTreeMap::new();
     for (side, story) in stories.iter().enumerate() {

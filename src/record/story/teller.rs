@@ -16,7 +16,7 @@ use crate::record::mode::RecordMode;
 use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::caption::Caption;
 use crate::record::topics::{Topic, log, timestamp};
-use crate::record::write::log_file::LogFile;
+use crate::record::write::log_file::{LogFile, Packing};
 use crate::world::Maze;
 
 /// What came of a chapter stands for so long after it.
@@ -117,7 +117,7 @@ impl<'a> Teller<'a> {
 
     fn written(&self) -> McapResult<Vec<u8>> {
         let (maze, info) = (self.maze, &self.info);
-        let mut log = LogFile::new(Vec::new())?;
+        let mut log = LogFile::new(Vec::new(), Packing::Small)?;
         let metadata = info.metadata(maze.name(), RecordMode::All, Extent::Story);
         log.metadata("run", metadata)?;
         log.attach("world.json", 0, &info.world_json)?;

@@ -8,7 +8,8 @@ use nalgebra::Point2;
 use super::scene::{WORLD, color, cube, entity, place, point, update, vector, words};
 use crate::world::{Cell, Maze};
 
-const FLOOR: u32 = 0xeef1f5;
+/// The colour of the floor.
+pub(super) const FLOOR: u32 = 0xeef1f5;
 const FLOOR_LINE: u32 = 0xc3cad6;
 const SLIPPERY: u32 = 0xcfe6f7;
 const WALL: u32 = 0x57657f;
@@ -19,6 +20,9 @@ const INK: u32 = 0x1d2430;
 const NUMBER: u32 = 0xcfd8e8;
 /// Mazes with more columns or rows than this have no numbers on their border.
 const NUMBERED: u16 = 64;
+/// Up to so many columns and rows, each has a number of its own. In larger mazes there are fewer
+/// numbers, but as large ones for who sees the whole maze.
+const ALL_NUMBERED: u16 = 12;
 
 /// The maze as a scene; one that is vast without its walls.
 pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
@@ -125,19 +129,25 @@ fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
 
 /// The numbers of columns and rows, on the walls along the northern and the western border.
 fn numbers(maze: &Maze) -> Vec<TextPrimitive> {
-    if maze.width().max(maze.height()) > NUMBERED {
+    let longest = maze.width().max(maze.height());
+    if longest > NUMBERED {
         return Vec::new();
     }
     let unit = maze.cell_size_m();
+    let larger = (f64::from(longest) / f64::from(ALL_NUMBERED)).max(1.0);
+    // As far apart as they are larger: at every column, every second, every fifth, every tenth.
+    let rarely = [1, 2, 5, 10].into_iter().find(|&n| n as f64 >= larger);
+    let rarely: usize = rarely.unwrap_or(10);
     let north = (0..maze.width()).map(|col| (Cell { col, row: 0 }, col));
-    let west = (1..maze.height()).map(|row| (Cell { col: 0, row }, row));
+    let west = (0..maze.height()).map(|row| (Cell { col: 0, row }, row));
+    let (north, west) = (north.step_by(rarely), west.step_by(rarely).skip(1));
     north
         .chain(west)
         .filter(|&(cell, _)| maze.is_wall(cell))
         .map(|(cell, number)| {
             let at = maze.centre_m(cell);
             let top = place(at.x, at.y, 0.26 * unit);
-            words(top, 0.22 * unit, NUMBER, &number.to_string())
+            words(top, 0.22 * larger * unit, NUMBER, &number.to_string())
         })
         .collect()
 }

@@ -29,7 +29,12 @@ pub(in crate::record) fn halo(
 ) -> SceneEntity {
     let mut halo = entity("percept", WORLD, time_ns);
     if sensor.begins_with_neighbours() {
-        halo.lines = vec![frames(maze, cell, percept)];
+        let kinds = KINDS.iter().enumerate();
+        let frames = kinds.map(|(kind, &rgb)| (rgb, corners(maze, percept, kind)));
+        let shown = frames.filter(|(_, corners)| !corners.is_empty());
+        halo.lines = shown
+            .map(|(rgb, corners)| frames_of(maze, cell, rgb, corners))
+            .collect();
     }
     halo
 }
@@ -41,31 +46,13 @@ pub(in crate::record) fn scene(halo: SceneEntity, belief: &[SceneEntity]) -> Sce
     update(entities)
 }
 
-fn frames(maze: &Maze, cell: Cell, percept: &Percept) -> LinePrimitive {
-    let (at, unit) = (maze.centre_m(cell), maze.cell_size_m());
-    let kinds = (0..Direction::CLOCKWISE.len()).map(|number| perceived(percept, number));
-    let colors = kinds.flat_map(|kind| [color(KINDS[kind], 0.9).unwrap_or_default(); 4]);
-    let edges = [0, 1, 1, 2, 2, 3, 3, 0];
-    let cells = 0..Direction::CLOCKWISE.len() as u32;
-    LinePrimitive {
-        r#type: line_primitive::Type::LineList as i32,
-        pose: place(at.x, at.y, HEIGHT * unit),
-        thickness: rounded(THICK * unit),
-        scale_invariant: false,
-        points: corners(maze),
-        color: None,
-        colors: colors.collect(),
-        indices: cells
-            .flat_map(|cell| edges.map(|corner| 4 * cell + corner))
-            .collect(),
-    }
-}
-
-/// The corners of the frames of all eight cells, four for each, seen from the robot's cell: so
-/// they are the same wherever it is and whatever it perceives, and compress well.
-fn corners(maze: &Maze) -> Vec<Point3> {
+/// The corners of the frames of all cells of a kind, four for each, seen from the robot's cell: so
+/// those of a cell are the same wherever the robot is, and compress well.
+fn corners(maze: &Maze, percept: &Percept, kind: usize) -> Vec<Point3> {
     let unit = maze.cell_size_m();
-    let framed = Direction::CLOCKWISE.iter().flat_map(|direction| {
+    let around = Direction::CLOCKWISE.iter().enumerate();
+    let of_kind = around.filter(|(number, _)| perceived(percept, *number) == kind);
+    let framed = of_kind.flat_map(|(_, direction)| {
         let (east, south) = direction.offset();
         let middle = Point2::new(f64::from(east), f64::from(-south)) * unit;
         [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| {
@@ -82,5 +69,24 @@ fn perceived(percept: &Percept, number: usize) -> usize {
         (true, _) => 2,
         (false, true) => 1,
         (false, false) => 0,
+    }
+}
+
+/// Frames with these corners around a cell.
+fn frames_of(maze: &Maze, cell: Cell, rgb: u32, corners: Vec<Point3>) -> LinePrimitive {
+    let (at, unit) = (maze.centre_m(cell), maze.cell_size_m());
+    let edges = [0, 1, 1, 2, 2, 3, 3, 0];
+    let frames = 0..corners.len() as u32 / 4;
+    LinePrimitive {
+        r#type: line_primitive::Type::LineList as i32,
+        pose: place(at.x, at.y, HEIGHT * unit),
+        thickness: rounded(THICK * unit),
+        scale_invariant: false,
+        points: corners,
+        color: color(rgb, 0.9),
+        colors: Vec::new(),
+        indices: frames
+            .flat_map(|frame| edges.map(|corner| 4 * frame + corner))
+            .collect(),
     }
 }

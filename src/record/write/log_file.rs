@@ -22,13 +22,25 @@ const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
 /// How all our files are written.
 pub type Sink<W> = Writer<NoSeek<W>>;
 
+/// How much work is put into small files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Packing {
+    /// Little: the file is written again when it is whole.
+    Quick,
+    /// As much as pays.
+    Small,
+}
+
 /// Begins an MCAP stream.
-pub fn writer<W: Write>(sink: W) -> McapResult<Sink<W>> {
+pub fn writer<W: Write>(sink: W, packing: Packing) -> McapResult<Sink<W>> {
     // Seeking would patch a chunk's length in afterwards: a killed writer would then leave a
     // chunk of length 2^64-1. Threads would be started anew for every file.
     WriteOptions::new()
         .compression(Some(Compression::Zstd))
-        .compression_level(6)
+        .compression_level(match packing {
+            Packing::Quick => 1,
+            Packing::Small => 6,
+        })
         .compression_threads(0)
         .chunk_size(Some(CHUNK_BYTES))
         .disable_seeking(true)
@@ -49,8 +61,8 @@ pub struct LogFile<W: Write> {
 
 impl<W: Write> LogFile<W> {
     /// Begins a file; the topics must have been declared before the first message.
-    pub fn new(sink: W) -> McapResult<Self> {
-        let writer = writer(sink)?;
+    pub fn new(sink: W, packing: Packing) -> McapResult<Self> {
+        let writer = writer(sink, packing)?;
         Ok(Self {
             writer,
             channels: [None; Topic::ALL.len()],
@@ -141,11 +153,16 @@ pub struct OpenFile {
 impl OpenFile {
     /// Creates `folder/name.part`, in place of an older one.
     pub fn create(folder: &Path, name: &str) -> Result<Self, RecordError> {
-        Self::create_as(folder, name, "part")
+        Self::create_as(folder, name, "part", Packing::Small)
     }
 
-    /// The same with another extension than `part`.
-    pub fn create_as(folder: &Path, name: &str, extension: &str) -> Result<Self, RecordError> {
+    /// The same with another extension than `part`, and packed as asked.
+    pub fn create_as(
+        folder: &Path,
+        name: &str,
+        extension: &str,
+        packing: Packing,
+    ) -> Result<Self, RecordError> {
         let path = folder.join(name);
         let part = folder.join(format!("{name}.{extension}"));
         let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
@@ -153,7 +170,7 @@ impl OpenFile {
             path: part.clone(),
             cause,
         })?;
-        let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file));
+        let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file), packing);
         Ok(Self {
             log: log.map_err(|cause| write_error(&part, &cause))?,
             disk,
@@ -257,7 +274,7 @@ mod tests {
     }
 
     fn write_to(sink: impl Write) -> McapResult<()> {
-        let mut log = LogFile::new(sink)?;
+        let mut log = LogFile::new(sink, Packing::Small)?;
         log.attach("world.json", 0, "{}")?;
         log.declare(Extent::Run, Topic::ALL)?;
         for time_ns in 0..50 {
@@ -281,7 +298,7 @@ mod tests {
     #[test]
     fn a_message_on_a_topic_that_the_file_lacks_is_left_out() {
         let mut bytes = Vec::new();
-        let mut log = LogFile::new(&mut bytes).unwrap();
+        let mut log = LogFile::new(&mut bytes, Packing::Small).unwrap();
         log.declare(Extent::Run, &[Topic::Log]).unwrap();
         log.message(Topic::Step, 0, b"{}").unwrap();
         log.finish().unwrap();

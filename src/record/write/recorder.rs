@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::log_file::OpenFile;
+use super::log_file::{OpenFile, Packing};
 use super::outbox::{Outbox, Tap};
 use super::rebuild::{self, Chunks};
 use super::scribe::Scribe;
@@ -101,7 +101,7 @@ impl Recorder {
         let mut recorder = Self::new(folder, maze, info, mode);
         if mode != RecordMode::None {
             recorder.lay_out()?;
-            recorder.outbox.run = Some(recorder.open_run("part")?);
+            recorder.outbox.run = Some(recorder.open_run("part", Packing::Quick)?);
         }
         Ok(recorder)
     }
@@ -139,7 +139,7 @@ impl Recorder {
         let part = disk::part(&whole);
         let source = if part.exists() { part } else { whole };
         // Aside, so that nothing is lost if this is stopped, too.
-        let mut run = self.open_run("again")?;
+        let mut run = self.open_run("again", Packing::Quick)?;
         rebuild::copy(&source, messages, Chunks::AsBefore, &mut run)?;
         run.become_part()?;
         Ok(run)
@@ -228,7 +228,7 @@ impl Recorder {
     fn pack(&self, mut run: OpenFile, rules: &str) -> Result<(PathBuf, u64), RecordError> {
         run.with(|log| log.flush())?;
         let part = disk::part(&self.folder.join(Extent::Run.file_name()));
-        let mut packed = self.open_run("again")?;
+        let mut packed = self.open_run("again", Packing::Small)?;
         rebuild::copy(&part, run.messages(), Chunks::Full, &mut packed)?;
         packed.with(|log| log.attach("rules.json", self.clock_ns, rules))?;
         let finished = packed.finish()?;
@@ -251,8 +251,9 @@ impl Recorder {
         Ok(())
     }
 
-    fn open_run(&self, extension: &str) -> Result<OpenFile, RecordError> {
-        let file = OpenFile::create_as(&self.folder, &Extent::Run.file_name(), extension)?;
+    fn open_run(&self, extension: &str, packing: Packing) -> Result<OpenFile, RecordError> {
+        let name = Extent::Run.file_name();
+        let file = OpenFile::create_as(&self.folder, &name, extension, packing)?;
         self.introduce(file, Extent::Run, &Topic::of_run())
     }
 
