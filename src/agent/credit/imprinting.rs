@@ -73,10 +73,8 @@ impl Imprinting {
             self.keep(policy);
             return None;
         }
-        let stream = &mut self.stream;
-        let rehearses = self.on && stream.unit() > self.theta_x;
-        let chosen = self.policies.get(..).filter(|_| rehearses)?;
-        stream.choose(chosen)
+        self.rehearsable()?;
+        self.stream.choose(&self.policies)
     }
 
     /// Alg. 2 for those who choose by themselves: the policies of \[PS\], if one of them is to be
