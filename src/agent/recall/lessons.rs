@@ -37,12 +37,13 @@ pub type Lessons = BTreeMap<Percept, Lesson>;
 
 /// Imagines episodes from the given states, acting as `choose` says in a context (or as planned,
 /// where that says nothing), and adds what it met to the lessons, as far as
-/// `look` lets it see of a context. Returns the steps taken.
+/// `look` lets it see of a context. Where moves are exact, what was met is planned for until that
+/// changes nothing any more: rules that err lead to where no plan has been. Returns the steps taken.
 pub fn imagine(
     map: &Map,
-    planner: &BeliefPlanner,
+    planner: &mut BeliefPlanner,
     starts: impl Iterator<Item = u32>,
-    choose: impl Fn(&Percept) -> Option<Action>,
+    choose: impl Fn(&Percept, &mut Stream) -> Option<Action>,
     look: impl Fn(Percept) -> Percept,
     stream: &mut Stream,
     lessons: &mut Lessons,
@@ -56,12 +57,12 @@ pub fn imagine(
             let context = look(tracker.context(map));
             let costs = *known
                 .entry(tracker.belief().key())
-                .or_insert_with(|| planner.costs(&map.pomdp, tracker.belief()));
+                .or_insert_with(|| planner.settled_costs(&map.pomdp, tracker.belief(), stream));
             let lesson = lessons.entry(context).or_default();
             lesson.weight += 1.0;
             let sums = lesson.costs.iter_mut().zip(costs.in_steps(&map.pomdp));
             sums.for_each(|(sum, cost)| *sum += cost);
-            let action = choose(&context).unwrap_or_else(|| costs.best());
+            let action = choose(&context, stream).unwrap_or_else(|| costs.best());
             steps += 1;
             let before = state;
             state = moved(&map.pomdp, state, action, stream);

@@ -13,6 +13,9 @@ use xcs::{Action, MAX_ACTIONS};
 /// The most beliefs of which costs are kept; then all are forgotten.
 const MOST_BELIEFS: usize = 50_000;
 
+/// How often all states of a belief are imagined to be true, at most, until its costs settle.
+const MOST_SWEEPS: usize = 16;
+
 /// The most steps of an imagined episode.
 const MOST_IMAGINED_STEPS: u32 = 100;
 
@@ -109,6 +112,22 @@ impl BeliefPlanner {
     /// What each action costs in a belief, as far as it was planned.
     pub fn costs(&self, pomdp: &Pomdp, belief: &Belief) -> Costs {
         self.look_ahead(pomdp, belief).0
+    }
+
+    /// The same, where moves are exact after imagining until nothing changes any more.
+    pub fn settled_costs(&mut self, pomdp: &Pomdp, belief: &Belief, stream: &mut Stream) -> Costs {
+        let sweeps = if pomdp.slip() > 0.0 { 0 } else { MOST_SWEEPS };
+        for _ in 0..sweeps {
+            let mut change = 0.0_f64;
+            for &(state, _) in belief.states() {
+                let effort = self.imagine(pomdp, state, belief.clone(), stream);
+                change = change.max(effort.change);
+            }
+            if change < 1e-9 {
+                break;
+            }
+        }
+        self.costs(pomdp, belief)
     }
 
     /// The costs of the actions, and what the best of them may lead to.
