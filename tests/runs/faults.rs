@@ -268,7 +268,7 @@ fn a_file_size_limit_ends_in_code_74_and_the_run_goes_on_when_it_is_lifted() {
     let program = assert_cmd::cargo::cargo_bin("xcscr");
     let limited = Command::new("sh")
         .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(["-c", "ulimit -f 300; exec \"$0\" \"$@\""])
+        .args(["-c", "ulimit -f 150; exec \"$0\" \"$@\""])
         .arg(program)
         .args(args(&out))
         .output()
