@@ -12,6 +12,9 @@ pub struct Robot {
     pub noise: f64,
     /// Distance between the wheels, in cells.
     pub wheel_base: f64,
+    /// What a slippery floor can still bring the robot to, in cells per square second: it speeds up by
+    /// as much when it drives carefully.
+    pub careful_acceleration: f64,
     /// Deviation of what a wheel rolls on the floor from what it counts, as a share: of the part that
     /// stays for a whole action ...
     pub wheel_bias: f64,

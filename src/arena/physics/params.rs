@@ -173,6 +173,7 @@ impl PhysicsParams {
         Robot {
             noise: self.noise,
             wheel_base: self.wheel_base_m,
+            careful_acceleration: self.care.wheel_acceleration_mps2,
             wheel_bias: self.wheel_bias,
             wheel_noise: self.wheel_noise,
             lidar: self.lidar.clone(),

@@ -17,6 +17,10 @@ use crate::world::{Cell, Direction};
 use xcs::random::Stream;
 use xcscr_sensing::{Belief, Moment, Onboard, Return, SensorState, Sensors, Streams};
 
+/// The lidar turns round so many times before the first action of an episode: of a narrow gap it may
+/// see two beams in a turn, and one of them lost must not close it.
+const TURNS_BEFORE_START: u64 = 2;
+
 /// Sensors, the computer on board, and what an observer is shown of them.
 pub(super) struct Sensing {
     sensors: Sensors,
@@ -136,12 +140,12 @@ impl Sensing {
 }
 
 impl PhysicsArena {
-    /// The robot was put down: its lidar turns round once before it decides anything.
+    /// The robot was put down: its lidar turns round before it decides anything.
     pub(super) fn look_round(&mut self, sensing: &mut Sensing) {
         sensing.sensors.reset();
         sensing.onboard.put_down(self.motion().pose);
         sensing.begin_notes(self.maze.cell_size_m());
-        for _ in 0..sensing.steps_per_turn {
+        for _ in 0..TURNS_BEFORE_START * sensing.steps_per_turn {
             self.sense_step(sensing, Vector2::x());
         }
     }

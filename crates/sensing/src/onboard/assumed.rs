@@ -17,6 +17,8 @@ pub(super) struct Assumed {
     pub wheels: f64,
     pub ranges: f64,
     pub wheel_base: f64,
+    /// By how much a slippery floor can change the way of a step from that of the step before.
+    pub slippery_grip: f64,
 }
 
 impl Assumed {
@@ -44,6 +46,7 @@ impl Assumed {
             wheels: of(encoders.scale, 0.002),
             ranges: of(lidar.scale, 0.001),
             wheel_base: robot.wheel_base,
+            slippery_grip: robot.careful_acceleration * STEP_S * STEP_S,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Noticing that the wheels slip.
 //!
-//! Wheels that slip turn the robot less, or longer, than they count, and the gyro tells. Along its way
-//! nothing does at once: there is no accelerometer, and the beams come late. But who slips when it
-//! speeds up also slips when it turns, and every way begins with a turn or with holding the heading.
+//! Wheels that slip turn the robot less, or longer, than they count, and the gyro tells at once. Along
+//! its way both wheels may spin alike. Then two accounts of where the robot is drift apart: that of the
+//! wheels, and that of a floor which cannot speed the robot up so fast. The beams decide between them,
+//! by a sequential test (Wald 1945).
 
 use serde::{Deserialize, Serialize};
 
@@ -11,15 +12,36 @@ use crate::{EstimatorParams, STEP_S};
 /// Steps after a bump in which wheels slip on any floor.
 const AFTER_BUMP: u32 = 10;
 /// More deviations than this of what the wheels roll are no noise.
-const DEVIATIONS: f64 = 2.0;
+const DEVIATIONS: f64 = 3.0;
 
-/// What the robot remembers of slipping; all of it in steps.
+/// Accounts that lie nearer to each other than this, in cells, are the same ...
+const SAME: f64 = 0.03;
+/// ... and with these odds (a logarithm) one of them is right. Beams share the errors of the pose and of
+/// the range's scale, so they say less than as many independent ones: with half of it, at noise 3,
+/// one in a thousand moves on a floor with grip was held for slippery.
+const DECIDED: f64 = 16.0;
+
+/// What the robot remembers of slipping.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slip {
-    /// For so long the floor is still held for slippery.
+    /// For so many steps the floor is still held for slippery.
     slippery: u32,
-    /// For so long slipping says nothing about the floor.
+    /// For so many steps slipping says nothing about the floor.
     bumped: u32,
+    /// By how much the robot is behind what it believes if the wheels spin, along its heading, in
+    /// cells.
+    lag: f64,
+    /// The logarithm of the odds that they do.
+    odds: f64,
+}
+
+/// What the beams say about wheels that may spin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Verdict {
+    /// They do, and the robot is so many cells behind.
+    Spun(f64),
+    /// They do not.
+    Rolled,
 }
 
 impl Slip {
@@ -46,6 +68,51 @@ impl Slip {
         if self.bumped == 0 && disagreement.abs() > usual {
             self.slippery = (params.slip_s / STEP_S) as u32;
         }
+    }
+
+    /// One step: by how much the wheels rolled farther than a slippery floor lets the robot move.
+    pub(super) fn roll(&mut self, excess: f64, bumped: bool) {
+        if bumped {
+            self.forget_lag();
+        } else if !self.is_noticed() {
+            self.lag += excess;
+        }
+        if excess == 0.0 && self.lag.abs() < SAME {
+            self.forget_lag();
+        }
+    }
+
+    /// By how many cells the robot is behind what it believes if the wheels spin; `None` while
+    /// that makes no difference.
+    pub(super) fn lag(&self) -> Option<f64> {
+        (self.lag.abs() >= SAME).then_some(self.lag)
+    }
+
+    /// What the robot believes was corrected by so much along its heading; the other account stays.
+    pub(super) fn correct(&mut self, along: f64) {
+        if self.lag != 0.0 {
+            self.lag += along;
+        }
+    }
+
+    /// A beam fits better, by this logarithm of a likelihood ratio, if the wheels spin.
+    pub(super) fn weigh(&mut self, evidence: f64, params: &EstimatorParams) -> Option<Verdict> {
+        self.odds += evidence;
+        if self.odds.abs() < DECIDED {
+            return None;
+        }
+        let verdict = if self.odds > 0.0 {
+            self.slippery = (params.slip_s / STEP_S) as u32;
+            Verdict::Spun(self.lag)
+        } else {
+            Verdict::Rolled
+        };
+        self.forget_lag();
+        Some(verdict)
+    }
+
+    fn forget_lag(&mut self) {
+        (self.lag, self.odds) = (0.0, 0.0);
     }
 }
 
@@ -82,9 +149,40 @@ mod tests {
     #[test]
     fn what_the_noise_of_the_wheels_explains_is_no_slip() {
         let (mut slip, params) = (Slip::default(), EstimatorParams::default());
-        slip.step(0.02, 0.01, false, &params);
+        slip.step(0.039, 0.01, false, &params);
         assert!(!slip.is_noticed());
-        slip.step(0.04, 0.01, false, &params);
+        slip.step(0.041, 0.01, false, &params);
         assert!(slip.is_noticed());
+    }
+
+    #[test]
+    fn beams_decide_whether_wheels_that_spin_alike_left_the_robot_behind() {
+        let params = EstimatorParams::default();
+        let mut slip = Slip::default();
+        slip.roll(0.1, false);
+        assert_eq!(slip.lag(), Some(0.1));
+        assert_eq!(slip.weigh(15.0, &params), None, "not yet");
+        assert_eq!(slip.weigh(2.0, &params), Some(Verdict::Spun(0.1)));
+        assert!(slip.is_noticed() && slip.lag().is_none());
+        let mut slip = Slip::default();
+        slip.roll(0.1, false);
+        assert_eq!(slip.weigh(-17.0, &params), Some(Verdict::Rolled));
+        assert!(!slip.is_noticed() && slip.lag().is_none());
+    }
+
+    #[test]
+    fn a_lag_that_makes_no_difference_is_forgotten() {
+        let mut slip = Slip::default();
+        slip.roll(0.02, false);
+        assert_eq!(slip.lag(), None);
+        slip.roll(0.0, false);
+        slip.roll(0.02, false);
+        assert_eq!(slip.lag(), None, "it does not add up");
+        slip.roll(0.02, false);
+        assert_eq!(slip.lag(), Some(0.04));
+        slip.correct(0.02);
+        assert_eq!(slip.lag(), Some(0.06), "the other account stays");
+        slip.roll(0.02, true);
+        assert_eq!(slip.lag(), None, "a wall stopped it");
     }
 }

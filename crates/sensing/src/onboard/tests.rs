@@ -5,6 +5,7 @@ use super::mapper;
 use super::*;
 use crate::{
     BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, Return,
+    STEP_S,
 };
 
 /// The robot of the physics arena by default.
@@ -12,6 +13,7 @@ fn robot() -> Robot {
     Robot {
         noise: 1.0,
         wheel_base: 0.4,
+        careful_acceleration: 2.9,
         wheel_bias: 0.05,
         wheel_noise: 0.05,
         lidar: LidarParams::default(),
@@ -235,6 +237,41 @@ fn a_wheel_that_rolls_otherwise_during_a_whole_action_is_found_out() {
     assert!(
         control > 1.3 * error,
         "control: {control} instead of {error}"
+    );
+}
+
+/// Where the robot believes to be, where it is, and whether it has noticed that its wheels slip, after
+/// it turned back in a corridor and then saw the wall ahead. The wheels speed up alike, with 7.4 cells
+/// per square second, the robot with what the floor gives.
+fn after_turning_back(floor: f64) -> (f64, f64, bool) {
+    let mut estimator = estimator(1.5, 0.5);
+    estimator.begin_action();
+    let (mut true_x, mut speeds) = (1.5, [-0.03_f64; 2]);
+    for step in 1..=24 {
+        for (speed, most) in speeds.iter_mut().zip([7.4, floor]) {
+            *speed = (*speed + most * STEP_S * STEP_S).min(0.07);
+        }
+        let [rolled, moved] = speeds;
+        true_x += moved;
+        let ahead = [-0.06, -0.02, 0.02, 0.06].map(|across| beam(1.0, across, 6.0 - true_x));
+        let seen = if step > 14 { &ahead[..] } else { &[] };
+        estimator.step(&readings([rolled, rolled], 0.0, seen));
+    }
+    (estimator.pose().translation.x, true_x, estimator.slips())
+}
+
+#[test]
+fn wheels_that_spin_alike_are_found_out_by_the_beams() {
+    let (x, true_x, slips) = after_turning_back(2.9);
+    assert!(
+        slips && (x - true_x).abs() < 0.05,
+        "{x} instead of {true_x}"
+    );
+    let (x, true_x, slips) = after_turning_back(7.4);
+    assert!(!slips, "control: on a floor with grip");
+    assert!(
+        (x - true_x).abs() < 0.02,
+        "control: {x} instead of {true_x}"
     );
 }
 

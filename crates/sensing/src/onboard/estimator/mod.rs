@@ -6,12 +6,16 @@
 //! more noise than there is, and where several beams disagree with it, it trusts itself less
 //! ([`EstimatorParams::batch_check`]). Lengths in cells, angles in radians.
 
-use nalgebra::{Isometry2, Matrix3, SMatrix, SVector, UnitComplex, Vector2};
+mod fit;
+mod predict;
+
+use nalgebra::{Isometry2, Matrix3, SMatrix, SVector, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::angle::{cayley, rotation, square};
+use self::fit::Fit;
+use super::angle::{rotation, square};
 use super::assumed::Assumed;
-use super::slip::Slip;
+use super::slip::{Slip, Verdict};
 use crate::{EstimatorParams, Readings, Return, Robot, STEP_S};
 
 /// Places in the state: position, heading, gyro bias, scale of the wheels, scale of the ranges, and
@@ -34,6 +38,8 @@ const DOUBT: f64 = 0.08;
 /// Wheels that speed up or brake may slip: deviation of the way as a share of by how much it differs
 /// from that of the step before.
 const LAG: f64 = 0.6;
+/// On a floor that is held for slippery: the same as a share of what the wheels roll too much.
+const SPIN: f64 = 0.5;
 /// So many disagreeing beams more than agreeing ones are too many ...
 const UNBEARABLE: f64 = 2.5;
 /// ... of which this share is kept from step to step.
@@ -68,6 +74,8 @@ struct LastStep {
     forward: f64,
     /// What the wheels counted.
     rolled: f64,
+    /// How far it moved along its heading if the floor is slippery.
+    held: f64,
 }
 
 /// The filter.
@@ -88,26 +96,6 @@ pub(crate) struct Ray {
     pub direction: Vector2<f64>,
     /// `None` when nothing came back.
     pub range: Option<f64>,
-}
-
-/// How a beam fits to the nearest line across one axis.
-#[derive(Debug, Clone, Copy)]
-struct Fit {
-    axis: usize,
-    /// From where the beam ends to the line.
-    residual: f64,
-    /// The derivatives of the end by heading and by the scale of ranges; by the axis it is 1.
-    by_heading: f64,
-    by_ranges: f64,
-    /// The variance of the residual.
-    variance: f64,
-}
-
-impl Fit {
-    /// The squared residual in units of its variance.
-    fn distance(&self) -> f64 {
-        self.residual * self.residual / self.variance
-    }
 }
 
 impl Estimator {
@@ -205,92 +193,6 @@ impl Estimator {
         }
     }
 
-    /// Moves by what wheels and gyro tell.
-    fn predict(&mut self, readings: &Readings<'_>) {
-        let Assumed {
-            roll_share,
-            wheel_share,
-            turn_share,
-            turn_rad,
-            wheel_base,
-            ..
-        } = self.assumed;
-        let [left, right] = readings.rolled;
-        let by_wheels = (right - left) / wheel_base;
-        let bias_rad = self.belief.bias * STEP_S;
-        let turned_rad = readings
-            .turned_rad
-            .map_or(by_wheels, |told| told - bias_rad);
-        let mut rolled = (left + right) / 2.0;
-        let bumped = self.params.bump_inflation && readings.bumped.contains(&true);
-        // Wheels slip where a wall holds the robot: it moved by something between nothing and all.
-        if bumped {
-            rolled /= 2.0;
-        }
-        let forward = (1.0 + self.belief.wheels + self.belief.roll) * rolled;
-        let half = rotation(turned_rad / 2.0);
-        let middle = self.belief.pose.rotation * half;
-        let way = middle * Vector2::new(forward, 0.0);
-        self.belief.pose.translation.vector += way;
-        self.belief.pose.rotation = UnitComplex::new_normalize((middle * half).into_inner());
-        let changed = rolled - self.belief.last.rolled;
-        self.belief.last = LastStep {
-            way,
-            turned_rad,
-            forward,
-            rolled,
-        };
-
-        // A wheel that slips turns the robot less than it counts: then the way is wrong by as much.
-        let slipped = (by_wheels - turned_rad) * wheel_base / 2.0;
-        let deviation = wheel_share * left.abs().max(right.abs());
-        let touches = readings.bumped.contains(&true);
-        self.belief
-            .slip
-            .step(slipped, deviation, touches, &self.params);
-        let along =
-            square(roll_share * rolled) + square(0.25 * slipped) + square(LAG * changed) + 1e-8;
-        let slide = if bumped {
-            square(rolled) + square(BUMP_SLIDE)
-        } else {
-            0.0
-        };
-        let direction = middle * Vector2::x();
-        // The Jacobian of the motion without its diagonal of ones, times a column or a row.
-        let drift = if readings.turned_rad.is_some() {
-            -STEP_S
-        } else {
-            0.0
-        };
-        let moves = |heading: f64, scale: f64, bias: f64| {
-            [
-                scale * rolled * direction.x - heading * way.y,
-                scale * rolled * direction.y + heading * way.x,
-                drift * bias,
-            ]
-        };
-        let covariance = &mut self.belief.covariance;
-        for at in 0..STATES {
-            let column = covariance.column(at);
-            let moved = moves(column[HEADING], column[WHEELS] + column[ROLL], column[BIAS]);
-            (0..3).for_each(|row| covariance[(row, at)] += moved[row]);
-        }
-        for at in 0..STATES {
-            let row = covariance.row(at);
-            let moved = moves(row[HEADING], row[WHEELS] + row[ROLL], row[BIAS]);
-            (0..3).for_each(|column| covariance[(at, column)] += moved[column]);
-        }
-        covariance[(X, X)] += along * square(direction.x) + slide + 1e-8;
-        covariance[(Y, Y)] += along * square(direction.y) + slide + 1e-8;
-        covariance[(X, Y)] += along * direction.x * direction.y;
-        covariance[(Y, X)] += along * direction.x * direction.y;
-        let turn = match readings.turned_rad {
-            Some(_) => square(turn_share * turned_rad) + square(turn_rad),
-            None => square(wheel_share) * (square(turned_rad) + square(rolled / wheel_base)),
-        };
-        covariance[(HEADING, HEADING)] += turn;
-    }
-
     /// A beam of the last step, from where the robot believes to have been at its moment.
     pub fn ray(&self, beam: &Return) -> Ray {
         let pose = &self.belief.pose;
@@ -308,6 +210,7 @@ impl Estimator {
         let Some(range) = ray.range else {
             return;
         };
+        self.weigh_spin(ray, range);
         let passes = |fit: &Fit| fit.distance() < self.params.gate;
         let x = self.fit(X, ray, range).filter(passes);
         let y = self.fit(Y, ray, range).filter(passes);
@@ -337,51 +240,37 @@ impl Estimator {
         }
     }
 
-    /// How a beam fits to the nearest line across an axis.
-    fn fit(&self, axis: usize, ray: &Ray, range: f64) -> Option<Fit> {
-        let along = ray.direction[axis];
-        if along.abs() <= SHALLOW {
-            return None;
+    /// Does a beam fit better where the robot would be if its wheels had spun?
+    fn weigh_spin(&mut self, ray: &Ray, range: f64) {
+        let Some(lag) = self.belief.slip.lag() else {
+            return;
+        };
+        let ahead = self.belief.pose.rotation * Vector2::x();
+        let origin = ray.origin - lag * ahead;
+        let evidence =
+            (self.misfit(ray, range) - self.misfit(&Ray { origin, ..*ray }, range)) / 2.0;
+        match self.belief.slip.weigh(evidence, &self.params) {
+            Some(Verdict::Spun(lag)) => self.fall_back(lag * ahead),
+            Some(Verdict::Rolled) => self.belief.last.held = self.belief.last.forward,
+            None => {}
         }
-        let across = ray.direction[1 - axis];
-        let measured = range / (1.0 + self.belief.ranges);
-        let covariance = &self.belief.covariance;
-        let deviation = self.assumed.range + self.assumed.range_share * range;
-        let end = ray.origin[axis] + range * along;
-        let sign = if axis == X { -1.0 } else { 1.0 };
-        let by_heading = sign * range * across;
-        let by_ranges = measured * along;
-        let believed = covariance[(axis, axis)]
-            + square(by_heading) * covariance[(HEADING, HEADING)]
-            + square(by_ranges) * covariance[(RANGES, RANGES)]
-            + 2.0 * by_heading * covariance[(axis, HEADING)]
-            + 2.0 * by_ranges * covariance[(axis, RANGES)]
-            + 2.0 * by_heading * by_ranges * covariance[(HEADING, RANGES)];
-        let measured_badly =
-            square(along * deviation) + square(across * range * self.assumed.beam_rad);
-        Some(Fit {
-            axis,
-            residual: end.round() - end,
-            by_heading,
-            by_ranges,
-            variance: believed + measured_badly,
-        })
     }
 
-    /// Moves the state so that the beam ends nearer to the line.
-    fn correct(&mut self, fit: &Fit) {
-        let covariance = &mut self.belief.covariance;
-        let seen = covariance.column(fit.axis)
-            + fit.by_heading * covariance.column(HEADING)
-            + fit.by_ranges * covariance.column(RANGES);
-        let gain = seen / fit.variance;
-        *covariance -= gain * seen.transpose();
-        let change = gain * fit.residual;
-        self.belief.pose.translation.vector += Vector2::new(change[X], change[Y]);
-        self.belief.pose.rotation *= cayley(change[HEADING]);
-        self.belief.bias += change[BIAS];
-        self.belief.wheels += change[WHEELS];
-        self.belief.ranges += change[RANGES];
-        self.belief.roll += change[ROLL];
+    /// The squared distance of a beam's end from the nearest line, in units of its variance; that
+    /// of an outlier is the gate.
+    fn misfit(&self, ray: &Ray, range: f64) -> f64 {
+        let fits = [X, Y]
+            .into_iter()
+            .filter_map(|axis| self.fit(axis, ray, range));
+        fits.map(|fit| fit.distance())
+            .fold(self.params.gate, f64::min)
+    }
+
+    /// The robot is so far behind what it believed.
+    fn fall_back(&mut self, way: Vector2<f64>) {
+        self.belief.pose.translation.vector -= way;
+        let doubt = (SPIN * way) * (SPIN * way).transpose();
+        let mut position = self.belief.covariance.fixed_view_mut::<2, 2>(X, X);
+        position += doubt;
     }
 }

@@ -1,0 +1,79 @@
+//! How beams fit to the lines of the grid.
+
+use nalgebra::Vector2;
+
+use super::{BIAS, Estimator, HEADING, RANGES, ROLL, Ray, SHALLOW, WHEELS, X, Y};
+use crate::onboard::angle::{cayley, square};
+
+/// How a beam fits to the nearest line across one axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fit {
+    pub axis: usize,
+    /// From where the beam ends to the line.
+    residual: f64,
+    /// The derivatives of the end by heading and by the scale of ranges; by the axis it is 1.
+    by_heading: f64,
+    by_ranges: f64,
+    /// The variance of the residual.
+    variance: f64,
+}
+
+impl Fit {
+    /// The squared residual in units of its variance.
+    pub fn distance(&self) -> f64 {
+        self.residual * self.residual / self.variance
+    }
+}
+
+impl Estimator {
+    /// How a beam fits to the nearest line across an axis.
+    pub(super) fn fit(&self, axis: usize, ray: &Ray, range: f64) -> Option<Fit> {
+        let along = ray.direction[axis];
+        if along.abs() <= SHALLOW {
+            return None;
+        }
+        let across = ray.direction[1 - axis];
+        let measured = range / (1.0 + self.belief.ranges);
+        let covariance = &self.belief.covariance;
+        let deviation = self.assumed.range + self.assumed.range_share * range;
+        let end = ray.origin[axis] + range * along;
+        let sign = if axis == X { -1.0 } else { 1.0 };
+        let by_heading = sign * range * across;
+        let by_ranges = measured * along;
+        let believed = covariance[(axis, axis)]
+            + square(by_heading) * covariance[(HEADING, HEADING)]
+            + square(by_ranges) * covariance[(RANGES, RANGES)]
+            + 2.0 * by_heading * covariance[(axis, HEADING)]
+            + 2.0 * by_ranges * covariance[(axis, RANGES)]
+            + 2.0 * by_heading * by_ranges * covariance[(HEADING, RANGES)];
+        let measured_badly =
+            square(along * deviation) + square(across * range * self.assumed.beam_rad);
+        Some(Fit {
+            axis,
+            residual: end.round() - end,
+            by_heading,
+            by_ranges,
+            variance: believed + measured_badly,
+        })
+    }
+
+    /// Moves the state so that the beam ends nearer to the line.
+    pub(super) fn correct(&mut self, fit: &Fit) {
+        let covariance = &mut self.belief.covariance;
+        let seen = covariance.column(fit.axis)
+            + fit.by_heading * covariance.column(HEADING)
+            + fit.by_ranges * covariance.column(RANGES);
+        let gain = seen / fit.variance;
+        *covariance -= gain * seen.transpose();
+        let change = gain * fit.residual;
+        let moved = Vector2::new(change[X], change[Y]);
+        self.belief.pose.translation.vector += moved;
+        let ahead = self.belief.pose.rotation * Vector2::x();
+        self.belief.slip.correct(moved.dot(&ahead));
+        self.belief.pose.rotation *= cayley(change[HEADING]);
+        self.belief.bias += change[BIAS];
+        self.belief.wheels += change[WHEELS];
+        self.belief.ranges += change[RANGES];
+        self.belief.roll += change[ROLL];
+    }
+}
