@@ -67,12 +67,13 @@ fn pipes_and_devices_are_refused_at_once() {
     assert!(made.success());
     let out = folder.path().join("out");
     let (out, world) = (out.to_str().unwrap(), "worlds/maze4.json");
+    let picture = format!("{out}.svg");
     for input in [pipe.to_str().unwrap(), "/dev/zero"] {
         for args in [
             &["check", input][..],
             &["replay", input],
             &["recover", input, "-o", out],
-            &["map", input, "-o", "no/such.svg"],
+            &["map", input, "-o", &picture],
             &["evaluate", input, "--world", world],
             &["world", "info", input],
             &["train", input, "--out", out],
