@@ -2,13 +2,13 @@
 """Times xcscr and its peers on the same work, in turn, and prints the ratios.
 
     python3 -m venv venv && venv/bin/pip install xcsf==1.5.0 Box2D pymunk gymnasium-robotics
+    benches/peers/build          # the peers that are driven from C and C++
     cargo bench --no-run
     venv/bin/python benches/peers.py [xcs] [physics]
     venv/bin/python benches/peers.py collapse [SEEDS]
 
 The last line times nothing: it counts in how many seeds the classic learner ends with
-over-general rules in Maze6, here, in XCSF, and in xcspp (https://github.com/m4saka/xcspp) if the
-variable XCSPP names its program `xcs`.
+over-general rules in Maze6, here, in XCSF, and in xcspp (https://github.com/m4saka/xcspp).
 
 All times are CPU time of the process that does the work, and every program does its work in a
 process of its own. Peers that are not installed are left out.
@@ -28,6 +28,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+BUILT = ROOT / "target/peers"
 ROUNDS = 5
 
 
@@ -134,8 +135,8 @@ def fisher(a, b, trials):
     return sum(ways(k) for k in possible if ways(k) <= ways(a)) / math.comb(2 * trials, a + b)
 
 
-def xcspp_exploits(population, problems, world, subsumption, error, dont_care):
-    """The exploit steps of the last episodes of xcspp, which takes no seed."""
+def xcspp_run(population, problems, world, subsumption=False, error=0.001, dont_care=0.4):
+    """CPU seconds of xcspp, which takes no seed, and the steps of its exploit episodes."""
     letters = str.maketrans("#.G", "T.F")
     flags = {
         "max-population": population, "iter": problems, "max-step": STEP_LIMIT, "p-explr": 1,
@@ -150,10 +151,35 @@ def xcspp_exploits(population, problems, world, subsumption, error, dont_care):
         maze = Path(folder, "maze.txt")
         maze.write_text("\n".join(row.translate(letters) for row in rows(world)))
         words = [f"--{flag}={value}" for flag, value in flags.items()]
-        command = [os.environ["XCSPP"], "--blc", str(maze), "--prefix", f"{folder}/", *words]
-        subprocess.run(command, check=True, capture_output=True)
+        command = [BUILT / "xcspp", "--blc", str(maze), "--prefix", f"{folder}/", *words]
+        cpu, _ = cpu_of(command)
         steps = Path(folder, "steps").read_text().split()
-    return statistics.mean(map(float, steps[-100:]))
+    return cpu, [float(number) for number in steps]
+
+
+def explore_steps(world, episodes):
+    """The steps of so many episodes at random, which are the same in any program: xcspp does not
+    tell them."""
+    maze = rows(world)
+    free = [(c, r) for r, row in enumerate(maze) for c, x in enumerate(row) if x == "."]
+    total = 0
+    for _ in range(episodes):
+        col, row = random.choice(free)
+        for _ in range(STEP_LIMIT):
+            x, y = random.choice(CLOCKWISE)
+            if maze[row + y][col + x] != "#":
+                col, row = col + x, row + y
+            total += 1
+            if maze[row][col] == "G":
+                break
+    return total
+
+
+def xcspp_work(population, seed, problems, world="maze4-classic"):
+    random.seed(seed)
+    cpu, exploits = xcspp_run(population, problems, world)
+    steps = sum(exploits) + explore_steps(world, problems)
+    return {"rate": steps / cpu, "steps": steps, "exploits": statistics.mean(exploits[-100:])}
 
 
 def xcscr_exploits(population, seed, problems, world, subsumption, error, dont_care):
@@ -175,8 +201,9 @@ def compare_collapse(seeds=30, population=2000, problems=1000, world="maze6-clas
             work = (population, problems, world)
             ours = xcscr_exploits(population, seed, problems, world, **setting)
             found["xcscr"].append(ours)
-            if "XCSPP" in os.environ:
-                found["xcspp"].append(xcspp_exploits(*work, **setting))
+            if (BUILT / "xcspp").exists():
+                _, steps = xcspp_run(*work, **setting)
+                found["xcspp"].append(statistics.mean(steps[-100:]))
             if importlib.util.find_spec("xcsf"):
                 peer = xcsf_work(population, seed, problems, world, **setting)
                 found["xcsf"].append(peer["exploits"])
@@ -213,17 +240,26 @@ def in_own_process(work, *arguments):
 
 def compare_xcs(problems=1000):
     for population in (800, 2000):
-        ratios, rates = [], {"xcscr": [], "xcsf": []}
+        rates = {"xcscr": []}
         for seed in range(1, ROUNDS + 1):
-            ours = xcscr_work(population, seed, problems)
-            peer = in_own_process("xcsf", population, seed, problems)
-            rates["xcscr"].append(ours["rate"])
-            rates["xcsf"].append(peer["rate"])
-            ratios.append(ours["rate"] / peer["rate"])
-            print(f"  N {population} seed {seed}: xcscr {ours}, xcsf {peer}", flush=True)
-        medians = {name: round(statistics.median(found)) for name, found in rates.items()}
-        print(f"N {population}: learning steps per CPU second {medians}, "
-              f"ratio {statistics.median(ratios):.1f} [{min(ratios):.1f}-{max(ratios):.1f}]")  # fmt: skip
+            found = {"xcscr": xcscr_work(population, seed, problems)}
+            if importlib.util.find_spec("xcsf"):
+                found["xcsf"] = in_own_process("xcsf", population, seed, problems)
+            if (BUILT / "xcspp").exists():
+                found["xcspp"] = xcspp_work(population, seed, problems)
+            print(f"  N {population} seed {seed}: {found}", flush=True)
+            for name, work in found.items():
+                rates.setdefault(name, []).append(work["rate"])
+        print(f"N {population}: learning steps per CPU second, seeds 1 to {ROUNDS}")
+        for name, own in rates.items():
+            print(f"  {name}: {statistics.median(own):.0f}, xcscr is {spread(rates['xcscr'], own)} "
+                  "times as fast", flush=True)  # fmt: skip
+
+
+def spread(above, below):
+    """The median of ratios, and their range."""
+    ratios = [a / b for a, b in zip(above, below)]
+    return f"{statistics.median(ratios):.3g} [{min(ratios):.3g}-{max(ratios):.3g}]"
 
 
 # --- The physics step: one disc that drives against a wall of Maze4 at 20 Hz ---------------------
@@ -283,10 +319,11 @@ def pointmaze_work(steps):
     maze = gymnasium.make("PointMaze_UMaze-v3")
     maze.reset(seed=1)
     maze.action_space.seed(1)
+    actions = [maze.action_space.sample() for _ in range(steps)]
     simulated = steps * maze.unwrapped.point_env.dt
     begin = time.process_time()
-    for _ in range(steps):
-        *_, terminated, truncated, _ = maze.step(maze.action_space.sample())
+    for action in actions:
+        *_, terminated, truncated, _ = maze.step(action)
         if terminated or truncated:
             maze.reset()
     return {"load": (time.process_time() - begin) / simulated}
@@ -307,20 +344,41 @@ def compare_pointmaze(steps=10_000, moves=40_000):
           f"ratio {statistics.median(ratios):.0f} [{min(ratios):.0f}-{max(ratios):.0f}]")  # fmt: skip
 
 
+NATIVE = {"Box2D from C++": "box2d", "Chipmunk from C": "chipmunk", "MuJoCo from C": "mujoco"}
+
+
+def native_work(program, pushing, steps):
+    out = subprocess.run([BUILT / program, str(pushing), str(steps)], check=True,
+                         capture_output=True, text=True).stdout  # fmt: skip
+    return json.loads(out.splitlines()[-1])
+
+
+def physics_round(pushing, steps):
+    """Microseconds of CPU per physics step, once for each program."""
+    found = {}
+    for shortcut, name in ((0, "xcscr, every step in the engine"), (1, "xcscr, shortcut")):
+        command = [newest("drive"), str(pushing), str(shortcut), str(steps // 25)]
+        cpu, out = cpu_of(command)
+        found[name] = cpu / json.loads(out)["physics_steps"] * 1e6
+    for name, program in NATIVE.items():
+        if (BUILT / program).exists():
+            found[name] = native_work(program, pushing, 4 * steps)["microseconds"]
+    for peer in ("Box2D", "pymunk"):
+        if importlib.util.find_spec(peer):
+            work = in_own_process(peer.lower(), pushing, steps)
+            found[f"{peer} from Python"] = work["microseconds"]
+    return found
+
+
 def compare_physics(steps=100_000):
     for pushing in (0, 1):
-        found = {"xcscr, whole pipeline": [], "xcscr, shortcut": [], "Box2D": [], "pymunk": []}
-        for _ in range(ROUNDS):
-            for shortcut, name in ((0, "xcscr, whole pipeline"), (1, "xcscr, shortcut")):
-                command = [newest("drive"), str(pushing), str(shortcut), str(steps // 25)]
-                cpu, out = cpu_of(command)
-                found[name].append(cpu / json.loads(out)["physics_steps"] * 1e6)
-            for peer in ("Box2D", "pymunk"):
-                if importlib.util.find_spec(peer):
-                    work = in_own_process(peer.lower(), pushing, steps)
-                    found[peer].append(work["microseconds"])
-        medians = {name: round(statistics.median(us), 2) for name, us in found.items() if us}
-        print(f"{'pushing' if pushing else 'free'}: microseconds of CPU per physics step {medians}")
+        rounds = [physics_round(pushing, steps) for _ in range(ROUNDS)]
+        ours = [found["xcscr, every step in the engine"] for found in rounds]
+        print(f"{'pushing' if pushing else 'free'}: microseconds of CPU per physics step, and how "
+              f"many of them a step of ours takes in the engine ({ROUNDS} rounds)")  # fmt: skip
+        for name in rounds[0]:
+            own = [found[name] for found in rounds]
+            print(f"  {name}: {statistics.median(own):.2f}, {spread(ours, own)}", flush=True)
 
 
 WORK = {"xcsf": xcsf_work, "box2d": box2d_work, "pymunk": pymunk_work,
