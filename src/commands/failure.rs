@@ -1,7 +1,7 @@
 //! Why a command did not do what was asked, and the exit code for it.
 
 use std::fmt;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use xcscr::record::RecordError;
@@ -9,7 +9,7 @@ use xcscr::run::{RunError, RunFolderError};
 use xcscr::trial::{PlanError, SettingsError};
 use xcscr::world::WorldError;
 
-use super::terminal::escaped;
+use super::terminal::{escaped, shows_colours};
 
 /// How a message begins where there are colours.
 const RED_ERROR: &str = "\x1b[1;91merror\x1b[0m";
@@ -69,8 +69,10 @@ impl Failure {
     pub fn print(&self) {
         let plain = escaped(&self.message);
         let message = match &self.styled {
-            Some(styled) if colours() => format!("{RED_ERROR}: {styled}"),
-            None if colours() => format!("{RED_ERROR}: {plain}"),
+            Some(styled) if shows_colours(&io::stderr()) => {
+                format!("{RED_ERROR}: {styled}")
+            }
+            None if shows_colours(&io::stderr()) => format!("{RED_ERROR}: {plain}"),
             _ => format!("error: {plain}"),
         };
         if self.exit != Exit::Closed {
@@ -192,10 +194,4 @@ impl From<RecordError> for Failure {
         };
         Self::new(exit, error.to_string())
     }
-}
-
-/// Are colours wanted on stderr? See no-color.org.
-fn colours() -> bool {
-    let forbidden = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    io::stderr().is_terminal() && !forbidden
 }

@@ -6,6 +6,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use xcscr::episode::{Ending, Episode, Learned, Observer};
 use xcscr::trial::Trial;
 
+/// While the first episode runs.
+const FIRST: &str = "{bar:14} episode {pos}/{len}";
 /// At most 80 columns, for up to 99,999 episodes.
 const TEMPLATE: &str = "{bar:14} episode {pos}/{len}, {msg}, {eta} left";
 
@@ -35,14 +37,19 @@ impl Progress {
         } else {
             ProgressDrawTarget::stderr()
         };
-        let style = ProgressStyle::with_template(TEMPLATE).expect("the template is valid");
-        let bar = ProgressBar::with_draw_target(Some(episodes.into()), target).with_style(style);
+        let bar = ProgressBar::with_draw_target(Some(episodes.into()), target);
+        let bar = bar.with_style(style(FIRST));
         Self {
             bar,
             best: None,
             steps: Vec::new(),
         }
     }
+}
+
+/// A bar that is drawn so.
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).expect("the template is valid")
 }
 
 impl Progress {
@@ -54,6 +61,9 @@ impl Progress {
 
 impl Observer for Progress {
     fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+        if self.steps.is_empty() {
+            self.bar.set_style(style(TEMPLATE));
+        }
         self.steps.push(episode.steps);
         if episode.ending == Ending::Goal {
             let best = self.best.unwrap_or(u32::MAX).min(episode.steps);

@@ -46,6 +46,36 @@ pub fn shows_links() -> bool {
             || SIGNS.iter().any(|name| set(name).is_some()))
 }
 
+/// Are colours wanted there? See no-color.org.
+pub fn shows_colours(there: &impl IsTerminal) -> bool {
+    let forbidden = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    there.is_terminal() && !forbidden
+}
+
+/// Prints a maze with its policy, and what the letters mean, on stdout: in colour where that is wanted.
+pub fn print_maze(drawn: &str) -> io::Result<()> {
+    let (mut out, drawn) = (io::stdout(), escaped(drawn));
+    match shows_colours(&out) {
+        true => writeln!(out, "{}", painted(&drawn)),
+        false => writeln!(out, "{drawn}"),
+    }
+}
+
+/// A drawn maze in colours: walls grey, arrows green, the goal magenta, what is not clear yellow.
+fn painted(drawn: &str) -> String {
+    let paint = |letter: char| {
+        let colour = match letter {
+            '█' => 90,
+            '←'..='↓' | '↖'..='↙' => 32,
+            'G' => 35,
+            '+' | '?' => 33,
+            _ => return letter.to_string(),
+        };
+        format!("\u{1b}[{colour}m{letter}\u{1b}[0m")
+    };
+    drawn.chars().map(paint).collect()
+}
+
 /// Prints words on stdout that open an address (OSC 8). The address is one of our own making, whose
 /// letters are ASCII and command nothing.
 pub fn print_link(words: &str, address: &str) -> io::Result<()> {
@@ -138,6 +168,19 @@ mod tests {
                 assert_eq!(read, text);
             }
         }
+    }
+
+    #[test]
+    fn a_painted_maze_has_the_same_letters() {
+        let drawn = "██→ + ██\n██? ↘ G \n";
+        let painted = painted(drawn);
+        assert_eq!(painted.matches("\u{1b}[90m█\u{1b}[0m").count(), 6);
+        assert!(painted.contains("\u{1b}[32m↘\u{1b}[0m \u{1b}[35mG"));
+        let mut plain = painted;
+        for colour in ["90", "32", "33", "35", "0"] {
+            plain = plain.replace(&format!("\u{1b}[{colour}m"), "");
+        }
+        assert_eq!(plain, drawn);
     }
 
     #[test]

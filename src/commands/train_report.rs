@@ -13,6 +13,7 @@ use xcscr::world::{Cell, Facts, Maze, draw};
 
 use super::failure::Failure;
 use super::sparkline::sparkline;
+use super::terminal::print_maze;
 
 /// What the letters over the maze mean.
 const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
@@ -112,7 +113,10 @@ impl TrainReport {
         let maze = &trial.plan().maze;
         match maze.is_vast() {
             true => writeln!(out, "\nThe maze is too large to be drawn.")?,
-            false => writeln!(out, "\n{}{LEGEND}\n", picture(maze, &trial.policy()))?,
+            false => {
+                out.flush()?;
+                print_maze(&format!("\n{}{LEGEND}\n", picture(maze, &trial.policy())))?;
+            }
         }
         self.print_files(recording, out)
     }

@@ -233,7 +233,7 @@ pub enum PlanError {
     Knowledge(#[from] Misfit),
     /// The method needs another percept.
     #[error(
-        "`{method}` needs a percept that begins with the eight cells around the robot, which `{sensor}` does not; choose `neighbours`, `neighbours-position` or `lidar`"
+        "`{method}` needs a percept that begins with the eight cells around the robot, which `{sensor}` does not; choose `neighbours` or `neighbours-position`"
     )]
     NoSurroundings {
         /// The method.
