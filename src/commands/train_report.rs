@@ -8,7 +8,7 @@ use xcscr::agent::{Chosen, Method};
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
-use xcscr::trial::{Condensed, Trial};
+use xcscr::trial::{Condensed, Plan, Trial};
 use xcscr::world::{Cell, Facts, Maze, draw};
 
 use super::failure::Failure;
@@ -17,6 +17,8 @@ use super::terminal::print_maze;
 
 /// What the letters over the maze mean.
 const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
+/// What the arrows mean where the best action depends on what came before.
+const BEGINNINGS: &str = "arrows: as if an episode began there";
 
 /// The result of a training run, as `--json` prints it.
 #[derive(Debug, Serialize)]
@@ -59,7 +61,7 @@ impl TrainReport {
         let (plan, progress) = (trial.plan(), trial.progress());
         let (maze, config) = (&plan.maze, &plan.config);
         let facts = Facts::new(maze);
-        let start = maze.start();
+        let path = trial.greedy_path();
         let condensed = Condensed::new(
             &trial.method().knowledge(),
             config.sensor,
@@ -78,7 +80,9 @@ impl TrainReport {
             first_optimal_episode: progress.first_optimal_episode,
             first_optimal_env_steps: progress.first_optimal_env_steps,
             first_executed_optimal_episode: progress.first_executed_optimal_episode,
-            greedy_steps: start.and_then(|start| trial.policy().greedy_steps(maze, start)),
+            greedy_steps: path
+                .filter(|path| path.last().is_some_and(|&cell| maze.is_goal(cell)))
+                .map(|path| path.len() as u32 - 1),
             retained: progress.optimal,
             steps: progress.steps,
             collisions: progress.collisions,
@@ -115,7 +119,12 @@ impl TrainReport {
             true => writeln!(out, "\nThe maze is too large to be drawn.")?,
             false => {
                 out.flush()?;
-                print_maze(&format!("\n{}{LEGEND}\n", picture(maze, &trial.policy())))?;
+                let beginnings = match trial.method().remembers() {
+                    true => format!("{BEGINNINGS}\n"),
+                    false => String::new(),
+                };
+                let drawn = picture(maze, &trial.policy());
+                print_maze(&format!("\n{drawn}{LEGEND}\n{beginnings}"))?;
             }
         }
         self.print_files(recording, out)
@@ -131,7 +140,8 @@ impl TrainReport {
             episodes,
             ..
         } = self;
-        format!("{world}: {method} on {arena}, {sensor}, seed {seed}, {episodes} episodes")
+        let s = if *episodes == 1 { "" } else { "s" };
+        format!("{world}: {method} on {arena}, {sensor}, seed {seed}, {episodes} episode{s}")
     }
 
     fn shortest_path(&self) -> String {
@@ -161,20 +171,17 @@ impl TrainReport {
         steps.map_or(globally.to_owned(), |steps| format!("{steps}, {globally}"))
     }
 
-    /// Where the greedy policy fails, and what to try.
+    /// Where the greedy policy gets to if it is not optimal, and what to try.
     fn print_failure(&self, trial: &Trial, out: &mut impl Write) -> Result<(), Failure> {
-        let (maze, config) = (&trial.plan().maze, &trial.plan().config);
-        let Some(start) = maze.start().filter(|_| !self.retained) else {
+        let Plan { maze, config } = trial.plan();
+        let Some(path) = trial.greedy_path().filter(|_| !self.retained) else {
             return Ok(());
         };
-        let path = trial.policy().greedy_path(maze, start);
-        if let Some(Cell { col, row }) = path.last().copied().filter(|&end| !maze.is_goal(end)) {
-            let steps = path.len() - 1;
-            let end = match steps >= maze.free_cells().count() - 1 {
-                true => "then goes in circles".to_owned(),
-                false => format!("then is stuck at ({col},{row})"),
-            };
-            writeln!(out, "  it takes             {steps} steps, {end}")?;
+        let paid = rewards_on(&path, maze);
+        writeln!(out, "  it takes             {}", course(&path, paid, maze))?;
+        if paid > 0 && self.greedy_steps.is_some() {
+            let means = "means a shortest path, whatever is paid on the way";
+            return Ok(writeln!(out, "  optimal              {means}")?);
         }
         let more = config.episodes.saturating_mul(2);
         let other = match config.method {
@@ -223,6 +230,30 @@ impl TrainReport {
              (for run.mcap: foxglove-layout-run.json) from there."
         )?;
         Ok(())
+    }
+}
+
+/// How many cells on a path pay by themselves.
+fn rewards_on(path: &[Cell], maze: &Maze) -> usize {
+    let pays = |&(step, cell): &(usize, &Cell)| {
+        maze.auxiliary_reward(*cell).is_some() && !path[..step].contains(cell)
+    };
+    path.iter().enumerate().filter(pays).count()
+}
+
+/// Where the greedy policy gets to, in words.
+fn course(path: &[Cell], paid: usize, maze: &Maze) -> String {
+    let paid = match paid {
+        0 => String::new(),
+        1 => ", by way of a reward".to_owned(),
+        several => format!(", by way of {several} rewards"),
+    };
+    let (steps, end) = (path.len() - 1, path[path.len() - 1]);
+    let Cell { col, row } = end;
+    match () {
+        () if maze.is_goal(end) => format!("{steps} steps to the goal{paid}"),
+        () if path[..steps].contains(&end) => format!("{steps} steps{paid}, then goes in circles"),
+        () => format!("{steps} steps{paid}, then is stuck at ({col},{row})"),
     }
 }
 

@@ -68,14 +68,6 @@ impl PolicyMap {
         }
     }
 
-    /// The steps that the greedy policy takes from `start` to a goal, the first of the best
-    /// actions on ties; `None` when it hits a wall, knows no action or walks in a circle.
-    pub fn greedy_steps(&self, maze: &Maze, start: Cell) -> Option<u32> {
-        let path = self.greedy_path(maze, start);
-        let arrives = path.last().is_some_and(|&cell| maze.is_goal(cell));
-        arrives.then(|| path.len() as u32 - 1)
-    }
-
     /// The cells through which the greedy policy goes from `start`, the first of the best actions
     /// on ties: to a goal, or until it hits a wall, knows no action, or has taken as many steps as
     /// there are cells.

@@ -118,10 +118,12 @@ impl<'a> Plane<'a> {
             shapes.push(self.tile(cell, 0.5, fill));
         }
         shapes.extend(self.marks());
-        let from = moment.visited[0];
-        let path = moment.policy.greedy_path(self.maze, from);
         shapes.push(Shape::Line {
-            points: path.iter().map(|&cell| self.centre(cell)).collect(),
+            points: moment
+                .greedy_path
+                .iter()
+                .map(|&cell| self.centre(cell))
+                .collect(),
             width: 0.12 * self.cell,
             colour: PATH,
         });

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use crate::arena::View;
-use crate::episode::{Ending, Episode, FaultFinder, Learned, Observer, PolicyMap, Step};
-use crate::trial::{Plan, PlanError, Trial};
+use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
+use crate::trial::{Judge, Plan, PlanError, Trial, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
 
 /// The most moments of an animation; of longer runs not every episode is shown.
@@ -30,6 +30,8 @@ pub struct Moment {
     pub policy: PolicyMap,
     /// Was that globally optimal?
     pub optimal: bool,
+    /// The cells through which the greedy policy goes from where the episode began.
+    pub greedy_path: Vec<Cell>,
     /// The cells that were visited in it, the start first.
     pub visited: Vec<Cell>,
 }
@@ -76,16 +78,20 @@ impl Film {
             Scenes::Forming => (episodes, episodes.div_ceil(MOST_MOMENTS)),
         };
         let mut trial = Trial::new(plan.clone())?;
-        let mut camera = Camera::new(last, every, trial.paths().clone());
+        let mut camera = Camera::new(last, every, trial.plan());
         // The camera itself ends the trial.
         let _ = trial.run(&mut camera);
         let config = &plan.config;
         let (world, method) = (plan.maze.name(), config.method.name());
         let (arena, seed) = (config.arena.name(), config.seed);
+        let arrows = match trial.method().remembers() {
+            true => "; arrows: as if an episode began there",
+            false => "",
+        };
         Ok(Self {
             maze: plan.maze.clone(),
-            title: format!("{world}: {method} on {arena}, seed {seed}"),
-            paths: camera.paths,
+            title: format!("{world}: {method} on {arena}, seed {seed}{arrows}"),
+            paths: camera.judge.paths().clone(),
             moments: camera.moments,
         })
     }
@@ -100,19 +106,18 @@ impl Film {
 struct Camera {
     last: u32,
     every: u32,
-    paths: Paths,
-    faults: FaultFinder,
+    judge: Judge,
     visited: Vec<Cell>,
     moments: Vec<Moment>,
 }
 
 impl Camera {
-    fn new(last: u32, every: u32, paths: Paths) -> Self {
+    fn new(last: u32, every: u32, plan: &Plan) -> Self {
+        let Plan { maze, config } = plan;
         Self {
             last,
             every,
-            paths,
-            faults: FaultFinder::default(),
+            judge: Judge::new(maze, config.sensor, config.settings.arena.slip),
             visited: Vec::new(),
             moments: Vec::new(),
         }
@@ -132,11 +137,13 @@ impl Observer for Camera {
         // Counted from the last, so that it is always there.
         if (self.last - episode.episode).is_multiple_of(self.every) {
             let (method, sensor, maze) = (learned.method, learned.sensor, learned.view.maze);
-            let fault = self.faults.find(method, sensor, maze, &self.paths);
+            let policy = PolicyMap::of(method, sensor, maze);
+            let from = self.visited[0];
             self.moments.push(Moment {
                 episode: *episode,
-                policy: PolicyMap::of(method, sensor, maze),
-                optimal: fault.is_none(),
+                greedy_path: self.judge.greedy_path(method, &policy, maze, from),
+                policy,
+                optimal: self.judge.is_optimal(method, maze),
                 visited: std::mem::take(&mut self.visited),
             });
         }
@@ -162,7 +169,7 @@ impl Moment {
         };
         let from = self.visited[0];
         let shortest = paths.distance(maze, from);
-        let greedy = match self.policy.greedy_steps(maze, from) {
+        let greedy = match steps_to_goal(&self.greedy_path, maze) {
             Some(now) if paths.slips() => format!("{now} steps when nothing slips"),
             Some(now) if Some(now) == shortest => format!("{now} steps, the fewest"),
             Some(now) => format!("{now} steps"),

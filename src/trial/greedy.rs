@@ -3,14 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::bounds::Bounds;
+use super::drive::Drive;
 use super::plan::Plan;
-use crate::agent::{Agent, Explorer, Frozen, Knowledge};
-use crate::arena::{GridArena, Outcome, RewardingArena, SlippingArena};
+use crate::agent::{Explorer, Frozen, Knowledge};
+use crate::arena::{GridArena, RewardingArena, SlippingArena};
 use crate::episode;
 use crate::sensor::Sensor;
 use crate::streams::StreamName;
 use crate::world::{Cell, Maze, Starts};
-use xcs::Action;
 use xcs::random::Stream;
 
 /// Episodes that a mean is taken over where moves slip.
@@ -99,14 +99,11 @@ const MOST_FOLLOWED: u32 = 10_000;
 /// Mean steps of the greedy policy over all starts, where moves are exact: of several best actions
 /// each counts with the same share, so that no luck is in it. `None` if from some start it knows no
 /// action, does not arrive, or leaves too much open.
-pub(super) fn expected_steps(plan: &Plan, knowledge: &Knowledge) -> Option<f64> {
-    let Plan { maze, config } = plan;
-    let limit = config.settings.reward.step_threshold;
-    let policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
+pub(super) fn expected_steps(maze: &Maze, sensor: Sensor, policy: &Frozen) -> Option<f64> {
     let starts = maze.start_cells();
     let steps = starts
         .iter()
-        .map(|&start| steps_from(maze, config.sensor, &policy, start));
+        .map(|&start| steps_from(maze, sensor, policy, start));
     let all: f64 = steps.sum::<Option<f64>>()?;
     Some(all / starts.len() as f64)
 }
@@ -115,73 +112,36 @@ pub(super) fn expected_steps(plan: &Plan, knowledge: &Knowledge) -> Option<f64> 
 fn steps_from(maze: &Maze, sensor: Sensor, policy: &Frozen, start: Cell) -> Option<f64> {
     let mut steps = 0.0;
     let mut left = MOST_FOLLOWED;
-    let mut open = vec![Drive {
-        policy: policy.clone(),
-        cell: start,
-        spent: Vec::new(),
-        share: 1.0,
-    }];
-    while let Some(mut drive) = open.pop() {
-        if maze.is_goal(drive.cell) {
+    let mut open = vec![(Drive::new(policy.clone(), start), 1.0)];
+    while let Some((mut drive, share)) = open.pop() {
+        if maze.is_goal(drive.cell()) {
             continue;
         }
         left = left.checked_sub(1)?;
-        steps += drive.share;
-        let worth = drive.policy.consider(&sensor.perceive_at(maze, drive.cell));
-        worth.greatest()?;
-        let best: Vec<Action> = worth.best_actions().collect();
-        drive.share /= best.len() as f64;
-        for &other in &best[1..] {
+        steps += share;
+        let best = drive.best_actions(maze, sensor);
+        let (first, others) = best.split_first()?;
+        let share = share / best.len() as f64;
+        for &other in others {
             let mut drive = drive.clone();
             drive.take(maze, other);
-            open.push(drive);
+            open.push((drive, share));
         }
-        drive.take(maze, best[0]);
-        open.push(drive);
+        drive.take(maze, *first);
+        open.push((drive, share));
     }
     Some(steps)
-}
-
-/// An episode that is followed, and how likely it is.
-#[derive(Clone)]
-struct Drive {
-    policy: Frozen,
-    cell: Cell,
-    /// The cells that have paid.
-    spent: Vec<Cell>,
-    share: f64,
-}
-
-impl Drive {
-    /// Takes an action.
-    fn take(&mut self, maze: &Maze, action: Action) {
-        let direction = maze.direction(action);
-        let next = direction.and_then(|direction| maze.step(self.cell, direction));
-        let outcome = match next {
-            None => Outcome::Collided { impulse_ns: None },
-            Some(next) if maze.is_goal(next) => Outcome::ReachedGoal,
-            Some(next) => self.found(maze, next),
-        };
-        self.policy.credit(action, outcome);
-        self.cell = next.unwrap_or(self.cell);
-    }
-
-    /// What coming into a cell brings.
-    fn found(&mut self, maze: &Maze, cell: Cell) -> Outcome {
-        match maze.auxiliary_reward(cell) {
-            Some(reward) if !self.spent.contains(&cell) => {
-                self.spent.push(cell);
-                Outcome::FoundReward { reward }
-            }
-            _ => Outcome::Moved,
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::arena::ArenaKind;
+
+    fn expected_in(plan: &Plan, knowledge: Knowledge) -> Option<f64> {
+        let policy = Frozen::new(knowledge, plan.maze.action_count(), 50);
+        expected_steps(&plan.maze, plan.config.sensor, &policy)
+    }
 
     /// Mean steps along a corridor of three cells to the goal at its end, from all of them, where
     /// the first two cells look east or, in some of `ties`, both ways alike.
@@ -200,7 +160,7 @@ mod tests {
             let row = [0.0, 1.0, 0.0, west].map(Some).to_vec();
             (Sensor::Position.perceive_at(maze, cell), row)
         });
-        expected_steps(&plan, &Knowledge::Table(rows.collect()))
+        expected_in(&plan, Knowledge::Table(rows.collect()))
     }
 
     #[test]
@@ -227,7 +187,7 @@ mod tests {
             (Sensor::Position.perceive_at(&plan.maze, cell), row)
         });
         let table = Knowledge::Table(rows.collect());
-        assert_eq!(expected_steps(&plan, &table), Some(2.0));
+        assert_eq!(expected_in(&plan, table), Some(2.0));
     }
 
     #[test]

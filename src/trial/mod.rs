@@ -3,9 +3,11 @@
 mod bounds;
 mod checkpoint;
 mod condensed;
+mod drive;
 mod evaluation;
 mod greedy;
 mod history;
+mod judge;
 mod plan;
 mod resolve;
 mod settings;
@@ -25,6 +27,7 @@ pub use condensed::{Condensed, MOST_PERCEPTS};
 pub use evaluation::Evaluation;
 pub use greedy::GreedySteps;
 pub use history::{Lesson, RuleHistory};
+pub(crate) use judge::{Judge, steps_to_goal};
 pub use plan::{Config, Plan, PlanError};
 pub use resolve::Resolved;
 pub(crate) use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar};
@@ -37,9 +40,7 @@ pub use why::{Change, Vote, Why};
 
 use crate::agent::{Agent, Chosen, Explorer};
 use crate::arena::Arena;
-use crate::episode::{
-    self, BestChoices, Episode, FaultFinder, Mistakes, Observer, PolicyMap, Watch,
-};
+use crate::episode::{self, BestChoices, Episode, Mistakes, Observer, PolicyMap, Watch};
 use crate::streams::StreamName;
 use crate::world::{Cell, Paths, Starts};
 use xcs::bounds::{OutOfRange, within};
@@ -167,16 +168,13 @@ impl Plan {
 /// A trial in progress: run it episode by episode, or all at once.
 pub struct Trial {
     plan: Plan,
-    paths: Paths,
+    judge: Judge,
     arena: Box<dyn Arena>,
     method: Box<dyn Agent>,
     explorer: Explorer,
     /// The cells in which an episode can start.
     start_cells: Starts,
     starts: Stream,
-    faults: FaultFinder,
-    /// For methods that remember: mean steps to the goal at best, if moves are exact.
-    belief_bound: Option<f64>,
     progress: Progress,
 }
 
@@ -202,18 +200,13 @@ impl Trial {
         let plan = plan.settled();
         let Plan { maze, config } = &plan;
         let exploration = Stream::new(config.seed, StreamName::Exploration);
-        let bounded = agent.remembers() && config.settings.arena.slip == 0.0;
         Ok(Self {
-            paths: Paths::with_slip(maze, config.settings.arena.slip),
+            judge: Judge::new(maze, config.sensor, config.settings.arena.slip),
             arena: config.build_arena(maze)?,
-            belief_bound: bounded
-                .then(|| Bounds::of_belief(maze, config.sensor))
-                .flatten(),
             method: agent,
             explorer: Explorer::new(config.settings.episode.explore, exploration),
             start_cells: Starts::new(maze),
             starts: Stream::new(config.seed, StreamName::Start),
-            faults: FaultFinder::default(),
             progress: Progress::default(),
             plan,
         })
@@ -269,7 +262,7 @@ impl Trial {
         let start = self.next_start();
         let number = self.progress.episodes + 1;
         self.take_turns(number);
-        let mut choices = BestChoices::by(&self.paths);
+        let mut choices = BestChoices::by(self.judge.paths());
         let mut watch = Watch::new(self.plan.config.sensor);
         let (episode, flow) = episode::run(
             number,
@@ -313,7 +306,7 @@ impl Trial {
     }
 
     fn count(&mut self, episode: &Episode, was_optimal: bool) {
-        let optimal = self.is_optimal();
+        let optimal = self.judge.is_optimal(&*self.method, &self.plan.maze);
         let progress = &mut self.progress;
         progress.episodes += 1;
         progress.steps += u64::from(episode.steps);
@@ -341,31 +334,18 @@ impl Trial {
         }
     }
 
-    /// Is the greedy policy globally optimal now? Of a method that remembers nothing, every best
-    /// action must follow a shortest path. A method that remembers must take no more steps from
-    /// all starts together than one who knows the world, but not where the episode began
-    /// ([`Bounds::belief`]), on average over all ways that ties leave open; where moves slip, or
-    /// that bound is unknown, it counts as not optimal.
-    fn is_optimal(&mut self) -> bool {
-        let Plan { maze, config } = &self.plan;
-        if !self.method.remembers() {
-            let method = &*self.method;
-            let fault = self.faults.find(method, config.sensor, maze, &self.paths);
-            return fault.is_none();
-        }
-        let Some(bound) = self
-            .belief_bound
-            .filter(|_| config.settings.arena.slip == 0.0)
-        else {
-            return false;
-        };
-        let steps = greedy::expected_steps(&self.plan, &self.method.knowledge());
-        steps.is_some_and(|steps| steps <= bound + 1e-9)
-    }
-
     /// The policy that the learner would follow now, without exploring.
     pub fn policy(&self) -> PolicyMap {
         PolicyMap::of(&*self.method, self.plan.config.sensor, &self.plan.maze)
+    }
+
+    /// The cells through which the greedy policy goes from the start, the first of the best actions
+    /// on ties, as if no move failed: to a goal, or to where it gets no further. `None` when episodes
+    /// start anywhere.
+    pub fn greedy_path(&self) -> Option<Vec<Cell>> {
+        let (method, maze) = (&*self.method, &self.plan.maze);
+        let start = maze.start()?;
+        Some(self.judge.greedy_path(method, &self.policy(), maze, start))
     }
 
     /// The figures so far.
@@ -380,7 +360,7 @@ impl Trial {
 
     /// The shortest paths of the maze.
     pub fn paths(&self) -> &Paths {
-        &self.paths
+        self.judge.paths()
     }
 
     /// The learner.

@@ -455,3 +455,66 @@ fn seeds_1_to_20_find_a_globally_optimal_policy_in_at_least_12_runs_in_both_aren
         assert!(found >= 12, "{found} of 20 on {arena:?}");
     }
 }
+
+#[test]
+fn a_policy_that_takes_a_reward_on_its_way_is_told_to_arrive_and_one_that_does_not_arrive_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = [
+        "##########",
+        "#S.......#",
+        "#.##.###.#",
+        "#.#*...#.#",
+        "#.####.#.#",
+        "#........#",
+        "#.######G#",
+        "##########",
+    ];
+    let told = |reward: &str, method: &str, episodes: &str| {
+        let name = format!("detour-{reward}-{episodes}");
+        let world = folder.path().join(format!("{name}.json"));
+        fs::write(
+            &world,
+            format!(r#"{{"rows": {rows:?}, "reward": {reward}}}"#),
+        )
+        .unwrap();
+        let out = folder.path().join(name);
+        let [world, out] = [&world, &out].map(|path| path.to_str().unwrap());
+        let what = "train --arena grid --sensor neighbours-position --record none";
+        let chosen = ["--method", method, "--episodes", episodes, "--out", out];
+        let what = what.split_whitespace().chain(chosen).chain([world]);
+        expect(0, &what.collect::<Vec<_>>()).0
+    };
+    let rich = told("500", "xcscr-memory", "60");
+    assert!(
+        rich.contains("greedy policy now    14 steps, not globally optimal\n")
+            && rich.contains("it takes             14 steps to the goal, by way of a reward\n")
+            && !rich.contains("try  "),
+        "{rich}"
+    );
+    let poor = told("0.001", "xcscr-memory", "60");
+    assert!(poor.contains("12 steps, globally optimal\n"), "{poor}");
+    assert!(!poor.contains("by way of"), "control: {poor}");
+    let young = told("500", "xcs", "1");
+    assert!(
+        !young.contains("to the goal") && young.contains("try  "),
+        "control: {young}"
+    );
+}
+
+#[test]
+fn recordings_and_trial_agree_when_a_policy_with_a_memory_is_optimal() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let more = "--method xcscr-memory --arena grid --sensor neighbours --episodes 12";
+    let more: Vec<&str> = more.split_whitespace().collect();
+    let report = train(&run, "classic/mazef4", &more);
+    let first = report["first_optimal_episode"].as_u64().unwrap();
+    assert!(1 < first && first < 12, "{report}");
+    let replayed = expect(0, &["replay", run.to_str().unwrap()]).0;
+    let told = format!(", first in episode {first}\n");
+    let line = replayed
+        .lines()
+        .find(|line| line.contains("policy optimal"));
+    let line = format!("{}\n", line.unwrap_or(&replayed));
+    assert!(line.ends_with(&told), "{line}, {report}");
+}

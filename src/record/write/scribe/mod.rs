@@ -8,7 +8,7 @@ use super::outbox::{For, Outbox};
 use super::way::Way;
 use crate::agent::Agent;
 use crate::arena::View;
-use crate::episode::{Episode, FaultFinder, Learned, PolicyMap};
+use crate::episode::{Episode, Learned, PolicyMap};
 use crate::record::error::RecordError;
 use crate::record::info::{RobotShape, RunInfo};
 use crate::record::topics::caption::Caption;
@@ -19,7 +19,8 @@ use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
 use crate::record::topics::{Topic, log, maze, policy, robot, worth};
 use crate::sensor::Sensor;
-use crate::world::{Cell, Maze, Paths};
+use crate::trial::{Judge, steps_to_goal};
+use crate::world::{Cell, Maze};
 use step::belief;
 use xcs::PredictionArray;
 
@@ -36,8 +37,7 @@ pub(super) struct Scribe {
     transforms: Transforms,
     trail: Trail,
     curve: Curve,
-    paths: Paths,
-    faults: FaultFinder,
+    judge: Judge,
     start: Option<Cell>,
     /// What was learned so far.
     policy: Option<PolicyMap>,
@@ -91,8 +91,7 @@ impl Scribe {
             transforms: Transforms::default(),
             trail: Trail::new(maze),
             curve: Curve::default(),
-            paths: Paths::with_slip(maze, info.slip()),
-            faults: FaultFinder::default(),
+            judge: Judge::new(maze, info.sensor, info.slip()),
             start: None,
             policy: None,
             shown: Shown::default(),
@@ -129,8 +128,7 @@ impl Scribe {
     /// Begins with what was learned elsewhere.
     pub fn know(&mut self, method: &dyn Agent, sensor: Sensor, maze: &Maze) {
         self.policy = Some(PolicyMap::of(method, sensor, maze));
-        let fault = self.faults.find(method, sensor, maze, &self.paths);
-        self.was_optimal = fault.is_none();
+        self.was_optimal = self.judge.is_optimal(method, maze);
     }
 
     /// An episode begins: everything that a viewer needs to draw its first picture.
@@ -225,19 +223,20 @@ impl Scribe {
 
     /// What the policy is good for.
     fn outlook(&mut self, policy: &PolicyMap, learned: &Learned<'_>) -> Outlook {
-        let Learned {
-            method,
-            sensor,
-            view,
-        } = *learned;
-        let maze = view.maze;
-        let fault = self.faults.find(method, sensor, maze, &self.paths);
+        let Learned { method, view, .. } = *learned;
+        let (maze, judge) = (view.maze, &mut self.judge);
         let worth = self.start.and_then(|cell| policy.worth(cell).copied());
+        let path = |cell| judge.greedy_path(method, policy, maze, cell);
         Outlook {
             start_worth: worth.unwrap_or_else(|| PredictionArray::new(0)),
-            optimal: fault.is_none(),
-            greedy_steps: self.start.and_then(|cell| policy.greedy_steps(maze, cell)),
-            shortest: self.start.and_then(|cell| self.paths.distance(maze, cell)),
+            greedy_steps: self
+                .start
+                .map(path)
+                .and_then(|path| steps_to_goal(&path, maze)),
+            shortest: self
+                .start
+                .and_then(|cell| judge.paths().distance(maze, cell)),
+            optimal: judge.is_optimal(method, maze),
         }
     }
 
