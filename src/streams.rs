@@ -37,6 +37,8 @@ pub enum StreamName {
     Keeper,
     /// The rules of the cloner of `xcscr-coevolved`.
     Cloner,
+    /// Which bits of a percept flip.
+    Flips,
 }
 
 impl From<StreamName> for u64 {

@@ -77,6 +77,7 @@ impl Arena for GridArena {
             contacts: &self.contacts,
             sensed: None,
             executed: None,
+            flipped: None,
         }
     }
 
@@ -86,6 +87,7 @@ impl Arena for GridArena {
             noise: None,
             sensing: None,
             slip: None,
+            flips: None,
         }
     }
 

@@ -7,6 +7,7 @@
 mod auxiliary;
 mod grid;
 mod kind;
+mod misreading;
 mod physics;
 mod sensed;
 mod slip;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) use auxiliary::RewardingArena;
 pub use grid::GridArena;
 pub use kind::ArenaKind;
+pub(crate) use misreading::MisreadingArena;
 pub use physics::{
     BatchArena, BumperParams, Care, CareParams, EncoderParams, EstimatorParams, FaultParams,
     GyroParams, Lanes, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,
@@ -27,8 +29,8 @@ pub use slip::ArenaParams;
 pub(crate) use slip::SlippingArena;
 
 use crate::world::{Cell, Maze};
-use xcs::Action;
 use xcs::random::Stream;
+use xcs::{Action, Percept};
 pub(crate) use xcscr_sensing::Surroundings;
 
 /// What came of an action.
@@ -103,6 +105,8 @@ pub struct View<'a> {
     /// The action that was carried out last, which may be another than the chosen one; `None`
     /// after a reset, and where actions do not slip.
     pub executed: Option<Action>,
+    /// The bits of the percept that are perceived as their opposites; `None` where none ever are.
+    pub flipped: Option<Percept>,
 }
 
 impl View<'_> {
@@ -126,6 +130,8 @@ pub struct Lasting {
     pub sensing: Option<physics::SensingMemory>,
     /// Which actions will slip; `None` where none do.
     pub slip: Option<Stream>,
+    /// Which bits of percepts will flip; `None` where none do.
+    pub flips: Option<Stream>,
 }
 
 /// A maze with a robot in it. The clock runs on over all episodes of a trial.

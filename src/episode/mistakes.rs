@@ -1,4 +1,4 @@
-//! What the senses get wrong, which only an observer can know.
+//! What is perceived wrongly, which only an observer can know.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::sensor::Sensor;
 use crate::world::Cell;
 use xcs::bounds::{OutOfRange, within};
 
-/// How often a robot that senses was mistaken.
+/// How often a robot that senses, or whose percepts are misread, was mistaken.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mistakes {
@@ -60,6 +60,11 @@ impl Watch {
     }
 }
 
+/// Can what is perceived be wrong?
+fn errs(view: &View<'_>) -> bool {
+    view.sensed.is_some() || view.flipped.is_some()
+}
+
 /// The free cell in which the robot truly stands.
 fn true_cell(view: &View<'_>) -> Option<Cell> {
     let at_m = view.now().robot_in_world.translation.vector.into();
@@ -69,18 +74,18 @@ fn true_cell(view: &View<'_>) -> Option<Cell> {
 
 impl Observer for Watch {
     fn began(&mut self, _: u32, view: &View<'_>) {
-        self.stood = view.sensed.and_then(|_| true_cell(view));
+        self.stood = errs(view).then(|| true_cell(view)).flatten();
     }
 
     fn stepped(&mut self, step: &Step<'_>) {
-        let Some(sensed) = step.view.sensed else {
+        if !errs(&step.view) {
             return;
-        };
+        }
         let perfect = self
             .stood
             .map(|cell| self.sensor.perceive_at(step.view.maze, cell));
         self.found.misread += u64::from(perfect.is_some_and(|perfect| perfect != step.percept));
-        self.found.astray += u64::from(sensed.lost);
+        self.found.astray += u64::from(step.view.sensed.is_some_and(|sensed| sensed.lost));
         self.stood = true_cell(&step.view);
     }
 }

@@ -9,6 +9,7 @@ mod alike;
 mod changes;
 mod lidar;
 mod neighbours;
+mod params;
 mod position;
 mod words;
 
@@ -17,6 +18,7 @@ use std::collections::HashSet;
 pub(crate) use alike::alike_among;
 pub use alike::{Alike, alike};
 use foldhash::fast::FixedState;
+pub use params::SensorParams;
 use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};
 pub use words::action_name;
@@ -147,6 +149,15 @@ impl Sensor {
 
     /// What the robot perceives now.
     pub fn perceive(self, view: &View<'_>) -> Percept {
+        let percept = self.unflipped(view);
+        view.flipped.map_or(percept, |flipped| {
+            let bits = (0..percept.width()).map(|at| percept.bit(at) != flipped.bit(at));
+            Percept::from_bits(bits).expect("as many bits as before")
+        })
+    }
+
+    /// What it would perceive if no bit had flipped.
+    fn unflipped(self, view: &View<'_>) -> Percept {
         let sensed = view.sensed.filter(|_| self.is_sensed());
         match sensed {
             Some(Sensed { surroundings, .. }) => {

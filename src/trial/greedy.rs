@@ -6,14 +6,14 @@ use super::bounds::Bounds;
 use super::drive::Drive;
 use super::plan::Plan;
 use crate::agent::{Explorer, Frozen, Knowledge};
-use crate::arena::{GridArena, RewardingArena, SlippingArena};
+use crate::arena::{GridArena, MisreadingArena, RewardingArena, SlippingArena};
 use crate::episode;
 use crate::sensor::Sensor;
 use crate::streams::StreamName;
 use crate::world::{Cell, Maze, Starts};
 use xcs::random::Stream;
 
-/// Episodes that a mean is taken over where moves slip.
+/// Episodes that a mean is taken over where moves slip or percepts are misread.
 const RUNS: usize = 500;
 /// The most starts that episodes are run from: those of larger worlds would take longer than the
 /// trial.
@@ -23,7 +23,7 @@ const MOST_STARTS: usize = 1_000;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GreedySteps {
     /// Mean steps over all starts, of more than a thousand over so many that are evenly spread; an
-    /// episode that is given up at the step-threshold counts with that. Where moves slip, over 500 episodes or more, as many from each start.
+    /// episode that is given up at the step-threshold counts with that. Where moves slip or percepts are misread, over 500 episodes or more, as many from each start.
     pub mean: f64,
     /// Episodes that reached a goal.
     pub arrivals: u32,
@@ -40,12 +40,14 @@ impl GreedySteps {
         let stream = |name| Stream::new(config.seed, name);
         let grid = Box::new(GridArena::new(maze.clone()));
         let paying = Box::new(RewardingArena::new(grid));
-        let mut arena = SlippingArena::new(paying, settings.arena.slip, config.seed);
+        let slipping = Box::new(SlippingArena::new(paying, settings.arena.slip, config.seed));
+        let (flips, width) = (settings.sensor.flips, config.sensor.width(maze));
+        let mut arena = MisreadingArena::new(slipping, flips, width, config.seed);
         let limit = settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
         let mut greedy = Explorer::new(0.0, stream(StreamName::Exploration));
         let starts = spread(&Starts::new(maze), maze);
-        let rounds = match settings.arena.slip > 0.0 {
+        let rounds = match settings.arena.slip > 0.0 || flips > 0.0 {
             true => RUNS.div_ceil(starts.len()),
             false => 1,
         };

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::settings::Settings;
 use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
 use crate::arena::{
-    Arena, ArenaKind, GridArena, Localisation, PhysicsArena, PhysicsError, RewardingArena,
-    SlippingArena,
+    Arena, ArenaKind, GridArena, Localisation, MisreadingArena, PhysicsArena, PhysicsError,
+    RewardingArena, SlippingArena,
 };
 use crate::sensor::Sensor;
 use crate::world::Maze;
@@ -54,9 +54,16 @@ impl Config {
             [] => arena,
             _ => Box::new(RewardingArena::new(arena)),
         };
-        let slip = self.settings.arena.slip;
-        Ok(match slip > 0.0 {
-            true => Box::new(SlippingArena::new(arena, slip, self.seed)),
+        let Settings {
+            arena: all, sensor, ..
+        } = &self.settings;
+        let arena = match all.slip > 0.0 {
+            true => Box::new(SlippingArena::new(arena, all.slip, self.seed)),
+            false => arena,
+        };
+        let width = self.sensor.width(maze);
+        Ok(match sensor.flips > 0.0 {
+            true => Box::new(MisreadingArena::new(arena, sensor.flips, width, self.seed)),
             false => arena,
         })
     }

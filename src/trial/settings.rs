@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent;
 use crate::arena::{ArenaParams, PhysicsParams};
 use crate::episode;
+use crate::sensor::SensorParams;
 use crate::world::{Maze, Paths};
 use xcs::bounds::{OutOfRange, Setting};
 
@@ -29,6 +30,8 @@ pub struct Settings {
     pub episode: episode::Params,
     /// What holds in every arena.
     pub arena: ArenaParams,
+    /// What is perceived.
+    pub sensor: SensorParams,
     /// The robot and its noise.
     pub physics: PhysicsParams,
 }
@@ -54,6 +57,7 @@ impl Settings {
             agent::TabularParams::declared(),
             episode::Params::declared(),
             ArenaParams::declared(),
+            SensorParams::declared(),
             PhysicsParams::declared_with_parts(),
         ]
         .concat();
@@ -72,6 +76,7 @@ impl Settings {
         self.tabular.check()?;
         self.episode.check()?;
         self.arena.check()?;
+        self.sensor.check()?;
         self.physics.check()
     }
 }

@@ -11,6 +11,7 @@ mod examples;
 mod exporting;
 mod knowledge;
 mod memory;
+mod noise;
 mod paper;
 mod readings;
 mod readme;

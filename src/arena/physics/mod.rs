@@ -313,6 +313,7 @@ impl Arena for PhysicsArena {
             contacts: self.hits.contacts(),
             sensed: self.sensed(),
             executed: None,
+            flipped: None,
         }
     }
 
@@ -322,6 +323,7 @@ impl Arena for PhysicsArena {
             noise: Some(self.noise.stream.clone()),
             sensing: self.sensing.as_ref().map(|sensing| sensing.memory()),
             slip: None,
+            flips: None,
         }
     }
 

@@ -1,0 +1,61 @@
+//! Percepts of which bits flip.
+
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Checkpoint, Config, Plan, Settings, Trial, seal, unseal};
+use xcscr::world::Maze;
+
+/// A trial in a world of which each bit of a percept flips with this probability.
+fn trial(world: &str, method: Method, episodes: u32, flips: f64) -> Trial {
+    let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
+    let maze = Maze::load(path.as_ref()).unwrap();
+    let mut settings = Settings::default();
+    settings.reward.step_threshold = 100;
+    settings.sensor.flips = flips;
+    let config = Config {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        method,
+        arena: ArenaKind::Grid,
+        sensor: Sensor::Neighbours,
+        episodes,
+        seed: 3,
+        settings,
+        initial: None,
+    };
+    Trial::new(Plan { maze, config }).unwrap()
+}
+
+fn finished(mut trial: Trial) -> Trial {
+    let _ = trial.run(&mut ());
+    trial
+}
+
+#[test]
+fn a_trial_with_flipping_bits_goes_on_from_a_checkpoint_as_if_it_had_never_stopped() {
+    for method in [Method::Xcscr, Method::XcscrMemory] {
+        let plan = || trial("maze4", method, 12, 0.02);
+        let whole = finished(plan());
+        let mut half = plan();
+        for _ in 0..6 {
+            let _ = half.run_episode(&mut ());
+        }
+        let saved: Checkpoint = unseal(&seal(&half.checkpoint())).unwrap();
+        let resumed = finished(Trial::resume(&saved).unwrap());
+        assert_eq!(whole.checkpoint(), resumed.checkpoint());
+    }
+}
+
+#[test]
+fn as_many_percepts_are_misread_as_bits_that_flip_foretell() {
+    let progress = finished(trial("maze5", Method::QLearning, 200, 0.01));
+    let (misread, steps) = (
+        progress.progress().mistakes.misread,
+        progress.progress().steps,
+    );
+    // Of sixteen bits none flips in 85.1 % of the percepts.
+    let share = misread as f64 / steps as f64;
+    assert!((share - 0.149).abs() < 0.02, "{misread} of {steps}");
+    let clean = finished(trial("maze5", Method::QLearning, 20, 0.0));
+    assert_eq!(clean.progress().mistakes.misread, 0, "control");
+}
