@@ -8,6 +8,7 @@ use xcscr::agent::{Chosen, Method};
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
+use xcscr::sensor::alike;
 use xcscr::trial::{Condensed, Plan, Trial};
 use xcscr::world::{Cell, Facts, Maze, draw};
 
@@ -173,7 +174,7 @@ impl TrainReport {
 
     /// Where the greedy policy gets to if it is not optimal, and what to try.
     fn print_failure(&self, trial: &Trial, out: &mut impl Write) -> Result<(), Failure> {
-        let Plan { maze, config } = trial.plan();
+        let maze = &trial.plan().maze;
         let Some(path) = trial.greedy_path().filter(|_| !self.retained) else {
             return Ok(());
         };
@@ -183,15 +184,13 @@ impl TrainReport {
             let means = "means a shortest path, whatever is paid on the way";
             return Ok(writeln!(out, "  optimal              {means}")?);
         }
-        let more = config.episodes.saturating_mul(2);
-        let other = match config.method {
-            Method::XcscrPlus => "--sensor neighbours-position",
-            _ => "--method xcscr-plus",
-        };
-        writeln!(
-            out,
-            "  try                  --episodes {more}, another --seed, or {other}"
-        )?;
+        if let Some((one, other)) = look_alike(trial) {
+            writeln!(
+                out,
+                "  look alike to it     {one} and {other}; `world info` lists all"
+            )?;
+        }
+        writeln!(out, "  try                  {}", way_out(trial))?;
         Ok(())
     }
 
@@ -231,6 +230,30 @@ impl TrainReport {
         )?;
         Ok(())
     }
+}
+
+/// The first two cells that the robot cannot tell apart.
+fn look_alike(trial: &Trial) -> Option<(String, String)> {
+    let Plan { maze, config } = trial.plan();
+    let groups = match maze.is_vast() || trial.method().remembers() {
+        true => Vec::new(),
+        false => alike(config.sensor, maze),
+    };
+    let named = |cell: &Cell| format!("{},{}", cell.col, cell.row);
+    let cells = &groups.first()?.cells;
+    Some((named(&cells[0]), named(&cells[1])))
+}
+
+/// What may help a policy that is not optimal.
+fn way_out(trial: &Trial) -> String {
+    let config = &trial.plan().config;
+    let more = config.episodes.saturating_mul(2);
+    let other = match config.method {
+        Method::XcscrPlus if config.sensor.is_sensed() => "--sensor lidar-position",
+        Method::XcscrPlus => "--sensor neighbours-position",
+        _ => "--method xcscr-plus",
+    };
+    format!("{other}, another --seed, or --episodes {more}")
 }
 
 /// How many cells on a path pay by themselves.

@@ -518,3 +518,27 @@ fn recordings_and_trial_agree_when_a_policy_with_a_memory_is_optimal() {
     let line = format!("{}\n", line.unwrap_or(&replayed));
     assert!(line.ends_with(&told), "{line}, {report}");
 }
+
+#[test]
+fn a_failure_names_cells_that_look_alike_and_a_percept_that_tells_them_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = ["######", "#S...#", "#.##.#", "#.##.#", "#...G#", "######"];
+    let world = folder.path().join("ring.json");
+    fs::write(&world, format!(r#"{{"rows": {rows:?}}}"#)).unwrap();
+    let told = |sensor: &str| {
+        let out = folder.path().join(sensor);
+        let [world, out] = [&world, &out].map(|path| path.to_str().unwrap());
+        let what = "train --method xcs --arena grid --record none --episodes 1 --sensor";
+        let chosen = [sensor, "--out", out, world];
+        let what = what.split_whitespace().chain(chosen);
+        expect(0, &what.collect::<Vec<_>>()).0
+    };
+    let alike = told("lidar");
+    let words = "  look alike to it     2,1 and 3,1; `world info` lists all\n";
+    assert!(alike.contains(words), "{alike}");
+    let control = told("lidar-position");
+    assert!(
+        control.contains("  try  ") && !control.contains("look alike"),
+        "{control}"
+    );
+}
