@@ -273,10 +273,11 @@ fn course(path: &[Cell], paid: usize, maze: &Maze) -> String {
     };
     let (steps, end) = (path.len() - 1, path[path.len() - 1]);
     let Cell { col, row } = end;
+    let s = if steps == 1 { "" } else { "s" };
     match () {
-        () if maze.is_goal(end) => format!("{steps} steps to the goal{paid}"),
+        () if maze.is_goal(end) => format!("{steps} step{s} to the goal{paid}"),
         () if path[..steps].contains(&end) => format!("{steps} steps{paid}, then goes in circles"),
-        () => format!("{steps} steps{paid}, then is stuck at ({col},{row})"),
+        () => format!("{steps} step{s}{paid}, then is stuck at ({col},{row})"),
     }
 }
 
