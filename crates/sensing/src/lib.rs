@@ -12,6 +12,7 @@ mod onboard;
 mod params;
 mod readings;
 mod sensors;
+mod whole;
 
 pub use onboard::{Belief, Onboard, Surroundings};
 pub use params::{

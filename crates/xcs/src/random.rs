@@ -71,10 +71,13 @@ impl Stream {
     /// A deviate of mean 0 and standard deviation 1: the centred sum of twelve uniform 16-bit
     /// numbers (Irwin-Hall). Bounded by 6 in size, and free of platform-dependent functions.
     pub fn normal(&mut self) -> f64 {
-        let sum: u64 = (0..3)
+        // Each word is added as two lanes of 32 bits, which twelve numbers of 16 bits cannot fill.
+        const LANES: u64 = 0x0000_ffff_0000_ffff;
+        let lanes: u64 = (0..3)
             .map(|_| self.bits())
-            .map(|b| (b & 0xffff) + (b >> 16 & 0xffff) + (b >> 32 & 0xffff) + (b >> 48))
+            .map(|b| (b & LANES) + (b >> 16 & LANES))
             .sum();
+        let sum = (lanes & 0xffff_ffff) + (lanes >> 32);
         // Twelve numbers of mean 32767.5 each; the variance of each is (65536^2 - 1) / 12.
         (sum as f64 - 12.0 * 32_767.5) / 65_536.0
     }

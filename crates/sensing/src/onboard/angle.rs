@@ -1,10 +1,15 @@
 //! Rotations, computed alike on every platform.
 
-use nalgebra::{Complex, UnitComplex};
+use nalgebra::{Complex, UnitComplex, Vector2};
 
 /// A number times itself.
 pub fn square(number: f64) -> f64 {
     number * number
+}
+
+/// The unit vector along the heading of a rotation.
+pub fn ahead(rotation: UnitComplex<f64>) -> Vector2<f64> {
+    Vector2::new(rotation.re, rotation.im)
 }
 
 /// The rotation by an angle: for that of a step by its series, whose error is below 1e-10 there.

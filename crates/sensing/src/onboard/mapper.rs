@@ -8,6 +8,7 @@ use nalgebra::Vector2;
 
 use super::Surroundings;
 use super::estimator::Ray;
+use crate::whole::floor;
 
 /// Evidence of one beam for a free cell or a wall ...
 const HIT: i32 = 20;
@@ -76,7 +77,7 @@ struct Axis {
 
 impl Axis {
     fn new(origin: f64, direction: f64) -> Self {
-        let cell = origin.floor();
+        let cell = floor(origin);
         let every = 1.0 / direction.abs();
         let (step, next) = if direction > 0.0 {
             (1, (cell + 1.0 - origin) * every)
@@ -101,5 +102,5 @@ impl Axis {
 
 /// The cell of the robot's frame that holds a point (east, north).
 pub(super) fn cell_of(point: Vector2<f64>) -> [i32; 2] {
-    [point.x.floor() as i32, point.y.floor() as i32]
+    [floor(point.x) as i32, floor(point.y) as i32]
 }

@@ -56,8 +56,8 @@ impl Onboard {
     /// Takes in what the sensors tell about a step.
     pub fn step(&mut self, readings: &Readings<'_>) {
         self.estimator.step(readings);
-        for beam in readings.beams {
-            mapper::mark(&mut self.surroundings, &self.estimator.ray(beam));
+        for ray in self.estimator.rays(readings.beams) {
+            mapper::mark(&mut self.surroundings, &ray);
         }
         self.surroundings.stand_in(self.cell());
         self.bumped = readings.bumped;

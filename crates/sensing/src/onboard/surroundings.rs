@@ -62,9 +62,10 @@ impl Surroundings {
     }
 
     fn entry(&self, cell: [i32; 2]) -> Option<usize> {
-        let [x, y] = [0, 1].map(|axis| cell[axis] - self.middle[axis] + REACH);
-        let inside = |at: i32| (0..SIDE as i32).contains(&at);
-        (inside(x) && inside(y)).then(|| y as usize * SIDE + x as usize)
+        // Negative numbers become large ones.
+        let x = (cell[0] - self.middle[0] + REACH) as usize;
+        let y = (cell[1] - self.middle[1] + REACH) as usize;
+        (x < SIDE && y < SIDE).then(|| y * SIDE + x)
     }
 }
 

@@ -299,13 +299,18 @@ fn each_action_begins_without_knowing_how_the_wheels_will_roll() {
     );
 }
 
+/// Marks a beam of a robot that stands in the middle of a cell and heads east.
+fn mark(map: &mut Surroundings, beam: &Return) {
+    let ray = estimator(0.5, 0.5).ray(beam, UnitComplex::identity());
+    mapper::mark(map, &ray);
+}
+
 #[test]
 fn a_beam_marks_free_cells_and_the_wall_that_it_ends_in() {
     let mut map = Surroundings::unknown([0, 0]);
-    let estimator = estimator(0.5, 0.5);
     for _ in 0..3 {
-        mapper::mark(&mut map, &estimator.ray(&beam(1.0, 0.0, 2.52)));
-        mapper::mark(&mut map, &estimator.ray(&beam(0.0, 1.0, 0.49)));
+        mark(&mut map, &beam(1.0, 0.0, 2.52));
+        mark(&mut map, &beam(0.0, 1.0, 0.49));
     }
     assert!(map.is_free(1, 0) && map.is_free(2, 0) && !map.is_free(3, 0));
     assert!(!map.is_free(0, 1));
@@ -320,16 +325,15 @@ fn a_beam_marks_free_cells_and_the_wall_that_it_ends_in() {
 #[test]
 fn a_beam_that_ends_between_lines_says_nothing_and_a_lost_one_says_little() {
     let mut map = Surroundings::unknown([0, 0]);
-    let estimator = estimator(0.5, 0.5);
     let lost = Return {
         range: None,
         ..beam(0.0, 1.0, 0.0)
     };
     for _ in 0..3 {
-        mapper::mark(&mut map, &estimator.ray(&beam(1.0, 0.0, 1.0)));
-        mapper::mark(&mut map, &estimator.ray(&lost));
+        mark(&mut map, &beam(1.0, 0.0, 1.0));
+        mark(&mut map, &lost);
     }
     assert!(!map.is_free(1, 0) && !map.is_free(0, 1));
-    (0..2).for_each(|_| mapper::mark(&mut map, &estimator.ray(&lost)));
+    (0..2).for_each(|_| mark(&mut map, &lost));
     assert!(map.is_free(0, 1), "five are as good as two that came back");
 }

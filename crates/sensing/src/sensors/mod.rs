@@ -154,5 +154,5 @@ fn turned(before: &Isometry2<f64>, after: &Isometry2<f64>) -> f64 {
 
 /// A unit vector along the heading of a rotation.
 fn ahead(rotation: UnitComplex<f64>) -> Vector2<f64> {
-    rotation * Vector2::x()
+    Vector2::new(rotation.re, rotation.im)
 }

@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 
 use super::Terrain;
+use crate::whole::floor;
 
 /// How far it is from `origin` along the unit vector `direction` to the first wall, in cells;
 /// `None` when that is more than `limit`.
@@ -33,7 +34,7 @@ pub fn cast(
 /// Along one axis: the first cell, the step to the next one, how far along the ray that begins,
 /// and how far it is from one to the next.
 fn axis(origin: f64, direction: f64) -> (i32, i32, f64, f64) {
-    let cell = origin.floor();
+    let cell = floor(origin);
     let every = 1.0 / direction.abs();
     if direction > 0.0 {
         (cell as i32, 1, (cell + 1.0 - origin) * every, every)

@@ -3,14 +3,19 @@
 use nalgebra::Vector2;
 
 use super::{BIAS, Estimator, HEADING, RANGES, ROLL, Ray, SHALLOW, WHEELS, X, Y};
-use crate::onboard::angle::{cayley, square};
+use crate::onboard::angle::{ahead, cayley, square};
+use crate::whole::round;
 
 /// How a beam fits to the nearest line across one axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
     pub axis: usize,
+    /// How far the beam reaches along the axis.
+    reach: f64,
     /// From where the beam ends to the line.
     residual: f64,
+    /// Its square in units of its variance.
+    pub distance: f64,
     /// The derivatives of the end by heading and by the scale of ranges; by the axis it is 1.
     by_heading: f64,
     by_ranges: f64,
@@ -19,24 +24,35 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// The squared residual in units of its variance.
-    pub fn distance(&self) -> f64 {
-        self.residual * self.residual / self.variance
+    /// How the same beam fits if it begins at `origin`.
+    pub fn from(self, origin: Vector2<f64>) -> Self {
+        let end = origin[self.axis] + self.reach;
+        let residual = round(end) - end;
+        Self {
+            residual,
+            distance: residual * residual / self.variance,
+            ..self
+        }
     }
 }
 
 impl Estimator {
-    /// How a beam fits to the nearest line across an axis.
-    pub(super) fn fit(&self, axis: usize, ray: &Ray, range: f64) -> Option<Fit> {
+    /// How a beam fits to the nearest lines across both axes.
+    pub(super) fn fits(&self, ray: &Ray, range: f64) -> [Option<Fit>; 2] {
+        let measured = range / (1.0 + self.belief.ranges);
+        [X, Y].map(|axis| self.fit(axis, ray, range, measured))
+    }
+
+    /// How a beam fits to the nearest line across an axis; `measured` is its range without the
+    /// scale that the robot believes in.
+    fn fit(&self, axis: usize, ray: &Ray, range: f64, measured: f64) -> Option<Fit> {
         let along = ray.direction[axis];
         if along.abs() <= SHALLOW {
             return None;
         }
         let across = ray.direction[1 - axis];
-        let measured = range / (1.0 + self.belief.ranges);
         let covariance = &self.belief.covariance;
         let deviation = self.assumed.range + self.assumed.range_share * range;
-        let end = ray.origin[axis] + range * along;
         let sign = if axis == X { -1.0 } else { 1.0 };
         let by_heading = sign * range * across;
         let by_ranges = measured * along;
@@ -48,13 +64,16 @@ impl Estimator {
             + 2.0 * by_heading * by_ranges * covariance[(HEADING, RANGES)];
         let measured_badly =
             square(along * deviation) + square(across * range * self.assumed.beam_rad);
-        Some(Fit {
+        let fit = Fit {
             axis,
-            residual: end.round() - end,
+            reach: range * along,
+            residual: 0.0,
+            distance: 0.0,
             by_heading,
             by_ranges,
             variance: believed + measured_badly,
-        })
+        };
+        Some(fit.from(ray.origin))
     }
 
     /// Moves the state so that the beam ends nearer to the line.
@@ -64,11 +83,16 @@ impl Estimator {
             + fit.by_heading * covariance.column(HEADING)
             + fit.by_ranges * covariance.column(RANGES);
         let gain = seen / fit.variance;
-        *covariance -= gain * seen.transpose();
+        // As plain arrays, of which the compiler makes vectors.
+        for (column, along) in covariance.data.0.iter_mut().zip(seen.iter()) {
+            for (value, gain) in column.iter_mut().zip(gain.iter()) {
+                *value -= gain * along;
+            }
+        }
         let change = gain * fit.residual;
         let moved = Vector2::new(change[X], change[Y]);
         self.belief.pose.translation.vector += moved;
-        let ahead = self.belief.pose.rotation * Vector2::x();
+        let ahead = ahead(self.belief.pose.rotation);
         self.belief.slip.correct(moved.dot(&ahead));
         self.belief.pose.rotation *= cayley(change[HEADING]);
         self.belief.bias += change[BIAS];

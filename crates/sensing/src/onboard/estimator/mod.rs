@@ -9,11 +9,11 @@
 mod fit;
 mod predict;
 
-use nalgebra::{Isometry2, Matrix3, SMatrix, SVector, Vector2};
+use nalgebra::{Isometry2, Matrix3, SMatrix, SVector, UnitComplex, Vector2};
 use serde::{Deserialize, Serialize};
 
 use self::fit::Fit;
-use super::angle::{rotation, square};
+use super::angle::{ahead, rotation, square};
 use super::assumed::Assumed;
 use super::slip::{Slip, Verdict};
 use crate::{EstimatorParams, Readings, Return, Robot, STEP_S};
@@ -84,6 +84,8 @@ pub(crate) struct Estimator {
     params: EstimatorParams,
     assumed: Assumed,
     belief: Belief,
+    /// How far it turned back from the end of the last step to each of its beams.
+    back: Vec<UnitComplex<f64>>,
 }
 
 /// A beam from where the robot believes that it was sent: its origin, its direction, and its
@@ -123,6 +125,7 @@ impl Estimator {
                 covariance: SMatrix::from_diagonal(&SVector::from(variances)),
             },
             assumed,
+            back: Vec::new(),
         }
     }
 
@@ -188,19 +191,28 @@ impl Estimator {
     pub fn step(&mut self, readings: &Readings<'_>) {
         self.predict(readings);
         self.belief.strain = self.belief.strain.map(|strain| KEPT_STRAIN * strain);
-        for beam in readings.beams {
-            self.take_in(&self.ray(beam));
+        let turned_rad = self.belief.last.turned_rad;
+        let back = |beam: &Return| rotation((beam.moment - 1.0) * turned_rad);
+        self.back.clear();
+        self.back.extend(readings.beams.iter().map(back));
+        for (number, beam) in readings.beams.iter().enumerate() {
+            self.take_in(&self.ray(beam, self.back[number]));
         }
     }
 
-    /// A beam of the last step, from where the robot believes to have been at its moment.
-    pub fn ray(&self, beam: &Return) -> Ray {
+    /// The beams of the last step, as the robot sees them at its end.
+    pub fn rays(&self, beams: &[Return]) -> impl Iterator<Item = Ray> {
+        let beams = beams.iter().zip(&self.back);
+        beams.map(|(beam, &back)| self.ray(beam, back))
+    }
+
+    /// A beam of the last step, from where the robot believes to have been at its moment; since
+    /// then it has turned by the inverse of `back`.
+    pub fn ray(&self, beam: &Return, back: UnitComplex<f64>) -> Ray {
         let pose = &self.belief.pose;
-        let back = beam.moment - 1.0;
-        let heading = pose.rotation * rotation(back * self.belief.last.turned_rad);
         Ray {
-            origin: pose.translation.vector + back * self.belief.last.way,
-            direction: heading * beam.bearing * Vector2::x(),
+            origin: pose.translation.vector + (beam.moment - 1.0) * self.belief.last.way,
+            direction: ahead(pose.rotation * back * beam.bearing),
             range: beam.range.map(|range| range * (1.0 + self.belief.ranges)),
         }
     }
@@ -210,19 +222,20 @@ impl Estimator {
         let Some(range) = ray.range else {
             return;
         };
-        self.weigh_spin(ray, range);
-        let passes = |fit: &Fit| fit.distance() < self.params.gate;
-        let x = self.fit(X, ray, range).filter(passes);
-        let y = self.fit(Y, ray, range).filter(passes);
-        match (x, y) {
-            (Some(_), Some(_)) => {}
-            (Some(fit), None) | (None, Some(fit)) => {
+        let mut fits = self.fits(ray, range);
+        if self.falls_back(ray, &fits) {
+            fits = self.fits(ray, range);
+        }
+        let passes = |fit: &Fit| fit.distance < self.params.gate;
+        match fits.map(|fit| fit.filter(passes)) {
+            [Some(_), Some(_)] => {}
+            [Some(fit), None] | [None, Some(fit)] => {
                 let strain = &mut self.belief.strain[fit.axis];
                 *strain = (*strain - 1.0).max(0.0);
                 self.correct(&fit);
             }
             // On no line: along its way the robot is not where it believes to be.
-            (None, None) => {
+            [None, None] => {
                 let is_along_x = ray.direction.x.abs() > ray.direction.y.abs();
                 self.doubt(if is_along_x { X } else { Y });
             }
@@ -240,30 +253,32 @@ impl Estimator {
         }
     }
 
-    /// Does a beam fit better where the robot would be if its wheels had spun?
-    fn weigh_spin(&mut self, ray: &Ray, range: f64) {
+    /// Does a beam fit better where the robot would be if its wheels had spun? True when this one
+    /// decides it, and the robot sees that it is there.
+    fn falls_back(&mut self, ray: &Ray, fits: &[Option<Fit>; 2]) -> bool {
         let Some(lag) = self.belief.slip.lag() else {
-            return;
+            return false;
         };
-        let ahead = self.belief.pose.rotation * Vector2::x();
+        let ahead = ahead(self.belief.pose.rotation);
         let origin = ray.origin - lag * ahead;
-        let evidence =
-            (self.misfit(ray, range) - self.misfit(&Ray { origin, ..*ray }, range)) / 2.0;
+        let behind = fits.map(|fit| fit.map(|fit| fit.from(origin)));
+        let evidence = (self.misfit(fits) - self.misfit(&behind)) / 2.0;
         match self.belief.slip.weigh(evidence, &self.params) {
-            Some(Verdict::Spun(lag)) => self.fall_back(lag * ahead),
+            Some(Verdict::Spun(lag)) => {
+                self.fall_back(lag * ahead);
+                return true;
+            }
             Some(Verdict::Rolled) => self.belief.last.held = self.belief.last.forward,
             None => {}
         }
+        false
     }
 
     /// The squared distance of a beam's end from the nearest line, in units of its variance; that
     /// of an outlier is the gate.
-    fn misfit(&self, ray: &Ray, range: f64) -> f64 {
-        let fits = [X, Y]
-            .into_iter()
-            .filter_map(|axis| self.fit(axis, ray, range));
-        fits.map(|fit| fit.distance())
-            .fold(self.params.gate, f64::min)
+    fn misfit(&self, fits: &[Option<Fit>; 2]) -> f64 {
+        let distances = fits.iter().flatten().map(|fit| fit.distance);
+        distances.fold(self.params.gate, f64::min)
     }
 
     /// The robot is so far behind what it believed.

@@ -5,7 +5,7 @@ use nalgebra::{UnitComplex, Vector2};
 use super::{
     BIAS, BUMP_SLIDE, Estimator, HEADING, LAG, LastStep, ROLL, SPIN, STATES, WHEELS, X, Y,
 };
-use crate::onboard::angle::{rotation, square};
+use crate::onboard::angle::{ahead, rotation, square};
 use crate::{Readings, STEP_S};
 
 /// The motion of one step.
@@ -43,8 +43,8 @@ impl Estimator {
             rolled: motion.rolled,
             held: motion.held,
         };
-        self.carry_covariance(&motion, middle * Vector2::x(), way);
-        self.spread_covariance(&motion, middle * Vector2::x(), changed);
+        self.carry_covariance(&motion, ahead(middle), way);
+        self.spread_covariance(&motion, ahead(middle), changed);
     }
 
     /// What wheels and gyro tell, and whether they show that the wheels slip.
