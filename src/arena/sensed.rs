@@ -3,6 +3,8 @@
 use nalgebra::{Isometry2, Matrix3, UnitComplex};
 use xcscr_sensing::Surroundings;
 
+use crate::world::Cell;
+
 /// Where the robot believes to be, and how sure it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
@@ -53,6 +55,9 @@ pub struct Beam {
 pub struct Sensed<'a> {
     /// The cells around it, as it made them out.
     pub surroundings: &'a Surroundings,
+    /// The cell that it believes to stand in, of all cells of the grid: it knows how large the grid
+    /// is, but not where walls are, and may believe to stand in one.
+    pub cell: Cell,
     /// Where it believed to be: one for each moment of the path.
     pub estimates: &'a [Estimate],
     /// The beams of its lidar, oldest first.

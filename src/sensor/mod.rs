@@ -160,9 +160,11 @@ impl Sensor {
     fn unflipped(self, view: &View<'_>) -> Percept {
         let sensed = view.sensed.filter(|_| self.is_sensed());
         match sensed {
-            Some(Sensed { surroundings, .. }) => {
+            Some(Sensed {
+                surroundings, cell, ..
+            }) => {
                 let is_free = |east, north| surroundings.is_free(east, north);
-                self.by_lidar(&is_free, view.maze, view.cell)
+                self.by_lidar(&is_free, view.maze, cell)
             }
             None => self.perceive_at(view.maze, view.cell),
         }

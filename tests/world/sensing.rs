@@ -12,7 +12,7 @@ use xcscr::arena::{Arena, Care, FaultParams, Localisation, PhysicsArena, Physics
 use xcscr::episode::Mistakes;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Evaluation, Plan, Trial};
-use xcscr::world::{Maze, Recipe};
+use xcscr::world::{Cell, Maze, Recipe};
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
 
@@ -255,6 +255,30 @@ fn the_sensed_percept_does_not_come_from_the_map() {
     let perceived = Sensor::Lidar.perceive(&blind.view());
     assert_ne!(perceived, Sensor::Lidar.perceive_at(&maze("maze4"), start));
     assert_eq!(perceived.to_string(), "01".repeat(8), "nothing is seen");
+}
+
+#[test]
+fn the_cell_in_a_sensed_percept_is_that_of_the_estimate_even_where_the_map_has_a_wall() {
+    let mut params = senses(1.0);
+    params.lidar.fitted = false;
+    let (mut lost, mut in_walls) = (arena("maze5", &params, 1), 0);
+    for action in script(1, 600) {
+        lost.act(action);
+        let view = lost.view();
+        let at = view.sensed.unwrap().estimates.last().unwrap();
+        let at = at.robot_in_world.translation.vector;
+        let within = |at: f64, size: u16| at.floor().clamp(0.0, f64::from(size) - 1.0) as u16;
+        let (width, height) = (view.maze.width(), view.maze.height());
+        let cell = Cell {
+            col: within(at.x, width),
+            row: height - 1 - within(at.y, height),
+        };
+        let told = Sensor::LidarPosition.perceive(&view).to_string();
+        let position = Sensor::Position.perceive_at(view.maze, cell).to_string();
+        assert!(told.ends_with(&position), "{told} at {cell:?}");
+        in_walls += u32::from(view.maze.is_wall(cell));
+    }
+    assert!(in_walls > 0, "a lost robot believes to stand in a wall");
 }
 
 /// Learned by `xcscr-plus` in a world of 20 x 20 rooms, from what the robot senses.

@@ -222,12 +222,24 @@ impl PhysicsArena {
         cell_from_position(&self.maze, position_m.into(), self.cell)
     }
 
+    /// The cell of the grid that the robot believes to stand in, whatever the maze is like there.
+    fn own_cell(&self, onboard: &Onboard) -> Cell {
+        let [east, north] = onboard.cell();
+        let (width, height) = (i32::from(self.maze.width()), i32::from(self.maze.height()));
+        Cell {
+            // Both are below the maze's size, which is a u16.
+            col: east.clamp(0, width - 1) as u16,
+            row: (height - 1).saturating_sub(north).clamp(0, height - 1) as u16,
+        }
+    }
+
     /// What observers and percepts are shown of the senses.
     pub(super) fn sensed(&self) -> Option<Sensed<'_>> {
         let sensing = self.sensing.as_ref()?;
         let at_m = self.motion().pose.translation.vector * self.maze.cell_size_m();
         Some(Sensed {
             surroundings: sensing.onboard.surroundings(),
+            cell: self.own_cell(&sensing.onboard),
             estimates: &sensing.estimates,
             beams: &sensing.beams,
             lost: self.maze.cell_at(at_m.into()) != Some(self.believed_cell(&sensing.onboard)),
