@@ -38,7 +38,7 @@ Exit codes:
 ///
 /// Results go to stdout, everything else to stderr. NO_COLOR is honoured.
 #[derive(Debug, Parser)]
-#[command(version, after_long_help = EXIT_CODES, arg_required_else_help = true)]
+#[command(version, after_long_help = EXIT_CODES, arg_required_else_help = true, max_term_width = 80)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]

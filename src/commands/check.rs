@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use xcscr::record::{self, Finding};
 
 use super::failure::{Exit, Failure};
+use super::terminal::write_words;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
@@ -61,7 +62,7 @@ fn print(checked: &[Checked], out: &mut impl Write) -> Result<(), Failure> {
             writeln!(out, "{file}: sound")?;
         }
         for finding in findings {
-            writeln!(out, "{file}: {finding}")?;
+            write_words(out, &format!("{file}: {finding}"))?;
         }
     }
     Ok(())

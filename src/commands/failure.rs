@@ -9,7 +9,7 @@ use xcscr::run::{RunError, RunFolderError};
 use xcscr::trial::{PlanError, SettingsError};
 use xcscr::world::WorldError;
 
-use super::terminal::{escaped, shows_colours};
+use super::terminal::{escaped, fitted, shows_colours};
 
 /// How a message begins where there are colours.
 const RED_ERROR: &str = "\x1b[1;91merror\x1b[0m";
@@ -72,8 +72,14 @@ impl Failure {
             Some(styled) if shows_colours(&io::stderr()) => {
                 format!("{RED_ERROR}: {styled}")
             }
-            None if shows_colours(&io::stderr()) => format!("{RED_ERROR}: {plain}"),
-            _ => format!("error: {plain}"),
+            _ => {
+                let plain = format!("error: {plain}");
+                let fitted = fitted(&plain, &io::stderr());
+                match shows_colours(&io::stderr()) {
+                    true => fitted.replacen("error", RED_ERROR, 1),
+                    false => fitted.into_owned(),
+                }
+            }
         };
         if self.exit != Exit::Closed {
             let _ = writeln!(io::stderr(), "{message}");

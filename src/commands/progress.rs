@@ -15,8 +15,8 @@ const TEMPLATE: &str = "{bar:14} episode {pos}/{len}, {msg}, {eta} left";
 pub struct Progress {
     bar: ProgressBar,
     best: Option<u32>,
-    /// Steps of each episode that was seen.
-    steps: Vec<u32>,
+    /// Was an episode seen?
+    is_under_way: bool,
 }
 
 impl Progress {
@@ -42,7 +42,7 @@ impl Progress {
         Self {
             bar,
             best: None,
-            steps: Vec::new(),
+            is_under_way: false,
         }
     }
 }
@@ -52,19 +52,11 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).expect("the template is valid")
 }
 
-impl Progress {
-    /// Wipes the bar away; the steps of each episode that was seen.
-    pub fn into_steps(mut self) -> Vec<u32> {
-        std::mem::take(&mut self.steps)
-    }
-}
-
 impl Observer for Progress {
     fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
-        if self.steps.is_empty() {
+        if !std::mem::replace(&mut self.is_under_way, true) {
             self.bar.set_style(style(TEMPLATE));
         }
-        self.steps.push(episode.steps);
         if episode.ending == Ending::Goal {
             let best = self.best.unwrap_or(u32::MAX).min(episode.steps);
             self.best = Some(best);

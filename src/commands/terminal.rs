@@ -4,9 +4,70 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write};
 
+/// Columns of a terminal.
+const COLUMNS: usize = 80;
+
 /// Tells the user something, on a line of stderr. A closed stderr is no reason to fail.
 pub fn say(line: &str) {
-    let _ = writeln!(io::stderr(), "{}", escaped(line));
+    let mut there = io::stderr();
+    let _ = writeln!(there, "{}", fitted(&escaped(line), &there));
+}
+
+/// Prints a line of words on stdout, as a terminal or a file is to have it.
+pub fn write_words(out: &mut impl Write, line: &str) -> io::Result<()> {
+    writeln!(out, "{}", fitted(line, &io::stdout()))
+}
+
+/// The text as it is printed there: a terminal gets lines of at most 80 columns, broken between words;
+/// a file or a pipe gets them whole, so that they can be searched.
+pub fn fitted<'a>(text: &'a str, there: &impl IsTerminal) -> Cow<'a, str> {
+    match there.is_terminal() {
+        true => Cow::Owned(broken(text)),
+        false => Cow::Borrowed(text),
+    }
+}
+
+/// The text with each line that is too long broken between words; what goes on is indented. What
+/// stands between backticks is one word, so that it can be copied.
+fn broken(text: &str) -> String {
+    let lines: Vec<String> = text.split('\n').map(broken_line).collect();
+    lines.join("\n")
+}
+
+fn broken_line(line: &str) -> String {
+    if line.chars().count() <= COLUMNS {
+        return line.to_owned();
+    }
+    let margin = line.len() - line.trim_start().len();
+    let mut text = line[..margin].to_owned();
+    let mut length = margin;
+    for word in words(line[margin..].trim_end()) {
+        let size = word.chars().count();
+        if length > margin && length + 1 + size > COLUMNS {
+            write!(text, "\n{:width$}", "", width = margin + 2).expect("a string has room");
+            length = margin + 2;
+        } else if length > margin {
+            text.push(' ');
+            length += 1;
+        }
+        text.push_str(&word);
+        length += size;
+    }
+    text
+}
+
+/// The words of a line; those between two backticks are one.
+fn words(line: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut is_open = false;
+    for word in line.split(' ') {
+        match words.last_mut().filter(|_| is_open) {
+            Some(before) => *before = format!("{before} {word}"),
+            None => words.push(word.to_owned()),
+        }
+        is_open ^= word.matches('`').count() % 2 == 1;
+    }
+    words
 }
 
 /// Does the terminal on stdout show links (OSC 8)? Those that are known to; `FORCE_HYPERLINK=1`
@@ -168,6 +229,32 @@ mod tests {
                 assert_eq!(read, text);
             }
         }
+    }
+
+    #[test]
+    fn a_line_for_a_terminal_is_broken_between_words_and_a_command_stays_whole() {
+        let said = "error: run exists: choose another folder with `--out`, or replace the run in it \
+                    with `xcscr train world.json --force`";
+        assert_eq!(
+            broken(said),
+            "error: run exists: choose another folder with `--out`, or replace the run in it\n  \
+             with `xcscr train world.json --force`"
+        );
+        let listed = format!("error: wrong\n  one of: {}", "a-name, ".repeat(20));
+        let broken = broken(&listed);
+        let widths = broken.lines().map(|line| line.chars().count());
+        assert!(
+            broken.lines().count() == 4 && widths.max() <= Some(COLUMNS),
+            "{broken}"
+        );
+        assert_eq!(
+            broken.split_whitespace().collect::<Vec<_>>(),
+            listed.split_whitespace().collect::<Vec<_>>()
+        );
+        // Control: no word is broken, however long it is.
+        let long = format!("{} and `a {}`", "path/".repeat(30), "b ".repeat(60));
+        assert_eq!(super::broken(&long).lines().count(), 3);
+        assert_eq!(super::broken("short"), "short");
     }
 
     #[test]

@@ -17,6 +17,7 @@ use super::failure::{Exit, Failure};
 use super::interrupt::Interrupt;
 use super::live::{LIVE_PORT, LiveArgs};
 use super::progress::Progress;
+use super::terminal::say;
 use super::train_report::TrainReport;
 
 /// What is settled once a run has begun.
@@ -113,11 +114,12 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     let mut progress = Progress::new(session.trial(), args.quiet);
     let finished = session.run(&mut progress, &|| interrupt.came());
-    let steps = progress.into_steps();
+    drop(progress);
     let Finished {
         trial,
         folder,
         recording,
+        steps,
     } = finished?;
     let report = TrainReport::new(&trial, folder.path());
     if args.json {
@@ -158,7 +160,7 @@ fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
 /// Says on stderr what speaks against a plan.
 fn say_warnings(plan: &Plan) {
     for warning in plan.warnings() {
-        eprintln!("warning: {warning}");
+        say(&format!("warning: {warning}"));
     }
 }
 

@@ -96,7 +96,7 @@ impl TrainReport {
         }
     }
 
-    /// Prints the report for people; `steps_per_episode` are those of the episodes that were just run.
+    /// Prints the report for people; `steps_per_episode` are those of all episodes, also before it was resumed.
     pub fn print(
         &self,
         trial: &Trial,

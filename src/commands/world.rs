@@ -12,6 +12,7 @@ use xcscr::world::{Cell, Facts, Maze, MazeKind, Recipe, draw};
 use super::choices;
 use super::convert::{self, ConvertArgs};
 use super::failure::{Exit, Failure};
+use super::terminal::write_words;
 
 /// The most cells that a list in the text names one by one.
 const MOST_LISTED: usize = 8;
@@ -104,12 +105,12 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
 
 fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     if let [file] = files {
-        return Ok(writeln!(out, "{}", summary(file, &Maze::load(file)?))?);
+        return Ok(write_words(out, &summary(file, &Maze::load(file)?))?);
     }
     let mut failures: Vec<Exit> = Vec::new();
     for file in files {
         match Maze::load(file).map_err(Failure::from) {
-            Ok(maze) => writeln!(out, "{}", summary(file, &maze))?,
+            Ok(maze) => write_words(out, &summary(file, &maze))?,
             Err(failure) => {
                 failure.print();
                 failures.push(failure.exit);
@@ -282,7 +283,8 @@ impl LookAlike {
                 true => "one move is best in all",
                 false => "no move is best in all",
             };
-            writeln!(out, "look alike  ({name}) {}: {note}", places(&group.cells))?;
+            let cells = places(&group.cells);
+            write_words(out, &format!("look alike  ({name}) {cells}: {note}"))?;
         }
         match self.groups.len().saturating_sub(MOST_LISTED) {
             0 => Ok(()),

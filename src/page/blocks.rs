@@ -2,6 +2,11 @@
 
 use std::fmt::Write;
 
+/// Columns of a terminal.
+const COLUMNS: usize = 80;
+/// A column of words is made no narrower than this to fit there.
+const NARROWEST: usize = 20;
+
 /// A part of a page.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
@@ -86,8 +91,7 @@ impl Table {
         column > 0 && self.rows.iter().all(|row| numeric(&row[column]))
     }
 
-    fn line(&self, row: &[String], gap: &str) -> String {
-        let widths = self.widths();
+    fn line(&self, row: &[String], widths: &[usize], gap: &str) -> String {
         let cell = |(column, text): (usize, &String)| {
             let width = widths[column];
             match self.is_number(column) {
@@ -100,8 +104,8 @@ impl Table {
     }
 
     fn markdown(&self) -> String {
-        let rule: Vec<String> = self
-            .widths()
+        let widths = self.widths();
+        let rule: Vec<String> = widths
             .iter()
             .enumerate()
             .map(|(column, &width)| {
@@ -115,31 +119,59 @@ impl Table {
             .collect();
         let mut text = format!(
             "| {} |\n| {} |\n",
-            self.line(&self.header, " | "),
+            self.line(&self.header, &widths, " | "),
             rule.join(" | ")
         );
         for row in &self.rows {
-            let _ = writeln!(text, "| {} |", self.line(row, " | "));
+            let _ = writeln!(text, "| {} |", self.line(row, &widths, " | "));
         }
         text
     }
 
-    /// The table for a terminal, a line for each row.
+    /// The table for a terminal: a line for each row, or more where its words need them to fit.
     pub fn text(&self) -> String {
-        let rule = "-".repeat(
-            self.widths()
-                .iter()
-                .map(|width| width + 2)
-                .sum::<usize>()
-                .max(2)
-                - 2,
-        );
-        let mut text = format!("{}\n{rule}\n", self.line(&self.header, "  ").trim_end());
-        for row in &self.rows {
-            let _ = writeln!(text, "{}", self.line(row, "  ").trim_end());
+        let widths = self.fitted();
+        let rule = "-".repeat(across(&widths));
+        let header = self.line(&self.header, &widths, "  ");
+        let mut text = format!("{}\n{rule}\n", header.trim_end());
+        for row in self.rows.iter().flat_map(|row| broken(row, &widths)) {
+            let _ = writeln!(text, "{}", self.line(&row, &widths, "  ").trim_end());
         }
         text
     }
+
+    /// Widths of the columns, of which the widest that holds words is made narrower to fit a terminal.
+    fn fitted(&self) -> Vec<usize> {
+        let mut widths = self.widths();
+        let surplus = across(&widths).saturating_sub(COLUMNS);
+        let words = (0..widths.len()).filter(|&column| !self.is_number(column));
+        if let Some(widest) = words.max_by_key(|&column| widths[column]) {
+            let least = NARROWEST.max(self.header[widest].chars().count());
+            let narrowed = widths[widest].saturating_sub(surplus).max(least);
+            widths[widest] = narrowed.min(widths[widest]);
+        }
+        widths
+    }
+}
+
+/// How wide such columns are together.
+fn across(widths: &[usize]) -> usize {
+    let with_gaps: usize = widths.iter().map(|width| width + 2).sum();
+    with_gaps.saturating_sub(2)
+}
+
+/// The lines of a row whose cells are broken between words to be no wider.
+fn broken(row: &[String], widths: &[usize]) -> Vec<Vec<String>> {
+    let parts = |(cell, &width): (&String, &usize)| match cell.chars().count() > width {
+        true => wrapped(cell, width).lines().map(str::to_owned).collect(),
+        false => vec![cell.clone()],
+    };
+    let cells: Vec<Vec<String>> = row.iter().zip(widths).map(parts).collect();
+    let lines = cells.iter().map(Vec::len).max().unwrap_or(0);
+    let part = |cell: &Vec<String>, line| cell.get(line).cloned().unwrap_or_default();
+    (0..lines)
+        .map(|line| cells.iter().map(|cell| part(cell, line)).collect())
+        .collect()
 }
 
 /// The blocks as Markdown.
@@ -154,12 +186,12 @@ pub fn markdown(blocks: &[Block]) -> String {
     blocks.iter().map(part).collect::<Vec<_>>().join("\n")
 }
 
-/// The blocks for a terminal of 100 columns.
+/// The blocks for a terminal of 80 columns.
 pub fn terminal(blocks: &[Block]) -> String {
     let part = |block: &Block| match block {
         Block::Heading(text) => format!("{}\n", text.to_uppercase()),
         Block::Subheading(text) => format!("{text}\n"),
-        Block::Text(text) => format!("{}\n", wrapped(text, 98)),
+        Block::Text(text) => format!("{}\n", wrapped(text, COLUMNS)),
         Block::Table(table) => table.text(),
         Block::Picture(Picture { name, caption, .. }) => format!("{name}.svg  {caption}\n"),
     };
@@ -213,6 +245,28 @@ mod tests {
         ------------------------
         maze4    grid        0.5
         woods12  grid   < 0.0001
+        ");
+    }
+
+    #[test]
+    fn a_table_for_a_terminal_breaks_words_rather_than_be_wider_than_it() {
+        let mut table = Table::new(["if", "go", "worth"]);
+        let words =
+            "north wall, east free, south-east free, south wall, west free, north-west wall";
+        table.rows = vec![
+            vec![words, "east", "577.0"],
+            vec!["east free", "west", "1.0"],
+        ]
+        .into_iter()
+        .map(|row| row.into_iter().map(str::to_owned).collect())
+        .collect();
+        assert!(words.len() <= 80);
+        insta::assert_snapshot!(table.text(), @r"
+        if                                                                   go    worth
+        --------------------------------------------------------------------------------
+        north wall, east free, south-east free, south wall, west free,       east  577.0
+        north-west wall
+        east free                                                            west    1.0
         ");
     }
 

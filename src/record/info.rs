@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use super::mode::RecordMode;
+use crate::agent::Params;
 use crate::sensor::Sensor;
 
 /// The entry of the metadata record `run` that tells an evaluation from a training ...
@@ -38,9 +39,18 @@ pub struct RunInfo {
 impl RunInfo {
     /// The probability that actions slip, as the settings have it; 0 where they say nothing.
     pub(super) fn slip(&self) -> f64 {
-        let config = serde_json::from_str(&self.config_json).ok();
-        let slip = |config: serde_json::Value| config.pointer("/settings/arena/slip")?.as_f64();
-        config.and_then(slip).unwrap_or(0.0)
+        self.setting("arena/slip").unwrap_or(0.0)
+    }
+
+    /// What a goal pays; as usual where the settings say nothing.
+    pub(super) fn goal(&self) -> f64 {
+        let usual = Params::default().goal;
+        self.setting("reward/goal").unwrap_or(usual)
+    }
+
+    fn setting(&self, name: &str) -> Option<f64> {
+        let config: serde_json::Value = serde_json::from_str(&self.config_json).ok()?;
+        config.pointer(&format!("/settings/{name}"))?.as_f64()
     }
 
     /// World, method and seed in a line.

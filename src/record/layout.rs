@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::json::json_tree;
 
-use crate::record::topics::caption;
+use crate::record::topics::{caption, legend};
 use crate::world::Maze;
 
 const EPISODE: &str = include_str!("../../assets/foxglove-layout.json");
@@ -14,6 +14,9 @@ const COMPARISON: &str = include_str!("../../assets/foxglove-layout-compare.json
 /// What the sides of a comparison are called.
 pub(crate) const SIDES: [&str; 2] = ["a", "b"];
 
+/// In mazes with more columns or rows than this the arrows of all cells are mere texture: only who
+/// follows the robot sees them. The floor's colours and the greedy way say as much from afar.
+const FINE: u16 = 24;
 /// Mazes with more columns or rows than this have a second camera, which follows the robot ...
 const NEAR: u16 = 12;
 /// ... from so many cells away.
@@ -56,16 +59,11 @@ fn fitted(layout: &str, maze: &Maze) -> String {
         if id.starts_with("3D!") {
             aim(&mut panel["cameraState"], maze);
         } else if id == "Plot!worth" {
-            // Of a whole run, only what actions are worth in the start cell.
-            let shown = panel["paths"][0]["value"].as_str().unwrap_or_default();
-            let of_starts = shown.starts_with("/episode");
-            let worth = if of_starts {
-                "/episode.start_worth"
-            } else {
-                "/step.worth"
-            };
-            panel["paths"] = worth_paths(maze, worth);
+            panel["paths"] = with_each_action(&panel["paths"], maze);
         }
+    }
+    if maze.width().max(maze.height()) > FINE {
+        layout["configById"]["3D!main"]["topics"]["/scene/policy"]["visible"] = json!(false);
     }
     let follows = !layout["configById"]["StateTransitions!steps"].is_null();
     if follows && maze.width().max(maze.height()) > NEAR {
@@ -83,6 +81,7 @@ fn follow(layout: &mut Value, maze: &Maze) {
     panel["cameraState"]["targetOffset"] = json!([0, 0, 0]);
     // Its letters are made to be read from where the whole maze is seen.
     panel["topics"]["/scene/rule"]["visible"] = json!(false);
+    panel["topics"]["/scene/policy"]["visible"] = json!(true);
     for key in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
         panel[key] = json!("Around the robot");
     }
@@ -104,26 +103,43 @@ fn aim(camera: &mut Value, maze: &Maze) {
     let unit = maze.cell_size_m();
     let (wide, high) = (
         f64::from(maze.width()) * unit,
-        f64::from(maze.height()) * unit + caption::height_m(maze),
+        f64::from(maze.height()) * unit + caption::height_m(maze) + legend::height_m(maze),
     );
     // Half the field of view is 22.5 degrees, of which the maze fills nine tenths: K is the tangent.
     // The camera is tilted by 30 degrees, with C and S as cosine and sine, and looks at the point
-    // from which the southern edge and the caption appear equally far.
+    // from which the legend at the southern edge and the caption appear equally far.
     const K: f64 = 0.375;
     const C: f64 = 0.866;
     const S: f64 = 0.5;
     let distance = high * (C * C - K * K * S * S) / (2.0 * C * K);
     // A panel is at least 1.3 times as wide as high.
     let distance = distance.max(wide / (2.0 * 1.3 * K) + high * S * C / 2.0);
-    let middle = K * distance / (C + K * S);
+    let middle = K * distance / (C + K * S) - legend::height_m(maze);
     camera["distance"] = json!((distance * 1000.0).round() / 1000.0);
     camera["targetOffset"] = json!([wide / 2.0, (middle * 1000.0).round() / 1000.0, 0.0]);
     camera["near"] = json!(0.02 * unit);
     camera["far"] = json!((20.0 * distance).ceil());
 }
 
+/// The paths, of which those of actions become one for each action of the maze.
+fn with_each_action(paths: &Value, maze: &Maze) -> Value {
+    let paths = paths.as_array().into_iter().flatten();
+    let field = |path: &Value| {
+        path["value"]
+            .as_str()?
+            .split_once('[')
+            .map(|(it, _)| it.to_owned())
+    };
+    let (of_actions, mut all): (Vec<Value>, Vec<Value>) =
+        paths.cloned().partition(|path| field(path).is_some());
+    if let Some(worth) = of_actions.first().and_then(field) {
+        all.extend(worth_paths(maze, &worth));
+    }
+    all.into()
+}
+
 /// A path for the worth of each action.
-fn worth_paths(maze: &Maze, worth: &str) -> Value {
+fn worth_paths(maze: &Maze, worth: &str) -> Vec<Value> {
     const COLORS: [&str; 8] = [
         "#4e98e2", "#f5774d", "#5cd6a9", "#a395e2", "#f7df71", "#61cbff", "#cad660", "#8a8f99",
     ];

@@ -20,6 +20,7 @@ mod write;
 pub use error::RecordError;
 pub use info::{Extent, RobotShape, RunInfo};
 pub use mode::RecordMode;
+pub(crate) use mode::RecordModeError;
 pub use read::{Difference, Finding, FindingKind, check, check_recording, compare, reader};
 pub use repair::{Recovery, recover};
 pub(crate) use ros::RosBag;

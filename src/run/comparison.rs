@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::error::RunError;
 use super::folder::RunFolder;
-use super::source::{Source, attached_plan};
+use super::source::{Source, attached_plan, recorded_mode};
 use super::story::Material;
 use crate::record::reader::Recording;
 use crate::record::{self, Comparison, compare_stories, layout};
@@ -23,7 +23,10 @@ pub fn comparison_of(paths: [&Path; 2]) -> Result<Comparison, RunError> {
 /// # Errors
 /// When the recording does not say what it compares, or a run cannot be made again.
 pub fn comparison_differs(comparison: &Recording) -> Result<Option<String>, RunError> {
-    let again = |side: &str| Material::again(&attached_plan(comparison, &format!("{side}/"))?);
+    let again = |side: &str| {
+        let plan = attached_plan(comparison, &format!("{side}/"))?;
+        Material::again(&plan, recorded_mode(comparison, side)?)
+    };
     let [a, b] = layout::SIDES;
     let made = side_by_side([again(a)?, again(b)?])?;
     let difference = record::compare(comparison.bytes(), &made.bytes)?;
@@ -31,7 +34,7 @@ pub fn comparison_differs(comparison: &Recording) -> Result<Option<String>, RunE
 }
 
 fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, RunError> {
-    let (mut of_a, mut of_b) = (a.teller(), b.teller());
+    let (mut of_a, mut of_b) = (a.teller()?, b.teller()?);
     for number in 0..a.chapters().max(b.chapters()) {
         a.tell_chapter(number, &mut of_a)?;
         b.tell_chapter(number, &mut of_b)?;
@@ -40,13 +43,15 @@ fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, RunError> {
     a.tell_drive(&mut of_a)?;
     b.tell_drive(&mut of_b)?;
     of_a.catch_up(&mut of_b);
-    let curves = [a.whole_curve()?, b.whole_curve()?];
-    Ok(compare_stories([&of_a, &of_b], curves)?)
+    Ok(compare_stories([&of_a, &of_b])?)
 }
 
 fn material(path: &Path) -> Result<Material, RunError> {
     match path.is_dir() {
         true => Material::of(&RunFolder::open(path)),
-        false => Material::again(&Source::of(path)?.plan),
+        false => {
+            let source = Source::of(path)?;
+            Material::again(&source.plan, source.mode)
+        }
     }
 }

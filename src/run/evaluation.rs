@@ -25,13 +25,24 @@ pub fn record_evaluation(
     episodes: u32,
     folder: &Path,
 ) -> Result<(Evaluation, RecordSummary), RunError> {
+    record_drives(plan, knowledge, episodes, folder, RecordMode::All)
+}
+
+/// The same, in another mode.
+pub(super) fn record_drives(
+    plan: &Plan,
+    knowledge: &Knowledge,
+    episodes: u32,
+    folder: &Path,
+    mode: RecordMode,
+) -> Result<(Evaluation, RecordSummary), RunError> {
     let plan = evaluation_plan(plan, knowledge, episodes)?;
     let Plan { maze, config } = &plan;
     let info = RunInfo {
         is_evaluation: true,
         ..run_info(&plan)
     };
-    let mut recorder = Recorder::create(folder, maze, info, RecordMode::All)?;
+    let mut recorder = Recorder::create(folder, maze, info, mode)?;
     let limit = config.settings.reward.step_threshold;
     let frozen = Frozen::new(knowledge.clone(), maze.action_count(), limit);
     recorder.know(&frozen, maze);

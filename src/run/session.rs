@@ -25,6 +25,7 @@ const RAREST: Duration = Duration::from_secs(60);
 struct State {
     trial: Checkpoint,
     recorder: RecorderMemory,
+    steps: Vec<u32>,
 }
 
 /// A recorded run under way, in a folder that nobody else works in.
@@ -32,6 +33,8 @@ pub struct Session {
     folder: RunFolder,
     trial: Trial,
     recorder: Recorder,
+    /// Steps of each episode so far.
+    steps: Vec<u32>,
     next_checkpoint: Instant,
 }
 
@@ -51,6 +54,8 @@ pub struct Finished {
     pub folder: RunFolder,
     /// What was recorded.
     pub recording: RecordSummary,
+    /// Steps of each episode, also of those before it was resumed.
+    pub steps: Vec<u32>,
 }
 
 impl Session {
@@ -64,10 +69,11 @@ impl Session {
         folder.save_checkpoint(&State {
             trial: trial.checkpoint(),
             recorder: RecorderMemory::new(mode),
+            steps: Vec::new(),
         })?;
         folder.save_plan(plan)?;
         let recorder = Recorder::create(folder.path(), &plan.maze, run_info(plan), mode)?;
-        Ok(Self::new(folder, trial, recorder))
+        Ok(Self::new(folder, trial, recorder, Vec::new()))
     }
 
     /// Resumes the run in a folder from its last checkpoint.
@@ -76,7 +82,12 @@ impl Session {
     /// When the checkpoint is missing, damaged or contradicts itself, or a recording that it
     /// counts on is.
     pub fn resume(folder: RunFolder) -> Result<Resumed, RunError> {
-        let Some(State { trial, recorder }) = folder.checkpoint()? else {
+        let Some(State {
+            trial,
+            recorder,
+            steps,
+        }) = folder.checkpoint()?
+        else {
             return Ok(Resumed::Finished(folder));
         };
         let trial = Trial::resume(&trial).map_err(|fault| folder.bad_checkpoint(fault))?;
@@ -84,15 +95,16 @@ impl Session {
         folder.save_plan(plan)?;
         let (info, policy) = (run_info(plan), trial.policy());
         let recorder = Recorder::resume(folder.path(), &plan.maze, info, recorder, policy)?;
-        let session = Self::new(folder, trial, recorder);
+        let session = Self::new(folder, trial, recorder, steps);
         Ok(Resumed::Unfinished(Box::new(session)))
     }
 
-    fn new(folder: RunFolder, trial: Trial, recorder: Recorder) -> Self {
+    fn new(folder: RunFolder, trial: Trial, recorder: Recorder, steps: Vec<u32>) -> Self {
         Self {
             folder,
             trial,
             recorder,
+            steps,
             next_checkpoint: Instant::now(),
         }
     }
@@ -125,6 +137,7 @@ impl Session {
             folder,
             trial,
             recorder,
+            steps,
             ..
         } = self;
         let mode = recorder.mode();
@@ -133,7 +146,7 @@ impl Session {
         let knowledge = trial.method().knowledge();
         let saved = folder.save_knowledge(&knowledge).map_err(RunError::from);
         saved.map_err(resumable)?;
-        if mode == RecordMode::All && !trial.plan().maze.is_vast() {
+        if matches!(mode, RecordMode::All | RecordMode::Beams) && !trial.plan().maze.is_vast() {
             let told = tell(&folder, &trial, &knowledge).map_err(resumable)?;
             recording.files.push(told.0);
             recording.bytes += told.1;
@@ -144,6 +157,7 @@ impl Session {
             trial,
             folder,
             recording,
+            steps,
         })
     }
 
@@ -154,7 +168,9 @@ impl Session {
     ) -> Result<(), RunError> {
         while !self.trial.is_finished() {
             let mut observers = (&mut self.recorder, &mut *observer);
-            if self.trial.run_episode(&mut observers).1 == ControlFlow::Break(()) {
+            let (episode, flow) = self.trial.run_episode(&mut observers);
+            self.steps.push(episode.steps);
+            if flow == ControlFlow::Break(()) {
                 // A break comes from the recorder, whose error this gives out.
                 self.save()?;
             }
@@ -175,6 +191,7 @@ impl Session {
         let state = State {
             recorder: self.recorder.memory()?,
             trial: self.trial.checkpoint(),
+            steps: self.steps.clone(),
         };
         self.folder.save_checkpoint(&state)?;
         let pause = (begun.elapsed() * SHARE).min(RAREST);

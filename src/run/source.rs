@@ -5,7 +5,7 @@ use std::path::Path;
 use super::error::RunError;
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
-use crate::record::{Extent, RecordMode};
+use crate::record::{Extent, RecordMode, RecordModeError};
 use crate::trial::Plan;
 use crate::world::Maze;
 
@@ -30,10 +30,6 @@ impl Source {
     /// When the file cannot be read, or does not say where it comes from.
     pub fn of(file: &Path) -> Result<Self, RunError> {
         let recording = Recording::open(file)?;
-        let damaged = |fault: String| RunError::Recording {
-            file: file.to_owned(),
-            fault,
-        };
         let metadata = recording.metadata("run");
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
         let extent = Extent::of_entry(entry("episode"));
@@ -41,9 +37,7 @@ impl Source {
             return Err(RunError::TwoRuns(file.to_owned()));
         }
         let plan = attached_plan(&recording, "")?;
-        let mode = entry("record")
-            .parse()
-            .map_err(|fault| damaged(format!("{fault}")))?;
+        let mode = recorded_mode(&recording, "run")?;
         Ok(Self {
             plan,
             mode,
@@ -54,6 +48,24 @@ impl Source {
             extent,
             bytes: recording.bytes().to_vec(),
         })
+    }
+}
+
+/// Which episodes were kept, by a recording's metadata of this name.
+pub(super) fn recorded_mode(recording: &Recording, name: &str) -> Result<RecordMode, RunError> {
+    let entry = recording.metadata(name).and_then(|m| m.get("record"));
+    let mode = entry.map_or("", String::as_str).parse();
+    mode.map_err(|fault: RecordModeError| RunError::Recording {
+        file: recording.path().to_owned(),
+        fault: fault.to_string(),
+    })
+}
+
+/// How the episodes of a story are recorded: with beams if those of its run are, and all of them.
+pub(super) fn told_mode(mode: RecordMode) -> RecordMode {
+    match mode {
+        RecordMode::Beams => RecordMode::Beams,
+        _ => RecordMode::All,
     }
 }
 

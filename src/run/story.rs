@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use super::error::RunError;
-use super::evaluation::record_evaluation;
+use super::evaluation::record_drives;
 use super::facts::run_info;
 use super::folder::RunFolder;
-use super::source::Source;
+use super::source::{Source, recorded_mode, told_mode};
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
 use crate::record::{Chapter, Extent, RecordMode, Recorder, Teller, Topic, chapters};
@@ -32,7 +32,7 @@ impl Source {
     /// # Errors
     /// When the plan is refused, or a temporary file cannot be written.
     pub fn story(&self) -> Result<Vec<u8>, RunError> {
-        Material::again(&self.plan)?.tell()
+        Material::again(&self.plan, self.mode)?.tell()
     }
 }
 
@@ -54,6 +54,8 @@ fn require_few_cells(plan: &Plan) -> Result<(), RunError> {
 /// What a story is made of.
 pub(super) struct Material {
     plan: Plan,
+    /// With beams, or without.
+    mode: RecordMode,
     folder: PathBuf,
     chapters: Vec<Chapter>,
     drive: Recording,
@@ -69,17 +71,17 @@ impl Material {
         let knowledge = folder.knowledge()?;
         match has_every_episode(folder.path(), plan.config.episodes) {
             true => Self::in_folder(folder.path(), &plan, &knowledge),
-            false => Self::again(&plan),
+            false => Self::again(&plan, RecordMode::All),
         }
     }
 
-    /// That of a trial, which is run for that.
-    pub fn again(plan: &Plan) -> Result<Self, RunError> {
+    /// That of a trial, which is run for that, and shows beams if it did so before.
+    pub fn again(plan: &Plan, mode: RecordMode) -> Result<Self, RunError> {
         require_few_cells(plan)?;
         let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
         let mut trial = Trial::new(plan.clone())?;
         let (maze, info) = (&trial.plan().maze, run_info(trial.plan()));
-        let mut recorder = Recorder::create(folder.path(), maze, info, RecordMode::All)?;
+        let mut recorder = Recorder::create(folder.path(), maze, info, told_mode(mode))?;
         // A break comes from the recorder, whose error `finish` gives out.
         let _ = trial.run(&mut recorder);
         recorder.finish(trial.method())?;
@@ -93,26 +95,26 @@ impl Material {
 
     fn in_folder(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Self, RunError> {
         let plan = plan.clone().settled();
-        let chapters = chapters(&Recording::open(&folder.join(Extent::Run.file_name()))?)?;
+        let run = Recording::open(&folder.join(Extent::Run.file_name()))?;
         let aside = tempfile::tempdir().map_err(RunError::Temporary)?;
-        record_evaluation(&plan, knowledge, 1, aside.path())?;
+        // Its beams are shown in any story: they take little, and tell what it goes by.
+        record_drives(&plan, knowledge, 1, aside.path(), RecordMode::Beams)?;
         let drive = Recording::open(&aside.path().join(Extent::Episode(1).file_name()))?;
         Ok(Self {
             plan,
+            mode: told_mode(recorded_mode(&run, "run")?),
             folder: folder.to_owned(),
-            chapters,
+            chapters: chapters(&run)?,
             drive,
             _aside: None,
         })
     }
 
     /// Who tells it.
-    pub fn teller(&self) -> Teller<'_> {
-        Teller::new(
-            &self.plan.maze,
-            run_info(&self.plan),
-            self.plan.config.senses(),
-        )
+    pub fn teller(&self) -> Result<Teller<'_>, RunError> {
+        let (info, senses) = (run_info(&self.plan), self.plan.config.senses());
+        let curve = self.whole_curve()?;
+        Ok(Teller::new(&self.plan.maze, info, self.mode, curve, senses))
     }
 
     /// How many chapters there are before the drive.
@@ -130,12 +132,11 @@ impl Material {
 
     /// Tells what was learned.
     pub fn tell_drive(&self, teller: &mut Teller<'_>) -> Result<(), RunError> {
-        let (episodes, curve) = (self.plan.config.episodes, self.whole_curve()?);
-        Ok(teller.drive(episodes, curve, &self.drive)?)
+        Ok(teller.drive(self.plan.config.episodes, &self.drive)?)
     }
 
     /// The learning curve of all episodes, as `/curve` has it.
-    pub fn whole_curve(&self) -> Result<Vec<u8>, RunError> {
+    fn whole_curve(&self) -> Result<Vec<u8>, RunError> {
         let mut last = Vec::new();
         for message in self.episode(self.plan.config.episodes)?.messages() {
             let message = message?;
@@ -152,7 +153,7 @@ impl Material {
     }
 
     fn tell(&self) -> Result<Vec<u8>, RunError> {
-        let mut teller = self.teller();
+        let mut teller = self.teller()?;
         for number in 0..self.chapters() {
             self.tell_chapter(number, &mut teller)?;
         }

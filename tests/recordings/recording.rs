@@ -319,7 +319,7 @@ fn a_recording_of_a_fixed_way_has_these_bytes() {
     }
     assert_eq!(
         (length, format!("{:016x}", digest.finish())),
-        (43937, "fd0969139e12e3b1".to_owned())
+        (45170, "0ddb2f9f1258e2f8".to_owned())
     );
 }
 

@@ -10,6 +10,7 @@ use foxglove::messages::SceneUpdate;
 use serde_json::Value;
 use xcscr::record::reader::Recording;
 use xcscr::record::{Topic, check};
+use xcscr::world::{Cell, Maze};
 
 /// A run in a folder below `parent`.
 fn train(parent: &Path, name: &str, more: &[&str]) -> PathBuf {
@@ -91,6 +92,35 @@ fn the_story_of_a_run_goes_from_failure_to_a_greedy_drive_in_less_than_two_minut
     }
 }
 
+/// The caption and the indicator beside it, which shows `/episode`, never contradict each other.
+#[test]
+fn a_caption_calls_a_policy_optimal_only_while_the_indicator_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let few = ["--arena", "grid", "--method", "xcscr", "--seed", "2"];
+    let run = train(folder.path(), "run", &few);
+    let story = Recording::open(&run.join("story.mcap")).unwrap();
+    let (mut is_optimal, mut claims, mut others) = (false, 0, 0);
+    for message in story.messages().map(|message| message.unwrap()) {
+        match message.topic() {
+            "/episode" => is_optimal = message.json().unwrap()["optimal"] == true,
+            "/scene/caption" => {
+                let scene = SceneUpdate::decode(message.data.as_slice()).unwrap();
+                let mut lines = scene.entities[0].texts.iter();
+                match lines.any(|line| line.text.contains("optimal policy")) {
+                    true => {
+                        assert!(is_optimal, "at {} ns", message.time_ns);
+                        claims += 1;
+                    }
+                    // Control: there are captions from before it was optimal.
+                    false => others += usize::from(!is_optimal),
+                }
+            }
+            _ => {}
+        }
+    }
+    assert!(claims == 1 && others > 1, "{claims}, {others}");
+}
+
 #[test]
 fn every_panel_has_something_to_show_from_the_first_step_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -105,6 +135,156 @@ fn every_panel_has_something_to_show_from_the_first_step_on() {
     let told = Topic::of_episode(true, false);
     let told = told.iter().map(|topic| topic.name().to_owned());
     assert_eq!(all, told.collect());
+}
+
+/// Nothing is known before the first goal, so what is plotted must not be worth alone: the steps
+/// that are left tell how the episode goes.
+#[test]
+fn the_plot_of_worth_has_a_line_from_the_first_decision_on_and_agrees_with_the_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), "run", &["--episodes", "4"]);
+    let story = Recording::open(&run.join("story.mcap")).unwrap();
+    let layout = xcscr::record::layout::paths(story.attachment("foxglove-layout.json").unwrap());
+    for plotted in ["left", "worth"] {
+        let is_plotted = |path: &str| path == format!("/rule.{plotted}");
+        assert!(
+            layout.iter().any(|path| is_plotted(&path.to_string())),
+            "{plotted}"
+        );
+    }
+    let reasons = said(&story, "/rule");
+    let (first_ns, first) = &reasons[0];
+    assert_eq!(
+        (*first_ns, first["left"].as_u64()),
+        (0, Some(100)),
+        "{first}"
+    );
+    let mut worded = 0;
+    for (at, reason) in &reasons {
+        assert!(reason["left"].is_u64(), "at {at} ns: {reason}");
+        let text = reason["rule"].as_str().unwrap();
+        let action = reason["action"].as_str().unwrap();
+        let number = ["north", "east", "south", "west"]
+            .iter()
+            .position(|&it| it == action);
+        let percent = reason["worth"][number.unwrap()].as_f64();
+        let words = text.split_once(", worth ").map(|(_, rest)| rest);
+        let words = words.and_then(|rest| rest.split(',').next()?.parse::<f64>().ok());
+        // Control: what has no worth in words has none in the plot.
+        assert_eq!(words.is_some(), percent.is_some(), "{reason}");
+        if let Some((words, percent)) = words.zip(percent) {
+            assert!((words - 10.0 * percent).abs() <= 1.0, "{reason}");
+            worded += 1;
+        }
+    }
+    assert!(0 < worded && worded < reasons.len(), "{worded}");
+}
+
+/// The rays of a message of `/scene/percept`, as their ends in the world.
+fn ray_ends(data: &[u8]) -> Vec<[f64; 2]> {
+    let scene = SceneUpdate::decode(data).unwrap();
+    let beams = scene.entities.iter().filter(|entity| entity.id == "beams");
+    let lines: Vec<_> = beams.flat_map(|entity| &entity.lines).collect();
+    let ends = lines.iter().flat_map(|line| {
+        let at = line.pose.as_ref().unwrap().position.as_ref().unwrap();
+        let ends = line
+            .indices
+            .chunks(2)
+            .map(|ray| &line.points[ray[1] as usize]);
+        ends.map(|end| [at.x + end.x, at.y + end.y])
+    });
+    ends.collect()
+}
+
+#[test]
+fn the_drive_of_a_story_shows_each_beam_as_a_ray_that_ends_at_a_wall() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(folder.path(), "run", &["--episodes", "4"]);
+    let story = Recording::open(&run.join("story.mcap")).unwrap();
+    let drive_ns = said(&story, "/episode").iter().rev().nth(1).unwrap().0;
+    let maze = Maze::load(&run.join("world.json")).unwrap();
+    // A range is off by some centimetres: what is hit has a wall at most that far away.
+    let is_at_a_wall = |[x, y]: [f64; 2]| {
+        let near = [[0.1, 0.0], [-0.1, 0.0], [0.0, 0.1], [0.0, -0.1]];
+        let rows = f64::from(maze.height());
+        near.iter().any(|[east, north]| {
+            let (col, row) = (x + east, rows - (y + north));
+            let inside = col >= 0.0 && row >= 0.0 && col < f64::from(maze.width()) && row < rows;
+            !inside
+                || maze.is_wall(Cell {
+                    col: col as u16,
+                    row: row as u16,
+                })
+        })
+    };
+    assert_eq!(maze.cell_size_m(), 1.0);
+    let percepts = story.messages().map(|message| message.unwrap());
+    let percepts = percepts.filter(|message| message.topic() == "/scene/percept");
+    let (mut rays, mut at_walls) = (0, 0);
+    for message in percepts {
+        let ends = ray_ends(&message.data);
+        // Control: episodes of the training were recorded without beams.
+        assert_eq!(
+            ends.is_empty(),
+            message.time_ns < drive_ns,
+            "{} ns",
+            message.time_ns
+        );
+        assert!(ends.is_empty() || ends.len() > 24, "{}", ends.len());
+        rays += ends.len();
+        at_walls += ends.into_iter().filter(|&end| is_at_a_wall(end)).count();
+    }
+    assert!(
+        rays > 300 && at_walls as f64 > 0.95 * rays as f64,
+        "{at_walls} of {rays}"
+    );
+}
+
+/// Then each of its chapters shows them, and a new run tells the same story.
+#[test]
+fn the_story_of_a_run_that_records_beams_shows_them_throughout() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = train(
+        folder.path(),
+        "run",
+        &["--episodes", "2", "--record", "beams"],
+    );
+    let file = run.join("story.mcap");
+    let story = Recording::open(&file).unwrap();
+    let percepts = story.messages().map(|message| message.unwrap());
+    let mut percepts = percepts.filter(|message| message.topic() == "/scene/percept");
+    assert!(percepts.all(|message| !ray_ends(&message.data).is_empty()));
+    let (code, stdout, stderr) = outcome(&["replay", file.to_str().unwrap(), "--verify"]);
+    assert_eq!(code, Some(0), "{stdout}{stderr}");
+}
+
+/// The colours that are drawn are explained in these colours.
+#[test]
+fn a_recording_has_a_legend_of_what_it_draws_and_of_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let legend = |name: &str, more: &[&str]| {
+        let run = train(folder.path(), name, &[&["--episodes", "1"], more].concat());
+        let episode = Recording::open(&run.join("ep-0001.mcap")).unwrap();
+        let scenes = episode.messages().map(|message| message.unwrap());
+        let scenes = scenes.filter(|m| ["/scene/maze", "/scene/robot"].contains(&m.topic()));
+        let entities =
+            scenes.flat_map(|m| SceneUpdate::decode(m.data.as_slice()).unwrap().entities);
+        let rows = entities.filter(|entity| entity.id.ends_with("legend"));
+        let words = rows.flat_map(|row| row.texts).map(|text| text.text);
+        words.collect::<Vec<_>>().join(", ")
+    };
+    let policy = "arrow: best action, worth, least, most, way, hit";
+    let seen = "frame: seen free, seen wall";
+    assert_eq!(
+        legend("grid", &["--arena", "grid"]),
+        format!("{policy}, {seen}")
+    );
+    let senses = format!("{policy}, {seen}, believes to be here");
+    assert_eq!(legend("physics", &[]), senses);
+    assert_eq!(
+        legend("beams", &["--record", "beams"]),
+        format!("{senses}, lidar")
+    );
 }
 
 #[test]

@@ -329,6 +329,44 @@ fn an_interrupted_run_is_named_and_a_finished_one_is_left_alone() {
     assert!(contents(&out) == before, "a finished run was changed");
 }
 
+/// The report at the end is about the run, and not about what was left of it.
+#[test]
+fn the_small_curve_of_a_resumed_run_shows_all_of_its_episodes() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, whole] = ["run", "whole"].map(|name| folder.path().join(name));
+    let few = [
+        "train",
+        "worlds/maze4.json",
+        "--episodes",
+        "40",
+        "--method",
+        "q-learning",
+        "--out",
+    ];
+    let [stopped, unstopped] =
+        [&out, &whole].map(|out| [&few[..], &[out.to_str().unwrap()]].concat());
+    let curve = |report: &str| {
+        let mut lines = report.lines();
+        let line = lines.find(|line| line.starts_with("  steps per episode"));
+        line.unwrap().to_owned()
+    };
+    let child = spawn(&stopped);
+    while !out.join("ep-0003.mcap").exists() {
+        sleep(Duration::from_millis(5));
+    }
+    signal(&child, "TERM");
+    ended(&child.wait_with_output().unwrap(), 75, "TERM");
+    // Control: some of the episodes, and not all, were left to the second session.
+    assert!(!out.join("ep-0040.mcap").exists());
+    let (resumed, _) = expect(0, &["train", "--resume", out.to_str().unwrap()]);
+    let (wanted, _) = expect(0, &unstopped);
+    assert_eq!(curve(&resumed), curve(&wanted));
+    assert_eq!(
+        curve(&wanted).chars().count(),
+        "  steps per episode    ".len() + 40
+    );
+}
+
 #[test]
 fn resuming_takes_no_other_choices_and_needs_a_run() {
     let folder = tempfile::tempdir().unwrap();

@@ -10,6 +10,7 @@ use xcscr::xcs::{Classifier, Population};
 use super::listing::{COLUMNS, Row};
 use super::{Shown, foreseen};
 use crate::commands::failure::Failure;
+use crate::commands::terminal::write_words;
 
 /// For a terminal.
 pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
@@ -20,7 +21,7 @@ pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
     writeln!(out, "\n{}", table(&shown.rows).text().trim_end())?;
     let foreseen = foreseen::lines(shown.knowledge, shown.plan);
     if !foreseen.is_empty() {
-        writeln!(out, "\nForeseen:\n  {}", foreseen.join("\n  "))?;
+        write_words(out, &format!("\nForeseen:\n  {}", foreseen.join("\n  ")))?;
     }
     Ok(())
 }

@@ -11,6 +11,7 @@ use xcscr::xcs::{Action, Classifier};
 
 use super::listing::words;
 use crate::commands::failure::Failure;
+use crate::commands::terminal::write_words;
 use xcscr::agent::Knowledge;
 
 /// The most rules that are shown for one action.
@@ -36,8 +37,8 @@ pub fn print(
         cell.row
     )?;
     let perceived = sensor.words(maze, &|at| Some(why.percept.bit(at)));
-    writeln!(out, "  perceives   {perceived}")?;
-    writeln!(out, "  goes        {}", choice(plan, &why))?;
+    write_words(out, &format!("  perceives   {perceived}"))?;
+    write_words(out, &format!("  goes        {}", choice(plan, &why)))?;
     print_votes((plan, knowledge), &why, out)?;
     print_changes(&why, plan, out)?;
     match why.decisive() {
@@ -127,7 +128,8 @@ fn print_changes(why: &Why, plan: &Plan, out: &mut impl Write) -> Result<(), Fai
             None => " (nowhere in this world)".to_owned(),
         };
         let name = action_name(&plan.maze, *action);
-        writeln!(out, "  {name:<11} with {}{place}", words.join(", "))?;
+        let line = format!("  {name:<11} with {}{place}", words.join(", "));
+        write_words(out, &line)?;
     }
     match why.changes.is_empty() {
         true => Ok(writeln!(
@@ -150,10 +152,8 @@ fn print_history(
         return Ok(());
     };
     let RuleHistory { since, lessons } = history;
-    writeln!(
-        out,
-        "\n\"{words}: {name}\" has been among the rules since episode {since}."
-    )?;
+    let line = format!("\n\"{words}: {name}\" has been among the rules since episode {since}.");
+    write_words(out, &line)?;
     let mut most = lessons;
     most.sort_by(|a, b| b.moved().total_cmp(&a.moved()));
     most.truncate(MOST_LESSONS);

@@ -20,6 +20,7 @@ use xcscr::study::{
 
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::interrupt::Interrupt;
+use crate::commands::terminal::say;
 use choice::ChoiceArgs;
 use plan::PlanArgs;
 use planned_status::PlannedStatus;
@@ -236,7 +237,7 @@ fn say_warnings(protocol: &Protocol) {
         for warning in plan.warnings() {
             let line = format!("{}: {warning}", plan.maze.name());
             if said.insert(line.clone()) {
-                eprintln!("warning: {line}");
+                say(&format!("warning: {line}"));
             }
         }
     }

@@ -9,6 +9,7 @@ use xcscr::study::PlannedStudy;
 use super::progress::Progress;
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::interrupt::Interrupt;
+use crate::commands::terminal::say;
 
 /// Arguments of `study task`.
 #[derive(Debug, clap::Args)]
@@ -40,7 +41,9 @@ pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
     }
     let all = survey.trials();
     if !args.quiet {
-        eprintln!("task {task}: all {all} trials are finished, {finished} of them now");
+        say(&format!(
+            "task {task}: all {all} trials are finished, {finished} of them now"
+        ));
     }
     Ok(())
 }

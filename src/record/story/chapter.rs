@@ -35,13 +35,14 @@ pub struct Chapter {
 }
 
 impl Chapter {
-    /// What is seen.
-    pub fn title(&self) -> String {
+    /// What is seen. That a policy is optimal is said once it is: it becomes so at the episode's end.
+    pub fn title(&self, is_over: bool) -> String {
         let reasons = self.reasons.iter().map(|reason| match reason {
             Reason::First => "how it begins",
             Reason::FirstGoal => "the goal for the first time",
             Reason::GreatChange => "a great change of policy",
-            Reason::FirstOptimal => "the first optimal policy",
+            Reason::FirstOptimal if is_over => "the first optimal policy",
+            Reason::FirstOptimal => "the last lesson before the optimum",
         });
         let reasons: Vec<&str> = reasons.collect();
         format!("Episode {}: {}", self.episode, reasons.join(", "))
@@ -171,7 +172,8 @@ mod tests {
                 changed,
             })
             .collect();
-        chosen(&told).iter().map(Chapter::title).collect()
+        let chapters = chosen(&told);
+        chapters.iter().map(|chapter| chapter.title(true)).collect()
     }
 
     #[test]
@@ -195,6 +197,17 @@ mod tests {
             "Episode 8: a great change of policy",
         ];
         assert_eq!(titles(&run), wanted);
+    }
+
+    #[test]
+    fn nothing_is_called_optimal_before_it_is() {
+        let chapter = Chapter {
+            episode: 3,
+            reasons: vec![Reason::FirstGoal, Reason::FirstOptimal],
+            changed: 1,
+        };
+        assert!(!chapter.title(false).contains("optimal"));
+        assert!(chapter.title(true).contains("optimal"));
     }
 
     #[test]

@@ -12,7 +12,6 @@ use super::teller::{Teller, Told, unwritten};
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
 use crate::record::layout::{self, SIDES};
-use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
 use crate::record::write::log_file::{Packing, Sink, writer};
 
@@ -27,17 +26,13 @@ pub struct Comparison {
     pub headings: [String; 2],
 }
 
-/// Puts two stories side by side. `curves` are the whole learning curves, as `/curve` has them,
-/// which are shown from the first moment on instead of those up to each episode.
+/// Puts two stories side by side.
 ///
 /// # Errors
 /// None that has been seen: stories can be read, and there is room in memory.
-pub fn compare_stories(
-    stories: [&Teller<'_>; 2],
-    curves: [Vec<u8>; 2],
-) -> Result<Comparison, RecordError> {
+pub fn compare_stories(stories: [&Teller<'_>; 2]) -> Result<Comparison, RecordError> {
     let layout = layout::of_comparison(stories.map(Teller::maze), stories.map(Teller::heading));
-    let bytes = merged(stories, &curves, &layout).map_err(unwritten)?;
+    let bytes = merged(stories, &layout).map_err(unwritten)?;
     Ok(Comparison {
         bytes,
         layout,
@@ -45,7 +40,7 @@ pub fn compare_stories(
     })
 }
 
-fn merged(stories: [&Teller<'_>; 2], curves: &[Vec<u8>; 2], layout: &str) -> McapResult<Vec<u8>> {
+fn merged(stories: [&Teller<'_>; 2], layout: &str) -> McapResult<Vec<u8>> {
     let mut out = writer(Vec::new(), Packing::Small)?;
     introduce(&mut out, stories, layout)?;
     let mut channels = BTreeMap::new();
@@ -73,10 +68,7 @@ fn merged(stories: [&Teller<'_>; 2], curves: &[Vec<u8>; 2], layout: &str) -> Mca
             log_time: *time_ns,
             publish_time: *time_ns,
         };
-        let data = match topic {
-            Topic::Curve => curves[side].clone(),
-            topic => below(SIDES[side], *topic, data),
-        };
+        let data = below(SIDES[side], *topic, data);
         out.write_to_known_channel(&header, &data)?;
     }
     out.finish()?;
@@ -90,11 +82,7 @@ fn introduce(out: &mut Sink<Vec<u8>>, stories: [&Teller<'_>; 2], layout: &str) -
     metadata(out, "run", whole.into())?;
     for (side, story) in SIDES.iter().zip(stories) {
         let (info, world) = (story.info(), story.maze().name());
-        metadata(
-            out,
-            side,
-            info.metadata(world, RecordMode::All, Extent::Story),
-        )?;
+        metadata(out, side, info.metadata(world, story.mode(), Extent::Story))?;
         attach(out, &format!("{side}/world.json"), &info.world_json)?;
         attach(out, &format!("{side}/config.json"), &info.config_json)?;
     }

@@ -36,7 +36,10 @@ pub struct Teller<'a> {
     told: Vec<Told>,
     maze: &'a Maze,
     info: RunInfo,
+    mode: RecordMode,
     senses: bool,
+    /// The learning curve of the whole run, as `/curve` has it.
+    curve: Vec<u8>,
     heading: String,
     now_ns: u64,
     /// Where each frame was last.
@@ -54,14 +57,23 @@ struct Figures {
 }
 
 impl<'a> Teller<'a> {
-    /// A story that is to begin; `senses`: is the robot not told where it is?
-    pub fn new(maze: &'a Maze, info: RunInfo, senses: bool) -> Self {
+    /// A story that is to begin, of episodes recorded in this mode, with the learning `curve` of the
+    /// run, which is shown from the first moment on; `senses`: is the robot not told where it is?
+    pub fn new(
+        maze: &'a Maze,
+        info: RunInfo,
+        mode: RecordMode,
+        curve: Vec<u8>,
+        senses: bool,
+    ) -> Self {
         Self {
             told: Vec::new(),
             maze,
             heading: info.heading(maze.name()),
             info,
+            mode,
             senses,
+            curve,
             now_ns: 0,
             frames: BTreeMap::new(),
             is_begun: false,
@@ -73,31 +85,24 @@ impl<'a> Teller<'a> {
     /// # Errors
     /// When its recording is damaged.
     pub fn chapter(&mut self, chapter: &Chapter, episode: &Recording) -> Result<(), RecordError> {
-        let figures = self.play(&chapter.title(), episode, chapter.most_ns(), &[])?;
+        let figures = self.play(&chapter.title(false), episode, chapter.most_ns())?;
         let arrows = match chapter.changed {
             0 => "no arrow changed".to_owned(),
             1 => "1 arrow changed".to_owned(),
             changed => format!("{changed} arrows changed"),
         };
-        self.close(&chapter.title(), &format!("{}; {arrows}", result(&figures)));
+        let title = chapter.title(true);
+        self.close(&title, &format!("{}; {arrows}", result(&figures)));
         Ok(())
     }
 
-    /// Shows what was learned: an episode that neither learns nor explores, beside the whole learning
-    /// `curve`, as `/curve` has it.
+    /// Shows what was learned: an episode that neither learns nor explores.
     ///
     /// # Errors
     /// When its recording is damaged.
-    pub fn drive(
-        &mut self,
-        episodes: u32,
-        curve: Vec<u8>,
-        drive: &Recording,
-    ) -> Result<(), RecordError> {
+    pub fn drive(&mut self, episodes: u32, drive: &Recording) -> Result<(), RecordError> {
         let title = format!("After {episodes} episodes: greedy, exploration off");
-        // Of all topics, only the learning curve is about what came before.
-        self.told.push((self.now_ns, Topic::Curve, curve));
-        let figures = self.play(&title, drive, DRIVE_NS, &[Topic::Curve])?;
+        let figures = self.play(&title, drive, DRIVE_NS)?;
         let fewest = match figures.shortest {
             Some(fewest) if figures.steps == Some(fewest) => ", as few as possible".to_owned(),
             Some(fewest) => format!(" ({fewest} would do)"),
@@ -118,7 +123,7 @@ impl<'a> Teller<'a> {
     fn written(&self) -> McapResult<Vec<u8>> {
         let (maze, info) = (self.maze, &self.info);
         let mut log = LogFile::new(Vec::new(), Packing::Small)?;
-        let metadata = info.metadata(maze.name(), RecordMode::All, Extent::Story);
+        let metadata = info.metadata(maze.name(), self.mode, Extent::Story);
         log.metadata("run", metadata)?;
         log.attach("world.json", 0, &info.world_json)?;
         log.attach("config.json", 0, &info.config_json)?;
@@ -138,6 +143,11 @@ impl<'a> Teller<'a> {
     /// What was told so far.
     pub(super) fn told(&self) -> &[Told] {
         &self.told
+    }
+
+    /// How its episodes were recorded.
+    pub(super) fn mode(&self) -> RecordMode {
+        self.mode
     }
 
     /// The facts of the run.
@@ -165,13 +175,12 @@ impl<'a> Teller<'a> {
         }
     }
 
-    /// Plays an episode without some of its topics; what it came to.
+    /// Plays an episode; what it came to.
     fn play(
         &mut self,
         title: &str,
         episode: &Recording,
         most_ns: u64,
-        without: &[Topic],
     ) -> Result<Figures, RecordError> {
         let messages: Result<Vec<Message>, _> = episode.messages().collect();
         let messages = messages?;
@@ -184,6 +193,9 @@ impl<'a> Teller<'a> {
             begin_ns: self.now_ns,
             shown_ns: length_ns.min(most_ns),
         };
+        if !self.is_begun {
+            self.told.push((0, Topic::Curve, self.curve.clone()));
+        }
         let remark = match tempo.speed() {
             speed if speed > 1.05 => format!("shown {speed:.1} times as fast"),
             _ => String::new(),
@@ -192,7 +204,7 @@ impl<'a> Teller<'a> {
         let damaged = |fault: String| episode.damaged(fault);
         let mut figures = Err(damaged("it has no /episode".to_owned()));
         for message in &messages {
-            let topic = Topic::named(message.topic()).filter(|topic| !without.contains(topic));
+            let topic = Topic::named(message.topic());
             let Some(topic) = topic.filter(|&topic| self.wants(topic)) else {
                 continue;
             };
@@ -210,11 +222,11 @@ impl<'a> Teller<'a> {
         figures
     }
 
-    /// Captions are the story's own, and what never changes is told once.
+    /// Captions and the curve are the story's own, and what never changes is told once.
     fn wants(&self, topic: Topic) -> bool {
         match topic {
-            Topic::Caption => false,
-            Topic::Maze | Topic::Robot => !self.is_begun,
+            Topic::Caption | Topic::Curve => false,
+            Topic::Maze => !self.is_begun,
             _ => true,
         }
     }

@@ -58,18 +58,19 @@ pub(in crate::record) struct EpisodeRecord {
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(in crate::record) struct Population {
     micro: u32,
-    generality: f64,
-    mean_error: f64,
+    /// Of no rules there is no mean.
+    generality: Option<f64>,
+    mean_error: Option<f64>,
 }
 
 impl Population {
-    /// The figures of what was learned; `None` of a table, and without rules.
+    /// The figures of what was learned; `None` of a table.
     pub fn of(knowledge: &Knowledge) -> Option<Self> {
-        let rules = knowledge.rules().filter(|rules| !rules.is_empty())?;
+        let rules = knowledge.rules()?;
         let mean = |of: fn(&Classifier) -> f64| {
             let all = rules.rules().iter();
             let sum: f64 = all.map(|rule| f64::from(rule.numerosity) * of(rule)).sum();
-            decimal(sum / f64::from(rules.micro().max(1)))
+            (!rules.is_empty()).then(|| decimal(sum / f64::from(rules.micro().max(1))))
         };
         Some(Self {
             micro: rules.micro(),

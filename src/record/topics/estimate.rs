@@ -10,7 +10,7 @@ use super::schema::{Kind, Object};
 use super::{decimal, rounded};
 use crate::arena::{Sample, Sensed};
 
-const GHOST: u32 = 0x2f9ce0;
+pub(super) const GHOST: u32 = 0x2f9ce0;
 /// The ellipse holds the true position in 99 of 100 moments, if the robot is as sure as it may be.
 const DEVIATIONS: f64 = 3.03;
 /// It is drawn so many times as large as it is, or nobody would see it; the layouts say so.

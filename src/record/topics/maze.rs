@@ -5,6 +5,7 @@ use foxglove::messages::{
 };
 use nalgebra::Point2;
 
+use super::legend;
 use super::scene::{WORLD, color, cube, entity, place, point, update, vector, words};
 use crate::world::{Cell, Maze};
 
@@ -24,6 +25,9 @@ const NUMBERED: u16 = 64;
 /// numbers, but as large ones for who sees the whole maze.
 const ALL_NUMBERED: u16 = 12;
 
+/// How high letters and numbers are, in cells, where all cells have a number.
+const LETTER: f64 = 0.22;
+
 /// The maze as a scene; one that is vast without its walls.
 pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
     let mut lines = entity("floor", WORLD, time_ns);
@@ -37,7 +41,8 @@ pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
             .collect();
     }
     walls.texts = numbers(maze);
-    update(vec![lines, walls, tiles(maze, time_ns)])
+    let legend = legend::of_policy(maze, time_ns);
+    update(vec![lines, walls, tiles(maze, time_ns), legend])
 }
 
 /// A slab whose top is at height 0.
@@ -122,9 +127,16 @@ fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
             .cubes
             .push(cube(place(at.x, at.y, 0.006 * unit), size, color(rgb, 1.0)));
         let north = place(at.x, at.y + 0.3125 * unit, 0.02 * unit);
-        tiles.texts.push(words(north, 0.22 * unit, INK, name));
+        let letter = LETTER * larger(maze) * unit;
+        tiles.texts.push(words(north, letter, INK, name));
     }
     tiles
+}
+
+/// So many times as large must letters be in a large maze, for who sees the whole of it.
+fn larger(maze: &Maze) -> f64 {
+    let longest = maze.width().max(maze.height());
+    (f64::from(longest) / f64::from(ALL_NUMBERED)).max(1.0)
 }
 
 /// The numbers of columns and rows, on the walls along the northern and the western border.
@@ -134,7 +146,7 @@ fn numbers(maze: &Maze) -> Vec<TextPrimitive> {
         return Vec::new();
     }
     let unit = maze.cell_size_m();
-    let larger = (f64::from(longest) / f64::from(ALL_NUMBERED)).max(1.0);
+    let larger = larger(maze);
     // As far apart as they are larger: at every column, every second, every fifth, every tenth.
     let rarely = [1, 2, 5, 10].into_iter().find(|&n| n as f64 >= larger);
     let rarely: usize = rarely.unwrap_or(10);
@@ -147,7 +159,7 @@ fn numbers(maze: &Maze) -> Vec<TextPrimitive> {
         .map(|(cell, number)| {
             let at = maze.centre_m(cell);
             let top = place(at.x, at.y, 0.26 * unit);
-            words(top, 0.22 * larger * unit, NUMBER, &number.to_string())
+            words(top, LETTER * larger * unit, NUMBER, &number.to_string())
         })
         .collect()
 }

@@ -14,7 +14,7 @@ use crate::episode::PolicyMap;
 use crate::world::{Cell, Direction, Maze};
 
 /// The colours of the least worth, of the median and of the greatest: red, yellow, green.
-const SCALE: [u32; 3] = [0xd92b2b, 0xf2a900, 0x128a43];
+pub(super) const SCALE: [u32; 3] = [0xd92b2b, 0xf2a900, 0x128a43];
 /// Ranks are told apart in so many steps, each a list of triangles in one colour.
 const SHADES: f64 = 8.0;
 /// An arrow is a dart on the floor, on which the robot drives. Its corners, ahead and to the left of
@@ -133,7 +133,7 @@ fn shade(rank: Option<f64>) -> u8 {
 }
 
 /// The colour of a step.
-fn colour(shade: u8, opacity: f64) -> Option<Color> {
+pub(super) fn colour(shade: u8, opacity: f64) -> Option<Color> {
     let [worst, middle, best] = SCALE.map(|rgb| color(rgb, 1.0).unwrap_or_default());
     let rank = f64::from(shade) / SHADES;
     let (from, to, share) = match rank < 0.5 {

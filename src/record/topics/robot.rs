@@ -13,8 +13,13 @@ const DOME: u32 = 0x2b303b;
 const TYRE: u32 = 0x15181e;
 const NOSE: u32 = 0xffffff;
 
-/// A disc as wide as the robot is, two wheels, a dome, and an arrow that shows ahead.
-pub(in crate::record) fn scene(robot: &RobotShape, time_ns: u64) -> SceneUpdate {
+/// A disc as wide as the robot is, two wheels, a dome, and an arrow that shows ahead; and a legend
+/// of what is drawn around it.
+pub(in crate::record) fn scene(
+    robot: &RobotShape,
+    legend: SceneEntity,
+    time_ns: u64,
+) -> SceneUpdate {
     let (r, axle) = (robot.radius_m, robot.wheel_radius_m);
     let deck = 0.4 * axle + 0.25 * r;
     let mut body: SceneEntity = entity("body", ROBOT, time_ns);
@@ -29,7 +34,7 @@ pub(in crate::record) fn scene(robot: &RobotShape, time_ns: u64) -> SceneUpdate 
         ahead([0.1 * r, 0.5 * r], high, [0.16 * r, 0.16 * r]),
         ahead([0.5 * r, 0.95 * r], high, [0.45 * r, 0.0]),
     ]);
-    update(vec![body])
+    update(vec![body, legend])
 }
 
 /// A part of the arrow that shows ahead: from where to where, how high, and how wide at both ends.

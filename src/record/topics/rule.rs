@@ -46,6 +46,8 @@ pub(in crate::record) struct RuleRecord {
     heading: Option<u8>,
     seen: String,
     percept: Percept,
+    left: u32,
+    worth: Vec<Option<f64>>,
     #[serde(skip)]
     because: String,
     #[serde(skip)]
@@ -53,8 +55,8 @@ pub(in crate::record) struct RuleRecord {
 }
 
 impl RuleRecord {
-    /// The reasons of a step; `sensor` is how the robot perceives.
-    pub fn new(step: &Step<'_>, sensor: Sensor) -> Self {
+    /// The reasons of a step; `sensor` is how the robot perceives, `goal` what a goal pays.
+    pub fn new(step: &Step<'_>, sensor: Sensor, goal: f64) -> Self {
         let maze = step.view.maze;
         let action = action_name(maze, step.action);
         let because = because(step, sensor);
@@ -68,6 +70,8 @@ impl RuleRecord {
                 .find(|(_, name)| *name == action)
                 .map(|(n, _)| *n),
             percept: step.percept,
+            left: left_percent(step),
+            worth: worth_percent(step, goal),
             choice: format!("-> {}", worth(step, step.action)),
             seen: sensor.words(maze, &|at| Some(step.percept.bit(at))),
             rule: format!("{because} -> {}{}", worth(step, step.action), support(step)),
@@ -155,6 +159,25 @@ fn worth(step: &Step<'_>, action: Action) -> String {
     worth.map_or_else(|| name.clone(), |worth| format!("{name}, worth {worth:.0}"))
 }
 
+/// The share of the step-threshold that is left when the step is decided.
+fn left_percent(step: &Step<'_>) -> u32 {
+    let most = f64::from(step.method.step_threshold().max(1));
+    (100.0 * (1.0 - f64::from(step.step - 1).min(most) / most)).round() as u32
+}
+
+/// What each action is worth, as a share of what a goal pays.
+fn worth_percent(step: &Step<'_>, goal: f64) -> Vec<Option<f64>> {
+    let all = if goal > 0.0 { goal } else { 100.0 };
+    let worth = step.worth.as_slice().iter();
+    worth
+        .map(|worth| worth.map(|worth| tenths(100.0 * worth / all)))
+        .collect()
+}
+
+fn tenths(number: f64) -> f64 {
+    (10.0 * number).round() / 10.0 + 0.0
+}
+
 /// The error, and how many of the rules that match advocate the action.
 fn support(step: &Step<'_>) -> String {
     let credit = &step.credit;
@@ -207,6 +230,16 @@ pub(super) fn schema() -> Object {
             "runner_up",
             Kind::Text,
             "the best other action, and its worth",
+        ),
+        (
+            "left",
+            Kind::Count,
+            "percent of the step-threshold that are left, this step included",
+        ),
+        (
+            "worth",
+            Kind::Numbers,
+            "of each action, clockwise from north, in percent of what a goal pays; null: unknown",
         ),
     ];
     Object::new("xcscr.Rule", &fields)

@@ -11,9 +11,10 @@ use super::scene::{WORLD, color, entity, place, point, update, vector};
 use crate::arena::{Contact, Sample, View};
 use crate::world::{Cell, Maze};
 
-const HIT: u32 = 0xe0322f;
+pub(super) const HIT: u32 = 0xe0322f;
 /// Colours of the way from standing still to full speed ...
-const SPEEDS: [u32; 3] = [0x3a1d8a, 0xa82bd0, 0xff6bd6];
+const SPEEDS: [u32; 3] = [0x3a1d8a, 0xa82bd0, FASTEST];
+pub(super) const FASTEST: u32 = 0xff6bd6;
 /// ... which is so many cells a second.
 const FAST: f64 = 1.3;
 /// Where it explored, the way is dashed: so long are a dash and a gap, in cells.

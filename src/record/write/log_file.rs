@@ -39,7 +39,7 @@ pub fn writer<W: Write>(sink: W, packing: Packing) -> McapResult<Sink<W>> {
         .compression(Some(Compression::Zstd))
         .compression_level(match packing {
             Packing::Quick => 1,
-            Packing::Small => 6,
+            Packing::Small => 8,
         })
         .compression_threads(0)
         .chunk_size(Some(CHUNK_BYTES))

@@ -17,7 +17,7 @@ use crate::record::topics::curve::Curve;
 use crate::record::topics::episode::{Ended, EpisodeRecord, Outlook, Population, Running};
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
-use crate::record::topics::{Topic, log, maze, policy, robot, worth};
+use crate::record::topics::{Topic, legend, log, maze, policy, robot, worth};
 use crate::sensor::Sensor;
 use crate::trial::{Judge, steps_to_goal};
 use crate::world::{Cell, Maze};
@@ -31,6 +31,8 @@ const CELLS_A_STEP: u32 = 64;
 pub(super) struct Scribe {
     robot: RobotShape,
     sensor: Sensor,
+    /// What a goal pays.
+    goal: f64,
     heading: String,
     /// What an episode is called, and how many there are.
     episodes: (&'static str, u32),
@@ -63,7 +65,7 @@ pub(super) struct Scribe {
 struct Shown {
     /// What decides how its arrows look.
     marks: Option<Vec<policy::Mark>>,
-    tints: Option<Vec<(Cell, worth::Tint)>>,
+    floor: Option<worth::Floor>,
     columns: Option<Vec<CubePrimitive>>,
 }
 
@@ -72,7 +74,7 @@ impl Shown {
     fn all(policy: &PolicyMap, maze: &Maze) -> Self {
         Self {
             marks: Some(policy::marks(Some(policy))),
-            tints: Some(worth::tints(Some(policy), maze)),
+            floor: Some(worth::Floor::of(Some(policy), maze)),
             columns: Some(policy::columns(Some(policy), maze)),
         }
     }
@@ -83,6 +85,7 @@ impl Scribe {
         Self {
             robot: info.robot,
             sensor: info.sensor,
+            goal: info.goal(),
             heading: info.heading(maze.name()),
             episodes: match info.is_evaluation {
                 true => ("Greedy drive", info.episodes),
@@ -154,7 +157,9 @@ impl Scribe {
         let shown = std::mem::replace(&mut self.maze_shown, true);
         let to = if shown { For::Episode } else { For::Both };
         out.send(to, Topic::Maze, time_ns, &maze)?;
-        let robot = robot::scene(&self.robot, time_ns);
+        let drawn = [view.sensed.is_some(), self.beams];
+        let legend = legend::of_robot(view.maze, self.sensor, drawn, time_ns);
+        let robot = robot::scene(&self.robot, legend, time_ns);
         out.send(For::Episode, Topic::Robot, time_ns, &robot)?;
         self.shown = Shown::default();
         self.show_learned(out, For::Episode, view.maze, time_ns)?;
@@ -266,11 +271,11 @@ impl Scribe {
             out.send(to, Topic::Policy, time_ns, &policy::scene(arrows, time_ns))?;
             self.shown(to).marks = marks;
         }
-        let tints = worth::tints(self.policy.as_ref(), maze);
-        if self.shown(to).tints.as_ref() != Some(&tints) {
-            let floor = worth::scene(&tints, maze, time_ns);
-            out.send(to, Topic::Worth, time_ns, &floor)?;
-            self.shown(to).tints = Some(tints);
+        let floor = worth::Floor::of(self.policy.as_ref(), maze);
+        if self.shown(to).floor.as_ref() != Some(&floor) {
+            let scene = worth::scene(&floor, maze, time_ns);
+            out.send(to, Topic::Worth, time_ns, &scene)?;
+            self.shown(to).floor = Some(floor);
         }
         Ok(())
     }

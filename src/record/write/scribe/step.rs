@@ -12,7 +12,7 @@ use crate::record::topics::contact::ContactRecord;
 use crate::record::topics::estimate::{self, EstimateRecord};
 use crate::record::topics::rule::RuleRecord;
 use crate::record::topics::step::StepRecord;
-use crate::record::topics::{Topic, log, percept, policy, scan};
+use crate::record::topics::{Topic, log, percept, policy, rays, scan};
 use crate::record::write::outbox::{For, Outbox};
 
 /// What happened during a move and was not written yet, oldest first.
@@ -25,7 +25,7 @@ impl Scribe {
     /// A step was taken.
     pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
         let end_ns = step.view.now().time_ns;
-        let rule = RuleRecord::new(step, self.sensor);
+        let rule = RuleRecord::new(step, self.sensor, self.goal);
         out.send_json(For::Episode, Topic::Rule, self.decided_ns, &rule)?;
         let over_robot = rule.scene(step.view.maze, self.decided_ns);
         out.send(For::Episode, Topic::RuleText, self.decided_ns, &over_robot)?;
@@ -165,6 +165,8 @@ impl Scribe {
             return Ok(());
         };
         self.belief = estimate::entities(sensed, self.robot.radius_m, now.time_ns).into();
+        self.belief
+            .extend(self.beams.then(|| rays::rays(view)).flatten());
         match EstimateRecord::new(episode, step, sensed, &now) {
             Some(record) => out.send_json(For::Episode, Topic::Estimate, now.time_ns, &record),
             None => Ok(()),

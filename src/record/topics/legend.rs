@@ -1,0 +1,96 @@
+//! What the colours of a scene mean, in words of these colours south of the maze.
+
+use foxglove::messages::{SceneEntity, TextPrimitive};
+
+use super::scene::{WORLD, color, entity, place};
+use super::{estimate, percept, policy, rays, rounded, trail};
+use crate::sensor::Sensor;
+use crate::world::Maze;
+
+const WORDS: u32 = 0xcfd8e8;
+/// So many letters fill a row, which is so many times as wide as the maze.
+const LETTERS: f64 = 56.0;
+const WIDE: f64 = 1.1;
+/// How wide a letter is, and how far rows are apart, as shares of a letter's height.
+const LETTER: f64 = 0.55;
+const ROW: f64 = 2.0;
+/// Words lie on a grid so fine, in cells: such places take few bytes.
+const GRID: f64 = 1.0 / 8.0;
+/// Rows that there can be.
+const ROWS: f64 = 2.0;
+/// Letters between two words.
+const GAP: usize = 2;
+
+/// Words, and their colour.
+type Entry = (&'static str, u32);
+
+/// What the arrows and the way mean.
+pub(super) fn of_policy(maze: &Maze, time_ns: u64) -> SceneEntity {
+    let [worst, _, best] = policy::SCALE;
+    let entries = [
+        ("arrow: best action, worth", WORDS),
+        ("least", worst),
+        ("most", best),
+        ("way", trail::FASTEST),
+        ("hit", trail::HIT),
+    ];
+    row(maze, "legend", 0, &entries, time_ns)
+}
+
+/// What is drawn around the robot means; `senses`: is it not told where it is?
+pub(in crate::record) fn of_robot(
+    maze: &Maze,
+    sensor: Sensor,
+    [senses, beams]: [bool; 2],
+    time_ns: u64,
+) -> SceneEntity {
+    let [free, wall, _] = percept::KINDS;
+    let frames = [("frame: seen free", free), ("seen wall", wall)];
+    let frames = frames
+        .into_iter()
+        .filter(|_| sensor.begins_with_neighbours());
+    let believed = senses.then_some(("believes to be here", estimate::GHOST));
+    let beams = (senses && beams).then_some(("lidar", rays::BEAM));
+    let entries: Vec<Entry> = frames.chain(believed).chain(beams).collect();
+    row(maze, "robot-legend", 1, &entries, time_ns)
+}
+
+/// How far a legend reaches south of the maze, in metres.
+pub(in crate::record) fn height_m(maze: &Maze) -> f64 {
+    (ROWS + 0.25) * ROW * letter_m(maze)
+}
+
+fn letter_m(maze: &Maze) -> f64 {
+    WIDE * f64::from(maze.width()) * maze.cell_size_m() / (LETTER * LETTERS)
+}
+
+/// Row `number` of the legend, in the middle below the maze.
+fn row(maze: &Maze, id: &str, number: u32, entries: &[Entry], time_ns: u64) -> SceneEntity {
+    let high = letter_m(maze);
+    let middle = f64::from(maze.width()) * maze.cell_size_m() / 2.0;
+    let lengths = entries.iter().map(|(text, _)| text.len() + GAP);
+    let all = lengths.sum::<usize>().saturating_sub(GAP);
+    let grid_m = GRID * maze.cell_size_m();
+    let mut before = 0;
+    let mut row = entity(id, WORLD, time_ns);
+    for &(text, rgb) in entries {
+        let letters = before as f64 + (text.len() as f64 - all as f64) / 2.0;
+        let along = middle + letters * LETTER * high;
+        let up = -(0.75 + f64::from(number)) * ROW * high;
+        let at = [along, up].map(|at| (at / grid_m).round() * grid_m);
+        row.texts.push(words(at, high, rgb, text));
+        before += text.len() + GAP;
+    }
+    row
+}
+
+fn words([x, y]: [f64; 2], high: f64, rgb: u32, text: &str) -> TextPrimitive {
+    TextPrimitive {
+        pose: place(x, y, 0.0),
+        billboard: true,
+        font_size: rounded(high),
+        scale_invariant: false,
+        color: color(rgb, 1.0),
+        text: text.to_owned(),
+    }
+}

@@ -1,0 +1,98 @@
+//! In `/scene/percept`: the last turn of the lidar as rays, from where the robot stood to what they hit.
+
+use std::f64::consts::TAU;
+
+use foxglove::messages::{LinePrimitive, Point3, SceneEntity, line_primitive};
+use nalgebra::{Point2, Vector2};
+
+use super::scan::angle;
+use super::scene::{WORLD, color, entity, place, point};
+use crate::arena::{Beam, View};
+
+/// The colour of a beam, also of its end in `/scan` as the layouts have it.
+pub(super) const BEAM: u32 = 0xc23ee8;
+const OPACITY: f64 = 0.75;
+/// How high the rays lie, in cells.
+const HEIGHT: f64 = 0.2;
+/// Their ends lie on a grid so fine, in cells.
+const GRID: f64 = 1.0 / 64.0;
+
+/// The rays of the last turn before the robot decides; none of a robot that is told its pose.
+pub(in crate::record) fn rays(view: &View<'_>) -> Option<SceneEntity> {
+    let (maze, beams) = (view.maze, view.sensed?.beams);
+    let (at, unit) = (maze.centre_m(view.cell), maze.cell_size_m());
+    // Seen from the cell, so that they are alike wherever it is, and compress well.
+    let on_grid = |there: Point2<f64>| {
+        let steps = ((there - at) / (GRID * unit)).map(f64::round);
+        point(Point2::from(steps * (GRID * unit)), 0.0)
+    };
+    let (mut points, mut indices): (Vec<Point3>, Vec<u32>) = (Vec::new(), Vec::new());
+    let mut origin = None;
+    for (from, to) in last_turn(beams).iter().filter_map(|beam| ray(view, beam)) {
+        let from = on_grid(from);
+        if origin.as_ref().is_none_or(|(_, before)| *before != from) {
+            origin = Some((points.len() as u32, from));
+            points.push(from);
+        }
+        let begin = origin.as_ref().map_or(0, |(number, _)| *number);
+        indices.extend([begin, points.len() as u32]);
+        points.push(on_grid(to));
+    }
+    let mut rays = entity("beams", WORLD, view.now().time_ns);
+    rays.lines = vec![LinePrimitive {
+        r#type: line_primitive::Type::LineList as i32,
+        pose: place(at.x, at.y, HEIGHT * unit),
+        thickness: 1.5,
+        scale_invariant: true,
+        points,
+        color: color(BEAM, OPACITY),
+        colors: Vec::new(),
+        indices,
+    }];
+    Some(rays)
+}
+
+/// The beams of the last full turn, or all if there are fewer.
+fn last_turn(beams: &[Beam]) -> &[Beam] {
+    let [.., before, last] = beams else {
+        return beams;
+    };
+    let apart_rad = angle(before.bearing.inverse() * last.bearing);
+    let in_a_turn = (TAU / apart_rad).round() as usize;
+    &beams[beams.len().saturating_sub(in_a_turn.max(1))..]
+}
+
+/// Where a beam began and what it hit; `None` if nothing came back.
+fn ray(view: &View<'_>, beam: &Beam) -> Option<(Point2<f64>, Point2<f64>)> {
+    let after = view
+        .trace
+        .partition_point(|sample| sample.time_ns <= beam.time_ns);
+    let pose = view.trace.get(after.saturating_sub(1))?.robot_in_world;
+    let from = Point2::from(pose.translation.vector);
+    let ahead = pose.rotation * beam.bearing * Vector2::new(beam.range_m?, 0.0);
+    Some((from, from + ahead))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Complex, UnitComplex};
+
+    #[test]
+    fn a_turn_has_each_direction_once() {
+        let beam = |number: u32| {
+            let (sine, cosine) = libm::sincos(f64::from(number) * TAU / 32.0);
+            Beam {
+                time_ns: u64::from(number),
+                bearing: UnitComplex::new_unchecked(Complex::new(cosine, sine)),
+                range_m: Some(1.0),
+            }
+        };
+        let beams: Vec<Beam> = (0..75).map(beam).collect();
+        let numbers: Vec<u64> = last_turn(&beams).iter().map(|beam| beam.time_ns).collect();
+        assert_eq!(numbers, (43..75).collect::<Vec<_>>());
+        // Control: fewer than a turn.
+        assert_eq!(last_turn(&beams[..5]).len(), 5);
+        assert_eq!(last_turn(&beams[..1]).len(), 1);
+    }
+}
