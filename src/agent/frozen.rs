@@ -85,7 +85,7 @@ impl Agent for Frozen {
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        self.tracker.act(action, outcome.found() > 0.0);
+        self.tracker.act(action, outcome.into());
         self.matching(action)
     }
 

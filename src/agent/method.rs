@@ -3,7 +3,8 @@
 use strum::{IntoStaticStr, VariantArray};
 
 use super::{
-    Agent, Combined, Params, Plus, PlusParams, Recall, Sharing, Standard, Tabular, TabularParams,
+    Agent, Combined, MemoryParams, Params, Plus, PlusParams, Recall, Sharing, Standard, Tabular,
+    TabularParams,
 };
 use crate::streams::StreamName;
 use xcs::Xcs;
@@ -88,6 +89,7 @@ impl Method {
             reward,
             tabular,
             plus,
+            memory,
         } = setup;
         let stream = |name| Stream::new(seed, name);
         let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
@@ -117,7 +119,10 @@ impl Method {
                 let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
                 Box::new(Plus::new(xcs, [actions, ring], reward, plus, streams))
             }
-            Self::XcscrMemory => Box::new(Recall::new(actions, reward, stream(StreamName::Replay))),
+            Self::XcscrMemory => {
+                let stream = stream(StreamName::Replay);
+                Box::new(Recall::new(actions, reward, memory, stream))
+            }
             Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
             Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
             Self::DynaQ => {
@@ -140,4 +145,6 @@ pub struct Setup {
     pub tabular: TabularParams,
     /// The repairs of `xcscr-plus`.
     pub plus: PlusParams,
+    /// `xcscr-memory`.
+    pub memory: MemoryParams,
 }

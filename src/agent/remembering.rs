@@ -3,8 +3,8 @@
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
-use super::recall::Worth;
 use super::recall::learner::Learner;
+use super::recall::{MemoryParams, Worth};
 use super::{Agent, Choice, Chooser, EndCredit, Params, StepCredit};
 use crate::arena::Outcome;
 use xcs::PredictionArray;
@@ -23,13 +23,13 @@ pub struct Recall {
 impl Recall {
     /// A learner for so many actions; `stream` draws what is imagined and explored. The parameters
     /// must have been checked.
-    pub fn new(actions: usize, params: Params, stream: Stream) -> Self {
+    pub fn new(actions: usize, params: Params, own: MemoryParams, stream: Stream) -> Self {
         let Params {
             goal, step, gamma, ..
         } = params;
         let worth = Worth { goal, step, gamma };
         Self {
-            learner: Learner::new(actions, worth, stream),
+            learner: Learner::new(actions, worth, own, stream),
             params,
             percept: None,
         }
@@ -54,7 +54,8 @@ impl Agent for Recall {
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let percept = self.percept.expect("consider comes before credit");
         let matching = self.learner.matching(action);
-        self.learner.act(&percept, action, outcome.found());
+        let found = outcome.found();
+        self.learner.act(&percept, action, outcome.into(), found);
         StepCredit {
             short_term_reward: self.params.short_term(outcome),
             match_set: matching.match_set,

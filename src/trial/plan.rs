@@ -94,6 +94,7 @@ impl Config {
             reward,
             tabular,
             plus,
+            memory,
             ..
         } = self.settings.clone();
         let setup = Setup {
@@ -101,6 +102,7 @@ impl Config {
             reward,
             tabular,
             plus,
+            memory,
         };
         let (actions, ring) = (maze.action_count(), self.sensor.ring());
         let mut method = self.method.build(actions, ring, setup, self.seed);

@@ -24,6 +24,8 @@ pub struct Settings {
     pub reward: agent::Params,
     /// The repairs of `xcscr-plus`.
     pub plus: agent::PlusParams,
+    /// `xcscr-memory`.
+    pub memory: agent::MemoryParams,
     /// Tabular methods.
     pub tabular: agent::TabularParams,
     /// Exploration.
@@ -54,6 +56,7 @@ impl Settings {
             xcs::Params::declared(),
             agent::Params::declared(),
             agent::PlusParams::declared(),
+            agent::MemoryParams::declared(),
             agent::TabularParams::declared(),
             episode::Params::declared(),
             ArenaParams::declared(),
@@ -73,6 +76,7 @@ impl Settings {
         self.xcs.check()?;
         self.reward.check()?;
         self.plus.check()?;
+        self.memory.check()?;
         self.tabular.check()?;
         self.episode.check()?;
         self.arena.check()?;

@@ -56,6 +56,15 @@ fn rules_with_a_memory_reach_the_belief_bound_and_those_without_stay_far_from_it
 }
 
 #[test]
+fn in_mazee3_where_hardly_a_place_can_be_told_from_others_rules_reach_the_belief_bound() {
+    let trial = finished("mazee3", Method::XcscrMemory, 25, 0.0);
+    let bound = Bounds::of_belief(&trial.plan().maze, Sensor::Neighbours).unwrap();
+    assert!((bound - 4.54).abs() < 0.01, "{bound}");
+    assert!(trial.progress().optimal, "{} steps", greedy(&trial));
+    assert!(greedy(&trial) <= 1.02 * bound, "{} steps", greedy(&trial));
+}
+
+#[test]
 fn a_trial_with_a_memory_counts_as_optimal_when_it_reaches_the_belief_bound() {
     let trial = finished("maze7", Method::XcscrMemory, 60, 0.0);
     let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());

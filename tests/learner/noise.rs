@@ -1,9 +1,9 @@
 //! Percepts of which bits flip.
 
-use xcscr::agent::Method;
+use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Checkpoint, Config, Plan, Settings, Trial, seal, unseal};
+use xcscr::trial::{Checkpoint, Config, GreedySteps, Plan, Settings, Trial, seal, unseal};
 use xcscr::world::Maze;
 
 /// A trial in a world of which each bit of a percept flips with this probability.
@@ -43,6 +43,38 @@ fn a_trial_with_flipping_bits_goes_on_from_a_checkpoint_as_if_it_had_never_stopp
         let saved: Checkpoint = unseal(&seal(&half.checkpoint())).unwrap();
         let resumed = finished(Trial::resume(&saved).unwrap());
         assert_eq!(whole.checkpoint(), resumed.checkpoint());
+    }
+}
+
+#[test]
+fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
+    for world in ["classic/mazef4", "classic/maze7"] {
+        let steps = |method| {
+            let trial = finished(trial(world, method, 60, 0.02));
+            let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
+            (greedy.ratio(trial.plan()).unwrap(), trial)
+        };
+        let (ratio, trial) = steps(Method::XcscrMemory);
+        assert!(
+            ratio < 1.2,
+            "{world}: {ratio} times the bound of percepts that are right"
+        );
+        assert!(trial.progress().most_rules <= 50, "{:?}", trial.progress());
+        let Knowledge::Remembering { map, .. } = trial.method().knowledge() else {
+            panic!("the method remembers");
+        };
+        let maze = &trial.plan().maze;
+        let cells = maze.free_cells().count() - maze.goals().len();
+        assert_eq!(
+            map.spots.len(),
+            cells,
+            "{world}: a place for each cell, and no others"
+        );
+        let (ratio, _) = steps(Method::QLearning);
+        assert!(
+            ratio > 2.0,
+            "{world}: {ratio} times the bound without a memory"
+        );
     }
 }
 

@@ -21,6 +21,8 @@ pub struct Seen {
     pub action: Action,
     /// The auxiliary reward that it found by it, or 0.
     pub found: f64,
+    /// Did it bump, and stay where it was?
+    pub bumped: bool,
 }
 
 /// What is believed of the moves and of the percepts.
@@ -39,33 +41,36 @@ impl Habits {
     fn displacements(&self, step: &Seen) -> [f64; 9] {
         let mut likely = [0.0; 9];
         for action in Action::all(self.actions) {
-            let at = heading(action, self.actions);
-            let to = if step.around[at] == Letter::Wall {
-                8
-            } else {
-                at
-            };
             let chosen = if action == step.action {
                 1.0 - self.slip
             } else {
                 0.0
             };
-            likely[to] += chosen + self.slip / self.actions as f64;
+            let (to, fits) = self.leads(step, action);
+            likely[to] += fits * (chosen + self.slip / self.actions as f64);
         }
         likely
+    }
+
+    /// The displacement by an action that was executed, and how well what was perceived fits to
+    /// that the robot bumped, or did not.
+    fn leads(&self, step: &Seen, action: Action) -> (usize, f64) {
+        let at = heading(action, self.actions);
+        let is_wall = step.around[at] == Letter::Wall;
+        let fits = if is_wall == step.bumped {
+            1.0
+        } else {
+            self.misread
+        };
+        (if step.bumped { 8 } else { at }, fits)
     }
 
     /// How likely a step was a slip, when it displaced the robot so.
     fn slipped(&self, step: &Seen, displacement: usize) -> f64 {
         let all = self.displacements(step)[displacement];
-        let at = heading(step.action, self.actions);
-        let to = if step.around[at] == Letter::Wall {
-            8
-        } else {
-            at
-        };
+        let (to, fits) = self.leads(step, step.action);
         let chosen = if to == displacement {
-            1.0 - self.slip
+            fits * (1.0 - self.slip)
         } else {
             0.0
         };
@@ -78,26 +83,41 @@ fn offset(displacement: usize) -> Place {
     AROUND.get(displacement).copied().unwrap_or(Place::ORIGIN)
 }
 
+/// What both of two percepts show that follow each other over a displacement: for each such cell,
+/// whether they agree.
+fn shown_twice(before: &Around, after: &Around, displacement: usize) -> impl Iterator<Item = bool> {
+    let by = offset(displacement);
+    AROUND
+        .iter()
+        .zip(before)
+        .filter_map(move |(place, &letter)| {
+            let there = place.minus(by);
+            if there == Place::ORIGIN {
+                return Some(letter == Letter::Free);
+            }
+            let other = AROUND.iter().position(|place| *place == there)?;
+            Some(letter == after[other])
+        })
+}
+
 /// How likely two percepts follow each other over a displacement: what both show must agree.
 fn overlap(before: &Around, after: &Around, displacement: usize, misread: f64) -> f64 {
-    let by = offset(displacement);
-    let agree = |at: usize| {
-        let there = AROUND[at].minus(by);
-        match there == Place::ORIGIN {
-            true => before[at] == Letter::Free,
-            false => AROUND
-                .iter()
-                .position(|place| *place == there)
-                .is_none_or(|other| before[at] == after[other]),
+    let differing = shown_twice(before, after, displacement).filter(|agree| !agree);
+    differing.fold(1.0, |product, _| product * misread)
+}
+
+/// How many cells of an episode were shown twice, in two percepts that follow each other, and in
+/// how many of them these two differ: one of them was misread. This needs no chart.
+pub fn differing(steps: &[Seen], habits: &Habits) -> [f64; 2] {
+    let mut counts = [0.0; 2];
+    for pair in steps.windows(2) {
+        let displacement = likeliest(&pair[0], &pair[1].around, habits);
+        for agree in shown_twice(&pair[0].around, &pair[1].around, displacement) {
+            counts[0] += f64::from(u8::from(!agree));
+            counts[1] += 1.0;
         }
-    };
-    (0..AROUND.len()).fold(1.0, |product, at| {
-        if agree(at) {
-            product
-        } else {
-            product * misread
-        }
-    })
+    }
+    counts
 }
 
 /// Likelihoods of places, densely, with a list of those that are not zero.
@@ -324,8 +344,12 @@ fn certain(places: &[(Place, f64)]) -> Option<Place> {
 
 /// The displacement that a step most likely had, given what was seen after it.
 pub fn likeliest_move(step: &Seen, next: &Around, habits: &Habits) -> Place {
+    offset(likeliest(step, next, habits))
+}
+
+fn likeliest(step: &Seen, next: &Around, habits: &Habits) -> usize {
     let moves = likely_moves(step, Some(next), habits);
     let better = |best: (usize, f64), one: (usize, f64)| if one.1 > best.1 { one } else { best };
     let likeliest = moves.into_iter().reduce(better);
-    likeliest.map_or(Place::ORIGIN, |(displacement, _)| offset(displacement))
+    likeliest.map_or(AROUND.len(), |(displacement, _)| displacement)
 }

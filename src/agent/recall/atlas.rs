@@ -4,9 +4,10 @@ use std::collections::{BTreeSet, VecDeque};
 
 use serde::{Deserialize, Serialize};
 
-use super::align::{Alignment, Habits, Likelihood, Seen, align};
+use super::align::{Alignment, Habits, Likelihood, Seen, align, differing};
 use super::chart::Chart;
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
+use super::params::MemoryParams;
 use super::payments::Payments;
 use super::place::{Letter, Place};
 use xcs::MAX_ACTIONS;
@@ -24,6 +25,10 @@ const EXACT: f64 = 0.008;
 /// What is believed of slips and misread cells at first.
 const FIRST_SLIP: f64 = 0.05;
 const LEAST_MISREAD: f64 = 0.0005;
+/// Percepts of which cells are misread less often than this are taken for right.
+const RIGHT: f64 = 0.002;
+/// Cells that were shown twice count beside so many that did not differ.
+const SHOWN_AT_FIRST: f64 = 50.0;
 /// How many times likelier an episode must be on a blank chart, to open one for it.
 const BLANK_ADVANTAGE: f64 = 7.4;
 /// A chart that fewer episodes than this share belong to is not planned on.
@@ -57,13 +62,19 @@ pub struct Atlas {
     habits: Habits,
     /// Expected slips, and the steps among which they were counted.
     slips: [f64; 2],
+    /// Cells in which two percepts differ, and all that two percepts show.
+    misread: [f64; 2],
     episodes: VecDeque<Vec<Seen>>,
     successes: u32,
+    /// How often moves slip in plans, which do not change with every estimate.
+    planned_slip: f64,
+    #[serde(skip)]
+    params: MemoryParams,
 }
 
 impl Atlas {
     /// An atlas without a chart, for a robot with so many actions.
-    pub fn new(actions: usize) -> Self {
+    pub fn new(actions: usize, params: MemoryParams) -> Self {
         let habits = Habits {
             actions,
             slip: FIRST_SLIP,
@@ -73,9 +84,18 @@ impl Atlas {
             sheets: Vec::new(),
             habits,
             slips: [0.0; 2],
+            misread: [0.0; 2],
             episodes: VecDeque::new(),
             successes: 0,
+            planned_slip: 0.0,
+            params,
         }
+    }
+
+    /// The same with the settings of another.
+    pub fn with_settings_of(self, other: &Self) -> Self {
+        let params = other.params.clone();
+        Self { params, ..self }
     }
 
     /// What is believed of moves and percepts.
@@ -87,15 +107,40 @@ impl Atlas {
     pub fn learn(&mut self, mut steps: Vec<Seen>) {
         steps.drain(..steps.len().saturating_sub(KEPT_STEPS));
         self.successes += 1;
+        if self.params.doubts {
+            self.compare(&steps);
+        }
         self.draw(&steps);
         self.episodes.push_back(steps);
         if self.episodes.len() > KEPT_EPISODES {
             self.episodes.pop_front();
         }
         self.settle_habits();
-        if REDRAWN_AFTER.contains(&self.successes) && self.habits.slip >= EXACT {
+        if REDRAWN_AFTER.contains(&self.successes)
+            && (self.habits.slip >= EXACT || self.misread() > 0.0)
+        {
             self.redraw();
         }
+        self.planned_slip = slip_to_plan_with(self.habits.slip, self.planned_slip);
+    }
+
+    /// Compares what percepts of an episode show that follow each other, to learn how often cells
+    /// are misread.
+    fn compare(&mut self, steps: &[Seen]) {
+        let differing = differing(steps, &self.habits);
+        let fading = 0.99;
+        let sums = self.misread.iter_mut().zip(differing);
+        sums.for_each(|(sum, count)| *sum = *sum * fading + count);
+        let [differing, all] = self.misread;
+        // Either of the two percepts was wrong.
+        let misread = differing / 2.0 / (all + SHOWN_AT_FIRST);
+        self.habits.misread = misread.clamp(LEAST_MISREAD, 0.25);
+    }
+
+    /// How often cells are misread; 0 if that is so rare that percepts are taken for right.
+    fn misread(&self) -> f64 {
+        let misread = self.habits.misread;
+        if misread < RIGHT { 0.0 } else { misread }
     }
 
     /// Takes an episode down on the chart that it fits best.
@@ -129,14 +174,27 @@ impl Atlas {
         let Some(best) = best else {
             return blank();
         };
-        let exact = self.habits.slip < EXACT;
-        let enough = if exact { 1 } else { 2 };
-        if self.sheets.len() >= MOST_CHARTS || self.contradictions(steps, &best) < enough {
+        let exact = self.habits.slip < EXACT && self.misread() == 0.0;
+        let enough = match exact {
+            true => 1,
+            false => self.too_many(8 * best.1.places.iter().flatten().count()),
+        };
+        if self.sheets.len() >= self.params.charts as usize
+            || self.contradictions(steps, &best) < enough
+        {
             return best;
         }
         let blank = blank();
         let likelier = blank.1.likelihood > best.1.likelihood.times(BLANK_ADVANTAGE);
         if exact || likelier { blank } else { best }
+    }
+
+    /// How many contradictions among so many sightings are more than misread cells explain, three
+    /// deviations above what is expected; two if none are misread.
+    fn too_many(&self, sightings: usize) -> usize {
+        // What is charted may have been misread as well.
+        let expected = 2.0 * self.misread() * sightings as f64;
+        2 + (expected + 3.0 * expected.sqrt()) as usize
     }
 
     /// In how many cells an episode contradicts the chart on which it lies.
@@ -165,7 +223,7 @@ impl Atlas {
         let mut fresh = Self {
             habits: self.habits,
             successes: self.successes,
-            ..Self::new(self.habits.actions)
+            ..Self::new(self.habits.actions, self.params.clone())
         };
         order.iter().for_each(|steps| fresh.draw(steps));
         fresh.settle_habits();
@@ -183,7 +241,7 @@ impl Atlas {
             sheets: vec![Sheet::default(); self.sheets.len()],
             habits: self.habits,
             successes: self.successes,
-            ..Self::new(self.habits.actions)
+            ..Self::new(self.habits.actions, self.params.clone())
         };
         for steps in episodes {
             let charts = self.sheets.iter().map(|sheet| &sheet.chart).enumerate();
@@ -222,12 +280,10 @@ impl Atlas {
         let charted: Vec<Charted<'_>> = used
             .map(|sheet| Charted::new(&sheet.chart, &sheet.payments))
             .collect();
-        let slip = if self.habits.slip < EXACT {
-            0.0
-        } else {
-            (self.habits.slip * 50.0).round() / 50.0
-        };
-        Map::drawn(&charted, self.habits.actions, slip, worth)
+        Map {
+            misread: self.misread(),
+            ..Map::drawn(&charted, self.habits.actions, self.planned_slip, worth)
+        }
     }
 
     /// Can an atlas of a robot with so many actions look like this?
@@ -245,6 +301,17 @@ impl Atlas {
                 .clone()
                 .all(|step| step.action.index() < actions && step.found.is_finite())
             && (0.0..=1.0).contains(&self.habits.slip)
+            && (0.0..=1.0).contains(&self.planned_slip)
             && (0.0..=1.0).contains(&self.habits.misread)
+    }
+}
+
+/// How often moves slip in plans, if they seem to slip so often: in steps of a fiftieth, and as
+/// `before` while that is as good. Each change makes all plans worthless.
+fn slip_to_plan_with(slip: f64, before: f64) -> f64 {
+    match slip < EXACT {
+        true => 0.0,
+        false if before > 0.0 && (slip - before).abs() < 0.02 => before,
+        false => (slip * 50.0).round() / 50.0,
     }
 }

@@ -5,8 +5,9 @@ use serde::Serialize;
 
 use super::chart::FURTHEST;
 use super::map::{MOST_PAYING, Map, sight};
-use super::place::{AROUND, around};
+use super::place::{AROUND, Around, around};
 use crate::agent::model::pomdp::Belief;
+use crate::arena::Outcome;
 use xcs::{Action, Percept};
 
 /// The bits of the percept that come first.
@@ -15,6 +16,8 @@ pub const PERCEPT_BITS: usize = 16;
 pub const COORDINATE_BITS: usize = 2 * FURTHEST as usize;
 /// The bits of a chart's number.
 pub const CHART_BITS: usize = 3;
+/// Where cells are misread: the probability that the robot is not where its moves should have led it.
+const ASTRAY: f64 = 1e-3;
 /// The bits of a step of the window: was there one, its action, its percept.
 const STEP_BITS: usize = 1 + 3 + PERCEPT_BITS;
 /// The steps of the window.
@@ -25,16 +28,34 @@ pub const CONTEXT_BITS: usize =
 
 const _: () = assert!(CONTEXT_BITS <= xcs::MAX_PERCEPT_BITS);
 
+/// What came of an action, beside what is perceived after it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Felt {
+    /// Did the robot bump, and stay where it was?
+    pub bumped: bool,
+    /// Did it find an auxiliary reward?
+    pub rewarded: bool,
+}
+
+impl From<Outcome> for Felt {
+    fn from(outcome: Outcome) -> Self {
+        Self {
+            bumped: matches!(outcome, Outcome::Collided { .. }),
+            rewarded: outcome.found() > 0.0,
+        }
+    }
+}
+
 /// What was perceived and done so far in an episode, as far as it matters.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Tracker {
     belief: Belief,
-    /// What is perceived now.
+    /// What is perceived now; where cells are misread, what should be in the likeliest place.
     now: Option<Percept>,
     /// What was perceived and done, the latest last.
     window: [Option<(Percept, Action)>; WINDOW],
-    /// What was done last, and did it find a reward?
-    acted: Option<(Action, bool)>,
+    /// What was done last, and what came of it.
+    acted: Option<(Action, Felt)>,
     /// How many rewards of the map were found.
     found: u32,
 }
@@ -47,8 +68,44 @@ impl Tracker {
 
     /// Perceives; the percept's first sixteen bits count.
     pub fn perceive(&mut self, map: &Map, percept: &Percept) {
+        match map.misread > 0.0 {
+            true => self.perceive_doubtingly(map, percept),
+            false => self.perceive_rightly(map, percept),
+        }
+    }
+
+    /// Perceives what may be misread: weighs where the robot may be by how well what it perceives
+    /// fits there, and takes for perceived what should be perceived in the likeliest place.
+    fn perceive_doubtingly(&mut self, map: &Map, percept: &Percept) {
+        let acted = self.acted.take();
+        self.found += u32::from(acted.is_some_and(|(_, felt)| felt.rewarded));
+        let expected = acted.map(|(action, felt)| {
+            let belief = &self.belief;
+            belief.expected(&map.pomdp, action, felt.bumped)
+        });
+        let (seen, found) = (around(percept), self.found);
+        let mut likely = [1.0; AROUND.len() + 2];
+        (1..likely.len()).for_each(|errors| likely[errors] = likely[errors - 1] * map.misread);
+        let fits = |state: u32| {
+            let spot = &map.spots[state as usize];
+            let wrong = usize::from(spot.eaten.count_ones() != found);
+            likely[strange(map, state, &seen) + wrong]
+        };
+        let anywhere = map.pomdp.states() as u32;
+        self.belief = Belief::weighed(&expected.unwrap_or_default(), ASTRAY, anywhere, fits);
+        let there = self.belief.likeliest().map(|(state, _)| {
+            let there = map.pomdp.percept(state);
+            Percept::from_word(there.words()[0], PERCEPT_BITS)
+        });
+        self.now =
+            Some(there.unwrap_or_else(|| Percept::from_word(percept.words()[0], PERCEPT_BITS)));
+    }
+
+    /// Perceives what is taken for right.
+    pub fn perceive_rightly(&mut self, map: &Map, percept: &Percept) {
         let percept = Percept::from_word(percept.words()[0], PERCEPT_BITS);
-        let after = self.acted.take().and_then(|(action, found)| {
+        let after = self.acted.take().and_then(|(action, felt)| {
+            let found = felt.rewarded;
             // A reward that was not foreseen, or did not come, still tells where the robot is.
             let counts = [
                 self.found + u32::from(found),
@@ -68,13 +125,13 @@ impl Tracker {
         self.now = Some(percept);
     }
 
-    /// Acts on what was perceived, and did or did not find a reward.
-    pub fn act(&mut self, action: Action, found: bool) {
+    /// Acts on what was perceived.
+    pub fn act(&mut self, action: Action, felt: Felt) {
         if let Some(percept) = self.now {
             self.window.rotate_left(1);
             self.window[WINDOW - 1] = Some((percept, action));
         }
-        self.acted = Some((action, found));
+        self.acted = Some((action, felt));
     }
 
     /// All that rules look at, as bits.
@@ -130,12 +187,7 @@ fn lost(map: &Map, percept: &Percept, found: u32) -> Belief {
         return Belief::even(pomdp.alike(look));
     }
     let seen = around(percept);
-    let strange = |state: u32| {
-        let there = around(pomdp.percept(state));
-        (0..AROUND.len())
-            .filter(|&at| there[at] != seen[at])
-            .count()
-    };
+    let strange = |state: u32| strange(map, state, &seen);
     let states = 0..pomdp.states() as u32;
     let states = states.filter(|&state| map.spots[state as usize].eaten.count_ones() == found);
     let least = states.clone().map(strange).min();
@@ -143,6 +195,14 @@ fn lost(map: &Map, percept: &Percept, found: u32) -> Belief {
         Some(least) => Belief::even(states.filter(|&state| strange(state) == least)),
         None => Belief::default(),
     }
+}
+
+/// In how many cells what is seen is not what should be seen in a state.
+fn strange(map: &Map, state: u32, seen: &Around) -> usize {
+    let there = around(map.pomdp.percept(state));
+    (0..AROUND.len())
+        .filter(|&at| there[at] != seen[at])
+        .count()
 }
 
 /// What a condition on a context demands beside the percept, such as `east of the goal at least 2`.

@@ -4,10 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::align::Seen;
 use super::atlas::Atlas;
-use super::context::{CONTEXT_BITS, Tracker, without_window};
+use super::context::{CONTEXT_BITS, Felt, Tracker, without_window};
 use super::induction::induce;
 use super::lessons::{Lessons, imagine};
 use super::map::{Map, Worth};
+use super::params::MemoryParams;
 use super::place::around;
 use super::wander::Sketch;
 use crate::agent::model::pomdp::{BeliefPlanner, Effort};
@@ -85,11 +86,11 @@ pub struct Matching {
 
 impl Learner {
     /// A learner that knows nothing, for so many actions, and what it is to seek.
-    pub fn new(actions: usize, worth: Worth, stream: Stream) -> Self {
+    pub fn new(actions: usize, worth: Worth, params: MemoryParams, stream: Stream) -> Self {
         Self {
             actions,
             worth,
-            atlas: Atlas::new(actions),
+            atlas: Atlas::new(actions, params),
             map: Map::default(),
             planner: BeliefPlanner::default(),
             rules: Population::default(),
@@ -122,8 +123,8 @@ impl Learner {
         if !kept.atlas.is_sound(self.actions) || !kept.rules.rules().iter().all(fits) {
             return false;
         }
-        self.map = kept.atlas.map(&self.worth);
-        self.atlas = kept.atlas;
+        self.atlas = kept.atlas.with_settings_of(&self.atlas);
+        self.map = self.atlas.map(&self.worth);
         self.planner = kept.planner;
         self.rules = kept.rules;
         self.stream = kept.stream;
@@ -187,14 +188,15 @@ impl Learner {
         self.sketch.explore(self.actions, &mut self.stream)
     }
 
-    /// Acts on what was perceived, and finds an auxiliary reward or none, 0.
-    pub fn act(&mut self, percept: &Percept, action: Action, found: f64) {
-        self.tracker.act(action, found > 0.0);
+    /// Acts on what was perceived, and bumps or does not, and finds an auxiliary reward or none, 0.
+    pub fn act(&mut self, percept: &Percept, action: Action, felt: Felt, found: f64) {
+        self.tracker.act(action, felt);
         let around = around(percept);
         self.steps.push(Seen {
             around,
             action,
             found,
+            bumped: felt.bumped,
         });
     }
 
@@ -207,11 +209,11 @@ impl Learner {
         if reached_goal && !steps.is_empty() {
             self.atlas.learn(steps);
             let map = self.atlas.map(&self.worth);
-            if map != self.map {
+            if !map.is_of_the_same(&self.map) {
                 self.planner = BeliefPlanner::new(&map.pomdp);
-                self.map = map;
                 self.stale = true;
             }
+            self.map = map;
         }
         if self.map.spots.is_empty() {
             return;

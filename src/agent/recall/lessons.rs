@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::context::Tracker;
+use super::context::{Felt, Tracker};
 use super::map::Map;
 use crate::agent::model::pomdp::{BeliefPlanner, GOAL, moved};
 use xcs::random::Stream;
@@ -53,7 +53,7 @@ pub fn imagine(
     for start in starts {
         let (mut state, mut tracker) = (start, Tracker::default());
         for _ in 0..MOST_STEPS {
-            tracker.perceive(map, map.pomdp.percept(state));
+            tracker.perceive_rightly(map, map.pomdp.percept(state));
             let context = look(tracker.context(map));
             let costs = *known
                 .entry(tracker.belief().key())
@@ -69,7 +69,11 @@ pub fn imagine(
             if state == GOAL {
                 break;
             }
-            tracker.act(action, map.pays(before, state));
+            let felt = Felt {
+                bumped: before == state,
+                rewarded: map.pays(before, state),
+            };
+            tracker.act(action, felt);
         }
     }
     steps

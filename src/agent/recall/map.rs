@@ -47,6 +47,8 @@ pub struct Map {
     pub pomdp: Pomdp,
     /// By state; those in which an episode may begin come first.
     pub spots: Vec<Spot>,
+    /// The probability that a cell is misread; 0 if what is perceived is taken for right.
+    pub misread: f64,
 }
 
 /// A map as it stands in a file, which nobody has looked at.
@@ -54,14 +56,24 @@ pub struct Map {
 struct ReadMap {
     pomdp: Pomdp,
     spots: Vec<Spot>,
+    #[serde(default)]
+    misread: f64,
 }
 
 impl TryFrom<ReadMap> for Map {
     type Error = &'static str;
 
     fn try_from(read: ReadMap) -> Result<Self, Self::Error> {
-        let ReadMap { pomdp, spots } = read;
-        let map = Self { pomdp, spots };
+        let ReadMap {
+            pomdp,
+            spots,
+            misread,
+        } = read;
+        let map = Self {
+            pomdp,
+            spots,
+            misread,
+        };
         match map.is_sound(map.pomdp.actions()) {
             true => Ok(map),
             false => Err("the map that the rules go by contradicts itself"),
@@ -147,7 +159,16 @@ impl Map {
             let Worth { goal, step, gamma } = *worth;
             pomdp = pomdp.with_prizes(Prizes::new(gamma, goal, step, found));
         }
-        Self { pomdp, spots }
+        Self {
+            pomdp,
+            spots,
+            misread: 0.0,
+        }
+    }
+
+    /// Is it the map of the same cells, however often they are misread?
+    pub fn is_of_the_same(&self, other: &Self) -> bool {
+        self.pomdp == other.pomdp && self.spots == other.spots
     }
 
     /// The states in which an episode may begin: nothing was found yet.
@@ -169,12 +190,13 @@ impl Map {
                 && spot.eaten < 1 << MOST_PAYING
         };
         let blank = self.spots.is_empty() && self.pomdp == Pomdp::default();
-        blank
-            || self.pomdp.actions() == actions
-                && self.pomdp.is_sound()
-                && self.pomdp.states() == self.spots.len()
-                && self.spots.is_sorted()
-                && self.spots.iter().all(charted)
+        (0.0..=1.0).contains(&self.misread)
+            && (blank
+                || self.pomdp.actions() == actions
+                    && self.pomdp.is_sound()
+                    && self.pomdp.states() == self.spots.len()
+                    && self.spots.is_sorted()
+                    && self.spots.iter().all(charted))
     }
 }
 

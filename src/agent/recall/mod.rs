@@ -14,7 +14,11 @@
 //! Built in are that the first sixteen bits of a percept are the eight cells around the robot, what
 //! the letters mean (free, wall, goal), that a move goes one cell its way unless there is a wall, that
 //! cells pay once, and that the world stands still. Learned are charts, slips and rules. Whether a move slipped is not
-//! perceived but inferred from the percepts; collisions tell nothing that these do not.
+//! perceived but inferred from the percepts; that the robot bumped, and stands where it was, is felt.
+//!
+//! Cells may be misread. How often is learned from what two percepts show that follow each other;
+//! where it is more than a trifle, belief and charts weigh what is seen by it, and the rules look at
+//! what should be seen in the likeliest place instead.
 
 mod align;
 mod atlas;
@@ -24,9 +28,11 @@ mod induction;
 pub(super) mod learner;
 mod lessons;
 mod map;
+mod params;
 mod payments;
 mod place;
 mod wander;
 
 pub use context::{CONTEXT_BITS, PERCEPT_BITS, Tracker, words};
 pub use map::{Map, Worth};
+pub use params::MemoryParams;

@@ -67,9 +67,10 @@ pub type Around = [Letter; 8];
 /// The letters that the first sixteen bits of a percept tell: goal or not, and barred or not.
 pub fn around(percept: &Percept) -> Around {
     std::array::from_fn(|at| match (percept.bit(2 * at), percept.bit(2 * at + 1)) {
-        (true, _) => Letter::Goal,
+        (true, true) => Letter::Goal,
         (false, true) => Letter::Wall,
-        (false, false) => Letter::Free,
+        // `10` means nothing: it was misread, and most cells are free.
+        (_, false) => Letter::Free,
     })
 }
 

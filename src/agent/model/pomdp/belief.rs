@@ -86,6 +86,33 @@ impl Belief {
         }
     }
 
+    /// What is believed after an action of which is known whether the robot stayed where it was,
+    /// before anything is perceived.
+    pub fn expected(&self, pomdp: &Pomdp, action: Action, stayed: bool) -> Self {
+        let mut reached = Vec::with_capacity(self.0.len());
+        self.each_move(pomdp, action, |state, next, weight| {
+            if next != GOAL && weight > 0.0 && (next == state) == stayed {
+                reached.push((0, next, weight));
+            }
+        });
+        reached.sort_unstable_by_key(|&(_, state, _)| state);
+        Self::merged(&reached).normalised()
+    }
+
+    /// What is believed when something was perceived that fits more or less to each of so many
+    /// `states`; with the probability `astray`, or if nothing is expected, any of them may be true.
+    pub fn weighed(expected: &Self, astray: f64, states: u32, fits: impl Fn(u32) -> f64) -> Self {
+        let astray = if expected.is_empty() { 1.0 } else { astray };
+        let mut expected = expected.0.iter().copied().peekable();
+        let weighed = (0..states).map(|state| {
+            let here = expected.next_if(|one| one.0 == state);
+            let here = here.map_or(0.0, |one| one.1 * (1.0 - astray));
+            let weight = here + astray / f64::from(states);
+            (state, weight * fits(state))
+        });
+        Self(weighed.collect()).normalised()
+    }
+
     /// What an action costs, without what follows it.
     pub fn cost_of_acting(&self, pomdp: &Pomdp, action: Action) -> f64 {
         let mut cost = pomdp.cost_of_step();
