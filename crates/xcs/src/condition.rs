@@ -79,6 +79,12 @@ impl Condition {
         at(&self.care).then(|| at(&self.value))
     }
 
+    /// The alleles of the machine word in which `bit` lies, from there on: which of them are no
+    /// don't-care, and their values.
+    pub(super) fn words_of(&self, bit: usize) -> [u64; 2] {
+        [self.care, self.value].map(|words| words[bit / 64] >> (bit % 64))
+    }
+
     /// The number of alleles that are no don't-care.
     pub fn specificity(&self) -> usize {
         self.care

@@ -1,21 +1,30 @@
 //! Inverted bit index: which rules match a percept, 64 rules at a time.
 
 use super::condition::Condition;
-use crate::signal::Percept;
+use crate::signal::{MAX_PERCEPT_BITS, Percept};
 
-/// Alleles between two looks at whether any rule is left; most wide percepts end at the first.
-const GROUP: usize = 16;
+/// Alleles that are looked up at once.
+const ALLELES: usize = 4;
+/// What so many bits of a percept can be.
+const VALUES: usize = 1 << ALLELES;
+/// The bits of one look-up.
+const MASK: u64 = VALUES as u64 - 1;
+/// Look-ups between two looks at whether any rule is left; most wide percepts end at the first.
+const GROUP: usize = 4;
 
-/// For each percept bit and each value of it, a bitmap of the rules which that value rules out.
+/// For each four percept bits and each value of them, a bitmap of the rules which that value rules
+/// out.
 ///
 /// A percept is matched by the rules that none of its bits rules out. The bitmaps of each 64 rules
 /// lie together, so that matching runs through memory once and stops early where no rule is left,
-/// and adding or removing a rule touches one stretch of `2 * width` words.
+/// and adding or removing a rule touches one stretch of `4 * width` words. Tables of eight bits
+/// would halve the look-ups again, and take eight times the memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct MatchIndex {
-    /// For each 64 rules, `width` pairs: who is ruled out by a 0 and by a 1 in that place.
-    ruled_out: Vec<[u64; 2]>,
-    width: usize,
+    /// For each 64 rules, a table for every four alleles: who is ruled out by each value.
+    ruled_out: Vec<[u64; VALUES]>,
+    /// Tables for each 64 rules.
+    tables: usize,
     rules: usize,
 }
 
@@ -23,15 +32,17 @@ impl MatchIndex {
     /// Adds a rule at the next position. All rules have the same width.
     pub fn push(&mut self, condition: &Condition) {
         if self.rules == 0 {
-            self.width = condition.width();
+            self.tables = condition.width().div_ceil(ALLELES);
         }
-        let (block, bit) = (self.rules / 64 * self.width, self.rules % 64);
+        let (block, bit) = (self.rules / 64 * self.tables, self.rules % 64);
         if bit == 0 {
-            self.ruled_out.resize(block + self.width, [0; 2]);
+            self.ruled_out.resize(block + self.tables, [0; VALUES]);
         }
-        for (allele, pair) in self.ruled_out[block..].iter_mut().enumerate() {
-            if let Some(value) = condition.allele(allele) {
-                pair[usize::from(!value)] |= 1 << bit;
+        for (at, table) in self.ruled_out[block..].iter_mut().enumerate() {
+            let [care, value] = condition.words_of(at * ALLELES);
+            for (bits, out) in table.iter_mut().enumerate() {
+                let is_wrong = (bits as u64 ^ value) & care & MASK != 0;
+                *out |= u64::from(is_wrong) << bit;
             }
         }
         self.rules += 1;
@@ -41,9 +52,9 @@ impl MatchIndex {
     pub fn swap_remove(&mut self, position: usize) {
         self.rules -= 1;
         let (to, from) = (position % 64, self.rules % 64);
-        let (to_block, from_block) = (position / 64 * self.width, self.rules / 64 * self.width);
-        for at in 0..self.width {
-            for value in 0..2 {
+        let (to_block, from_block) = (position / 64 * self.tables, self.rules / 64 * self.tables);
+        for at in 0..self.tables {
+            for value in 0..VALUES {
                 let moved = self.ruled_out[from_block + at][value] >> from & 1;
                 self.ruled_out[from_block + at][value] &= !(1 << from);
                 if position != self.rules {
@@ -53,15 +64,18 @@ impl MatchIndex {
             }
         }
         self.ruled_out
-            .truncate(self.rules.div_ceil(64) * self.width);
+            .truncate(self.rules.div_ceil(64) * self.tables);
     }
 
     /// Calls `found` with the position of each rule that matches, in ascending order.
     pub fn for_each_match(&self, percept: &Percept, mut found: impl FnMut(usize)) {
+        let mut values = [0; MAX_PERCEPT_BITS / ALLELES];
+        let values = &mut values[..self.tables];
+        cut(percept, values);
         for first in (0..self.rules).step_by(64) {
-            let block = &self.ruled_out[first / 64 * self.width..][..self.width];
+            let block = &self.ruled_out[first / 64 * self.tables..][..self.tables];
             let existing = u64::MAX >> (64 - (self.rules - first).min(64));
-            let mut matching = !ruled_out_by(percept, block) & existing;
+            let mut matching = !ruled_out_by(values, block) & existing;
             while matching != 0 {
                 found(first + matching.trailing_zeros() as usize);
                 matching &= matching - 1;
@@ -70,14 +84,20 @@ impl MatchIndex {
     }
 }
 
+/// Cuts the first bits of a percept into numbers of four bits.
+fn cut(percept: &Percept, values: &mut [u8]) {
+    for (at, value) in values.iter_mut().enumerate() {
+        let bit = at * ALLELES;
+        *value = (percept.words()[bit / 64] >> (bit % 64)) as u8 % VALUES as u8;
+    }
+}
+
 /// Which of 64 rules does a percept rule out?
-fn ruled_out_by(percept: &Percept, block: &[[u64; 2]]) -> u64 {
+fn ruled_out_by(values: &[u8], block: &[[u64; VALUES]]) -> u64 {
     let mut out = 0;
-    for (group, pairs) in block.chunks(GROUP).enumerate() {
-        let mut bits = percept.words()[group * GROUP / 64] >> (group * GROUP % 64);
-        for pair in pairs {
-            out |= pair[(bits & 1) as usize];
-            bits >>= 1;
+    for (values, tables) in values.chunks(GROUP).zip(block.chunks(GROUP)) {
+        for (&value, table) in values.iter().zip(tables) {
+            out |= table[usize::from(value) % VALUES];
         }
         if out == u64::MAX {
             break;
