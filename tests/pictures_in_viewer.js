@@ -150,6 +150,9 @@ async function main() {
   const rooms = ["--arena", "grid", "--method", "r-max", "--sensor", "neighbours-position", "--episodes", "60"];
   train(run("rooms.json"), "large", ...rooms);
 
+  fs.writeFileSync(run("halls.json"), xcscr("world", "generate", "--kind", "rooms", "--size", "40", "--seed", "3"));
+  train(run("halls.json"), "huge", ...rooms.slice(0, -1), "80");
+
   const browser = await chromium.launch({
     executablePath: CHROMIUM,
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
@@ -157,9 +160,9 @@ async function main() {
   const shown = await serve(run("run"), "--serve");
   const [story, whole] = shown.links;
   await moving(browser, "story", story, 48, alone, [1120, 800]);
-  await picture(browser, "story", story, 40);
-  await picture(browser, "run", whole, 1400);
-  await picture(browser, "landscape", story, 40, landscape, [1120, 680]);
+  await picture(browser, "story", story, 41);
+  await picture(browser, "run", whole, 1396);
+  await picture(browser, "landscape", story, 41, landscape, [1120, 680]);
   shown.child.kill();
   const felt = await serve(path.join(run("run"), "ep-0001.mcap"), "--serve");
   await picture(browser, "felt", felt.links[0], 30, closeUp(5), [1120, 680]);
@@ -170,6 +173,9 @@ async function main() {
   const large = await serve(run("large"), "--serve");
   await picture(browser, "large", large.links[0], 105);
   large.child.kill();
+  const huge = await serve(run("huge"), "--serve");
+  await picture(browser, "huge", huge.links[0], 105);
+  huge.child.kill();
   await browser.close();
   fs.rmSync(scratch, { recursive: true });
 }

@@ -54,7 +54,7 @@ pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
 
 /// What is nearer than this share of the camera's distance is not drawn. The nearer, the less can a
 /// viewer tell heights apart from afar, and the floor would show through its colours.
-const NEAREST: f64 = 0.004;
+const NEAREST: f64 = 0.006;
 
 /// Looks at the maze's middle from where all of it is seen, and has a curve for each action.
 fn fitted(layout: &str, maze: &Maze) -> String {
