@@ -52,10 +52,6 @@ pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
     layout.to_string()
 }
 
-/// What is nearer than this share of the camera's distance is not drawn. The nearer, the less can a
-/// viewer tell heights apart from afar, and the floor would show through its colours.
-const NEAREST: f64 = 0.006;
-
 /// Looks at the maze's middle from where all of it is seen, and has a curve for each action.
 fn fitted(layout: &str, maze: &Maze) -> String {
     let mut layout: Value = serde_json::from_str(layout).expect("the layouts in assets are JSON");
@@ -83,7 +79,6 @@ fn follow(layout: &mut Value, maze: &Maze) {
     panel["followMode"] = json!("follow-position");
     panel["cameraState"]["distance"] = json!(FOLLOW * maze.cell_size_m());
     panel["cameraState"]["targetOffset"] = json!([0, 0, 0]);
-    panel["cameraState"]["near"] = json!(NEAREST * FOLLOW * maze.cell_size_m());
     // Its letters are made to be read from where the whole maze is seen.
     panel["topics"]["/scene/rule"]["visible"] = json!(false);
     panel["topics"]["/scene/policy"]["visible"] = json!(true);
@@ -122,7 +117,7 @@ fn aim(camera: &mut Value, maze: &Maze) {
     let middle = K * distance / (C + K * S) - legend::height_m(maze);
     camera["distance"] = json!((distance * 1000.0).round() / 1000.0);
     camera["targetOffset"] = json!([wide / 2.0, (middle * 1000.0).round() / 1000.0, 0.0]);
-    camera["near"] = json!(NEAREST * distance);
+    camera["near"] = json!(0.02 * unit);
     camera["far"] = json!((20.0 * distance).ceil());
 }
 
@@ -213,31 +208,6 @@ fn message_path(text: &str) -> MessagePath {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A depth has 24 bits; how far two heights must be apart follows from the nearest distance.
-    #[test]
-    fn the_colours_of_the_floor_are_told_from_the_floor_however_large_the_maze_is() {
-        let layers = 0.002;
-        let told_apart = |near: f64, distance: f64| {
-            let finest = distance * distance / (near * f64::from(1 << 24));
-            finest < layers
-        };
-        for side in [8_u16, 20, 40, 64] {
-            let hall = ".".repeat(usize::from(side) - 1);
-            let mut rows = vec![format!(".{hall}"); side.into()];
-            rows[0] = format!("S{hall}");
-            rows[1] = format!("G{hall}");
-            let text =
-                json!({"name": "hall", "cell_size_m": 1.0, "moves": 4, "wrap": true, "rows": rows});
-            let maze = Maze::from_json(text.to_string().as_bytes(), "hall").unwrap();
-            let layout: Value = serde_json::from_str(&of_episode(&maze)).unwrap();
-            let camera = &layout["configById"]["3D!main"]["cameraState"];
-            let [near, distance] = ["near", "distance"].map(|key| camera[key].as_f64().unwrap());
-            assert!(told_apart(near, distance), "{side}: {camera}");
-            // Control: a fiftieth of a cell, which is near enough for a small maze only.
-            assert_eq!(told_apart(0.02, distance), side == 8, "{side}: {camera}");
-        }
-    }
 
     #[test]
     fn a_path_has_a_topic_and_perhaps_a_field() {

@@ -36,7 +36,10 @@ const FIELD: f64 = 0.45;
 /// in cells.
 const WAY: u32 = 0x22304a;
 const THICK: f64 = 0.011;
-const HIGH: f64 = 0.01;
+const HIGH: f64 = 0.016;
+/// How high the colours lie in a small and in a large maze, in cells: from afar, viewers cannot tell
+/// what lies so low from the floor.
+const LIFT: [f64; 2] = [0.002, 0.01];
 
 /// How a cell is coloured: worth less than nothing or not, and the step of its share.
 type Tint = (bool, u8);
@@ -124,7 +127,11 @@ fn way(cells: &[Cell], maze: &Maze) -> LinePrimitive {
 fn squares(maze: &Maze, (is_bad, shade): Tint, corners: Vec<Point3>) -> TriangleListPrimitive {
     let squares = 0..corners.len() as u32 / 4;
     TriangleListPrimitive {
-        pose: place(0.0, 0.0, 0.002 * maze.cell_size_m()),
+        pose: place(
+            0.0,
+            0.0,
+            LIFT[usize::from(is_large(maze))] * maze.cell_size_m(),
+        ),
         points: corners,
         color: Some(match is_large(maze) {
             true => field(if is_bad { SHADES as u8 - shade } else { shade }),
