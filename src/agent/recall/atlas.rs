@@ -300,10 +300,16 @@ impl Atlas {
             && steps
                 .clone()
                 .all(|step| step.action.index() < actions && step.found.is_finite())
+            && [self.slips, self.misread].iter().flatten().all(is_count)
             && (0.0..=1.0).contains(&self.habits.slip)
             && (0.0..=1.0).contains(&self.planned_slip)
             && (0.0..=1.0).contains(&self.habits.misread)
     }
+}
+
+/// Can a number of steps or cells be like this?
+fn is_count(number: &f64) -> bool {
+    number.is_finite() && *number >= 0.0
 }
 
 /// How often moves slip in plans, if they seem to slip so often: in steps of a fiftieth, and as
