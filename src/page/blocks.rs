@@ -141,14 +141,17 @@ impl Table {
     }
 
     /// Widths of the columns, of which the widest that holds words is made narrower to fit a terminal.
+    /// A table that is too wide even so keeps one line for each row.
     fn fitted(&self) -> Vec<usize> {
         let mut widths = self.widths();
         let surplus = across(&widths).saturating_sub(COLUMNS);
         let words = (0..widths.len()).filter(|&column| !self.is_number(column));
         if let Some(widest) = words.max_by_key(|&column| widths[column]) {
             let least = NARROWEST.max(self.header[widest].chars().count());
-            let narrowed = widths[widest].saturating_sub(surplus).max(least);
-            widths[widest] = narrowed.min(widths[widest]);
+            let narrowed = widths[widest].saturating_sub(surplus);
+            if narrowed >= least {
+                widths[widest] = narrowed;
+            }
         }
         widths
     }
@@ -160,10 +163,14 @@ fn across(widths: &[usize]) -> usize {
     with_gaps.saturating_sub(2)
 }
 
-/// The lines of a row whose cells are broken between words to be no wider.
+/// The lines of a row whose cells are broken between words to be no wider; what goes on is indented.
 fn broken(row: &[String], widths: &[usize]) -> Vec<Vec<String>> {
     let parts = |(cell, &width): (&String, &usize)| match cell.chars().count() > width {
-        true => wrapped(cell, width).lines().map(str::to_owned).collect(),
+        true => wrapped(cell, width - 2)
+            .replace('\n', "\n  ")
+            .lines()
+            .map(str::to_owned)
+            .collect(),
         false => vec![cell.clone()],
     };
     let cells: Vec<Vec<String>> = row.iter().zip(widths).map(parts).collect();
@@ -268,6 +275,15 @@ mod tests {
         north-west wall
         east free                                                            west    1.0
         ");
+    }
+
+    #[test]
+    fn control_a_table_that_cannot_fit_has_one_line_for_each_row() {
+        let mut table = Table::new([&"w".repeat(70), "comparison"]);
+        let words = "xcscr-plus after maze6 − after nothing";
+        table.rows = vec![vec!["maze4".to_owned(), words.to_owned()]];
+        let text = table.text();
+        assert!(text.contains(words) && text.lines().count() == 3, "{text}");
     }
 
     #[test]
