@@ -272,7 +272,7 @@ mod tests {
         if                                                                   go    worth
         --------------------------------------------------------------------------------
         north wall, east free, south-east free, south wall, west free,       east  577.0
-        north-west wall
+          north-west wall
         east free                                                            west    1.0
         ");
     }
