@@ -58,8 +58,10 @@ pub(in crate::record) struct EpisodeRecord {
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(in crate::record) struct Population {
     micro: u32,
-    /// Of no rules there is no mean.
+    /// Of no rules there is no mean, and no such field.
+    #[serde(skip_serializing_if = "Option::is_none")]
     generality: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     mean_error: Option<f64>,
 }
 
