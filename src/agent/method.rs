@@ -2,6 +2,7 @@
 
 use strum::{IntoStaticStr, VariantArray};
 
+use super::recall::Vision;
 use super::{
     Agent, Combined, MemoryParams, Params, Plus, PlusParams, Recall, Sharing, Standard, Tabular,
     TabularParams,
@@ -90,6 +91,7 @@ impl Method {
             tabular,
             plus,
             memory,
+            sensed,
         } = setup;
         let stream = |name| Stream::new(seed, name);
         let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
@@ -121,7 +123,11 @@ impl Method {
             }
             Self::XcscrMemory => {
                 let stream = stream(StreamName::Replay);
-                Box::new(Recall::new(actions, reward, memory, stream))
+                let vision = match sensed {
+                    true => Vision::Lidar,
+                    false => Vision::LookedUp,
+                };
+                Box::new(Recall::new((actions, vision), reward, memory, stream))
             }
             Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
             Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
@@ -134,7 +140,8 @@ impl Method {
     }
 }
 
-/// The parameters of all methods; each takes what it needs. They must have been checked.
+/// The parameters of all methods, which must have been checked, and what else they are told; each
+/// takes what it needs.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Setup {
     /// XCS.
@@ -147,4 +154,6 @@ pub struct Setup {
     pub plus: PlusParams,
     /// `xcscr-memory`.
     pub memory: MemoryParams,
+    /// Is the percept what a robot senses, which shows neither goals nor hidden corners?
+    pub sensed: bool,
 }

@@ -4,7 +4,7 @@ use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
 use super::recall::learner::Learner;
-use super::recall::{MemoryParams, Worth};
+use super::recall::{MemoryParams, Vision, Worth};
 use super::{Agent, Choice, Chooser, EndCredit, Params, StepCredit};
 use crate::arena::Outcome;
 use xcs::PredictionArray;
@@ -21,15 +21,15 @@ pub struct Recall {
 }
 
 impl Recall {
-    /// A learner for so many actions; `stream` draws what is imagined and explored. The parameters
-    /// must have been checked.
-    pub fn new(actions: usize, params: Params, own: MemoryParams, stream: Stream) -> Self {
+    /// A learner for a body of so many actions, which sees like this; `stream` draws what is imagined
+    /// and explored. The parameters must have been checked.
+    pub fn new(body: (usize, Vision), params: Params, own: MemoryParams, stream: Stream) -> Self {
         let Params {
             goal, step, gamma, ..
         } = params;
         let worth = Worth { goal, step, gamma };
         Self {
-            learner: Learner::new(actions, worth, own, stream),
+            learner: Learner::new(body, worth, own, stream),
             params,
             percept: None,
         }

@@ -103,6 +103,7 @@ impl Config {
             tabular,
             plus,
             memory,
+            sensed: self.sensor.is_sensed(),
         };
         let (actions, ring) = (maze.action_count(), self.sensor.ring());
         let mut method = self.method.build(actions, ring, setup, self.seed);

@@ -33,8 +33,6 @@ pub enum Warning {
     },
     /// Cells pay, but no episode can come there.
     OutOfReach(Vec<Cell>),
-    /// The method draws charts around goals that it sees, and this percept shows none.
-    NoGoals(Sensor),
 }
 
 impl Plan {
@@ -47,7 +45,6 @@ impl Plan {
             step_limit(config, maze, &paths),
             look_alike(config, maze, &paths),
             out_of_reach(maze),
-            no_goals(config),
         ]
         .into_iter()
         .flatten()
@@ -79,11 +76,6 @@ fn out_of_reach(maze: &Maze) -> Option<Warning> {
     maze.rewarding_cells().first()?;
     let cells = Facts::new(maze).auxiliary?.out_of_reach;
     (!cells.is_empty()).then_some(Warning::OutOfReach(cells))
-}
-
-fn no_goals(config: &Config) -> Option<Warning> {
-    let Config { method, sensor, .. } = *config;
-    (method == Method::XcscrMemory && sensor.is_sensed()).then_some(Warning::NoGoals(sensor))
 }
 
 /// The cells on the way that look alike and in which no action is best in all, group by group.
@@ -119,7 +111,6 @@ impl Warning {
                 format!("`--sensor {}` (in a study file: `sensors`)", instead.name())
             }
             Self::OutOfReach(_) => "to open a way in `rows`".to_owned(),
-            Self::NoGoals(_) => "`--sensor neighbours` (in a study file: `sensors`)".to_owned(),
         }
     }
 }
@@ -144,12 +135,6 @@ impl fmt::Display for Warning {
                     named(cells)
                 )
             }
-            Self::NoGoals(sensor) => write!(
-                f,
-                "`{}` draws charts around goals that it sees, and `{}` shows none, so it will learn nothing",
-                Method::XcscrMemory.name(),
-                sensor.name()
-            ),
         }?;
         write!(f, "; try {}", self.way_out())
     }
@@ -216,19 +201,6 @@ mod tests {
                 assert_eq!(said, [""; 0], "{world}, {}", method.name());
             }
         }
-    }
-
-    #[test]
-    fn who_charts_goals_is_told_that_a_lidar_shows_none() {
-        let said = |method, sensor| said("maze4", method, sensor, &[]);
-        for sensor in [Sensor::Lidar, Sensor::LidarPosition] {
-            let told = said(Method::XcscrMemory, sensor).concat();
-            assert!(told.contains(sensor.name()), "{told}");
-            assert!(told.ends_with("; try `--sensor neighbours` (in a study file: `sensors`)"));
-        }
-        assert_eq!(said(Method::XcscrMemory, Sensor::Neighbours), [""; 0]);
-        let others = said(Method::XcscrPlus, Sensor::Lidar).concat();
-        assert!(!others.contains("goals"), "control: {others}");
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod ceilings;
 mod examples;
 mod exporting;
 mod knowledge;
+mod lidar;
 mod memory;
 mod noise;
 mod paper;

@@ -2,7 +2,7 @@
 //! (Baum and Welch), from the goal of a chart outward.
 
 use super::chart::{Chart, FURTHEST};
-use super::place::{AROUND, Around, Letter, Place, heading};
+use super::place::{AROUND, Around, Letter, Place, Vision, heading};
 use xcs::Action;
 
 /// Likelihoods below this share of the greatest are dropped.
@@ -30,6 +30,9 @@ pub struct Seen {
 pub struct Habits {
     /// The number of actions.
     pub actions: usize,
+    /// How the cells around the robot are seen. A setting.
+    #[serde(skip)]
+    pub vision: Vision,
     /// The probability that a random action is executed in place of the chosen one.
     pub slip: f64,
     /// The probability that a cell is misread.
@@ -56,11 +59,10 @@ impl Habits {
     /// that the robot bumped, or did not.
     fn leads(&self, step: &Seen, action: Action) -> (usize, f64) {
         let at = heading(action, self.actions);
-        let is_wall = step.around[at] == Letter::Wall;
-        let fits = if is_wall == step.bumped {
-            1.0
-        } else {
-            self.misread
+        let fits = match step.around[at] {
+            Letter::Hidden => 1.0,
+            letter if (letter == Letter::Wall) == step.bumped => 1.0,
+            _ => self.misread,
         };
         (if step.bumped { 8 } else { at }, fits)
     }
@@ -93,10 +95,11 @@ fn shown_twice(before: &Around, after: &Around, displacement: usize) -> impl Ite
         .filter_map(move |(place, &letter)| {
             let there = place.minus(by);
             if there == Place::ORIGIN {
-                return Some(letter == Letter::Free);
+                return Some(matches!(letter, Letter::Free | Letter::Hidden));
             }
             let other = AROUND.iter().position(|place| *place == there)?;
-            Some(letter == after[other])
+            let hidden = [letter, after[other]].contains(&Letter::Hidden);
+            (!hidden).then_some(letter == after[other])
         })
 }
 
@@ -267,7 +270,11 @@ fn backward(
         }
         for place in std::mem::take(&mut adder.touched) {
             let sum = &mut adder.sums[Adder::at(place)];
-            *sum *= chart.likelihood(place, &step.around, habits.misread);
+            *sum *= match place {
+                // The episode would have ended there.
+                Place::ORIGIN => 0.0,
+                _ => chart.likelihood(place, &step.around, habits.misread),
+            };
             adder.touched.push(place);
         }
         let (layer, greatest) = adder.layer();
@@ -283,10 +290,12 @@ fn backward(
 fn likely_moves(step: &Seen, next: Option<&Around>, habits: &Habits) -> Vec<(usize, f64)> {
     let likely = habits.displacements(step).into_iter().enumerate();
     let fit = |displacement: usize| {
-        let into_goal = step.around.get(displacement) == Some(&Letter::Goal);
+        let cell = step.around.get(displacement).copied();
         match next {
-            None if into_goal => 1.0,
-            Some(next) if !into_goal => overlap(&step.around, next, displacement, habits.misread),
+            None if cell.is_some_and(|cell| habits.vision.may_be_goal(cell)) => 1.0,
+            Some(next) if cell != Some(Letter::Goal) => {
+                overlap(&step.around, next, displacement, habits.misread)
+            }
             _ => habits.misread,
         }
     };

@@ -9,7 +9,7 @@ use super::chart::Chart;
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
 use super::params::MemoryParams;
 use super::payments::Payments;
-use super::place::{Letter, Place};
+use super::place::{Place, Vision};
 use xcs::MAX_ACTIONS;
 
 /// Episodes that are kept to draw the charts anew.
@@ -74,9 +74,10 @@ pub struct Atlas {
 
 impl Atlas {
     /// An atlas without a chart, for a robot with so many actions.
-    pub fn new(actions: usize, params: MemoryParams) -> Self {
+    pub fn new(actions: usize, vision: Vision, params: MemoryParams) -> Self {
         let habits = Habits {
             actions,
+            vision,
             slip: FIRST_SLIP,
             misread: LEAST_MISREAD,
         };
@@ -93,9 +94,22 @@ impl Atlas {
     }
 
     /// The same with the settings of another.
-    pub fn with_settings_of(self, other: &Self) -> Self {
-        let params = other.params.clone();
-        Self { params, ..self }
+    pub fn with_settings_of(mut self, other: &Self) -> Self {
+        self.params = other.params.clone();
+        self.habits.vision = other.habits.vision;
+        self
+    }
+
+    /// The same without a chart or an episode, but for what is believed of moves and percepts.
+    fn blank(&self) -> Self {
+        let Habits {
+            actions, vision, ..
+        } = self.habits;
+        Self {
+            habits: self.habits,
+            successes: self.successes,
+            ..Self::new(actions, vision, self.params.clone())
+        }
     }
 
     /// What is believed of moves and percepts.
@@ -151,7 +165,8 @@ impl Atlas {
         }
         let sheet = &mut self.sheets[at];
         sheet.take_down(steps, &alignment);
-        sheet.chart.sight(Place::ORIGIN, Letter::Goal);
+        let goal = self.habits.vision.of_a_goal();
+        sheet.chart.sight(Place::ORIGIN, goal);
         let fading = 0.99;
         self.slips[0] = self.slips[0] * fading + alignment.slips;
         self.slips[1] = self.slips[1] * fading + steps.len() as f64;
@@ -220,11 +235,7 @@ impl Atlas {
         let mut order: Vec<&Vec<Seen>> = self.episodes.iter().collect();
         order.sort_by_key(|steps| steps.len());
         let order: Vec<Vec<Seen>> = order.into_iter().cloned().collect();
-        let mut fresh = Self {
-            habits: self.habits,
-            successes: self.successes,
-            ..Self::new(self.habits.actions, self.params.clone())
-        };
+        let mut fresh = self.blank();
         order.iter().for_each(|steps| fresh.draw(steps));
         fresh.settle_habits();
         let fresh = fresh.drawn_again(&order);
@@ -237,12 +248,8 @@ impl Atlas {
 
     /// Charts drawn from how episodes lie on these ones.
     fn drawn_again(&self, episodes: &[Vec<Seen>]) -> Self {
-        let mut again = Self {
-            sheets: vec![Sheet::default(); self.sheets.len()],
-            habits: self.habits,
-            successes: self.successes,
-            ..Self::new(self.habits.actions, self.params.clone())
-        };
+        let mut again = self.blank();
+        again.sheets = vec![Sheet::default(); self.sheets.len()];
         for steps in episodes {
             let charts = self.sheets.iter().map(|sheet| &sheet.chart).enumerate();
             let laid = charts.map(|(at, chart)| (at, align(steps, chart, &self.habits)));
@@ -254,7 +261,8 @@ impl Atlas {
                 continue;
             };
             let sheet = &mut again.sheets[at];
-            sheet.chart.sight(Place::ORIGIN, Letter::Goal);
+            let goal = self.habits.vision.of_a_goal();
+            sheet.chart.sight(Place::ORIGIN, goal);
             sheet.take_down(steps, &alignment);
             again.slips[0] += alignment.slips;
             again.slips[1] += steps.len() as f64;
@@ -278,7 +286,7 @@ impl Atlas {
         let used = self.sheets.iter();
         let used = used.filter(|sheet| sheet.episodes >= LEAST_SHARE * all);
         let charted: Vec<Charted<'_>> = used
-            .map(|sheet| Charted::new(&sheet.chart, &sheet.payments))
+            .map(|sheet| Charted::new(&sheet.chart, &sheet.payments, self.habits.vision))
             .collect();
         Map {
             misread: self.misread(),

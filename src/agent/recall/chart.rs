@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::place::{AROUND, Around, Letter, Place};
+use super::place::{AROUND, Around, Letter, Place, Vision};
 
 /// Sightings of a cell that count; from here on the older ones fade.
 const MOST_SIGHTINGS: u8 = 20;
@@ -47,13 +47,9 @@ impl Chart {
         }
     }
 
-    /// What would be perceived in a place; `None` if some of it is not charted.
-    pub fn around(&self, place: Place) -> Option<Around> {
-        let mut around = [Letter::Free; 8];
-        for (letter, by) in around.iter_mut().zip(AROUND) {
-            *letter = self.letter(place.plus(by))?;
-        }
-        Some(around)
+    /// What would be seen in a place; `None` if some of it is not charted.
+    pub fn around(&self, place: Place, vision: Vision) -> Option<Around> {
+        vision.seen(AROUND.map(|by| self.letter(place.plus(by))))
     }
 
     /// How likely it is to perceive this in a place, when a letter is misread with probability
@@ -67,6 +63,10 @@ impl Chart {
     }
 
     fn letter_likelihood(&self, place: Place, letter: Letter, misread: f64) -> f64 {
+        if letter == Letter::Hidden {
+            // The walls that hide it are weighed themselves.
+            return 1.0;
+        }
         let sightings = self.sightings(place);
         let all: f64 = sightings.iter().copied().map(f64::from).sum();
         if all == 0.0 {
@@ -79,6 +79,7 @@ impl Chart {
     /// The cells around a place that were charted otherwise than they are seen.
     pub fn contradictions(&self, place: Place, seen: &Around) -> impl Iterator<Item = Place> {
         let cells = AROUND.into_iter().zip(*seen);
+        let cells = cells.filter(|(_, letter)| *letter != Letter::Hidden);
         let cells = cells.map(move |(by, letter)| (place.plus(by), letter));
         cells
             .filter(|&(cell, letter)| self.letter(cell).is_some_and(|charted| charted != letter))
@@ -91,12 +92,13 @@ impl Chart {
             return;
         }
         self.sight(place, Letter::Free);
-        for (&by, &letter) in AROUND.iter().zip(seen) {
+        let cells = AROUND.iter().zip(seen);
+        for (&by, &letter) in cells.filter(|(_, letter)| **letter != Letter::Hidden) {
             self.sight(place.plus(by), letter);
         }
     }
 
-    /// Takes down what a cell is.
+    /// Takes down what a cell is; it must be seen.
     pub fn sight(&mut self, place: Place, letter: Letter) {
         self.grow_to(place);
         let at = self.index(place).expect("the chart has grown");

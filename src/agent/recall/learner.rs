@@ -9,7 +9,7 @@ use super::induction::induce;
 use super::lessons::{Lessons, imagine};
 use super::map::{Map, Worth};
 use super::params::MemoryParams;
-use super::place::around;
+use super::place::Vision;
 use super::wander::Sketch;
 use crate::agent::model::pomdp::{BeliefPlanner, Effort};
 use xcs::random::Stream;
@@ -85,12 +85,17 @@ pub struct Matching {
 }
 
 impl Learner {
-    /// A learner that knows nothing, for so many actions, and what it is to seek.
-    pub fn new(actions: usize, worth: Worth, params: MemoryParams, stream: Stream) -> Self {
+    /// A learner that knows nothing, for so many actions and who sees like this, and what it is to seek.
+    pub fn new(
+        (actions, vision): (usize, Vision),
+        worth: Worth,
+        params: MemoryParams,
+        stream: Stream,
+    ) -> Self {
         Self {
             actions,
             worth,
-            atlas: Atlas::new(actions, params),
+            atlas: Atlas::new(actions, vision, params),
             map: Map::default(),
             planner: BeliefPlanner::default(),
             rules: Population::default(),
@@ -146,7 +151,7 @@ impl Learner {
     /// Perceives, and tells what the rules make of it.
     pub fn perceive(&mut self, percept: &Percept) -> PredictionArray {
         self.tracker.perceive(&self.map, percept);
-        let around = around(percept);
+        let around = self.atlas.habits().vision.around(percept);
         self.sketch
             .perceive(self.steps.last(), &around, self.atlas.habits());
         let context = self.tracker.context(&self.map);
@@ -191,7 +196,7 @@ impl Learner {
     /// Acts on what was perceived, and bumps or does not, and finds an auxiliary reward or none, 0.
     pub fn act(&mut self, percept: &Percept, action: Action, felt: Felt, found: f64) {
         self.tracker.act(action, felt);
-        let around = around(percept);
+        let around = self.atlas.habits().vision.around(percept);
         self.steps.push(Seen {
             around,
             action,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::chart::{Chart, FURTHEST};
 use super::payments::Payments;
-use super::place::{AROUND, Letter, Place, heading, percept_of};
+use super::place::{AROUND, Letter, Place, Vision, heading, percept_of};
 use crate::agent::model::pomdp::{GOAL, Pomdp, Prizes};
 use xcs::{Action, Percept};
 
@@ -84,6 +84,7 @@ impl TryFrom<ReadMap> for Map {
 /// A chart, and the cells of it that pay.
 pub struct Charted<'a> {
     chart: &'a Chart,
+    vision: Vision,
     /// The places that can be perceived wholly.
     places: Vec<Place>,
     paying: Vec<(Place, f64)>,
@@ -91,9 +92,11 @@ pub struct Charted<'a> {
 
 impl<'a> Charted<'a> {
     /// All places of a chart that can be perceived wholly, and what they pay.
-    pub fn new(chart: &'a Chart, payments: &Payments) -> Self {
+    pub fn new(chart: &'a Chart, payments: &Payments, vision: Vision) -> Self {
         let stands = |place: &Place| {
-            chart.letter(*place) == Some(Letter::Free) && chart.around(*place).is_some()
+            *place != Place::ORIGIN
+                && chart.letter(*place) == Some(Letter::Free)
+                && chart.around(*place, vision).is_some()
         };
         let places: Vec<Place> = chart.places().filter(stands).collect();
         let mut paying = payments.likely();
@@ -102,6 +105,7 @@ impl<'a> Charted<'a> {
         paying.truncate(room.min(MOST_PAYING));
         Self {
             chart,
+            vision,
             places,
             paying,
         }
@@ -147,7 +151,7 @@ impl Map {
         let seen: Vec<Percept> = spots
             .iter()
             .map(|spot| {
-                let around = on(spot).chart.around(spot.place);
+                let around = on(spot).chart.around(spot.place, on(spot).vision);
                 let around = around.expect("only places that are charted all around");
                 sight(&percept_of(&around), spot.eaten.count_ones())
             })
@@ -206,6 +210,7 @@ fn next(spots: &[Spot], on: &Charted<'_>, state: usize, action: Action, actions:
     let place = spot.place.plus(AROUND[heading(action, actions)]);
     match on.chart.letter(place) {
         Some(Letter::Goal) => GOAL,
+        _ if place == Place::ORIGIN => GOAL,
         Some(Letter::Free) => {
             let eaten = on.eaten_in(place, spot.eaten);
             let known = spots.binary_search(&Spot {

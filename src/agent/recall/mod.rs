@@ -11,6 +11,9 @@
 //! part of the state ([`map`]). While none is known the plan is the one of the fewest steps; with them
 //! it is the one of the greatest discounted sum of all rewards, which may be a detour.
 //!
+//! Through a lidar no goal is seen: a chart begins where its episodes ended. Corners between two walls
+//! are hidden from it, and count neither for nor against a place ([`Vision`]).
+//!
 //! Built in are that the first sixteen bits of a percept are the eight cells around the robot, what
 //! the letters mean (free, wall, goal), that a move goes one cell its way unless there is a wall, that
 //! cells pay once, and that the world stands still. Learned are charts, slips and rules. Whether a move slipped is not
@@ -36,3 +39,4 @@ mod wander;
 pub use context::{CONTEXT_BITS, PERCEPT_BITS, Tracker, words};
 pub use map::{Map, Worth};
 pub use params::MemoryParams;
+pub use place::Vision;

@@ -1,0 +1,76 @@
+//! A learner with a memory that senses: a lidar shows neither goals nor hidden corners.
+
+use xcscr::agent::{Knowledge, Method};
+use xcscr::arena::ArenaKind;
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Bounds, GreedySteps, Plan, Trial};
+use xcscr::world::Maze;
+
+/// A trial that is over, on the percept `lidar`.
+fn finished(world: &str, method: Method, arena: ArenaKind, episodes: u32, flips: f64) -> Trial {
+    let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
+    let maze = Maze::load(path.as_ref()).unwrap();
+    let mut plan = Plan::new(maze)
+        .method(method)
+        .arena(arena)
+        .episodes(episodes);
+    plan.config.sensor = Sensor::Lidar;
+    plan.config.settings.sensor.flips = flips;
+    plan.config.settings.physics.noise = 3.0;
+    let mut trial = Trial::new(plan).unwrap();
+    let _ = trial.run(&mut ());
+    trial
+}
+
+fn greedy(trial: &Trial) -> f64 {
+    GreedySteps::of(trial.plan(), &trial.method().knowledge()).mean
+}
+
+#[test]
+fn a_robot_that_only_senses_is_optimal_once_it_has_a_chart() {
+    for world in ["maze4", "maze5", "maze6"] {
+        let trial = finished(world, Method::XcscrMemory, ArenaKind::Physics, 4, 0.0);
+        assert!(trial.progress().optimal, "{world}: {:?}", trial.progress());
+        assert!(trial.method().rule_count() <= 25, "{world}");
+        let without = finished(world, Method::QLearning, ArenaKind::Physics, 4, 0.0);
+        assert!(!without.progress().optimal, "control: {world}");
+    }
+}
+
+#[test]
+fn where_places_look_alike_to_a_lidar_rules_with_a_memory_reach_the_belief_bound() {
+    for world in ["classic/woods101", "classic/maze10", "classic/mazef4"] {
+        let trial = finished(world, Method::XcscrMemory, ArenaKind::Grid, 60, 0.0);
+        let bound = Bounds::of_belief(&trial.plan().maze, Sensor::Lidar).unwrap();
+        let steps = greedy(&trial);
+        assert!(
+            steps <= 1.02 * bound,
+            "{world}: {steps} steps, bound {bound}"
+        );
+        let without = finished(world, Method::QLearning, ArenaKind::Grid, 60, 0.0);
+        let steps = greedy(&without);
+        assert!(steps > 2.0 * bound, "control: {world}: {steps} steps");
+    }
+}
+
+#[test]
+fn flipped_bits_of_a_lidar_open_no_ghost_places() {
+    let trial = finished("maze4", Method::XcscrMemory, ArenaKind::Grid, 60, 0.01);
+    let Knowledge::Remembering { map, .. } = trial.method().knowledge() else {
+        panic!("the method remembers");
+    };
+    let maze = &trial.plan().maze;
+    let cells = maze.free_cells().count() - maze.goals().len();
+    assert!(map.spots.len() <= cells, "{} places", map.spots.len());
+    let bound = Bounds::of_belief(maze, Sensor::Lidar).unwrap();
+    let steps = greedy(&trial);
+    assert!(steps <= 1.1 * bound, "{steps} steps, bound {bound}");
+    let without = greedy(&finished(
+        "maze4",
+        Method::QLearning,
+        ArenaKind::Grid,
+        60,
+        0.01,
+    ));
+    assert!(without > 2.0 * bound, "control: {without} steps");
+}
