@@ -7,6 +7,7 @@
 pub mod chance;
 pub mod folder;
 pub mod program;
+pub mod schema;
 pub mod scripted;
 pub mod served;
 pub mod tally;

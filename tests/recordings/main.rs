@@ -13,6 +13,7 @@ mod recording;
 mod recording_faults;
 mod recovery;
 mod ros;
+mod schemas;
 mod serving;
 mod size;
 mod story;

@@ -1,0 +1,53 @@
+//! Holds messages against the JSON schemas of their channels: as much of JSON Schema as recordings
+//! use, and no word of it unread.
+
+use serde_json::Value;
+
+/// What of a message the schema does not allow, with where it stands.
+pub fn fault(schema: &Value, value: &Value) -> Option<String> {
+    fault_at("", schema, value)
+}
+
+fn fault_at(place: &str, schema: &Value, value: &Value) -> Option<String> {
+    let words = schema.as_object().expect("a schema is an object");
+    let faults = words.iter().filter_map(|(word, wanted)| match &**word {
+        "type" => (!is_of(wanted, value)).then(|| format!("{place}: {value} is no {wanted}")),
+        "properties" => fault_of_fields(place, wanted, value),
+        "items" => {
+            let mut items = value.as_array()?.iter().enumerate();
+            items.find_map(|(n, item)| fault_at(&format!("{place}[{n}]"), wanted, item))
+        }
+        "oneOf" => {
+            let mut named = wanted.as_array().unwrap().iter();
+            let is_one = named.any(|one| one["const"] == *value);
+            (!is_one).then(|| format!("{place}: {value} is none of {wanted}"))
+        }
+        "description" => None,
+        unread => panic!("this check does not know the word `{unread}`"),
+    });
+    faults.collect::<Vec<_>>().into_iter().next()
+}
+
+/// Is a value of the type that a schema names?
+fn is_of(wanted: &Value, value: &Value) -> bool {
+    match wanted.as_str().expect("a type is one word") {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "number" => value.is_number(),
+        "integer" => value.is_i64() || value.is_u64(),
+        unknown => panic!("this check does not know the type `{unknown}`"),
+    }
+}
+
+/// A field that the schema does not know counts as a fault, too.
+fn fault_of_fields(place: &str, known: &Value, value: &Value) -> Option<String> {
+    value.as_object()?.iter().find_map(|(field, value)| {
+        let place = format!("{place}.{field}");
+        match known.get(field) {
+            Some(schema) => fault_at(&place, schema, value),
+            None => Some(format!("{place} is not in the schema")),
+        }
+    })
+}

@@ -1,0 +1,140 @@
+//! Every JSON message is what the schema in its channel says.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+use crate::kit::program::expect;
+use crate::kit::schema::fault;
+use serde_json::{Value, json};
+use xcscr::agent::Method;
+use xcscr::record::reader::Recording;
+
+/// Arrays in which `null` stands for what is unknown. A schema cannot say so: viewers refuse one
+/// whose items have two types. Their meaning says it instead.
+const MAY_HOLD_NULL: [(&str, &str); 3] = [
+    ("/episode", "start_worth"),
+    ("/rule", "worth"),
+    ("/step", "worth"),
+];
+
+/// The topics of a recording that carry JSON, with their schemas.
+fn schemas(recording: &Recording) -> BTreeMap<String, Value> {
+    let topics = recording.topics().into_iter();
+    let json = topics.filter(|topic| topic.encoding == "json");
+    json.map(|topic| {
+        let schema = serde_json::from_slice(&topic.schema_data).unwrap();
+        (topic.name, schema)
+    })
+    .collect()
+}
+
+/// A message without the nulls that stand for what is unknown.
+fn known(topic: &str, mut message: Value) -> Value {
+    for (_, field) in MAY_HOLD_NULL.iter().filter(|(of, _)| *of == topic) {
+        if let Some(Value::Array(items)) = message.get_mut(field) {
+            items.retain(|item| !item.is_null());
+        }
+    }
+    message
+}
+
+/// Holds all messages of a recording against their schemas; gives the topics that were met.
+#[track_caller]
+fn keeps_to_its_schemas(recording: &Recording) -> BTreeSet<String> {
+    let (schemas, mut met) = (schemas(recording), BTreeSet::new());
+    for message in recording.messages().map(|message| message.unwrap()) {
+        let Some(schema) = schemas.get(message.topic()) else {
+            continue;
+        };
+        let json = known(message.topic(), message.json().unwrap());
+        let fault = fault(schema, &json);
+        let place = (recording.path(), message.topic(), message.time_ns);
+        assert_eq!(fault, None, "{place:?}: {json}");
+        met.insert(message.topic().to_owned());
+    }
+    met
+}
+
+/// The recordings of a short run, with its story.
+fn recordings(run: &Path, more: &[&str]) -> Vec<Recording> {
+    let out = ["--quiet", "--episodes", "3", "--out", run.to_str().unwrap()];
+    expect(
+        0,
+        &[&["train", "worlds/maze4.json"], &out[..], more].concat(),
+    );
+    let files = fs::read_dir(run)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let recordings = files.filter(|file| file.extension().is_some_and(|e| e == "mcap"));
+    let recordings: Vec<_> = recordings
+        .map(|file| Recording::open(&file).unwrap())
+        .collect();
+    assert_eq!(recordings.len(), 5, "three episodes, the run and its story");
+    recordings
+}
+
+#[test]
+fn every_message_of_every_method_is_what_its_schema_says() {
+    let folder = tempfile::tempdir().unwrap();
+    // What a robot senses is the same with all methods, and on the grid there is nothing of it.
+    let runs = Method::ALL.iter().map(|method| (method.name(), "grid"));
+    let mut met = BTreeSet::new();
+    for (method, arena) in runs.chain([("xcscr-plus", "physics")]) {
+        let run = folder.path().join(format!("{method}-{arena}"));
+        for recording in recordings(&run, &["--method", method, "--arena", arena]) {
+            met.extend(keeps_to_its_schemas(&recording));
+        }
+    }
+    let all = [
+        "contact", "curve", "ended", "episode", "estimate", "rule", "step",
+    ];
+    assert_eq!(met, all.map(|name| format!("/{name}")).into());
+}
+
+#[test]
+fn where_null_stands_for_unknown_the_schema_of_the_story_says_so() {
+    let story = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
+    let schemas = schemas(&story);
+    keeps_to_its_schemas(&story);
+    for (topic, field) in MAY_HOLD_NULL {
+        let meaning = &schemas[topic]["properties"][field]["description"];
+        assert!(
+            meaning.as_str().unwrap().ends_with("null: unknown"),
+            "{meaning}"
+        );
+    }
+}
+
+#[test]
+fn a_message_that_breaks_its_schema_is_told_from_one_that_keeps_it() {
+    let story = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
+    let schema = &schemas(&story)["/episode"];
+    let faults = [
+        (json!({"episode": 1, "state": 3, "reward": 0.5}), None),
+        (json!({"start_worth": [1.0, 2]}), None),
+        (
+            json!({"generality": null}),
+            Some(".generality: null is no \"number\""),
+        ),
+        (
+            json!({"start_worth": [1.0, null]}),
+            Some(".start_worth[1]: null is no \"number\""),
+        ),
+        (json!({"steps": 1.5}), Some(".steps: 1.5 is no \"integer\"")),
+        (json!({"state": 2}), Some(".state: 2 is none of")),
+        (
+            json!({"optimal": "yes"}),
+            Some(".optimal: \"yes\" is no \"boolean\""),
+        ),
+        (json!({"colour": 1}), Some(".colour is not in the schema")),
+        (json!([]), Some(": [] is no \"object\"")),
+    ];
+    for (message, expected) in faults {
+        let found = fault(schema, &message);
+        match expected {
+            Some(start) => assert!(found.as_ref().unwrap().starts_with(start), "{found:?}"),
+            None => assert_eq!(found, None, "{message}"),
+        }
+    }
+}
