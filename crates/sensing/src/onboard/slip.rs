@@ -75,7 +75,7 @@ impl Slip {
         if bumped {
             self.forget_lag();
         } else if !self.is_noticed() {
-            self.lag += excess;
+            self.shift_lag(excess);
         }
         if excess == 0.0 && self.lag.abs() < SAME {
             self.forget_lag();
@@ -91,7 +91,17 @@ impl Slip {
     /// What the robot believes was corrected by so much along its heading; the other account stays.
     pub(super) fn correct(&mut self, along: f64) {
         if self.lag != 0.0 {
-            self.lag += along;
+            self.shift_lag(along);
+        }
+    }
+
+    /// Wheels that brake too hard are another account than wheels that speed up too hard: what the
+    /// beams said for the one does not speak for the other.
+    fn shift_lag(&mut self, by: f64) {
+        let before = self.lag;
+        self.lag += by;
+        if before * self.lag < 0.0 {
+            self.odds = 0.0;
         }
     }
 
@@ -168,6 +178,25 @@ mod tests {
         slip.roll(0.1, false);
         assert_eq!(slip.weigh(-17.0, &params), Some(Verdict::Rolled));
         assert!(!slip.is_noticed() && slip.lag().is_none());
+    }
+
+    #[test]
+    fn what_spoke_for_wheels_that_speed_up_too_hard_does_not_speak_for_wheels_that_brake_too_hard()
+    {
+        let params = EstimatorParams::default();
+        let weighed_after = |by: f64| {
+            let mut slip = Slip::default();
+            slip.roll(0.1, false);
+            assert_eq!(slip.weigh(15.0, &params), None);
+            slip.roll(by, false);
+            slip.weigh(2.0, &params)
+        };
+        assert_eq!(weighed_after(-0.2), None, "the lag has changed its sign");
+        assert_eq!(
+            weighed_after(-0.05),
+            Some(Verdict::Spun(0.05)),
+            "the control"
+        );
     }
 
     #[test]
