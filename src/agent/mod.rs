@@ -31,7 +31,7 @@ pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 use plus::Plus;
 pub use plus::{Discovery, PlusParams};
-pub use recall::{MemoryParams, PERCEPT_BITS, words as memory_words};
+pub use recall::{MemoryParams, Odometry, PERCEPT_BITS, words as memory_words};
 use remembering::Recall;
 use tabular::Tabular;
 pub use tabular::TabularParams;

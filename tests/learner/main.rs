@@ -13,6 +13,7 @@ mod knowledge;
 mod lidar;
 mod memory;
 mod noise;
+mod odometry;
 mod paper;
 mod readings;
 mod readme;

@@ -2,7 +2,8 @@
 //! (Baum and Welch), from the goal of a chart outward.
 
 use super::chart::{Chart, FURTHEST};
-use super::place::{AROUND, Around, Letter, Place, Vision, heading};
+use super::headings::{DISPLACEMENTS, Headings};
+use super::place::{AROUND, Around, Letter, NOWHERE, Place, Vision, offset};
 use xcs::Action;
 
 /// Likelihoods below this share of the greatest are dropped.
@@ -28,8 +29,8 @@ pub struct Seen {
 /// What is believed of the moves and of the percepts.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Habits {
-    /// The number of actions.
-    pub actions: usize,
+    /// The displacement that each action aims at.
+    pub headings: Headings,
     /// How the cells around the robot are seen. A setting.
     #[serde(skip)]
     pub vision: Vision,
@@ -41,48 +42,74 @@ pub struct Habits {
 
 impl Habits {
     /// How likely each displacement is: the eight around, and none.
-    fn displacements(&self, step: &Seen) -> [f64; 9] {
-        let mut likely = [0.0; 9];
-        for action in Action::all(self.actions) {
+    fn displacements(&self, step: &Seen) -> [f64; DISPLACEMENTS] {
+        let mut likely = [0.0; DISPLACEMENTS];
+        let actions = self.headings.actions();
+        for action in Action::all(actions) {
             let chosen = if action == step.action {
                 1.0 - self.slip
             } else {
                 0.0
             };
-            let (to, fits) = self.leads(step, action);
-            likely[to] += fits * (chosen + self.slip / self.actions as f64);
+            for (heading, weight) in self.headings.of(action) {
+                let (to, fits) = self.leads(step, heading);
+                likely[to] += weight * fits * (chosen + self.slip / actions as f64);
+            }
         }
         likely
     }
 
-    /// The displacement by an action that was executed, and how well what was perceived fits to
-    /// that the robot bumped, or did not.
-    fn leads(&self, step: &Seen, action: Action) -> (usize, f64) {
-        let at = heading(action, self.actions);
-        let fits = match step.around[at] {
-            Letter::Hidden => 1.0,
-            letter if (letter == Letter::Wall) == step.bumped => 1.0,
+    /// The displacement of a robot that heads for one, and how well what was perceived fits to
+    /// that it bumped, or did not.
+    fn leads(&self, step: &Seen, heading: usize) -> (usize, f64) {
+        let fits = match step.around.get(heading) {
+            Some(Letter::Hidden) => 1.0,
+            letter if (letter == Some(&Letter::Wall)) == step.bumped => 1.0,
             _ => self.misread,
         };
-        (if step.bumped { 8 } else { at }, fits)
+        (if step.bumped { NOWHERE } else { heading }, fits)
     }
 
-    /// How likely a step was a slip, when it displaced the robot so.
-    fn slipped(&self, step: &Seen, displacement: usize) -> f64 {
-        let all = self.displacements(step)[displacement];
-        let (to, fits) = self.leads(step, step.action);
-        let chosen = if to == displacement {
-            fits * (1.0 - self.slip)
-        } else {
-            0.0
-        };
-        if all > 0.0 { 1.0 - chosen / all } else { 0.0 }
+    /// By displacement, how likely a step was a slip if it displaced the robot so.
+    fn slipped(&self, step: &Seen) -> [f64; DISPLACEMENTS] {
+        let mut chosen = [0.0; DISPLACEMENTS];
+        for (heading, weight) in self.headings.of(step.action) {
+            let (to, fits) = self.leads(step, heading);
+            chosen[to] += weight * fits * (1.0 - self.slip);
+        }
+        let all = self.displacements(step);
+        std::array::from_fn(|to| match all[to] > 0.0 {
+            true => 1.0 - chosen[to] / all[to],
+            false => 0.0,
+        })
     }
-}
 
-/// An offset of [`AROUND`], or none.
-fn offset(displacement: usize) -> Place {
-    AROUND.get(displacement).copied().unwrap_or(Place::ORIGIN)
+    /// How well a displacement fits to what was seen before and after it (nothing at the goal).
+    fn fit(&self, step: &Seen, next: Option<&Around>, displacement: usize) -> f64 {
+        let cell = step.around.get(displacement).copied();
+        match next {
+            None if cell.is_some_and(|cell| self.vision.may_be_goal(cell)) => 1.0,
+            Some(next) if cell != Some(Letter::Goal) => {
+                overlap(&step.around, next, displacement, self.misread)
+            }
+            _ => self.misread,
+        }
+    }
+
+    /// Learns what an action aims at, from how well displacements fit to the rest of the episode.
+    pub fn learn_in_context(&mut self, step: &Seen, fits: &[f64; DISPLACEMENTS]) {
+        let fits = std::array::from_fn(|heading| fits[self.leads(step, heading).0]);
+        self.headings.learn(step.action, &fits, self.slip);
+    }
+
+    /// Learns what an action aims at, from what was seen before and after it.
+    pub fn learn_heading(&mut self, step: &Seen, next: Option<&Around>) {
+        let fits = std::array::from_fn(|heading| {
+            let (to, fits) = self.leads(step, heading);
+            fits * self.fit(step, next, to)
+        });
+        self.headings.learn(step.action, &fits, self.slip);
+    }
 }
 
 /// What both of two percepts show that follow each other over a displacement: for each such cell,
@@ -187,6 +214,8 @@ pub struct Alignment {
     pub places: Vec<Option<Place>>,
     /// How many steps slipped, as far as can be told.
     pub slips: f64,
+    /// For each step, how well each displacement fits to the chart and to all other steps.
+    pub fits: Vec<[f64; DISPLACEMENTS]>,
 }
 
 /// A product of many small numbers: `mantissa * 2^exponent`, the mantissa between 0.5 and 1.
@@ -241,11 +270,9 @@ impl Likelihood {
 pub fn align(steps: &[Seen], chart: &Chart, habits: &Habits) -> Alignment {
     let mut adder = Adder::new();
     let (layers, likelihood) = backward(steps, chart, habits, &mut adder);
-    let (places, slips) = forward(steps, &layers, habits, &mut adder);
     Alignment {
         likelihood,
-        places,
-        slips,
+        ..forward(steps, &layers, habits, &mut adder)
     }
 }
 
@@ -289,52 +316,49 @@ fn backward(
 /// The displacements that a step may have had, given what was seen after it (nothing at the goal).
 fn likely_moves(step: &Seen, next: Option<&Around>, habits: &Habits) -> Vec<(usize, f64)> {
     let likely = habits.displacements(step).into_iter().enumerate();
-    let fit = |displacement: usize| {
-        let cell = step.around.get(displacement).copied();
-        match next {
-            None if cell.is_some_and(|cell| habits.vision.may_be_goal(cell)) => 1.0,
-            Some(next) if cell != Some(Letter::Goal) => {
-                overlap(&step.around, next, displacement, habits.misread)
-            }
-            _ => habits.misread,
-        }
-    };
-    let fitting = likely.map(|(displacement, likely)| (displacement, likely * fit(displacement)));
+    let fitting = likely.map(|(displacement, likely)| {
+        (displacement, likely * habits.fit(step, next, displacement))
+    });
     fitting.filter(|(_, likely)| *likely > 0.0).collect()
 }
 
-/// Where the robot was at each step, where that is certain, and how often it slipped.
-fn forward(
-    steps: &[Seen],
-    layers: &[Layer],
-    habits: &Habits,
-    adder: &mut Adder,
-) -> (Vec<Option<Place>>, f64) {
+/// Where the robot was at each step, where that is certain, how often it slipped, and how well
+/// displacements fit.
+fn forward(steps: &[Seen], layers: &[Layer], habits: &Habits, adder: &mut Adder) -> Alignment {
     let mut now = shares(&layers[0].places);
-    let (mut places, mut slips) = (Vec::with_capacity(steps.len()), 0.0);
+    let mut forward = Alignment {
+        likelihood: Likelihood::ONE,
+        places: Vec::with_capacity(steps.len()),
+        slips: 0.0,
+        fits: Vec::with_capacity(steps.len()),
+    };
     for (at, step) in steps.iter().enumerate() {
-        places.push(certain(&now));
+        forward.places.push(certain(&now));
+        let mut fits = [0.0; DISPLACEMENTS];
         let moves = likely_moves(step, steps.get(at + 1).map(|next| &next.around), habits);
         let later = &layers[at + 1].places;
+        let slipped = habits.slipped(step);
         for &(place, weight) in &now {
-            let ways: Vec<(usize, Place, f64)> = moves
+            let ways: Vec<(usize, Place, f64, f64)> = moves
                 .iter()
                 .filter_map(|&(displacement, likely)| {
                     let to = place.plus(offset(displacement));
                     let found = later.binary_search_by_key(&to, |one| one.0).ok()?;
-                    Some((displacement, to, likely * later[found].1))
+                    Some((displacement, to, likely, later[found].1))
                 })
                 .collect();
-            let all: f64 = ways.iter().map(|way| way.2).sum();
-            for (displacement, to, likely) in ways {
-                let share = weight * likely / all;
-                slips += share * habits.slipped(step, displacement);
+            let all: f64 = ways.iter().map(|way| way.2 * way.3).sum();
+            for (displacement, to, likely, after) in ways {
+                let share = weight * (likely * after) / all;
+                forward.slips += share * slipped[displacement];
+                fits[displacement] += weight * after / all;
                 adder.add(to, share);
             }
         }
+        forward.fits.push(fits);
         now = shares(&adder.layer().0.places);
     }
-    (places, slips)
+    forward
 }
 
 /// Weights that add up to 1.
@@ -360,5 +384,5 @@ fn likeliest(step: &Seen, next: &Around, habits: &Habits) -> usize {
     let moves = likely_moves(step, Some(next), habits);
     let better = |best: (usize, f64), one: (usize, f64)| if one.1 > best.1 { one } else { best };
     let likeliest = moves.into_iter().reduce(better);
-    likeliest.map_or(AROUND.len(), |(displacement, _)| displacement)
+    likeliest.map_or(NOWHERE, |(displacement, _)| displacement)
 }

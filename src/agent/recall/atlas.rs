@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::align::{Alignment, Habits, Likelihood, Seen, align, differing};
 use super::chart::Chart;
+use super::headings::{DISPLACEMENTS, Headings};
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
-use super::params::MemoryParams;
+use super::params::{MemoryParams, Odometry};
 use super::payments::Payments;
-use super::place::{Place, Vision};
-use xcs::MAX_ACTIONS;
+use super::place::{Around, Place, Vision};
 
 /// Episodes that are kept to draw the charts anew.
 const KEPT_EPISODES: usize = 100;
@@ -68,6 +68,8 @@ pub struct Atlas {
     successes: u32,
     /// How often moves slip in plans, which do not change with every estimate.
     planned_slip: f64,
+    /// By action: what it was certain to aim at when the charts were drawn last.
+    drawn_with: Vec<Option<usize>>,
     #[serde(skip)]
     params: MemoryParams,
 }
@@ -76,7 +78,10 @@ impl Atlas {
     /// An atlas without a chart, for a robot with so many actions.
     pub fn new(actions: usize, vision: Vision, params: MemoryParams) -> Self {
         let habits = Habits {
-            actions,
+            headings: match params.odometry {
+                Odometry::Known => Headings::known(actions),
+                Odometry::None => Headings::unknown(actions),
+            },
             vision,
             slip: FIRST_SLIP,
             misread: LEAST_MISREAD,
@@ -89,6 +94,7 @@ impl Atlas {
             episodes: VecDeque::new(),
             successes: 0,
             planned_slip: 0.0,
+            drawn_with: habits.headings.all_certain(),
             params,
         }
     }
@@ -103,18 +109,26 @@ impl Atlas {
     /// The same without a chart or an episode, but for what is believed of moves and percepts.
     fn blank(&self) -> Self {
         let Habits {
-            actions, vision, ..
-        } = self.habits;
+            headings, vision, ..
+        } = &self.habits;
         Self {
             habits: self.habits,
             successes: self.successes,
-            ..Self::new(actions, vision, self.params.clone())
+            ..Self::new(headings.actions(), *vision, self.params.clone())
         }
     }
 
     /// What is believed of moves and percepts.
     pub fn habits(&self) -> &Habits {
         &self.habits
+    }
+
+    /// Learns from a step and what was seen after it (nothing at the goal) what its action aims at, if
+    /// that is not known.
+    pub fn follow(&mut self, step: &Seen, next: Option<&Around>) {
+        if self.params.odometry == Odometry::None {
+            self.habits.learn_heading(step, next);
+        }
     }
 
     /// Learns from an episode whose last step led to a goal.
@@ -124,16 +138,21 @@ impl Atlas {
         if self.params.doubts {
             self.compare(&steps);
         }
-        self.draw(&steps);
+        let fits = self.draw(&steps);
+        if self.params.odometry == Odometry::None {
+            let steps = steps.iter().zip(&fits);
+            steps.for_each(|(step, fits)| self.habits.learn_in_context(step, fits));
+        }
         self.episodes.push_back(steps);
         if self.episodes.len() > KEPT_EPISODES {
             self.episodes.pop_front();
         }
         self.settle_habits();
-        if REDRAWN_AFTER.contains(&self.successes)
-            && (self.habits.slip >= EXACT || self.misread() > 0.0)
-        {
+        let inexact = self.habits.slip >= EXACT || self.misread() > 0.0;
+        let certain = self.habits.headings.all_certain();
+        if certain != self.drawn_with || REDRAWN_AFTER.contains(&self.successes) && inexact {
             self.redraw();
+            self.drawn_with = certain;
         }
         self.planned_slip = slip_to_plan_with(self.habits.slip, self.planned_slip);
     }
@@ -157,8 +176,8 @@ impl Atlas {
         if misread < RIGHT { 0.0 } else { misread }
     }
 
-    /// Takes an episode down on the chart that it fits best.
-    fn draw(&mut self, steps: &[Seen]) {
+    /// Takes an episode down on the chart that it fits best; tells how well displacements fit there.
+    fn draw(&mut self, steps: &[Seen]) -> Vec<[f64; DISPLACEMENTS]> {
         let (at, alignment) = self.lay(steps);
         if at == self.sheets.len() {
             self.sheets.push(Sheet::default());
@@ -170,6 +189,7 @@ impl Atlas {
         let fading = 0.99;
         self.slips[0] = self.slips[0] * fading + alignment.slips;
         self.slips[1] = self.slips[1] * fading + steps.len() as f64;
+        alignment.fits
     }
 
     /// The chart that an episode fits best, or the number of a new one, and how it lies there.
@@ -236,7 +256,9 @@ impl Atlas {
         order.sort_by_key(|steps| steps.len());
         let order: Vec<Vec<Seen>> = order.into_iter().cloned().collect();
         let mut fresh = self.blank();
-        order.iter().for_each(|steps| fresh.draw(steps));
+        for steps in &order {
+            fresh.draw(steps);
+        }
         fresh.settle_habits();
         let fresh = fresh.drawn_again(&order);
         if fresh.likelihood(&order) > self.likelihood(&order) || order.len() < 25 {
@@ -290,15 +312,15 @@ impl Atlas {
             .collect();
         Map {
             misread: self.misread(),
-            ..Map::drawn(&charted, self.habits.actions, self.planned_slip, worth)
+            ..Map::drawn(&charted, &self.habits.headings, self.planned_slip, worth)
         }
     }
 
     /// Can an atlas of a robot with so many actions look like this?
     pub fn is_sound(&self, actions: usize) -> bool {
         let steps = self.episodes.iter().flatten();
-        self.habits.actions == actions
-            && actions <= MAX_ACTIONS
+        self.habits.headings.is_sound(actions)
+            && self.drawn_with.len() == actions
             && self.sheets.len() <= MOST_CHARTS
             && self
                 .sheets

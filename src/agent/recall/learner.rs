@@ -152,8 +152,11 @@ impl Learner {
     pub fn perceive(&mut self, percept: &Percept) -> PredictionArray {
         self.tracker.perceive(&self.map, percept);
         let around = self.atlas.habits().vision.around(percept);
-        self.sketch
-            .perceive(self.steps.last(), &around, self.atlas.habits());
+        let last = self.steps.last();
+        if let Some(last) = last {
+            self.atlas.follow(last, Some(&around));
+        }
+        self.sketch.perceive(last, &around, self.atlas.habits());
         let context = self.tracker.context(&self.map);
         self.rules.sums(&context).array(self.actions, false)
     }
@@ -190,7 +193,8 @@ impl Learner {
 
     /// The action that leads to what is not yet known in this episode.
     pub fn explore(&mut self) -> Action {
-        self.sketch.explore(self.actions, &mut self.stream)
+        let headings = &self.atlas.habits().headings;
+        self.sketch.explore(headings, &mut self.stream)
     }
 
     /// Acts on what was perceived, and bumps or does not, and finds an auxiliary reward or none, 0.
@@ -211,7 +215,8 @@ impl Learner {
         let steps = std::mem::take(&mut self.steps);
         self.tracker = Tracker::default();
         self.sketch = Sketch::default();
-        if reached_goal && !steps.is_empty() {
+        if let Some(last) = steps.last().filter(|_| reached_goal) {
+            self.atlas.follow(last, None);
             self.atlas.learn(steps);
             let map = self.atlas.map(&self.worth);
             if !map.is_of_the_same(&self.map) {

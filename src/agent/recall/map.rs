@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::chart::{Chart, FURTHEST};
+use super::headings::Headings;
 use super::payments::Payments;
-use super::place::{AROUND, Letter, Place, Vision, heading, percept_of};
+use super::place::{Letter, Place, Vision, offset, percept_of};
 use crate::agent::model::pomdp::{GOAL, Pomdp, Prizes};
-use xcs::{Action, Percept};
+use xcs::Percept;
 
 /// The most charts: goals that can be told apart.
 pub const MOST_CHARTS: usize = 6;
@@ -139,8 +140,8 @@ impl<'a> Charted<'a> {
 }
 
 impl Map {
-    /// The map of some charts, for a robot with so many actions that slip so often.
-    pub fn drawn(charted: &[Charted<'_>], actions: usize, slip: f64, worth: &Worth) -> Self {
+    /// The map of some charts, for a robot with actions that aim there and slip so often.
+    pub fn drawn(charted: &[Charted<'_>], headings: &Headings, slip: f64, worth: &Worth) -> Self {
         if charted.is_empty() {
             return Self::default();
         }
@@ -156,8 +157,11 @@ impl Map {
                 sight(&percept_of(&around), spot.eaten.count_ones())
             })
             .collect();
-        let next = |state: usize, action| next(&spots, on(&spots[state]), state, action, actions);
-        let mut pomdp = Pomdp::new(actions, slip, &seen, next);
+        let next = |state: usize, action| match headings.certain(action) {
+            Some(heading) => next(&spots, on(&spots[state]), state, heading),
+            None => state as u32,
+        };
+        let mut pomdp = Pomdp::new(headings.actions(), slip, &seen, next);
         if charted.iter().any(|one| !one.paying.is_empty()) {
             let found = spots.iter().map(|spot| on(spot).paid(spot.eaten)).collect();
             let Worth { goal, step, gamma } = *worth;
@@ -204,10 +208,10 @@ impl Map {
     }
 }
 
-/// The state that an action leads to.
-fn next(spots: &[Spot], on: &Charted<'_>, state: usize, action: Action, actions: usize) -> u32 {
+/// The state that a move with a heading leads to.
+fn next(spots: &[Spot], on: &Charted<'_>, state: usize, heading: usize) -> u32 {
     let spot = spots[state];
-    let place = spot.place.plus(AROUND[heading(action, actions)]);
+    let place = spot.place.plus(offset(heading));
     match on.chart.letter(place) {
         Some(Letter::Goal) => GOAL,
         _ if place == Place::ORIGIN => GOAL,

@@ -19,6 +19,10 @@
 //! cells pay once, and that the world stands still. Learned are charts, slips and rules. Whether a move slipped is not
 //! perceived but inferred from the percepts; that the robot bumped, and stands where it was, is felt.
 //!
+//! Which way each action goes is built in, too, unless `memory.odometry` is `none`: then it is learned
+//! ([`headings`]), by the theorem of Bayes, from what two percepts share that follow each other, and from
+//! how each episode lies on its chart. Exploration tries an action of which nobody can tell what will come of it.
+//!
 //! Cells may be misread. How often is learned from what two percepts show that follow each other;
 //! where it is more than a trifle, belief and charts weigh what is seen by it, and the rules look at
 //! what should be seen in the likeliest place instead.
@@ -27,6 +31,7 @@ mod align;
 mod atlas;
 mod chart;
 mod context;
+mod headings;
 mod induction;
 pub(super) mod learner;
 mod lessons;
@@ -38,5 +43,5 @@ mod wander;
 
 pub use context::{CONTEXT_BITS, PERCEPT_BITS, Tracker, words};
 pub use map::{Map, Worth};
-pub use params::MemoryParams;
+pub use params::{MemoryParams, Odometry};
 pub use place::Vision;

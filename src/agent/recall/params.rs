@@ -1,7 +1,20 @@
 //! Parameters and switches of `xcscr-memory`.
 
+use serde::{Deserialize, Serialize};
+
 use super::map::MOST_CHARTS;
 use xcs::settings;
+
+/// What a robot knows of how its actions displace it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Odometry {
+    /// The direction into which each action goes.
+    #[default]
+    Known,
+    /// Nothing: directions are learned from what successive percepts share.
+    None,
+}
 
 settings! {
     section "memory";
@@ -9,6 +22,9 @@ settings! {
     /// Settings of `xcscr-memory`. What it remembers is bounded: on each chart the cells that are at most
     /// 48 from the goal, the last 200 steps of the last 100 episodes, and 50,000 beliefs.
     pub struct MemoryParams {
+        /// What the robot knows of how its actions displace it: `known`, the direction of each, or
+        /// `none`, so that it learns them from what successive percepts share.
+        odometry: Odometry = Odometry::Known;
         /// Is it learned how often cells are misread, and what is perceived weighed by that? If not,
         /// it is taken for right.
         doubts: bool = true;

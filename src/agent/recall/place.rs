@@ -16,6 +16,14 @@ pub const AROUND: [Place; 8] = [
     Place::new(-1, 1),
 ];
 
+/// In place of a direction of [`AROUND`]: no displacement.
+pub const NOWHERE: usize = AROUND.len();
+
+/// How far a displacement goes: one of [`AROUND`], or [`NOWHERE`].
+pub fn offset(displacement: usize) -> Place {
+    AROUND.get(displacement).copied().unwrap_or(Place::ORIGIN)
+}
+
 /// Cells to the east and to the north of the goal of a chart, or of where an episode began.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Place {
@@ -147,7 +155,7 @@ pub fn percept_of(around: &Around) -> Percept {
 }
 
 /// Which of the cells around the robot an action leads to: the first is north, and the others
-/// follow clockwise at even distances. This is built in.
+/// follow clockwise at even distances. This is built in where displacements are known.
 pub fn heading(action: Action, actions: usize) -> usize {
     action.index() * (AROUND.len() / actions)
 }

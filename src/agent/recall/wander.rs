@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 
 use super::align::{Habits, Seen, likeliest_move};
 use super::chart::Chart;
-use super::place::{AROUND, Around, Letter, Place, heading};
+use super::headings::Headings;
+use super::place::{Around, Letter, Place, offset};
 use xcs::Action;
 use xcs::random::Stream;
 
@@ -14,6 +15,8 @@ pub struct Sketch {
     chart: Chart,
     visits: BTreeMap<Place, u32>,
     here: Place,
+    /// What is perceived here.
+    around: Option<Around>,
 }
 
 impl Sketch {
@@ -22,21 +25,38 @@ impl Sketch {
         if let Some(last) = last {
             self.here = self.here.plus(likeliest_move(last, around, habits));
         }
+        self.around = Some(*around);
         self.chart.take_down(self.here, around);
         *self.visits.entry(self.here).or_default() += 1;
     }
 
-    /// The action that leads toward the nearest goal or free cell in which the robot has not been,
-    /// chance deciding between several; any action if there is none.
-    pub fn explore(&self, actions: usize, stream: &mut Stream) -> Action {
-        let firsts = self.nearest_news(actions);
-        let all: Vec<Action> = Action::all(actions).collect();
-        let chosen = stream.choose(if firsts.is_empty() { &all } else { &firsts });
-        *chosen.expect("there is an action")
+    /// An action of which nobody can tell what comes of it here; if there is none, the one that leads
+    /// toward the nearest goal or free cell in which the robot has not been; any action if there is
+    /// none either. Chance decides between several.
+    pub fn explore(&self, headings: &Headings, stream: &mut Stream) -> Action {
+        let mut likely: Vec<Action> = Action::all(headings.actions()).collect();
+        let is_open = |action: &Action| {
+            self.around
+                .is_some_and(|around| headings.leave_open(*action, &around))
+        };
+        let open = likely.iter().copied().filter(is_open).collect::<Vec<_>>();
+        let news = if open.is_empty() {
+            self.nearest_news(headings)
+        } else {
+            open
+        };
+        if !news.is_empty() {
+            likely = news;
+        }
+        *stream.choose(&likely).expect("there is an action")
     }
 
     /// The first actions of the shortest ways to what is nearest.
-    fn nearest_news(&self, actions: usize) -> Vec<Action> {
+    fn nearest_news(&self, headings: &Headings) -> Vec<Action> {
+        let certain = |action| Some((action, offset(headings.certain(action)?)));
+        let moves: Vec<_> = Action::all(headings.actions())
+            .filter_map(certain)
+            .collect();
         // By place: steps from here, and the first actions of the ways there as bits.
         let mut ways: BTreeMap<Place, (u32, u32)> = BTreeMap::from([(self.here, (0, 0))]);
         let mut queue = VecDeque::from([self.here]);
@@ -50,8 +70,8 @@ impl Sketch {
                 (found, firsts) = (steps, firsts | first);
                 continue;
             }
-            for action in Action::all(actions) {
-                let to = place.plus(AROUND[heading(action, actions)]);
+            for &(action, by) in &moves {
+                let to = place.plus(by);
                 if !matches!(self.chart.letter(to), Some(Letter::Free | Letter::Goal)) {
                     continue;
                 }
@@ -71,7 +91,7 @@ impl Sketch {
             }
         }
         let is_first = |action: &Action| firsts >> action.index() & 1 == 1;
-        Action::all(actions).filter(is_first).collect()
+        moves.iter().map(|one| one.0).filter(is_first).collect()
     }
 
     fn is_news(&self, place: Place) -> bool {

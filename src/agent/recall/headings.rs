@@ -1,0 +1,151 @@
+//! The displacement that each action aims at: known, or learned from what successive percepts share.
+
+use serde::{Deserialize, Serialize};
+
+use super::place::{AROUND, Around, Letter, heading};
+use xcs::{Action, MAX_ACTIONS};
+
+/// The displacements: one cell into each of the eight directions, and none.
+pub const DISPLACEMENTS: usize = AROUND.len() + 1;
+/// A heading that is at least so likely is taken for the action's own.
+const CERTAIN: f64 = 0.9;
+/// Headings that are less likely than this count for nothing ...
+const NEGLIGIBLE: f64 = 1e-6;
+/// ... but none is ever held for less likely than this, so that every mistake can be found out.
+const LEAST: f64 = 1e-9;
+
+/// For each action, how likely it aims at each displacement.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Headings {
+    actions: usize,
+    likely: [[f64; DISPLACEMENTS]; MAX_ACTIONS],
+}
+
+impl Headings {
+    /// Of so many actions, none of which is known.
+    pub fn unknown(actions: usize) -> Self {
+        let likely = [[1.0 / DISPLACEMENTS as f64; DISPLACEMENTS]; MAX_ACTIONS];
+        Self { actions, likely }
+    }
+
+    /// Of so many actions, all of which are known.
+    pub fn known(actions: usize) -> Self {
+        let mut known = Self::unknown(actions);
+        for action in Action::all(actions) {
+            let likely = &mut known.likely[action.index()];
+            *likely = [0.0; DISPLACEMENTS];
+            likely[heading(action, actions)] = 1.0;
+        }
+        known
+    }
+
+    /// The number of actions.
+    pub fn actions(&self) -> usize {
+        self.actions
+    }
+
+    /// The displacements that an action may aim at, and how likely each of them is.
+    pub fn of(&self, action: Action) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let likely = self.likely[action.index()].iter().copied().enumerate();
+        likely.filter(|one| one.1 > NEGLIGIBLE)
+    }
+
+    /// The displacement that an action aims at, once it is certain.
+    pub fn certain(&self, action: Action) -> Option<usize> {
+        let certain = self.of(action).find(|one| one.1 >= CERTAIN);
+        certain.map(|one| one.0)
+    }
+
+    /// Of all actions the displacements that are certain.
+    pub fn all_certain(&self) -> Vec<Option<usize>> {
+        let all = Action::all(self.actions);
+        all.map(|action| self.certain(action)).collect()
+    }
+
+    /// Can nobody tell what will come of an action among these cells: a bump, or into which of the
+    /// others it leads?
+    pub fn leave_open(&self, action: Action, around: &Around) -> bool {
+        let is_wall = |heading: usize| around.get(heading) == Some(&Letter::Wall);
+        let bumps = self.of(action).filter(|one| is_wall(one.0));
+        let moves = self.of(action).filter(|one| !is_wall(one.0));
+        let bump: f64 = bumps.map(|one| one.1).sum();
+        moves.map(|one| one.1).fold(bump, f64::max) < CERTAIN
+    }
+
+    /// An action was chosen that slips so often, and what was perceived before and after it `fits`
+    /// so well to each displacement (theorem of Bayes).
+    pub fn learn(&mut self, action: Action, fits: &[f64; DISPLACEMENTS], slip: f64) {
+        let executed = Action::all(self.actions).flat_map(|executed| self.of(executed));
+        let anyhow: f64 = executed.map(|(at, weight)| weight * fits[at]).sum();
+        let slipped = slip / self.actions as f64 * anyhow;
+        let likely = &mut self.likely[action.index()];
+        let weighed = likely.iter_mut().zip(fits);
+        weighed.for_each(|(weight, fit)| *weight *= (1.0 - slip) * fit + slipped);
+        let sum: f64 = likely.iter().sum();
+        for weight in likely {
+            *weight = (*weight / sum).max(LEAST);
+        }
+    }
+
+    /// Can headings of so many actions be like this?
+    pub fn is_sound(&self, actions: usize) -> bool {
+        let is_sound = |likely: &[f64; DISPLACEMENTS]| {
+            likely.iter().all(|weight| (0.0..=1.0).contains(weight))
+                && (likely.iter().sum::<f64>() - 1.0).abs() < 1e-6
+        };
+        self.actions == actions && actions <= MAX_ACTIONS && self.likely.iter().all(is_sound)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ACTION: usize = 3;
+
+    /// What is believed of one action, after so many steps that fit only to displacement 5, and
+    /// some that slipped to displacement 2.
+    fn after(steps: u32, slips: u32) -> (Headings, Action) {
+        let action = Action::new(ACTION).unwrap();
+        let mut headings = Headings::unknown(8);
+        let only = |at: usize| std::array::from_fn(|other| if other == at { 1.0 } else { 1e-4 });
+        (0..slips).for_each(|_| headings.learn(action, &only(2), 0.25));
+        (0..steps).for_each(|_| headings.learn(action, &only(5), 0.25));
+        (headings, action)
+    }
+
+    #[test]
+    fn a_heading_is_certain_after_some_steps_also_if_others_slipped() {
+        for slips in [0, 2] {
+            let (headings, action) = after(6, slips);
+            assert_eq!(headings.certain(action), Some(5), "{headings:?}");
+            assert!(headings.is_sound(8));
+        }
+    }
+
+    #[test]
+    fn control_nothing_is_certain_at_first_and_of_actions_that_were_never_chosen() {
+        assert_eq!(after(0, 0).0.all_certain(), [None; 8]);
+        let (headings, action) = after(6, 0);
+        let others = Action::all(8).filter(|other| *other != action);
+        assert!(
+            others
+                .into_iter()
+                .all(|other| headings.certain(other).is_none())
+        );
+    }
+
+    #[test]
+    fn what_comes_of_an_action_is_open_only_where_its_headings_lead_to_different_ends() {
+        let (mut headings, action) = after(6, 0);
+        let mut around = [Letter::Wall; 8];
+        assert!(!headings.leave_open(action, &around));
+        let other = Action::new(0).unwrap();
+        assert!(headings.leave_open(other, &[Letter::Free; 8]));
+        headings = Headings::unknown(8);
+        headings.learn(other, &[1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0);
+        assert!(!headings.leave_open(other, &around), "it bumps");
+        around[1] = Letter::Free;
+        assert!(headings.leave_open(other, &around));
+    }
+}
