@@ -9,7 +9,7 @@ use xcscr::arena::ArenaKind;
 use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::record::{RecordMode, Recorder, RobotShape, RunInfo};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Config, Plan, Settings, Trial};
+use xcscr::trial::{Plan, Trial};
 use xcscr::world::{Cell, Maze};
 use xcscr::xcs::Action;
 
@@ -69,20 +69,8 @@ impl fmt::Display for Named {
 }
 
 fn plan(method: Method, arena: ArenaKind) -> Plan {
-    let config = Config {
-        version: String::new(),
-        method,
-        arena,
-        sensor: Sensor::Neighbours,
-        episodes: 180,
-        seed: 1,
-        settings: Settings::default(),
-        initial: None,
-    };
-    Plan {
-        maze: maze(),
-        config,
-    }
+    let plan = Plan::new(maze()).method(method);
+    plan.arena(arena).sensor(Sensor::Neighbours)
 }
 
 fn train(plan: Plan, mode: RecordMode) -> Trial {

@@ -18,7 +18,7 @@ use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Config, Plan, Settings, Trial};
+use xcscr::trial::{Plan, Trial};
 use xcscr::world::Maze;
 
 /// FNV-1a, 64 bits: short, and enough to notice a change.
@@ -59,18 +59,9 @@ impl Observer for Digest {
 
 fn digest(world: &str, method: Method, arena: ArenaKind, sensor: Sensor) -> String {
     let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
-    let config = Config {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        method,
-        arena,
-        sensor,
-        episodes: 60,
-        seed: 1,
-        settings: Settings::default(),
-        initial: None,
-    };
     let maze = Maze::load(Path::new(&path)).unwrap();
-    let mut trial = Trial::new(Plan { maze, config }).unwrap();
+    let plan = Plan::new(maze).method(method).arena(arena).sensor(sensor);
+    let mut trial = Trial::new(plan.episodes(60)).unwrap();
     let mut digest = Digest::default();
     let _ = trial.run(&mut digest);
     let rules = serde_json::to_string_pretty(&trial.method().knowledge()).unwrap();

@@ -176,20 +176,13 @@ mod tests {
 
     fn said(world: &str, method: Method, sensor: Sensor, sets: &[&str]) -> Vec<String> {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        let config = Config {
-            version: String::new(),
-            method,
-            arena: ArenaKind::Grid,
-            sensor,
-            episodes: 1,
-            seed: 1,
-            settings: Resolved::new(&Settings::default(), None, &sets)
-                .unwrap()
-                .settings,
-            initial: None,
-        };
-        let maze = maze(world);
-        let warnings = Plan { maze, config }.warnings().into_iter();
+        let settings = Resolved::new(&Settings::default(), None, &sets);
+        let plan = Plan::new(maze(world)).method(method);
+        let plan = plan.arena(ArenaKind::Grid).sensor(sensor).episodes(1);
+        let warnings = plan
+            .settings(settings.unwrap().settings)
+            .warnings()
+            .into_iter();
         warnings.map(|warning| warning.to_string()).collect()
     }
 

@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use xcscr::agent::{Agent, Explorer, Method, Setup};
-use xcscr::arena::{Arena, GridArena, PhysicsArena, PhysicsParams};
+use xcscr::arena::{Arena, ArenaKind, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::episode::{self, Observer};
 use xcscr::record::{RecordError, RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
+use xcscr::trial::Plan;
 use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
 
@@ -18,6 +19,13 @@ use xcscr::xcs::random::Stream;
 pub fn maze(name: &str) -> Maze {
     let path = format!("{}/worlds/{name}.json", env!("CARGO_MANIFEST_DIR"));
     Maze::load(Path::new(&path)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A trial of a method on the grid of a shipped world, on the percept `neighbours`.
+#[track_caller]
+pub fn on_the_grid(world: &str, method: Method) -> Plan {
+    let plan = Plan::new(maze(world)).method(method);
+    plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours)
 }
 
 /// A trial of so many episodes.

@@ -4,7 +4,7 @@ use xcscr::agent::{Agent, Explorer, Frozen, Method};
 use xcscr::arena::{Arena, ArenaKind, Outcome};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
-use xcscr::trial::{Config, Plan, Settings, Trial};
+use xcscr::trial::{Plan, Settings, Trial};
 use xcscr::world::{Cell, Maze};
 use xcscr::xcs::random::Stream;
 
@@ -16,19 +16,10 @@ fn maze(rows: &[&str], reward: f64) -> Maze {
 fn finished(maze: Maze, episodes: u32, slip: f64) -> Trial {
     let mut settings = Settings::default();
     settings.arena.slip = slip;
-    let config = Config {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        method: Method::XcscrMemory,
-        arena: ArenaKind::Grid,
-        sensor: Sensor::Neighbours,
-        episodes,
-        seed: 3,
-        settings,
-        initial: None,
-    };
-    let mut trial = Trial::new(Plan { maze, config }).unwrap();
-    let _ = trial.run(&mut ());
-    trial
+    let plan = Plan::new(maze).method(Method::XcscrMemory);
+    let plan = plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours);
+    let plan = plan.episodes(episodes).seed(3);
+    plan.settings(settings).run().unwrap()
 }
 
 fn arena(trial: &Trial) -> Box<dyn Arena> {

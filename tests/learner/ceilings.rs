@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Config, Plan, Progress, Settings, Trial};
+use xcscr::trial::{Plan, Progress, Settings};
 use xcscr::world::Maze;
 
 const MAZES: [&str; 3] = ["maze4", "maze5", "maze6"];
@@ -39,19 +39,10 @@ fn twenty_in(
     settings: &Settings,
 ) -> Vec<Progress> {
     let progress = |seed| {
-        let config = Config {
-            version: String::new(),
-            method,
-            arena: ArenaKind::Grid,
-            sensor,
-            episodes,
-            seed,
-            settings: settings.clone(),
-            initial: None,
-        };
-        let maze = maze.clone();
-        let mut trial = Trial::new(Plan { maze, config }).unwrap();
-        let _ = trial.run(&mut ());
+        let plan = Plan::new(maze.clone()).method(method);
+        let plan = plan.arena(ArenaKind::Grid).sensor(sensor);
+        let plan = plan.episodes(episodes).seed(seed);
+        let trial = plan.settings(settings.clone()).run().unwrap();
         trial.progress().clone()
     };
     (1..=20).map(progress).collect()

@@ -7,15 +7,14 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 use xcscr::agent::{Knowledge, Method};
-use xcscr::arena::ArenaKind;
 use xcscr::export::{Ballot, ExportError, Origin, Target};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Config, Plan, Settings, Trial};
-use xcscr::world::Maze;
+use xcscr::trial::Plan;
 use xcscr::xcs::random::Stream;
 use xcscr::xcs::{Action, Percept};
 
 use crate::kit::program::{ended, xcscr};
+use crate::kit::trial::on_the_grid;
 
 /// Stands for `no rule matches` in what the programs print.
 const NONE: u8 = 255;
@@ -65,20 +64,8 @@ struct Learned {
 
 impl Learned {
     fn new(world: &str, method: Method, sensor: Sensor) -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("worlds/{world}.json"));
-        let config = Config {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            method,
-            arena: ArenaKind::Grid,
-            sensor,
-            episodes: 60,
-            seed: 1,
-            settings: Settings::default(),
-            initial: None,
-        };
-        let maze = Maze::load(&path).unwrap();
-        let mut trial = Trial::new(Plan { maze, config }).unwrap();
-        let _ = trial.run(&mut ());
+        let plan = on_the_grid(world, method).sensor(sensor);
+        let trial = plan.episodes(60).run().unwrap();
         Self {
             plan: trial.plan().clone(),
             knowledge: trial.method().knowledge(),

@@ -1,30 +1,17 @@
 //! What was learned, apart from the learner.
 
+use crate::kit::trial::on_the_grid;
 use xcscr::agent::Method;
-use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Condensed, Config, Plan, Settings, Trial};
-use xcscr::world::{Maze, Paths};
+use xcscr::trial::{Condensed, Settings, Trial};
+use xcscr::world::Paths;
 
 /// A finished trial of a few episodes in Maze4.
 fn finished(method: Method, over_match_set: bool) -> Trial {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
-    let maze = Maze::load(path.as_ref()).unwrap();
     let mut settings = Settings::default();
     settings.xcs.worth_over_match_set = over_match_set;
-    let config = Config {
-        version: String::new(),
-        method,
-        arena: ArenaKind::Grid,
-        sensor: Sensor::Neighbours,
-        episodes: 12,
-        seed: 3,
-        settings,
-        initial: None,
-    };
-    let mut trial = Trial::new(Plan { maze, config }).unwrap();
-    let _ = trial.run(&mut ());
-    trial
+    let plan = on_the_grid("maze4", method).episodes(12);
+    plan.seed(3).settings(settings).run().unwrap()
 }
 
 #[test]

@@ -1,32 +1,16 @@
 //! A learner with a memory where places look alike, and one without.
 
-use std::path::Path;
-
+use crate::kit::trial::on_the_grid;
 use xcscr::agent::{Knowledge, Method};
-use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Bounds, Config, GreedySteps, Plan, Settings, Trial};
-use xcscr::world::Maze;
+use xcscr::trial::{Bounds, GreedySteps, Settings, Trial};
 
 fn finished(world: &str, method: Method, episodes: u32, slip: f64) -> Trial {
-    let file = format!("worlds/classic/{world}.json");
-    let maze = Maze::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
     let mut settings = Settings::default();
     settings.reward.step_threshold = 100;
     settings.arena.slip = slip;
-    let config = Config {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        method,
-        arena: ArenaKind::Grid,
-        sensor: Sensor::Neighbours,
-        episodes,
-        seed: 5,
-        settings,
-        initial: None,
-    };
-    let mut trial = Trial::new(Plan { maze, config }).unwrap();
-    let _ = trial.run(&mut ());
-    trial
+    let plan = on_the_grid(&format!("classic/{world}"), method).episodes(episodes);
+    plan.seed(5).settings(settings).run().unwrap()
 }
 
 fn greedy(trial: &Trial) -> f64 {

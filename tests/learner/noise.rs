@@ -1,29 +1,16 @@
 //! Percepts of which bits flip.
 
+use crate::kit::trial::on_the_grid;
 use xcscr::agent::{Knowledge, Method};
-use xcscr::arena::ArenaKind;
-use xcscr::sensor::Sensor;
-use xcscr::trial::{Checkpoint, Config, GreedySteps, Plan, Settings, Trial, seal, unseal};
-use xcscr::world::Maze;
+use xcscr::trial::{Checkpoint, GreedySteps, Settings, Trial, seal, unseal};
 
 /// A trial in a world of which each bit of a percept flips with this probability.
 fn trial(world: &str, method: Method, episodes: u32, flips: f64) -> Trial {
-    let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
-    let maze = Maze::load(path.as_ref()).unwrap();
     let mut settings = Settings::default();
     settings.reward.step_threshold = 100;
     settings.sensor.flips = flips;
-    let config = Config {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        method,
-        arena: ArenaKind::Grid,
-        sensor: Sensor::Neighbours,
-        episodes,
-        seed: 3,
-        settings,
-        initial: None,
-    };
-    Trial::new(Plan { maze, config }).unwrap()
+    let plan = on_the_grid(world, method).episodes(episodes);
+    Trial::new(plan.seed(3).settings(settings)).unwrap()
 }
 
 fn finished(mut trial: Trial) -> Trial {

@@ -2,13 +2,11 @@
 
 use std::ops::ControlFlow;
 
+use crate::kit::trial::on_the_grid;
 use xcs::{Action, Condition, Percept, Population};
 use xcscr::agent::{Agent, Chooser, Discovery, Frozen, Knowledge, Method};
-use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer, Step};
-use xcscr::sensor::Sensor;
-use xcscr::trial::{Config, Evaluation, Plan, Settings, Trial};
-use xcscr::world::Maze;
+use xcscr::trial::{Evaluation, Settings, Trial};
 
 /// What the rules decided: the percept, the action, and the condition of the rule that fired.
 #[derive(Default)]
@@ -33,19 +31,9 @@ impl Observer for Decisions {
 }
 
 fn trained(maze: &str, seed: u64, settings: &Settings) -> (Trial, Decisions) {
-    let path = format!("{}/worlds/{maze}.json", env!("CARGO_MANIFEST_DIR"));
-    let config = Config {
-        version: String::new(),
-        method: Method::XcscrPlus,
-        arena: ArenaKind::Grid,
-        sensor: Sensor::Neighbours,
-        episodes: 40,
-        seed,
-        settings: settings.clone(),
-        initial: None,
-    };
-    let maze = Maze::load(path.as_ref()).unwrap();
-    let mut trial = Trial::new(Plan { maze, config }).unwrap();
+    let plan = on_the_grid(maze, Method::XcscrPlus).episodes(40);
+    let plan = plan.seed(seed).settings(settings.clone());
+    let mut trial = Trial::new(plan).unwrap();
     let mut decisions = Decisions::default();
     let _ = trial.run(&mut decisions);
     (trial, decisions)

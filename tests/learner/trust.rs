@@ -6,15 +6,13 @@
 //! problem is one explore and one exploit trial. Seeds are fixed and margins wide.
 
 use std::ops::ControlFlow;
-use std::path::Path;
 
+use crate::kit::trial::on_the_grid;
 use xcscr::agent::{self, Method};
-use xcscr::arena::ArenaKind;
 use xcscr::episode::{self, Episode, Learned, Observer};
 use xcscr::sensor::Sensor;
 use xcscr::streams::StreamName;
-use xcscr::trial::{Config, Plan, Settings, Trial};
-use xcscr::world::Maze;
+use xcscr::trial::{Settings, Trial};
 use xcscr::xcs::random::Stream;
 use xcscr::xcs::{self, MatchSet, Xcs};
 use xcscr::xcs::{Action, Percept};
@@ -122,7 +120,6 @@ struct Walked {
 /// Learns in a maze of `world` and a step limit, with the rewards of the literature.
 fn walk(world: (&str, u32), method: Method, xcs: xcs::Params, run: (u32, u64)) -> Walked {
     let ((world, limit), (problems, seed)) = (world, run);
-    let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
     let reward = agent::Params {
         goal: 1000.0,
         step: 0.0,
@@ -135,24 +132,16 @@ fn walk(world: (&str, u32), method: Method, xcs: xcs::Params, run: (u32, u64)) -
         alternate: true,
         ..episode::Params::default()
     };
-    let config = Config {
-        version: String::new(),
-        method,
-        arena: ArenaKind::Grid,
-        sensor: Sensor::Neighbours,
-        episodes: 2 * problems,
-        seed,
-        initial: None,
-        settings: Settings {
-            xcs,
-            reward,
-            episode,
-            ..Settings::default()
-        },
+    let settings = Settings {
+        xcs,
+        reward,
+        episode,
+        ..Settings::default()
     };
-    let maze = Maze::load(Path::new(&path)).unwrap();
+    let plan = on_the_grid(world, method).episodes(2 * problems);
+    let plan = plan.seed(seed).settings(settings);
     let mut exploits = Exploits::default();
-    let mut trial = Trial::new(Plan { maze, config }).unwrap();
+    let mut trial = Trial::new(plan).unwrap();
     assert_eq!(trial.run(&mut exploits), ControlFlow::Continue(()));
     assert_eq!(exploits.0.len(), problems as usize);
     let (rules, others) = mapping(&trial);

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use crate::kit::chance::{dice, rounds};
 use crate::kit::program::{ended, expect, xcscr};
+use crate::kit::trial::{maze as world, on_the_grid};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::Observer;
@@ -16,9 +17,7 @@ use xcscr::record::reader::Recording;
 use xcscr::record::{self, RecordMode, Recorder, RobotShape, RunInfo};
 use xcscr::sensor::Sensor;
 use xcscr::study::{Overrides, Protocol, Shard, StudyFile, StudyFolder, run_study};
-use xcscr::trial::{
-    Checkpoint, Config, Plan, Resolved, Settings, SettingsError, Trial, seal, unseal,
-};
+use xcscr::trial::{Checkpoint, Plan, Resolved, Settings, SettingsError, Trial, seal, unseal};
 use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
 
@@ -68,26 +67,9 @@ fn feed(name: &str, sound: &[&[u8]], times: usize, mut eat: impl FnMut(&[u8]) ->
     mutants.filter(|mutant| eat(mutant)).count()
 }
 
-fn world(name: &str) -> Maze {
-    let path = format!("{}/worlds/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    Maze::load(Path::new(&path)).unwrap()
-}
-
 fn plan(method: Method, arena: ArenaKind, episodes: u32) -> Plan {
-    let config = Config {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        method,
-        arena,
-        sensor: Sensor::Neighbours,
-        episodes,
-        seed: 1,
-        settings: Settings::default(),
-        initial: None,
-    };
-    Plan {
-        maze: world("maze4"),
-        config,
-    }
+    let plan = on_the_grid("maze4", method).arena(arena);
+    plan.episodes(episodes)
 }
 
 fn trained(method: Method, arena: ArenaKind, episodes: u32) -> Trial {

@@ -10,28 +10,16 @@ use std::time::Duration;
 use crate::kit::chance::{dice, rounds};
 use crate::kit::folder::{assert_same, contents};
 use crate::kit::program::{ended, expect, signal, spawn};
+use crate::kit::trial::on_the_grid;
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::record::{self, RecordMode, Recorder, RecorderMemory, RobotShape, RunInfo};
-use xcscr::sensor::Sensor;
-use xcscr::trial::{Checkpoint, Config, Plan, Settings, Trial, seal, unseal};
-use xcscr::world::Maze;
+use xcscr::trial::{Checkpoint, Plan, Settings, Trial, seal, unseal};
 use xcscr::xcs::random::Stream;
 
 fn plan(world: &str, method: Method, arena: ArenaKind, episodes: u32) -> Plan {
-    let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
-    let config = Config {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        method,
-        arena,
-        sensor: Sensor::Neighbours,
-        episodes,
-        seed: 3,
-        settings: Settings::default(),
-        initial: None,
-    };
-    let maze = Maze::load(Path::new(&path)).unwrap();
-    Plan { maze, config }
+    let plan = on_the_grid(world, method).arena(arena);
+    plan.episodes(episodes).seed(3)
 }
 
 fn info(plan: &Plan) -> RunInfo {
