@@ -9,6 +9,8 @@ use crate::world::{Cell, Maze, Paths};
 
 /// The most moments of an animation; of longer runs not every episode is shown.
 const MOST_MOMENTS: u32 = 45;
+/// The most cells of a maze that is drawn: with so many, an SVG takes 145 MB.
+const MOST_CELLS: usize = 1 << 20;
 
 /// Which episodes are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,8 +70,9 @@ impl Film {
     /// Runs the trial again, as far as is needed, and keeps what is to be shown.
     ///
     /// # Errors
-    /// When the plan cannot be run, or has no such episode.
+    /// When the plan cannot be run, or has no such episode, and in mazes of more than a million cells.
     pub fn of(plan: &Plan, scenes: Scenes) -> Result<Self, FilmError> {
+        check_size(&plan.maze)?;
         let episodes = plan.config.episodes;
         let (last, every) = match scenes {
             Scenes::Last => (episodes, episodes),
@@ -99,6 +102,17 @@ impl Film {
     /// The moments, in order.
     pub fn moments(&self) -> &[Moment] {
         &self.moments
+    }
+}
+
+fn check_size(maze: &Maze) -> Result<(), FilmError> {
+    let (width, height) = (usize::from(maze.width()), usize::from(maze.height()));
+    match width * height {
+        0..=MOST_CELLS => Ok(()),
+        cells => Err(FilmError::Picture(format!(
+            "{} has {cells} cells, at most {MOST_CELLS} are drawn",
+            maze.name()
+        ))),
     }
 }
 

@@ -50,7 +50,7 @@ impl Maze {
     /// [`WorldError::Invalid`] for the first fault of the text: no JSON object, unknown, repeated
     /// or missing keys, wrong types, values out of range, ragged or empty rows, unknown letters,
     /// no goal, more than one start, an open border, a start from which no goal can be reached,
-    /// a floor that does not fit the rows, rewarding cells without a reward, or too large (over 64 MiB, or 1024 columns or rows).
+    /// a floor that does not fit the rows, rewarding cells without a reward, or too large (over 64 MiB, or 4096 columns or rows).
     ///
     /// # Example
     /// ```

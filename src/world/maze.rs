@@ -159,13 +159,10 @@ impl Maze {
     /// The next cell in a direction, wall or not; `None` beyond a border that does not join.
     pub fn neighbour(&self, cell: Cell, direction: Direction) -> Option<Cell> {
         let (east, south) = direction.offset();
-        let along = |from: u16, step: i32, size: u16| {
-            let (to, size) = (i32::from(from) + step, i32::from(size));
-            if self.wrap {
-                u16::try_from(to.rem_euclid(size)).ok()
-            } else {
-                u16::try_from(to).ok().filter(|_| to < size)
-            }
+        let along = |from: u16, step: i32, size: u16| match from.checked_add_signed(step as i16) {
+            Some(to) if to < size => Some(to),
+            _ if self.wrap => Some(if step < 0 { size - 1 } else { 0 }),
+            _ => None,
         };
         Some(Cell {
             col: along(cell.col, east, self.width)?,

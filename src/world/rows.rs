@@ -8,7 +8,7 @@ use super::source::{Source, quoted};
 
 /// The most columns, and the most rows: as many as `world info` and the first episode of a training
 /// on the grid take less than three seconds and 400 MB for.
-pub const MAX_SIDE: usize = 1024;
+pub const MAX_SIDE: usize = 4096;
 
 /// The cells of a world, each row as wide as the first.
 pub struct Rows<'a> {

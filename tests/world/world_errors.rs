@@ -194,8 +194,8 @@ fn text_that_is_not_a_json_object_is_refused_at_the_character() {
 
 #[test]
 fn what_is_too_large_is_refused_with_a_short_excerpt() {
-    let many_rows = vec!["\"\""; 1025].join(",");
-    let many_columns = ".".repeat(1025);
+    let many_rows = vec!["\"\""; 4097].join(",");
+    let many_columns = ".".repeat(4097);
     let cases = [
         (
             "deep nesting",

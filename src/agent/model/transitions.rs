@@ -30,6 +30,16 @@ pub struct Outcome {
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Outcomes(Vec<Outcome>);
 
+/// The mean of `value` over outcomes, each by its frequency; 0 over none.
+pub fn mean(outcomes: &[Outcome], value: impl Fn(&Outcome) -> f64) -> f64 {
+    let (mut sum, mut tries) = (0.0, 0);
+    for outcome in outcomes {
+        sum += f64::from(outcome.count) * value(outcome);
+        tries += outcome.count;
+    }
+    sum / f64::from(tries.max(1))
+}
+
 impl Outcomes {
     /// How often the pair was tried.
     pub fn tries(&self) -> u32 {
@@ -38,12 +48,12 @@ impl Outcomes {
 
     /// The mean of `value` over all outcomes, each by its frequency; 0 for an untried pair.
     pub fn mean(&self, value: impl Fn(&Outcome) -> f64) -> f64 {
-        let (mut sum, mut tries) = (0.0, 0);
-        for outcome in &self.0 {
-            sum += f64::from(outcome.count) * value(outcome);
-            tries += outcome.count;
-        }
-        sum / f64::from(tries.max(1))
+        mean(&self.0, value)
+    }
+
+    /// Everything that followed, in the order in which it was first seen.
+    pub fn all(&self) -> &[Outcome] {
+        &self.0
     }
 
     /// The percept that always followed; `None` if there were several, or a goal, or none.
@@ -144,6 +154,13 @@ impl Transitions {
             && self.numbers.iter().all(named)
             && outcomes.all(|outcomes| outcomes.is_sound(met))
             && self.tried.iter().all(tried)
+    }
+
+    /// The percepts that were met in their own order, each with its number.
+    pub fn sorted(&self) -> impl Iterator<Item = (&Percept, usize)> {
+        self.numbers
+            .iter()
+            .map(|(percept, &number)| (percept, number))
     }
 
     /// The percepts that were met, by number.

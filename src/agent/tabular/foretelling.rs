@@ -86,22 +86,15 @@ impl Foretelling {
         self.last = None;
     }
 
-    /// What is believed of an untried pair; `unknown` is the worth of one of which nothing is
-    /// foretold.
-    pub fn belief(
-        &self,
-        memory: &Transitions,
-        pair: (usize, Action),
-        params: &Params,
-        unknown: f64,
-    ) -> Belief {
+    /// What is believed of an untried pair.
+    pub fn belief(&self, memory: &Transitions, pair: (usize, Action), params: &Params) -> Belief {
         let (number, action) = pair;
         if let Some(back) = self.returns.way_back(memory, &self.before[number], pair) {
             return Belief::LeadsTo(params.step, back);
         }
         match self.collisions.belief(&memory.percepts()[number], action) {
             1.0 => Belief::LeadsTo(params.collision, number),
-            bump => Belief::Worth((1.0 - bump) * unknown + bump * params.collision),
+            bump => Belief::Bumps(bump),
         }
     }
 
@@ -114,8 +107,8 @@ impl Foretelling {
         params: &'a Params,
     ) -> impl Iterator<Item = Transition> + 'a {
         let untried = move |&action: &Action| memory.outcomes(number, action).tries() == 0;
-        let step = move |action| match self.belief(memory, (number, action), params, 0.0) {
-            Belief::Worth(_) => None,
+        let step = move |action| match self.belief(memory, (number, action), params) {
+            Belief::Bumps(_) => None,
             Belief::LeadsTo(reward, to) => Some(Transition {
                 percept: memory.percepts()[number],
                 action,

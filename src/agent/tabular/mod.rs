@@ -2,6 +2,7 @@
 
 mod foretelling;
 mod params;
+mod planned;
 mod table;
 mod traces;
 
@@ -12,6 +13,7 @@ use std::mem::discriminant;
 use serde::{Deserialize, Serialize};
 
 use foretelling::{Foretelling, Kept};
+use planned::Planned;
 use table::{Rows, Table};
 use traces::Traces;
 
@@ -26,9 +28,6 @@ use crate::arena::Outcome;
 use xcs::PredictionArray;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
-
-/// The value of an untried pair for a policy that is planned on what is known: below all others.
-const UNTRIED: f64 = -1e9;
 
 /// How a table of values is learned (Sutton and Barto 2018; R-max: Brafman and Tennenholtz 2002).
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -68,7 +67,7 @@ pub struct Tabular {
     /// What foretells collisions and ways back, in methods with a model.
     foretelling: Option<Foretelling>,
     /// What the greedy policy follows, where that is not `table`.
-    policy: Option<Table>,
+    policy: Option<Planned>,
     /// The percept under consideration.
     percept: Option<Percept>,
     /// The last step.
@@ -144,7 +143,7 @@ impl Tabular {
         let actions = self.table.actions();
         self.table = Table::with_rows(actions, table)?;
         self.policy = match policy {
-            Some(rows) => Some(Table::with_rows(actions, rows)?),
+            Some(rows) => Some(Table::with_rows(actions, rows)?.into()),
             None => None,
         };
         let met = self.algorithm.memory().map_or(0, |it| it.percepts().len());
@@ -230,17 +229,23 @@ impl Tabular {
             actions,
             known_after: self.own.known_after,
             gamma: self.params.gamma,
+            collision: self.params.collision,
         };
-        let table = |unknown: f64| {
-            let believed = |percept, action| match &self.foretelling {
-                Some(it) => it.belief(memory, (percept, action), &self.params, unknown),
-                None => Belief::Worth(unknown),
-            };
-            let values = planner.plan(memory, believed);
-            Table::from_values(memory, &values, actions)
-        };
-        self.policy = (!self.own.optimistic_policy).then(|| table(UNTRIED));
-        self.table = table(self.params.goal);
+        let problem = planner.problem(memory, |percept, action| match &self.foretelling {
+            Some(it) => it.belief(memory, (percept, action), &self.params),
+            None => Belief::Bumps(0.0),
+        });
+        let values = problem.solve(self.params.goal);
+        self.table = Table::from_values(memory, &values, actions);
+        self.policy = (!self.own.optimistic_policy).then(|| Planned::on(problem));
+    }
+
+    /// What the greedy policy follows.
+    fn followed(&self) -> &Table {
+        match (&self.policy, self.algorithm.memory()) {
+            (Some(policy), Some(memory)) => policy.table(memory, self.table.actions()),
+            _ => &self.table,
+        }
     }
 }
 
@@ -312,11 +317,11 @@ impl Agent for Tabular {
     }
 
     fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.policy.as_ref().unwrap_or(&self.table).worth(percept)
+        self.followed().worth(percept)
     }
 
     fn knowledge(&self) -> Knowledge {
-        self.policy.as_ref().unwrap_or(&self.table).knowledge()
+        self.followed().knowledge()
     }
 
     fn rule_count(&self) -> usize {
@@ -324,7 +329,7 @@ impl Agent for Tabular {
     }
 
     fn memory(&self) -> Vec<u8> {
-        let policy = self.policy.as_ref().map(Table::rows);
+        let policy = self.policy.as_ref().map(|_| self.followed().rows());
         let foretelling = self.foretelling.as_ref().map(Foretelling::kept);
         memory::of(&(&self.algorithm, self.table.rows(), policy, foretelling))
     }

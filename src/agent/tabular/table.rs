@@ -37,15 +37,11 @@ impl Table {
         is_sound.then_some(Self { actions, rows })
     }
 
-    /// The table of planned values.
+    /// The table of planned values, of the percepts for which they were planned.
     pub fn from_values(memory: &Transitions, values: &Values, actions: usize) -> Self {
-        let mut table = Self::new(actions);
-        for (number, percept) in memory.percepts().iter().enumerate() {
-            for action in Action::all(actions) {
-                *table.entry(*percept, action) = values.get(number, action).unwrap_or(0.0);
-            }
-        }
-        table
+        let row = |(percept, number): (&Percept, usize)| Some((*percept, values.get(number)?));
+        let rows = memory.sorted().filter_map(row).collect();
+        Self { actions, rows }
     }
 
     pub fn actions(&self) -> usize {

@@ -11,7 +11,7 @@ use mcap::{MAGIC, McapResult, Summary};
 use crate::disk;
 use crate::record::read::parse::parse_record;
 use crate::record::read::reader::{HEAD_BYTES, Records, longest_record, unpacked_size};
-use crate::record::write::log_file::{Packing, Sink, writer};
+use crate::record::write::sink::{Packing, Sink};
 
 /// What was saved, and what was not.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -126,7 +126,7 @@ struct Salvor<W: Write> {
 impl<W: Write> Salvor<W> {
     fn new(sink: W) -> McapResult<Self> {
         Ok(Self {
-            writer: writer(sink, Packing::Small)?,
+            writer: Sink::new(sink, Packing::Small)?,
             schemas: BTreeMap::from([(0, 0)]),
             channels: BTreeMap::new(),
             recovery: Recovery::default(),
@@ -175,7 +175,7 @@ impl<W: Write> Salvor<W> {
             Record::Message { header, data } => self.take_message(header, &data, at)?,
             Record::Attachment { header, data, .. } => self.take_attachment(header, data)?,
             Record::Metadata(metadata) => {
-                self.writer.write_metadata(&metadata)?;
+                self.writer.metadata(&metadata)?;
                 self.recovery.metadata += 1;
             }
             _ => {}
@@ -224,7 +224,7 @@ impl<W: Write> Salvor<W> {
             channel_id,
             ..header
         };
-        self.writer.write_to_known_channel(&header, data)?;
+        self.writer.message(&header, data)?;
         self.recovery.messages += 1;
         Ok(())
     }
@@ -249,8 +249,7 @@ impl<W: Write> Salvor<W> {
         }
     }
 
-    fn finish(mut self) -> McapResult<(W, Recovery)> {
-        self.writer.finish()?;
-        Ok((self.writer.into_inner().into_inner(), self.recovery))
+    fn finish(self) -> McapResult<(W, Recovery)> {
+        Ok((self.writer.finish()?, self.recovery))
     }
 }

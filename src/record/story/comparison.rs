@@ -13,7 +13,7 @@ use crate::record::error::RecordError;
 use crate::record::info::Extent;
 use crate::record::layout::{self, SIDES};
 use crate::record::topics::Topic;
-use crate::record::write::log_file::{Packing, Sink, writer};
+use crate::record::write::sink::{Packing, Sink};
 
 /// Two stories in one recording.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ pub fn compare_stories(stories: [&Teller<'_>; 2]) -> Result<Comparison, RecordEr
 }
 
 fn merged(stories: [&Teller<'_>; 2], layout: &str) -> McapResult<Vec<u8>> {
-    let mut out = writer(Vec::new(), Packing::Small)?;
+    let mut out = Sink::new(Vec::new(), Packing::Small)?;
     introduce(&mut out, stories, layout)?;
     let mut channels = BTreeMap::new();
     for (side, story) in stories.iter().enumerate() {
@@ -69,10 +69,9 @@ fn merged(stories: [&Teller<'_>; 2], layout: &str) -> McapResult<Vec<u8>> {
             publish_time: *time_ns,
         };
         let data = below(SIDES[side], *topic, data);
-        out.write_to_known_channel(&header, &data)?;
+        out.message(&header, &data)?;
     }
-    out.finish()?;
-    Ok(out.into_inner().into_inner())
+    out.finish()
 }
 
 /// The facts of both runs, those of each below the name of its side.
@@ -94,7 +93,7 @@ fn metadata(
     name: &str,
     metadata: BTreeMap<String, String>,
 ) -> McapResult<()> {
-    out.write_metadata(&Metadata {
+    out.metadata(&Metadata {
         name: name.to_owned(),
         metadata,
     })

@@ -16,7 +16,8 @@ use crate::record::mode::RecordMode;
 use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::caption::Caption;
 use crate::record::topics::{Topic, log, timestamp};
-use crate::record::write::log_file::{LogFile, Packing};
+use crate::record::write::log_file::LogFile;
+use crate::record::write::sink::Packing;
 use crate::world::Maze;
 
 /// What came of a chapter stands for so long after it.

@@ -6,49 +6,13 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use mcap::records::{MessageHeader, Metadata};
-use mcap::write::NoSeek;
-use mcap::{Attachment, Compression, McapError, McapResult, WriteOptions, Writer};
+use mcap::{Attachment, McapError, McapResult};
 
+use super::sink::{Packing, Sink};
 use crate::disk;
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
 use crate::record::topics::Topic;
-
-/// Uncompressed size at which a chunk is closed, in bytes.
-const CHUNK_BYTES: u64 = 512 * 1024;
-/// What the header says about who wrote the file.
-const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
-
-/// How all our files are written.
-pub type Sink<W> = Writer<NoSeek<W>>;
-
-/// How much work is put into small files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Packing {
-    /// Little: the file is written again when it is whole.
-    Quick,
-    /// As much as pays.
-    Small,
-}
-
-/// Begins an MCAP stream.
-pub fn writer<W: Write>(sink: W, packing: Packing) -> McapResult<Sink<W>> {
-    // Seeking would patch a chunk's length in afterwards: a killed writer would then leave a
-    // chunk of length 2^64-1. Threads would be started anew for every file.
-    WriteOptions::new()
-        .compression(Some(Compression::Zstd))
-        .compression_level(match packing {
-            Packing::Quick => 1,
-            Packing::Small => 8,
-        })
-        .compression_threads(0)
-        .chunk_size(Some(CHUNK_BYTES))
-        .disable_seeking(true)
-        // Whoever reads the summary at all reads the whole of it.
-        .emit_summary_offsets(false)
-        .library(LIBRARY)
-        .create(NoSeek::new(sink))
-}
 
 /// An MCAP stream with a fixed set of topics. The same calls give the same bytes.
 pub struct LogFile<W: Write> {
@@ -62,7 +26,7 @@ pub struct LogFile<W: Write> {
 impl<W: Write> LogFile<W> {
     /// Begins a file; the topics must have been declared before the first message.
     pub fn new(sink: W, packing: Packing) -> McapResult<Self> {
-        let writer = writer(sink, packing)?;
+        let writer = Sink::new(sink, packing)?;
         Ok(Self {
             writer,
             channels: [None; Topic::ALL.len()],
@@ -102,7 +66,7 @@ impl<W: Write> LogFile<W> {
             publish_time: time_ns,
         };
         self.messages += 1;
-        self.writer.write_to_known_channel(&header, encoded)
+        self.writer.message(&header, encoded)
     }
 
     /// Messages written so far.
@@ -123,7 +87,7 @@ impl<W: Write> LogFile<W> {
 
     /// Writes a metadata record.
     pub fn metadata(&mut self, name: &str, metadata: BTreeMap<String, String>) -> McapResult<()> {
-        self.writer.write_metadata(&Metadata {
+        self.writer.metadata(&Metadata {
             name: name.to_owned(),
             metadata,
         })
@@ -135,9 +99,8 @@ impl<W: Write> LogFile<W> {
     }
 
     /// Writes the indexes and gives the sink back.
-    pub fn finish(mut self) -> McapResult<W> {
-        self.writer.finish()?;
-        Ok(self.writer.into_inner().into_inner())
+    pub fn finish(self) -> McapResult<W> {
+        self.writer.finish()
     }
 }
 

@@ -1,10 +1,12 @@
 //! Writing recordings, while episodes are run.
 
+mod encoding;
 pub(super) mod log_file;
 pub(super) mod outbox;
 mod rebuild;
 mod recorder;
 pub(super) mod scribe;
+pub(super) mod sink;
 mod way;
 
 pub use outbox::Tap;

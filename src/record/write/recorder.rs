@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::log_file::{OpenFile, Packing};
+use super::log_file::OpenFile;
 use super::outbox::{Outbox, Tap};
 use super::rebuild::{self, Chunks};
 use super::scribe::Scribe;
+use super::sink::Packing;
 use crate::agent::Agent;
 use crate::arena::View;
 use crate::disk;
