@@ -233,12 +233,25 @@ fn an_incomplete_study_is_no_result_and_status_says_what_is_missing() {
     let status = desk.done("status a b --shards 4");
     assert!(status.contains("8 of 16 trials finished"), "{status}");
     assert!(
-        status.contains("missing (8): maze4 xcs grid neighbours: 2 4; maze4 xcscr"),
+        status.contains("missing (8):\n    maze4 xcs grid neighbours: 2 4\n    maze4 xcscr"),
         "{status}"
     );
     assert!(status.contains("shards to run (2): 2/4 4/4"), "{status}");
     let json: serde_json::Value = serde_json::from_str(&desk.done("status a --json")).unwrap();
     assert_eq!(json["finished"], 4);
+}
+
+#[test]
+fn status_does_not_list_a_hundred_arms_that_have_not_begun() {
+    let desk = Desk::new();
+    desk.write(
+        "wide.toml",
+        &(SMALL.to_owned() + "[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.3, 0.4]\n"),
+    );
+    desk.done("run wide.toml --out a --trials 2 --episodes 2 --shard 1/32");
+    let status = desk.done("status a");
+    assert_eq!(status.lines().count(), 4, "{status}");
+    assert!(status.contains("all 2 trials of 15 other arms"), "{status}");
 }
 
 #[test]

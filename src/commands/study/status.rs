@@ -7,6 +7,9 @@ use xcscr::study::{Arm, Shard, StudyFolder, ranges};
 
 use crate::commands::failure::Failure;
 
+/// So many arms without a trial are listed by name.
+const MANY_ARMS: usize = 8;
+
 /// What is finished of a study, as `study status --json` prints it.
 #[derive(Debug, Serialize)]
 pub(super) struct Status {
@@ -25,19 +28,23 @@ pub(super) struct Status {
 }
 
 impl Status {
-    /// Trials of the study arm by arm, numbered as in trials.csv.
-    fn listed(&self, trials: &[usize]) -> String {
+    /// Trials of the study, numbered as in trials.csv: a line for each arm, but one for all arms that
+    /// lack every trial, if these are many.
+    fn listed(&self, trials: &[usize]) -> Vec<String> {
         let (names, per_arm) = &self.arms;
         let arms = trials.chunk_by(|a, b| a / per_arm == b / per_arm);
-        let listed = arms.map(|own| {
+        let (whole, part): (Vec<_>, Vec<_>) = arms.partition(|own| own.len() == *per_arm);
+        let line = |own: &&[usize]| {
             let numbers: Vec<usize> = own.iter().map(|trial| trial % per_arm + 1).collect();
-            format!(
-                "{}: {}",
-                names[own[0] / per_arm],
-                ranges(&numbers).replace(',', " ")
-            )
-        });
-        listed.collect::<Vec<_>>().join("; ")
+            let numbers = ranges(&numbers).replace(',', " ");
+            format!("{}: {numbers}", names[own[0] / per_arm])
+        };
+        let mut lines: Vec<String> = part.iter().map(line).collect();
+        match whole.len() {
+            0..=MANY_ARMS => lines.extend(whole.iter().map(line)),
+            many => lines.push(format!("all {per_arm} trials of {many} other arms")),
+        }
+        lines
     }
 
     pub fn new(folder: &StudyFolder, shards: Option<usize>) -> Self {
@@ -76,7 +83,10 @@ impl Status {
         )?;
         for (name, trials) in [("missing", &self.missing), ("failed", &self.failed)] {
             if !trials.is_empty() {
-                writeln!(out, "  {name} ({}): {}", trials.len(), self.listed(trials))?;
+                writeln!(out, "  {name} ({}):", trials.len())?;
+            }
+            for line in self.listed(trials) {
+                writeln!(out, "    {line}")?;
             }
         }
         if let Some(shards) = &self.shards {
