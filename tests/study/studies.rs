@@ -64,13 +64,19 @@ impl Desk {
 
     /// Runs a command that must end with `code`, and gives its message.
     fn refused(&self, words: &str, code: i32) -> String {
+        self.ends(words, code).1
+    }
+
+    /// Stdout and stderr of a command that ends with this code.
+    fn ends(&self, words: &str, code: i32) -> (String, String) {
         let output = self.study(words);
         assert_eq!(
             output.status.code(),
             Some(code),
             "study {words}: {output:?}"
         );
-        String::from_utf8(output.stderr).unwrap()
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (text(output.stdout), text(output.stderr))
     }
 
     /// All files of a study.
@@ -229,7 +235,19 @@ fn an_incomplete_study_is_no_result_and_status_says_what_is_missing() {
     let message = desk.refused("merge a b --out ab", 1);
     assert!(message.contains("8 of 16 trials are missing"), "{message}");
     assert!(!desk.path("ab").exists());
-    desk.refused("report a", 1);
+    // What is finished is shown, but not tested, and no file says that it is the result.
+    let (shown, said) = desk.ends("report a", 1);
+    assert!(shown.contains("12 of 16 trials are missing"), "{shown}");
+    assert!(
+        shown.contains("maze4") && !shown.contains("Tests"),
+        "{shown}"
+    );
+    assert!(said.contains("12 of 16 trials are missing"), "{said}");
+    assert!(!desk.path("a/report.md").exists() && !desk.path("a/trials.csv").exists());
+    let shown = desk.ends("report a --json", 1).0;
+    let json: serde_json::Value = serde_json::from_str(&shown).unwrap();
+    assert_eq!(json["missing"], 12);
+    assert_eq!(json["comparisons"], serde_json::json!([]));
     let status = desk.done("status a b --shards 4");
     assert!(status.contains("8 of 16 trials finished"), "{status}");
     assert!(
@@ -252,6 +270,27 @@ fn status_does_not_list_a_hundred_arms_that_have_not_begun() {
     let status = desk.done("status a");
     assert_eq!(status.lines().count(), 4, "{status}");
     assert!(status.contains("all 2 trials of 15 other arms"), "{status}");
+}
+
+#[test]
+fn the_fewest_steps_are_told_with_the_arena_only_where_there_are_several() {
+    let desk = Desk::new();
+    let text = SMALL.replace(", \"maze5\"", "").replace("xcscr", "r-max");
+    desk.write("one.toml", &text);
+    desk.write("two.toml", &(text + "arenas = [\"grid\", \"physics\"]\n"));
+    let more = "--trials 1 --episodes 40";
+    let told = |name: &str| {
+        let said = desk.done(&format!("run {name}.toml --out {name} {more}"));
+        let said = said.replace('\n', " ");
+        let from = said.find("Fewest steps").unwrap();
+        said[from..].chars().take(90).collect::<String>()
+    };
+    let (one, two) = (told("one"), told("two"));
+    assert!(!one.contains("maze4 grid"), "{one}");
+    assert!(
+        two.contains("maze4 grid") && two.contains("maze4 physics"),
+        "{two}"
+    );
 }
 
 #[test]

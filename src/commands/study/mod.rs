@@ -70,7 +70,8 @@ pub enum StudyCommand {
         force: bool,
     },
     /// Print the result of a study, and write report.md, report.html and the figures into its
-    /// folder.
+    /// folder. Of a study that is not finished, print the table of its finished trials, without
+    /// tests, and write nothing.
     Report {
         /// The folder of a study.
         folder: PathBuf,
@@ -165,11 +166,7 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
             force,
             format,
             json,
-        } => {
-            let folder = StudyFolder::read_locked(folder)?.replacing(*force);
-            folder.require_complete()?;
-            finish(&folder, format.or_json(*json), out)
-        }
+        } => report(folder, *force, format.or_json(*json), out),
     }
 }
 
@@ -243,18 +240,38 @@ fn say_warnings(protocol: &Protocol) {
     }
 }
 
+/// Reports a complete study; of another one, prints what its finished trials say.
+fn report(path: &Path, force: bool, format: Format, out: &mut impl Write) -> Result<(), Failure> {
+    // A study that runs can be looked at, but nothing can be written beside it.
+    let (folder, busy) = match StudyFolder::read_locked(path) {
+        Err(busy @ StudyError::Locked { .. }) => (StudyFolder::read(path)?, Some(busy)),
+        folder => (folder?, None),
+    };
+    if let Err(incomplete) = folder.require_complete() {
+        print_report(&Report::new(&folder), format, out)?;
+        return Err(incomplete.into());
+    }
+    busy.map_or(Ok(()), Err)?;
+    finish(&folder.replacing(force), format, out)
+}
+
 /// Writes the tables and the report of a complete study, and prints the result.
 fn finish(folder: &StudyFolder, format: Format, out: &mut impl Write) -> Result<(), Failure> {
     folder.write_tables()?;
     let mut report = Report::new(folder);
     report.write(folder)?;
+    print_report(&report, format, out)?;
+    refuse_failed(folder)
+}
+
+fn print_report(report: &Report, format: Format, out: &mut impl Write) -> Result<(), Failure> {
     match format {
         Format::Text => write!(out, "{}", report.terminal())?,
         Format::Md => write!(out, "{}", report.markdown())?,
         Format::Html => write!(out, "{}", report.html())?,
-        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?,
+        Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(report)?)?,
     }
-    refuse_failed(folder)
+    Ok(())
 }
 
 fn refuse_failed(folder: &StudyFolder) -> Result<(), Failure> {

@@ -1,4 +1,4 @@
-//! What a finished study says, in words, tables and pictures.
+//! What a study says, in words, tables and pictures.
 
 pub(super) mod ablation;
 mod comparisons;
@@ -34,6 +34,9 @@ pub struct Report {
     seed: u64,
     trials: usize,
     episodes: u32,
+    /// How many trials are not finished: then nothing is tested.
+    #[serde(skip_serializing_if = "is_zero")]
+    missing: usize,
     /// What came out, per arm.
     arms: Vec<ArmSummary>,
     /// Next to the paper's numbers.
@@ -58,10 +61,19 @@ pub struct Report {
     pictures: Vec<Picture>,
 }
 
+fn is_zero(missing: &usize) -> bool {
+    *missing == 0
+}
+
 impl Report {
-    /// The report of what is finished of a study.
+    /// The report of what is finished of a study. Of one that is not complete, it has the table
+    /// only: tests that are looked at again and again until they please would decide too often.
     pub fn new(folder: &StudyFolder) -> Self {
-        let arms = ArmRecords::all(folder);
+        let missing = folder.missing().len();
+        let mut tested = ArmRecords::all(folder);
+        if missing > 0 {
+            tested.clear();
+        }
         let Protocol {
             version,
             name,
@@ -79,13 +91,14 @@ impl Report {
             seed,
             trials,
             episodes,
+            missing,
             results: results::table(specs, &summaries),
             letters: results::letters_legend(&results::letters(specs)),
             arms: summaries,
-            against_paper: AgainstPaper::all(&arms, folder.protocol()),
-            nearest: Nearness::all(&arms, folder.protocol()),
-            comparisons: Comparison::all(&arms),
-            switches: SwitchEffect::all(&arms),
+            against_paper: AgainstPaper::all(&tested, folder.protocol()),
+            nearest: Nearness::all(&tested, folder.protocol()),
+            comparisons: Comparison::all(&tested),
+            switches: SwitchEffect::all(&tested),
             settings: settings::sentences(folder.protocol()),
             question: question::question(specs),
             readings: settings::readings(specs),
@@ -157,10 +170,19 @@ impl Report {
             trials,
             episodes,
             settings,
+            missing,
             ..
         } = self;
+        let so_far = match missing {
+            0 => String::new(),
+            _ => format!(
+                "The study is not finished: {missing} of {} trials are missing, the table holds \
+                 the others, and nothing is tested before all are there. ",
+                trials * self.arms.len()
+            ),
+        };
         format!(
-            "{trials} trials of {episodes} episodes each, root seed {seed}, xcscr {version}, plan \
+            "{so_far}{trials} trials of {episodes} episodes each, root seed {seed}, xcscr {version}, plan \
              {plan}. {settings}"
         )
     }

@@ -204,11 +204,24 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
         )
     };
     let places: BTreeSet<_> = arms.iter().map(place).collect();
+    let arenas: BTreeSet<_> = arms.iter().map(|arm| arm.arena).collect();
+    let sensors: BTreeSet<_> = arms.iter().map(|arm| arm.sensor).collect();
+    // What all places have in common tells none of them apart.
+    let name = |arm: &ArmSummary| {
+        let (arena, sensor) = (arm.arena, arm.sensor);
+        let arena = if arenas.len() > 1 { arena } else { "" };
+        let sensor = if sensors.len() > 1 { sensor } else { "" };
+        let words = [&arm.world, arena, sensor, &arm.variant];
+        let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
+        words.join(" ")
+    };
     let mut winners: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for there in &places {
         let rivals: Vec<_> = arms.iter().filter(|arm| place(arm) == *there).collect();
-        if let Some((winner, words)) = winner(&rivals) {
-            winners.entry(winner).or_default().push(words);
+        if let Some((winner, is_clear)) = winner(&rivals) {
+            let doubt = if is_clear { "" } else { " ?" };
+            let words = format!("{}{doubt}", name(winner));
+            winners.entry(winner.method).or_default().push(words);
         }
     }
     let words = winners.iter().map(|(method, won)| {
@@ -225,9 +238,9 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
     })
 }
 
-/// The method with the fewest steps of some in one place, and the place's name; nothing where none
-/// has found an optimum.
-fn winner<'a>(rivals: &[&'a ArmSummary]) -> Option<(&'a str, String)> {
+/// Which of some in one place has the fewest steps, and whether by more than chance may give;
+/// nothing where none has found an optimum.
+fn winner<'a>(rivals: &[&'a ArmSummary]) -> Option<(&'a ArmSummary, bool)> {
     let steps = |arm: &ArmSummary| arm.iqm_env_steps.unwrap_or(f64::INFINITY);
     let mut ranked = rivals.to_vec();
     ranked.sort_by(|a, b| steps(a).total_cmp(&steps(b)));
@@ -238,7 +251,5 @@ fn winner<'a>(rivals: &[&'a ArmSummary]) -> Option<(&'a str, String)> {
         return None;
     }
     let is_clear = first.iqm_env_steps_high < second.iqm_env_steps_low;
-    let doubt = if is_clear { "" } else { " ?" };
-    let place = format!("{} {}", first.world, first.variant);
-    Some((first.method, format!("{}{doubt}", place.trim_end())))
+    Some((first, is_clear))
 }
