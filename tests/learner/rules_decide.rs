@@ -5,8 +5,11 @@ use std::ops::ControlFlow;
 use crate::kit::trial::on_the_grid;
 use xcs::{Action, Condition, Percept, Population};
 use xcscr::agent::{Agent, Chooser, Discovery, Frozen, Knowledge, Method};
+use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer, Step};
-use xcscr::trial::{Evaluation, Settings, Trial};
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Evaluation, Plan, Settings, Trial};
+use xcscr::world::{MazeKind, Recipe};
 
 /// What the rules decided: the percept, the action, and the condition of the rule that fired.
 #[derive(Default)]
@@ -150,5 +153,33 @@ fn the_genetic_algorithm_finds_rules_too() {
     for seed in 1..=2 {
         let (trial, _) = trained("maze4", seed, &settings);
         assert!(trial.progress().optimal, "seed {seed}");
+    }
+}
+
+/// Does a trial of so many rules at most find a shortest path through 40 x 40 cells?
+fn finds_a_way_through(kind: MazeKind, most: usize) -> bool {
+    let recipe = Recipe {
+        kind,
+        size: 40,
+        seed: 1,
+    };
+    let mut settings = Settings::default();
+    settings.xcs.population_size = most as u32;
+    let plan = Plan::new(recipe.maze().unwrap())
+        .method(Method::XcscrPlus)
+        .arena(ArenaKind::Grid)
+        .sensor(Sensor::NeighboursPosition)
+        .episodes(30)
+        .settings(settings);
+    let mut trial = Trial::new(plan).unwrap();
+    let _ = trial.run(&mut ());
+    trial.progress().optimal
+}
+
+#[test]
+fn control_in_40_x_40_cells_a_hundred_rules_do_not_suffice() {
+    for kind in [MazeKind::Rooms, MazeKind::Random] {
+        assert!(finds_a_way_through(kind, 400), "{}", kind.name());
+        assert!(!finds_a_way_through(kind, 100), "{}", kind.name());
     }
 }
