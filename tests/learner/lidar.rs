@@ -4,12 +4,15 @@ use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Bounds, GreedySteps, Plan, Trial};
-use xcscr::world::Maze;
+use xcscr::world::{Maze, Recipe};
 
 /// A trial that is over, on the percept `lidar`.
 fn finished(world: &str, method: Method, arena: ArenaKind, episodes: u32, flips: f64) -> Trial {
     let path = format!("{}/worlds/{world}.json", env!("CARGO_MANIFEST_DIR"));
-    let maze = Maze::load(path.as_ref()).unwrap();
+    let maze = match world.parse::<Recipe>() {
+        Ok(recipe) => recipe.maze().unwrap(),
+        Err(_) => Maze::load(path.as_ref()).unwrap(),
+    };
     let mut plan = Plan::new(maze)
         .method(method)
         .arena(arena)
@@ -20,6 +23,14 @@ fn finished(world: &str, method: Method, arena: ArenaKind, episodes: u32, flips:
     let mut trial = Trial::new(plan).unwrap();
     let _ = trial.run(&mut ());
     trial
+}
+
+/// Does it believe that all episodes begin in one place?
+fn knows_its_start(trial: &Trial) -> bool {
+    match trial.method().knowledge() {
+        Knowledge::Remembering { map, .. } => map.begin.is_some(),
+        _ => false,
+    }
 }
 
 fn greedy(trial: &Trial) -> f64 {
@@ -73,4 +84,26 @@ fn flipped_bits_of_a_lidar_open_no_ghost_places() {
         0.01,
     ));
     assert!(without > 2.0 * bound, "control: {without} steps");
+}
+
+#[test]
+fn who_learns_that_all_episodes_begin_in_one_place_is_optimal_in_rooms_that_look_alike() {
+    let finished = |method| finished("rooms-20-1", method, ArenaKind::Grid, 12, 0.0);
+    let trial = finished(Method::XcscrMemory);
+    assert!(trial.progress().optimal, "{:?}", trial.progress());
+    assert!(trial.method().rule_count() <= 50);
+    assert!(knows_its_start(&trial));
+    assert!(!finished(Method::XcscrPlus).progress().optimal, "control");
+}
+
+#[test]
+fn who_begins_anywhere_does_not_believe_to_begin_in_one_place() {
+    let trial = finished(
+        "classic/maze10",
+        Method::XcscrMemory,
+        ArenaKind::Grid,
+        30,
+        0.0,
+    );
+    assert!(!knows_its_start(&trial));
 }

@@ -1,6 +1,6 @@
 //! All charts, drawn from the episodes that reached a goal.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use serde::{Deserialize, Serialize};
 
@@ -33,13 +33,18 @@ const SHOWN_AT_FIRST: f64 = 50.0;
 const BLANK_ADVANTAGE: f64 = 7.4;
 /// A chart that fewer episodes than this share belong to is not planned on.
 const LEAST_SHARE: f64 = 0.05;
+/// Episodes begin in one place if so many of them did, and this share of all.
+const LEAST_BEGUN: u32 = 3;
+const ALWAYS: f64 = 0.9;
 
-/// A chart, what cells of it pay, and how many episodes belong to it.
+/// A chart, what cells of it pay, how many episodes belong to it, and where they began.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 struct Sheet {
     chart: Chart,
     payments: Payments,
     episodes: f64,
+    /// By place: how many episodes began there.
+    begun: BTreeMap<Place, u32>,
 }
 
 impl Sheet {
@@ -52,6 +57,13 @@ impl Sheet {
                 .for_each(|&place| self.chart.take_down(place, &step.around));
         }
         self.payments.take_down(steps, &alignment.places);
+        // Of longer episodes the beginning is not kept.
+        let whole = steps.len() < KEPT_STEPS;
+        let begun = alignment.places.first().copied().flatten();
+        if let Some(place) = begun.filter(|_| whole) {
+            let count = self.begun.entry(place).or_default();
+            *count = count.saturating_add(1);
+        }
     }
 }
 
@@ -170,10 +182,15 @@ impl Atlas {
         self.habits.misread = misread.clamp(LEAST_MISREAD, 0.25);
     }
 
-    /// How often cells are misread; 0 if that is so rare that percepts are taken for right.
+    /// How often cells are misread; 0 if that is so rare that percepts are taken for right, which those
+    /// of a lidar never are.
     fn misread(&self) -> f64 {
         let misread = self.habits.misread;
-        if misread < RIGHT { 0.0 } else { misread }
+        match self.habits.vision {
+            Vision::Lidar => misread.max(RIGHT),
+            Vision::LookedUp if misread < RIGHT => 0.0,
+            Vision::LookedUp => misread,
+        }
     }
 
     /// Takes an episode down on the chart that it fits best; tells how well displacements fit there.
@@ -308,11 +325,13 @@ impl Atlas {
         let used = self.sheets.iter();
         let used = used.filter(|sheet| sheet.episodes >= LEAST_SHARE * all);
         let charted: Vec<Charted<'_>> = used
+            .clone()
             .map(|sheet| Charted::new(&sheet.chart, &sheet.payments, self.habits.vision))
             .collect();
+        let map = Map::drawn(&charted, &self.habits.headings, self.planned_slip, worth);
         Map {
             misread: self.misread(),
-            ..Map::drawn(&charted, &self.habits.headings, self.planned_slip, worth)
+            ..map.begun_in(always_in(used))
         }
     }
 
@@ -335,6 +354,18 @@ impl Atlas {
             && (0.0..=1.0).contains(&self.planned_slip)
             && (0.0..=1.0).contains(&self.habits.misread)
     }
+}
+
+/// The chart and the place in which episodes always begin, if there is one.
+fn always_in<'a>(sheets: impl Iterator<Item = &'a Sheet>) -> Option<(u8, Place)> {
+    let begun = sheets.enumerate().flat_map(|(chart, sheet)| {
+        let places = sheet.begun.iter();
+        places.map(move |(place, count)| (*count, (chart as u8, *place)))
+    });
+    let begun: Vec<(u32, (u8, Place))> = begun.collect();
+    let all: f64 = begun.iter().map(|(count, _)| f64::from(*count)).sum();
+    let (most, place) = begun.into_iter().max()?;
+    (most >= LEAST_BEGUN && f64::from(most) >= ALWAYS * all).then_some(place)
 }
 
 /// Can a number of steps or cells be like this?

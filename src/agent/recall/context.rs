@@ -18,6 +18,8 @@ pub const COORDINATE_BITS: usize = 2 * FURTHEST as usize;
 pub const CHART_BITS: usize = 3;
 /// Where cells are misread: the probability that the robot is not where its moves should have led it.
 const ASTRAY: f64 = 1e-3;
+/// The same for the place in which episodes always began so far.
+const BEGUN_ELSEWHERE: f64 = 0.1;
 /// The bits of a step of the window: was there one, its action, its percept.
 const STEP_BITS: usize = 1 + 3 + PERCEPT_BITS;
 /// The steps of the window.
@@ -66,8 +68,19 @@ impl Tracker {
         &self.belief
     }
 
+    /// At the beginning of an episode, with this belief.
+    pub fn begun(belief: Belief) -> Self {
+        Self {
+            belief,
+            ..Self::default()
+        }
+    }
+
     /// Perceives; the percept's first sixteen bits count.
     pub fn perceive(&mut self, map: &Map, percept: &Percept) {
+        if let (None, Some(begin)) = (self.now, map.begin) {
+            self.belief = map.first_belief(begin);
+        }
         match map.misread > 0.0 {
             true => self.perceive_doubtingly(map, percept),
             false => self.perceive_rightly(map, percept),
@@ -79,10 +92,13 @@ impl Tracker {
     fn perceive_doubtingly(&mut self, map: &Map, percept: &Percept) {
         let acted = self.acted.take();
         self.found += u32::from(acted.is_some_and(|(_, felt)| felt.rewarded));
-        let expected = acted.map(|(action, felt)| {
-            let belief = &self.belief;
-            belief.expected(&map.pomdp, action, felt.bumped)
-        });
+        let (expected, astray) = match acted {
+            Some((action, felt)) => {
+                let expected = self.belief.expected(&map.pomdp, action, felt.bumped);
+                (expected, ASTRAY)
+            }
+            None => (std::mem::take(&mut self.belief), BEGUN_ELSEWHERE),
+        };
         let (seen, found) = (around(percept), self.found);
         let mut likely = [1.0; AROUND.len() + 2];
         (1..likely.len()).for_each(|errors| likely[errors] = likely[errors - 1] * map.misread);
@@ -92,7 +108,7 @@ impl Tracker {
             likely[strange(map, state, &seen) + wrong]
         };
         let anywhere = map.pomdp.states() as u32;
-        self.belief = Belief::weighed(&expected.unwrap_or_default(), ASTRAY, anywhere, fits);
+        self.belief = Belief::weighed(&expected, astray, anywhere, fits);
         let there = self.belief.likeliest().map(|(state, _)| {
             let there = map.pomdp.percept(state);
             Percept::from_word(there.words()[0], PERCEPT_BITS)
@@ -104,7 +120,8 @@ impl Tracker {
     /// Perceives what is taken for right.
     pub fn perceive_rightly(&mut self, map: &Map, percept: &Percept) {
         let percept = Percept::from_word(percept.words()[0], PERCEPT_BITS);
-        let after = self.acted.take().and_then(|(action, felt)| {
+        let acted = self.acted.take();
+        let after = acted.and_then(|(action, felt)| {
             let found = felt.rewarded;
             // A reward that was not foreseen, or did not come, still tells where the robot is.
             let counts = [
@@ -120,8 +137,14 @@ impl Tracker {
                 .into_iter()
                 .find(|(_, after)| !after.is_empty())
         });
+        let begun = || {
+            let look = map.pomdp.look_of(&sight(&percept, self.found));
+            let fits = |state: &(u32, f64)| Some(map.pomdp.look(state.0)) == look;
+            let known = !self.belief.is_empty() && self.belief.states().iter().all(fits);
+            (acted.is_none() && known).then(|| (self.found, self.belief.clone()))
+        };
         let lost = || (self.found, lost(map, &percept, self.found));
-        (self.found, self.belief) = after.unwrap_or_else(lost);
+        (self.found, self.belief) = after.or_else(begun).unwrap_or_else(lost);
         self.now = Some(percept);
     }
 

@@ -275,9 +275,9 @@ impl Learner {
     }
 
     fn imagine(&mut self, start: u32) -> Effort {
-        let pomdp = &self.map.pomdp;
-        let belief = pomdp.first_belief(pomdp.look(start));
-        self.planner.imagine(pomdp, start, belief, &mut self.stream)
+        let belief = self.map.first_belief(start);
+        self.planner
+            .imagine(&self.map.pomdp, start, belief, &mut self.stream)
     }
 
     /// Induces rules anew. Where moves slip, rules that look at the last two steps are many; they

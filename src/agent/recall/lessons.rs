@@ -51,7 +51,7 @@ pub fn imagine(
     let mut known = BTreeMap::new();
     let mut steps = 0;
     for start in starts {
-        let (mut state, mut tracker) = (start, Tracker::default());
+        let (mut state, mut tracker) = (start, Tracker::begun(map.first_belief(start)));
         for _ in 0..MOST_STEPS {
             tracker.perceive_rightly(map, map.pomdp.percept(state));
             let context = look(tracker.context(map));

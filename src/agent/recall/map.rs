@@ -6,7 +6,7 @@ use super::chart::{Chart, FURTHEST};
 use super::headings::Headings;
 use super::payments::Payments;
 use super::place::{Letter, Place, Vision, offset, percept_of};
-use crate::agent::model::pomdp::{GOAL, Pomdp, Prizes};
+use crate::agent::model::pomdp::{Belief, GOAL, Pomdp, Prizes};
 use xcs::Percept;
 
 /// The most charts: goals that can be told apart.
@@ -50,6 +50,8 @@ pub struct Map {
     pub spots: Vec<Spot>,
     /// The probability that a cell is misread; 0 if what is perceived is taken for right.
     pub misread: f64,
+    /// The state in which all episodes begin, if there is one, and it looks like others.
+    pub begin: Option<u32>,
 }
 
 /// A map as it stands in a file, which nobody has looked at.
@@ -59,6 +61,8 @@ struct ReadMap {
     spots: Vec<Spot>,
     #[serde(default)]
     misread: f64,
+    #[serde(default)]
+    begin: Option<u32>,
 }
 
 impl TryFrom<ReadMap> for Map {
@@ -69,11 +73,13 @@ impl TryFrom<ReadMap> for Map {
             pomdp,
             spots,
             misread,
+            begin,
         } = read;
         let map = Self {
             pomdp,
             spots,
             misread,
+            begin,
         };
         match map.is_sound(map.pomdp.actions()) {
             true => Ok(map),
@@ -171,12 +177,40 @@ impl Map {
             pomdp,
             spots,
             misread: 0.0,
+            begin: None,
+        }
+    }
+
+    /// The same, where all episodes begin in this place of this chart. It is of no use to know that if
+    /// the robot can see it.
+    pub fn begun_in(self, begun: Option<(u8, Place)>) -> Self {
+        let state = begun.and_then(|(chart, place)| {
+            let eaten = 0;
+            let spot = Spot {
+                eaten,
+                chart,
+                place,
+            };
+            self.spots.binary_search(&spot).ok()
+        });
+        let state = state.map(|state| state as u32);
+        let looks_like_others = |state: &u32| self.pomdp.alike(self.pomdp.look(*state)).count() > 1;
+        let begin = state.filter(looks_like_others);
+        Self { begin, ..self }
+    }
+
+    /// What is believed when an episode begins in a state: if all begin in one place, the robot knows
+    /// where it is.
+    pub fn first_belief(&self, start: u32) -> Belief {
+        match self.begin {
+            Some(_) => Belief::even([start]),
+            None => self.pomdp.first_belief(self.pomdp.look(start)),
         }
     }
 
     /// Is it the map of the same cells, however often they are misread?
     pub fn is_of_the_same(&self, other: &Self) -> bool {
-        self.pomdp == other.pomdp && self.spots == other.spots
+        self.pomdp == other.pomdp && self.spots == other.spots && self.begin == other.begin
     }
 
     /// The states in which an episode may begin: nothing was found yet.
@@ -199,6 +233,7 @@ impl Map {
         };
         let blank = self.spots.is_empty() && self.pomdp == Pomdp::default();
         (0.0..=1.0).contains(&self.misread)
+            && self.begin.is_none_or(|begin| begin < self.starts())
             && (blank
                 || self.pomdp.actions() == actions
                     && self.pomdp.is_sound()

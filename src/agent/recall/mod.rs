@@ -12,7 +12,8 @@
 //! it is the one of the greatest discounted sum of all rewards, which may be a detour.
 //!
 //! Through a lidar no goal is seen: a chart begins where its episodes ended. Corners between two walls
-//! are hidden from it, and count neither for nor against a place ([`Vision`]).
+//! are hidden from it, and count neither for nor against a place ([`Vision`]). If episodes always begin in
+//! one place, the robot learns that ([`Map::begin`]).
 //!
 //! Built in are that the first sixteen bits of a percept are the eight cells around the robot, what
 //! the letters mean (free, wall, goal), that a move goes one cell its way unless there is a wall, that
