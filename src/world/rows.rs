@@ -6,8 +6,8 @@ use super::json::{kind, wrong_type};
 use super::maze::Cell;
 use super::source::{Source, quoted};
 
-/// The most columns, and the most rows: as many as `world info` and the first episode of a training
-/// on the grid take less than three seconds and 400 MB for.
+/// The most columns, and the most rows: of so many, the first episode of a training on the grid takes
+/// up to five seconds and 200 MB.
 pub const MAX_SIDE: usize = 4096;
 
 /// The cells of a world, each row as wide as the first.

@@ -11,9 +11,10 @@ use crate::kit::chance::{dice, rounds};
 use crate::kit::folder::{assert_same, contents};
 use crate::kit::program::{ended, expect, signal, spawn};
 use crate::kit::trial::on_the_grid;
-use xcscr::agent::Method;
+use xcscr::agent::{Method, Odometry};
 use xcscr::arena::ArenaKind;
 use xcscr::record::{self, RecordMode, Recorder, RecorderMemory, RobotShape, RunInfo};
+use xcscr::sensor::Sensor;
 use xcscr::trial::{Checkpoint, Plan, Settings, Trial, seal, unseal};
 use xcscr::xcs::random::Stream;
 
@@ -144,6 +145,32 @@ fn every_method_resumes_after_episodes_of_one_step() {
         };
         let whole = end(6);
         assert!(end(1) == whole && end(2) == whole, "{}", method.name());
+    }
+}
+
+/// Between successes it learns which way its actions go, but plans with what it knew at the last one.
+#[test]
+fn a_memory_that_learns_its_moves_resumes_after_any_episode_on_any_percept() {
+    for (seed, sensor) in [(8, Sensor::Neighbours), (9, Sensor::Lidar)] {
+        let mut plan = plan("classic/maze10", Method::XcscrMemory, ArenaKind::Grid, 8);
+        plan = plan.seed(seed).sensor(sensor);
+        let settings = &mut plan.config.settings;
+        settings.memory.odometry = Odometry::None;
+        (settings.arena.slip, settings.sensor.flips) = (0.4, 0.02);
+        settings.reward.step_threshold_from_maze = false;
+        settings.reward.step_threshold = 9;
+        let mut whole = Trial::new(plan).unwrap();
+        while whole.progress().episodes < 8 {
+            let resumed = Trial::resume(&whole.checkpoint());
+            let mut resumed = resumed.unwrap_or_else(|e| panic!("{}: {e}", sensor.name()));
+            let _ = (whole.run_episode(&mut ()), resumed.run_episode(&mut ()));
+            let episode = whole.progress().episodes;
+            assert!(
+                seal(&whole.checkpoint()) == seal(&resumed.checkpoint()),
+                "{}, episode {episode}",
+                sensor.name()
+            );
+        }
     }
 }
 

@@ -269,7 +269,10 @@ fn status_does_not_list_a_hundred_arms_that_have_not_begun() {
     desk.done("run wide.toml --out a --trials 2 --episodes 2 --shard 1/32");
     let status = desk.done("status a");
     assert_eq!(status.lines().count(), 4, "{status}");
-    assert!(status.contains("all 2 trials of 15 other arms"), "{status}");
+    assert!(
+        status.contains("all 2 trials of each of 15 arms"),
+        "{status}"
+    );
 }
 
 #[test]

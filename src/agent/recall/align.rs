@@ -150,7 +150,7 @@ pub fn differing(steps: &[Seen], habits: &Habits) -> [f64; 2] {
     counts
 }
 
-/// Likelihoods of places, densely, with a list of those that are not zero.
+/// Likelihoods of places, in order; those of all others are zero.
 struct Layer {
     places: Vec<(Place, f64)>,
 }

@@ -25,7 +25,8 @@ const EXACT: f64 = 0.008;
 /// What is believed of slips and misread cells at first.
 const FIRST_SLIP: f64 = 0.05;
 const LEAST_MISREAD: f64 = 0.0005;
-/// Percepts of which cells are misread less often than this are taken for right.
+/// Looked-up percepts of which cells are misread less often than this are taken for right; sensed
+/// ones are never held for better than this.
 const RIGHT: f64 = 0.002;
 /// Cells that were shown twice count beside so many that did not differ.
 const SHOWN_AT_FIRST: f64 = 50.0;
@@ -80,7 +81,8 @@ pub struct Atlas {
     successes: u32,
     /// How often moves slip in plans, which do not change with every estimate.
     planned_slip: f64,
-    /// By action: what it was certain to aim at when the charts were drawn last.
+    /// By action: what it was certain to aim at after the last success. Charts and map are drawn with
+    /// it, so that a map that is drawn again after an interruption is the same.
     drawn_with: Vec<Option<usize>>,
     #[serde(skip)]
     params: MemoryParams,
@@ -146,7 +148,7 @@ impl Atlas {
     /// Learns from an episode whose last step led to a goal.
     pub fn learn(&mut self, mut steps: Vec<Seen>) {
         steps.drain(..steps.len().saturating_sub(KEPT_STEPS));
-        self.successes += 1;
+        self.successes = self.successes.saturating_add(1);
         if self.params.doubts {
             self.compare(&steps);
         }
@@ -328,7 +330,7 @@ impl Atlas {
             .clone()
             .map(|sheet| Charted::new(&sheet.chart, &sheet.payments, self.habits.vision))
             .collect();
-        let map = Map::drawn(&charted, &self.habits.headings, self.planned_slip, worth);
+        let map = Map::drawn(&charted, &self.drawn_with, self.planned_slip, worth);
         Map {
             misread: self.misread(),
             ..map.begun_in(always_in(used))
@@ -340,6 +342,11 @@ impl Atlas {
         let steps = self.episodes.iter().flatten();
         self.habits.headings.is_sound(actions)
             && self.drawn_with.len() == actions
+            && self
+                .drawn_with
+                .iter()
+                .flatten()
+                .all(|&heading| heading < DISPLACEMENTS)
             && self.sheets.len() <= MOST_CHARTS
             && self
                 .sheets

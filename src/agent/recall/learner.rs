@@ -211,7 +211,7 @@ impl Learner {
 
     /// Ends the episode: learns charts, plan and rules.
     pub fn finish(&mut self, reached_goal: bool) {
-        self.episodes += 1;
+        self.episodes = self.episodes.saturating_add(1);
         let steps = std::mem::take(&mut self.steps);
         self.tracker = Tracker::default();
         self.sketch = Sketch::default();

@@ -3,11 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::chart::{Chart, FURTHEST};
-use super::headings::Headings;
 use super::payments::Payments;
 use super::place::{Letter, Place, Vision, offset, percept_of};
 use crate::agent::model::pomdp::{Belief, GOAL, Pomdp, Prizes};
-use xcs::Percept;
+use xcs::{Action, Percept};
 
 /// The most charts: goals that can be told apart.
 pub const MOST_CHARTS: usize = 6;
@@ -146,8 +145,14 @@ impl<'a> Charted<'a> {
 }
 
 impl Map {
-    /// The map of some charts, for a robot with actions that aim there and slip so often.
-    pub fn drawn(charted: &[Charted<'_>], headings: &Headings, slip: f64, worth: &Worth) -> Self {
+    /// The map of some charts, for a robot whose actions aim there, as far as that is certain, and slip
+    /// so often.
+    pub fn drawn(
+        charted: &[Charted<'_>],
+        aims: &[Option<usize>],
+        slip: f64,
+        worth: &Worth,
+    ) -> Self {
         if charted.is_empty() {
             return Self::default();
         }
@@ -163,11 +168,11 @@ impl Map {
                 sight(&percept_of(&around), spot.eaten.count_ones())
             })
             .collect();
-        let next = |state: usize, action| match headings.certain(action) {
+        let next = |state: usize, action: Action| match aims[action.index()] {
             Some(heading) => next(&spots, on(&spots[state]), state, heading),
             None => state as u32,
         };
-        let mut pomdp = Pomdp::new(headings.actions(), slip, &seen, next);
+        let mut pomdp = Pomdp::new(aims.len(), slip, &seen, next);
         if charted.iter().any(|one| !one.paying.is_empty()) {
             let found = spots.iter().map(|spot| on(spot).paid(spot.eaten)).collect();
             let Worth { goal, step, gamma } = *worth;
@@ -199,8 +204,8 @@ impl Map {
         Self { begin, ..self }
     }
 
-    /// What is believed when an episode begins in a state: if all begin in one place, the robot knows
-    /// where it is.
+    /// What is believed when an imagined episode begins in a state. Who knows where episodes begin is
+    /// sure of any start: plans from elsewhere are for when it has lost its way.
     pub fn first_belief(&self, start: u32) -> Belief {
         match self.begin {
             Some(_) => Belief::even([start]),

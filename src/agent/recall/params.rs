@@ -26,7 +26,7 @@ settings! {
         /// `none`, so that it learns them from what successive percepts share.
         odometry: Odometry = Odometry::Known;
         /// Is it learned how often cells are misread, and what is perceived weighed by that? If not,
-        /// it is taken for right.
+        /// what is looked up is taken for right, and of what is sensed one cell in 500 for misread.
         doubts: bool = true;
         /// Charts at most: goals that can be told apart.
         charts: u32 = MOST_CHARTS as u32, in 1..=MOST_CHARTS as u32;

@@ -7,7 +7,7 @@ use xcscr::study::{Arm, Shard, StudyFolder, ranges};
 
 use crate::commands::failure::Failure;
 
-/// So many arms without a trial are listed by name.
+/// Up to so many arms of which every trial is listed have a line of their own.
 const MANY_ARMS: usize = 8;
 
 /// What is finished of a study, as `study status --json` prints it.
@@ -28,8 +28,8 @@ pub(super) struct Status {
 }
 
 impl Status {
-    /// Trials of the study, numbered as in trials.csv: a line for each arm, but one for all arms that
-    /// lack every trial, if these are many.
+    /// Trials of the study, numbered as in trials.csv: a line for each arm, but one for all arms of which
+    /// every trial is listed, if these are many.
     fn listed(&self, trials: &[usize]) -> Vec<String> {
         let (names, per_arm) = &self.arms;
         let arms = trials.chunk_by(|a, b| a / per_arm == b / per_arm);
@@ -42,7 +42,7 @@ impl Status {
         let mut lines: Vec<String> = part.iter().map(line).collect();
         match whole.len() {
             0..=MANY_ARMS => lines.extend(whole.iter().map(line)),
-            many => lines.push(format!("all {per_arm} trials of {many} other arms")),
+            many => lines.push(format!("all {per_arm} trials of each of {many} arms")),
         }
         lines
     }
