@@ -1,11 +1,11 @@
 //! A learner with a memory that senses: a lidar shows neither goals nor hidden corners.
 
 use crate::kit::trial::maze;
-use xcscr::agent::{Knowledge, Method};
+use xcscr::agent::{Knowledge, Method, Odometry};
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Bounds, GreedySteps, Plan, Trial};
-use xcscr::world::Recipe;
+use xcscr::world::{Maze, Recipe};
 
 /// A trial that is over, on the percept `lidar`.
 fn finished(world: &str, method: Method, arena: ArenaKind, episodes: u32, flips: f64) -> Trial {
@@ -89,6 +89,30 @@ fn who_learns_that_all_episodes_begin_in_one_place_is_optimal_in_rooms_that_look
     assert!(trial.method().rule_count() <= 50);
     assert!(knows_its_start(&trial));
     assert!(!finished(Method::XcscrPlus).progress().optimal, "control");
+}
+
+/// Of a start in a dead end a lidar shows one free cell, and hides the corners.
+#[test]
+fn who_does_not_know_its_moves_gets_out_of_a_dead_end() {
+    let rows = ["######", "#S...#", "###G##", "######"];
+    let world = format!(r#"{{"rows": {rows:?}}}"#);
+    let maze = Maze::from_json(world.as_bytes(), "dead-end.json").unwrap();
+    for seed in 1..=5 {
+        let plan = Plan::new(maze.clone())
+            .method(Method::XcscrMemory)
+            .seed(seed);
+        let mut plan = plan
+            .arena(ArenaKind::Grid)
+            .sensor(Sensor::Lidar)
+            .episodes(20);
+        plan.config.settings.memory.odometry = Odometry::None;
+        let trial = plan.run().unwrap();
+        let progress = trial.progress();
+        assert!(
+            progress.optimal && progress.collisions < 60,
+            "seed {seed}: {progress:?}"
+        );
+    }
 }
 
 #[test]

@@ -63,9 +63,11 @@ impl Headings {
     }
 
     /// Can nobody tell what will come of an action among these cells: a bump, or into which of the
-    /// others it leads?
+    /// others it leads? A hidden corner counts as a wall: a bump does not tell the two apart, and to try
+    /// again would teach nothing.
     pub fn leave_open(&self, action: Action, around: &Around) -> bool {
-        let is_wall = |heading: usize| around.get(heading) == Some(&Letter::Wall);
+        let is_wall =
+            |heading: usize| matches!(around.get(heading), Some(Letter::Wall | Letter::Hidden));
         let bumps = self.of(action).filter(|one| is_wall(one.0));
         let moves = self.of(action).filter(|one| !is_wall(one.0));
         let bump: f64 = bumps.map(|one| one.1).sum();

@@ -151,7 +151,9 @@ impl Report {
         ]);
         blocks.extend(self.letters.clone().map(Block::Text));
         blocks.push(Block::Text(results::LEGEND.to_owned()));
-        blocks.extend(results::fewest_steps(&self.arms).map(Block::Text));
+        if self.missing == 0 {
+            blocks.extend(results::fewest_steps(&self.arms).map(Block::Text));
+        }
         if !self.pictures.is_empty() {
             blocks.push(Block::Heading("Figures".to_owned()));
             blocks.extend(self.pictures.iter().cloned().map(Block::Picture));
