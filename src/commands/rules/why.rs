@@ -29,9 +29,13 @@ pub fn print(
     let Plan { maze, config } = plan;
     let why = Why::at(plan, knowledge, cell);
     let (world, sensor) = (maze.name(), config.sensor);
+    let moment = match knowledge {
+        Knowledge::Remembering { .. } => ", as if an episode began there",
+        _ => "",
+    };
     writeln!(
         out,
-        "{world}, {}, cell {},{}",
+        "{world}, {}, cell {},{}{moment}",
         sensor.name(),
         cell.col,
         cell.row
