@@ -2,7 +2,9 @@
 
 use nalgebra::Vector2;
 
-use super::{BIAS, Estimator, HEADING, RANGES, ROLL, Ray, SHALLOW, WHEELS, X, Y};
+use super::{
+    AGREEING, BIAS, ENOUGH, Estimator, HEADING, RANGES, ROLL, Ray, SHALLOW, UNSURE, WHEELS, X, Y,
+};
 use crate::onboard::angle::{ahead, cayley, square};
 use crate::whole::round;
 
@@ -10,6 +12,8 @@ use crate::whole::round;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
     pub axis: usize,
+    /// Does it run so nearly along the line that it cannot tell how far away that is?
+    pub is_shallow: bool,
     /// How far the beam reaches along the axis.
     reach: f64,
     /// From where the beam ends to the line.
@@ -19,8 +23,10 @@ pub(super) struct Fit {
     /// The derivatives of the end by heading and by the scale of ranges; by the axis it is 1.
     by_heading: f64,
     by_ranges: f64,
-    /// The variance of the residual.
+    /// The variance of the residual ...
     variance: f64,
+    /// ... and of it what does not come from the position, in which other beams are as wrong.
+    own_variance: f64,
 }
 
 impl Fit {
@@ -38,27 +44,25 @@ impl Fit {
 
 impl Estimator {
     /// How a beam fits to the nearest lines across both axes.
-    pub(super) fn fits(&self, ray: &Ray, range: f64) -> [Option<Fit>; 2] {
+    pub(super) fn fits(&self, ray: &Ray, range: f64) -> [Fit; 2] {
         let measured = range / (1.0 + self.belief.ranges);
         [X, Y].map(|axis| self.fit(axis, ray, range, measured))
     }
 
     /// How a beam fits to the nearest line across an axis; `measured` is its range without the
     /// scale that the robot believes in.
-    fn fit(&self, axis: usize, ray: &Ray, range: f64, measured: f64) -> Option<Fit> {
+    fn fit(&self, axis: usize, ray: &Ray, range: f64, measured: f64) -> Fit {
         let along = ray.direction[axis];
-        if along.abs() <= SHALLOW {
-            return None;
-        }
         let across = ray.direction[1 - axis];
         let covariance = &self.belief.covariance;
         let deviation = self.assumed.range + self.assumed.range_share * range;
         let sign = if axis == X { -1.0 } else { 1.0 };
         let by_heading = sign * range * across;
         let by_ranges = measured * along;
+        let turned_and_scaled = square(by_heading) * covariance[(HEADING, HEADING)]
+            + square(by_ranges) * covariance[(RANGES, RANGES)];
         let believed = covariance[(axis, axis)]
-            + square(by_heading) * covariance[(HEADING, HEADING)]
-            + square(by_ranges) * covariance[(RANGES, RANGES)]
+            + turned_and_scaled
             + 2.0 * by_heading * covariance[(axis, HEADING)]
             + 2.0 * by_ranges * covariance[(axis, RANGES)]
             + 2.0 * by_heading * by_ranges * covariance[(HEADING, RANGES)];
@@ -66,14 +70,29 @@ impl Estimator {
             square(along * deviation) + square(across * range * self.assumed.beam_rad);
         let fit = Fit {
             axis,
+            is_shallow: along.abs() <= SHALLOW,
             reach: range * along,
             residual: 0.0,
             distance: 0.0,
             by_heading,
             by_ranges,
             variance: believed + measured_badly,
+            own_variance: turned_and_scaled + measured_badly,
         };
-        Some(fit.from(ray.origin))
+        fit.from(ray.origin)
+    }
+
+    /// Is a beam to be believed that is taken to end on a line across an axis? Where the position is
+    /// unsure, outliers end on lines, too, and one would make the robot sure of a wrong place: there the
+    /// last such beams of this action must agree.
+    pub(super) fn is_believed(&mut self, fit: &Fit) -> bool {
+        let witness = &mut self.witnesses[fit.axis];
+        let apart = square(fit.residual - witness.residual);
+        let agree = witness.count > 0 && apart < AGREEING * 2.0 * fit.own_variance;
+        witness.count = if agree { witness.count + 1 } else { 1 };
+        witness.residual = fit.residual;
+        let is_sure = self.belief.covariance[(fit.axis, fit.axis)] < square(UNSURE);
+        is_sure || witness.count >= ENOUGH
     }
 
     /// Moves the state so that the beam ends nearer to the line.
@@ -92,6 +111,8 @@ impl Estimator {
         let change = gain * fit.residual;
         let moved = Vector2::new(change[X], change[Y]);
         self.belief.pose.translation.vector += moved;
+        let witnesses = self.witnesses.iter_mut().zip(moved.iter());
+        witnesses.for_each(|(witness, moved)| witness.residual -= moved);
         let ahead = ahead(self.belief.pose.rotation);
         self.belief.slip.correct(moved.dot(&ahead));
         self.belief.pose.rotation *= cayley(change[HEADING]);

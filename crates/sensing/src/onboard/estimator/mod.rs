@@ -29,8 +29,14 @@ const RANGES: usize = 5;
 const ROLL: usize = 6;
 const STATES: usize = 7;
 
-/// A beam along an axis less than this (a cosine) says nothing about lines across that axis.
+/// A beam along an axis less than this (a cosine) says nothing about lines across that axis, but it may
+/// end on one.
 const SHALLOW: f64 = 0.25;
+/// The squared distance, in units of the variance, up to which two beams agree: 3 deviations.
+const AGREEING: f64 = 9.0;
+/// A deviation of the position from which on a beam is believed only if others agree with it: the third.
+const UNSURE: f64 = 0.1;
+const ENOUGH: u32 = 3;
 /// What a bump may add to the position, as a deviation.
 const BUMP_SLIDE: f64 = 0.02;
 /// The deviation of the position that is added where beams disagree with it.
@@ -86,6 +92,17 @@ pub(crate) struct Estimator {
     belief: Belief,
     /// How far it turned back from the end of the last step to each of its beams.
     back: Vec<UnitComplex<f64>>,
+    /// Along x and y: the last beams of this action that were taken to end on lines.
+    witnesses: [Witness; 2],
+}
+
+/// Beams that were taken to end on lines across an axis, and agree.
+#[derive(Debug, Clone, Copy, Default)]
+struct Witness {
+    /// How far from its line the last of them ended.
+    residual: f64,
+    /// How many of them there are.
+    count: u32,
 }
 
 /// A beam from where the robot believes that it was sent: its origin, its direction, and its
@@ -126,6 +143,7 @@ impl Estimator {
             },
             assumed,
             back: Vec::new(),
+            witnesses: [Witness::default(); 2],
         }
     }
 
@@ -180,6 +198,7 @@ impl Estimator {
     /// A new action begins, in which the wheels roll otherwise than before.
     pub fn begin_action(&mut self) {
         self.belief.roll = 0.0;
+        self.witnesses = [Witness::default(); 2];
         let covariance = &mut self.belief.covariance;
         covariance.row_mut(ROLL).fill(0.0);
         covariance.column_mut(ROLL).fill(0.0);
@@ -227,12 +246,16 @@ impl Estimator {
             fits = self.fits(ray, range);
         }
         let passes = |fit: &Fit| fit.distance < self.params.gate;
-        match fits.map(|fit| fit.filter(passes)) {
+        match fits.map(|fit| Some(fit).filter(passes)) {
             [Some(_), Some(_)] => {}
+            // It ends at a wall along which it runs: in a corridor, where it ends says nothing.
+            [Some(fit), None] | [None, Some(fit)] if fit.is_shallow => {}
             [Some(fit), None] | [None, Some(fit)] => {
                 let strain = &mut self.belief.strain[fit.axis];
                 *strain = (*strain - 1.0).max(0.0);
-                self.correct(&fit);
+                if self.is_believed(&fit) {
+                    self.correct(&fit);
+                }
             }
             // On no line: along its way the robot is not where it believes to be.
             [None, None] => {
@@ -255,13 +278,13 @@ impl Estimator {
 
     /// Does a beam fit better where the robot would be if its wheels had spun? True when this one
     /// decides it, and the robot sees that it is there.
-    fn falls_back(&mut self, ray: &Ray, fits: &[Option<Fit>; 2]) -> bool {
+    fn falls_back(&mut self, ray: &Ray, fits: &[Fit; 2]) -> bool {
         let Some(lag) = self.belief.slip.lag() else {
             return false;
         };
         let ahead = ahead(self.belief.pose.rotation);
         let origin = ray.origin - lag * ahead;
-        let behind = fits.map(|fit| fit.map(|fit| fit.from(origin)));
+        let behind = fits.map(|fit| fit.from(origin));
         let evidence = (self.misfit(fits) - self.misfit(&behind)) / 2.0;
         match self.belief.slip.weigh(evidence, &self.params) {
             Some(Verdict::Spun(lag)) => {
@@ -276,14 +299,15 @@ impl Estimator {
 
     /// The squared distance of a beam's end from the nearest line, in units of its variance; that
     /// of an outlier is the gate.
-    fn misfit(&self, fits: &[Option<Fit>; 2]) -> f64 {
-        let distances = fits.iter().flatten().map(|fit| fit.distance);
+    fn misfit(&self, fits: &[Fit; 2]) -> f64 {
+        let distances = fits.iter().map(|fit| fit.distance);
         distances.fold(self.params.gate, f64::min)
     }
 
     /// The robot is so far behind what it believed.
     fn fall_back(&mut self, way: Vector2<f64>) {
         self.belief.pose.translation.vector -= way;
+        self.witnesses = [Witness::default(); 2];
         let doubt = (SPIN * way) * (SPIN * way).transpose();
         let mut position = self.belief.covariance.fixed_view_mut::<2, 2>(X, X);
         position += doubt;
