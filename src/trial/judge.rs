@@ -1,7 +1,5 @@
 //! Whether a greedy policy is globally optimal, and which way it takes.
 
-use std::cell::OnceCell;
-
 use super::bounds::Bounds;
 use super::drive::greedy_path;
 use super::greedy::expected_steps;
@@ -15,8 +13,6 @@ pub struct Judge {
     sensor: Sensor,
     paths: Paths,
     faults: FaultFinder,
-    /// For methods that remember: mean steps to the goal at best, if moves are exact.
-    belief_bound: OnceCell<Option<f64>>,
 }
 
 impl Judge {
@@ -26,7 +22,6 @@ impl Judge {
             sensor,
             paths: Paths::with_slip(maze, slip),
             faults: FaultFinder::default(),
-            belief_bound: OnceCell::new(),
         }
     }
 
@@ -48,8 +43,7 @@ impl Judge {
         if self.paths.slips() {
             return false;
         }
-        let best = || Bounds::of_belief(maze, self.sensor);
-        let Some(bound) = *self.belief_bound.get_or_init(best) else {
+        let Some(bound) = Bounds::of_belief(maze, self.sensor) else {
             return false;
         };
         let steps = expected_steps(maze, self.sensor, &frozen(method, maze));

@@ -161,7 +161,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         goals: std::mem::take(&mut rows.goals),
         floor: None,
         auxiliary: auxiliary::read(source, document.value("reward"), &rows)?,
-        distances: Default::default(),
+        kept: Default::default(),
     };
     if let Some(raw) = document.value("floor") {
         maze.floor = floor::read(source, raw, &maze)?;

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::direction::{Direction, Moves};
-use super::distances::Distances;
+use super::kept::Kept;
 use xcs::Action;
 
 /// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the worth of
@@ -53,8 +53,7 @@ pub struct Maze {
     pub(super) goals: Vec<Cell>,
     pub(super) floor: Floor,
     pub(super) auxiliary: Option<Auxiliary>,
-    /// Of the shortest paths, once somebody asked for them.
-    pub(super) distances: Distances,
+    pub(super) kept: Kept,
 }
 
 impl Maze {
@@ -174,6 +173,15 @@ impl Maze {
     pub fn step(&self, cell: Cell, direction: Direction) -> Option<Cell> {
         self.neighbour(cell, direction)
             .filter(|&next| !self.is_wall(next))
+    }
+
+    /// A figure about this maze that takes long to find: found once for a maze and its clones.
+    pub(crate) fn once(
+        &self,
+        figure: &'static str,
+        find: impl FnOnce() -> Option<f64>,
+    ) -> Option<f64> {
+        self.kept.figure(figure, find)
     }
 
     /// The middle of a cell in the world frame, in metres.

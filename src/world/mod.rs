@@ -1,9 +1,9 @@
 //! From a world file to a checked [`Maze`], and its shortest paths.
 
+mod around;
 mod auxiliary;
 mod checks;
 mod direction;
-mod distances;
 mod document;
 mod draw;
 mod error;
@@ -12,6 +12,7 @@ mod file;
 mod floor;
 mod generate;
 mod json;
+mod kept;
 mod maze;
 mod name;
 mod near;
@@ -23,6 +24,7 @@ mod slip;
 mod source;
 mod starts;
 
+pub(crate) use around::Content;
 pub use direction::{Direction, Moves};
 pub use draw::draw;
 pub use error::{Diagnostic, WorldError};

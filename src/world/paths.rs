@@ -26,7 +26,7 @@ impl Paths {
     /// The shortest paths of a maze; the search is made once for a maze and its clones.
     pub fn new(maze: &Maze) -> Self {
         Self {
-            distance: maze.distances.or_search(|| search(maze)),
+            distance: maze.kept.distances(|| search(maze)),
             expected: None,
         }
     }

@@ -88,7 +88,7 @@ impl Bounds {
         }
     }
 
-    /// The belief bound alone, at slip 0.
+    /// The belief bound alone, at slip 0; it is found once for a maze and its clones.
     pub fn of_belief(maze: &Maze, sensor: Sensor) -> Option<f64> {
         let paths = Paths::new(maze);
         let steps = |cell| paths.expected_steps(maze, cell).unwrap_or(NEVER);
@@ -96,12 +96,14 @@ impl Bounds {
             // Who begins in a known cell and makes exact moves always knows the cell.
             return Some(steps(start));
         }
-        if cells(maze).count() > MOST_WEIGHED {
-            return None;
-        }
-        let (pomdp, starts) = known(maze, sensor, 0.0);
-        let seen: Vec<f64> = cells(maze).map(steps).collect();
-        belief::steps(&pomdp, &starts, &seen)
+        maze.once(sensor.name(), || {
+            if cells(maze).count() > MOST_WEIGHED {
+                return None;
+            }
+            let (pomdp, starts) = known(maze, sensor, 0.0);
+            let seen: Vec<f64> = cells(maze).map(steps).collect();
+            belief::steps(&pomdp, &starts, &seen)
+        })
     }
 }
 

@@ -68,7 +68,7 @@ impl Field {
             goals: vec![goal],
             floor: None,
             auxiliary: None,
-            distances: Default::default(),
+            kept: Default::default(),
         }
     }
 
