@@ -106,7 +106,7 @@ fn forge(sound: &Value, dice: &mut Stream) -> Value {
 
 const STUDY: &str = r#"
 name = "small"
-worlds = ["maze4", "maze5"]
+worlds = ["maze4"]
 methods = ["xcs", "q-learning"]
 trials = 2
 episodes = 12

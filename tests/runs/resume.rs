@@ -1,6 +1,7 @@
 //! A run that was stopped goes on to the same bytes as one that never was.
 //!
-//! `XCSCR_LONG=1 cargo test --test runs resume` stops ten times as often, and kills 200 times.
+//! `XCSCR_LONG=1 cargo test --test runs resume` stops ten times as often in runs that are
+//! twice as long, and kills 200 times.
 
 use std::fs;
 use std::path::Path;
@@ -96,11 +97,12 @@ fn run_with_stops(plan: &Plan, folder: &Path, mode: RecordMode, times: usize) ->
 }
 
 fn stops_and_resumes(method: Method, arena: ArenaKind, mode: RecordMode, times: usize) {
-    let plan = plan("maze4", method, arena, 24);
+    let episodes = rounds(12, 24) as u32;
+    let plan = plan("maze4", method, arena, episodes);
     let folder = tempfile::tempdir().unwrap();
     let wanted = folder.path().join("wanted");
     let mut whole = Run::begin(&plan, &wanted, mode);
-    whole.episodes(24);
+    whole.episodes(episodes);
     let end = whole.end();
     let found = folder.path().join("found");
     let (story, stopped) = run_with_stops(&plan, &found, mode, times);

@@ -10,7 +10,7 @@ use serde_json::Value;
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Plan, Settings};
+use xcscr::trial::{Plan, Settings, Trial};
 
 #[track_caller]
 fn json(args: &[&str]) -> Value {
@@ -448,7 +448,11 @@ fn seeds_1_to_20_find_a_globally_optimal_policy_in_at_least_12_runs_in_both_aren
     for &arena in ArenaKind::ALL {
         let found = (1..=20).filter(|&seed| {
             let plan = Plan::new(maze("maze4")).arena(arena).seed(seed);
-            let trial = plan.episodes(180).run().unwrap();
+            let mut trial = Trial::new(plan.episodes(180)).unwrap();
+            // What comes after the first optimum changes nothing about it.
+            while !trial.is_finished() && trial.progress().first_optimal_episode.is_none() {
+                let _ = trial.run_episode(&mut ());
+            }
             trial.progress().first_optimal_episode.is_some()
         });
         let found = found.count();
