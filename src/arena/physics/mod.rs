@@ -3,7 +3,7 @@
 //! An action is one bounded manoeuvre (`controller`): the robot turns, then drives one cell; when
 //! it hits a wall, it backs off to where it came from. The wheels push with what the floor's
 //! friction allows (`robot`), the engine rapier2d does the rest (`simulation`), 20 steps per
-//! second. While no wall is near, steps are integrated in closed form (`shortcut`).
+//! second. Steps that touch no wall are integrated in closed form (`shortcut`).
 //!
 //! How the robot knows where it is, is one of two ways ([`Localisation`]). *Estimated*: it has
 //! only what its sensors tell. Sensors, estimator and what it makes out around itself are the

@@ -37,7 +37,7 @@ settings! {
         /// Noise level: multiplies the four deviations below, and all deviations and rates of the
         /// sensors; 0 switches noise off.
         noise: f64 = 1.0, in 0.0..=5.0;
-        /// Integrate in closed form while no wall is near? Faster, with the same bits.
+        /// Integrate in closed form steps that touch no wall? Faster, with the same bits.
         shortcut: bool = true;
         /// Robot mass m in kg.
         mass_kg: f64 = 5.0, in 0.1..=1000.0;
