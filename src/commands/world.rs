@@ -43,6 +43,9 @@ pub enum WorldCommand {
         /// present percept.
         #[arg(long)]
         bounds: bool,
+        /// With `--bounds`: what it perceives; of a sensed percept, what a perfect lidar would show.
+        #[arg(long, default_value = Sensor::Neighbours.name(), requires = "bounds", value_parser = choices::sensor())]
+        sensor: Sensor,
         /// With `--bounds`: the probability that another move is made than the chosen one.
         #[arg(long, default_value_t = 0.0, requires = "bounds", value_name = "P", value_parser = share)]
         slip: f64,
@@ -85,11 +88,12 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
             file,
             json,
             bounds,
+            sensor,
             slip,
         } => {
             let maze = Maze::load(&file)?;
             let description = Description {
-                bounds: bounds.then(|| Bounds::new(&maze, Sensor::Neighbours, slip)),
+                bounds: bounds.then(|| Bounds::new(&maze, sensor, slip)),
                 ..Description::new(&maze)
             };
             match json {
@@ -164,7 +168,6 @@ struct Description {
     facts: Facts,
     /// `None` for mazes of more cells than can be compared in a moment.
     look_alike: Option<Vec<LookAlike>>,
-    /// For a robot that perceives its neighbours.
     #[serde(skip_serializing_if = "Option::is_none")]
     bounds: Option<Bounds>,
 }
@@ -239,7 +242,8 @@ fn print_bounds(bounds: &Bounds, out: &mut impl Write) -> Result<(), Failure> {
     ];
     writeln!(
         out,
-        "bounds      mean steps at best from all starts, neighbours perceived, slip {}",
+        "bounds      mean steps at best from all starts, percept {}, slip {}",
+        bounds.sensor.name(),
         bounds.slip
     )?;
     writeln!(out, "  full        {full}: the cell is known")?;

@@ -23,10 +23,10 @@ fn moved(maze: &Maze, cell: Cell, action: Action) -> Cell {
     maze.step(cell, direction).unwrap_or(cell)
 }
 
-fn by_percept(maze: &Maze, cells: &[Cell]) -> BTreeMap<Percept, Vec<Cell>> {
+fn by_percept(sensor: Sensor, maze: &Maze, cells: &[Cell]) -> BTreeMap<Percept, Vec<Cell>> {
     let mut groups: BTreeMap<Percept, Vec<Cell>> = BTreeMap::new();
     for &cell in cells {
-        let percept = Sensor::Neighbours.perceive_at(maze, cell);
+        let percept = sensor.perceive_at(maze, cell);
         groups.entry(percept).or_default().push(cell);
     }
     groups
@@ -34,7 +34,7 @@ fn by_percept(maze: &Maze, cells: &[Cell]) -> BTreeMap<Percept, Vec<Cell>> {
 
 /// The least sum of steps from some cells that look alike: all sequences of actions and percepts up to
 /// a depth are tried; `None` if none of them gets everywhere to a goal.
-fn brute_belief(maze: &Maze, cells: &[Cell], depth: u32) -> Option<u32> {
+fn brute_belief(sensor: Sensor, maze: &Maze, cells: &[Cell], depth: u32) -> Option<u32> {
     let left = depth.checked_sub(1)?;
     let after = |action| {
         let reached: Vec<Cell> = cells
@@ -45,8 +45,10 @@ fn brute_belief(maze: &Maze, cells: &[Cell], depth: u32) -> Option<u32> {
             .into_iter()
             .filter(|&cell| !maze.is_goal(cell))
             .collect();
-        let groups = by_percept(maze, &open);
-        let sums = groups.values().map(|group| brute_belief(maze, group, left));
+        let groups = by_percept(sensor, maze, &open);
+        let sums = groups
+            .values()
+            .map(|group| brute_belief(sensor, maze, group, left));
         sums.sum::<Option<u32>>()
     };
     let least = Action::all(maze.action_count()).filter_map(after).min()?;
@@ -54,14 +56,12 @@ fn brute_belief(maze: &Maze, cells: &[Cell], depth: u32) -> Option<u32> {
 }
 
 /// The least mean steps of a policy with one action for each percept: all are tried.
-fn brute_memoryless(maze: &Maze) -> f64 {
-    let percepts = Sensor::Neighbours.percepts(maze);
+fn brute_memoryless(sensor: Sensor, maze: &Maze) -> f64 {
+    let percepts = sensor.percepts(maze);
     let actions = maze.action_count();
     let cells: Vec<Cell> = maze.free_cells().collect();
     let number = |cell: Cell| cells.iter().position(|other| *other == cell).unwrap();
-    let looks = cells
-        .iter()
-        .map(|&cell| Sensor::Neighbours.perceive_at(maze, cell));
+    let looks = cells.iter().map(|&cell| sensor.perceive_at(maze, cell));
     let looks: Vec<Result<usize, usize>> =
         looks.map(|look| percepts.binary_search(&look)).collect();
     let next = |cell: &Cell| {
@@ -99,20 +99,24 @@ fn the_bounds_of_tiny_worlds_are_those_of_brute_force() {
         tiny(4, &["#####", "#.#.#", "#...#", "#G#.#", "#####"]),
         tiny(8, &["#####", "#..G#", "#####"]),
     ];
-    for maze in &worlds {
-        let bounds = Bounds::new(maze, Sensor::Neighbours, 0.0);
+    let sensors = [Sensor::Neighbours, Sensor::Lidar];
+    let each = worlds
+        .iter()
+        .flat_map(|maze| sensors.map(|sensor| (maze, sensor)));
+    for (maze, sensor) in each {
+        let bounds = Bounds::new(maze, sensor, 0.0);
         let starts = maze.start_cells();
-        let groups = by_percept(maze, &starts);
+        let groups = by_percept(sensor, maze, &starts);
         let sums = groups
             .values()
-            .map(|group| brute_belief(maze, group, 6).unwrap());
+            .map(|group| brute_belief(sensor, maze, group, 6).unwrap());
         let belief = f64::from(sums.sum::<u32>()) / starts.len() as f64;
         assert_eq!(bounds.belief.unwrap().steps, belief, "{}", maze.to_json());
         let memoryless = bounds.memoryless.unwrap();
         assert_eq!(memoryless.error, 0.0);
         assert_eq!(
             memoryless.steps,
-            brute_memoryless(maze),
+            brute_memoryless(sensor, maze),
             "{}",
             maze.to_json()
         );

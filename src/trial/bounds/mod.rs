@@ -29,6 +29,8 @@ const NEVER: f64 = 65_535.0;
 /// Mean steps to a goal over all starts, at best.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Bounds {
+    /// What the robot perceives.
+    pub sensor: Sensor,
     /// The probability that another move is made than the chosen one (`arena.slip`).
     pub slip: f64,
     /// The cell is known throughout. Exact.
@@ -67,6 +69,7 @@ impl Bounds {
         let full = maze.starts().map(steps).sum::<f64>() / maze.starts().count() as f64;
         if cells(maze).count() > MOST_WEIGHED {
             return Self {
+                sensor,
                 slip,
                 full,
                 belief: None,
@@ -81,6 +84,7 @@ impl Bounds {
             false => (seen.len() <= MOST_PLANNED).then(|| estimate(&pomdp, &starts)),
         };
         Self {
+            sensor,
             slip,
             full,
             belief,
