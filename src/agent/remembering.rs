@@ -90,6 +90,14 @@ impl Agent for Recall {
         }
     }
 
+    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+        let Knowledge::Remembering { rules, map } = knowledge else {
+            return false;
+        };
+        self.learner.bring(rules, map);
+        true
+    }
+
     fn remembers(&self) -> bool {
         true
     }

@@ -83,3 +83,35 @@ fn the_rules_are_the_cause_of_what_is_done() {
     let after = GreedySteps::of(trial.plan(), &Knowledge::Remembering { rules, map }).mean;
     assert!(before < 5.0 && after > 20.0, "{before} and {after} steps");
 }
+
+/// The steps until a policy was optimal, in so many episodes that start from what was learned in
+/// another world, or from nothing.
+fn steps_to_the_optimum(world: &str, from: Option<&str>, episodes: u32) -> Option<u64> {
+    let mut plan = on_the_grid(&format!("classic/{world}"), Method::XcscrMemory);
+    plan.config.initial = from.map(|other| {
+        finished(other, Method::XcscrMemory, 40, 0.0)
+            .method()
+            .knowledge()
+    });
+    let trial = plan.episodes(episodes).seed(9).run().unwrap();
+    assert!(trial.progress().optimal, "{world}, {from:?}: at the end");
+    trial.progress().first_optimal_env_steps
+}
+
+#[test]
+fn who_brings_a_map_along_is_optimal_at_once_and_unlearns_a_wrong_one() {
+    for world in ["woods101", "maze10", "mazef4"] {
+        let [new, brought] =
+            [None, Some(world)].map(|from| steps_to_the_optimum(world, from, 60).unwrap());
+        assert!(2 * brought < new, "{world}: {brought} steps, {new} without");
+    }
+    // Another maze's map misleads at first; these are optimal in the end.
+    for (world, other) in [("maze10", "mazef4"), ("woods101", "maze7")] {
+        let misled = steps_to_the_optimum(world, Some(other), 100).unwrap();
+        let right = steps_to_the_optimum(world, Some(world), 60).unwrap();
+        assert!(
+            misled > right,
+            "control: {world} from {other}: {misled} steps"
+        );
+    }
+}

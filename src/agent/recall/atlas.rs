@@ -10,7 +10,7 @@ use super::headings::{DISPLACEMENTS, Headings};
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
 use super::params::{MemoryParams, Odometry};
 use super::payments::Payments;
-use super::place::{Around, Place, Vision};
+use super::place::{Around, Letter, Place, Vision};
 
 /// Episodes that are kept to draw the charts anew.
 const KEPT_EPISODES: usize = 100;
@@ -28,6 +28,8 @@ const LEAST_MISREAD: f64 = 0.0005;
 /// Looked-up percepts of which cells are misread less often than this are taken for right; sensed
 /// ones are never held for better than this.
 const RIGHT: f64 = 0.002;
+/// How often moves slip counts as so many steps if it is brought from another world.
+const BROUGHT_STEPS: f64 = 100.0;
 /// Cells that were shown twice count beside so many that did not differ.
 const SHOWN_AT_FIRST: f64 = 50.0;
 /// How many times likelier an episode must be on a blank chart, to open one for it.
@@ -49,6 +51,16 @@ struct Sheet {
 }
 
 impl Sheet {
+    /// A chart that was brought, on which nothing is known but the goal, which looks like this.
+    fn around(goal: Letter) -> Self {
+        let mut sheet = Self {
+            episodes: 1.0,
+            ..Self::default()
+        };
+        sheet.chart.sight(Place::ORIGIN, goal);
+        sheet
+    }
+
     /// Takes down an episode that lies on it so.
     fn take_down(&mut self, steps: &[Seen], alignment: &Alignment) {
         self.episodes += 1.0;
@@ -78,6 +90,8 @@ pub struct Atlas {
     /// Cells in which two percepts differ, and all that two percepts show.
     misread: [f64; 2],
     episodes: VecDeque<Vec<Seen>>,
+    /// Charts of another world, which all drawing begins with.
+    brought: Vec<Sheet>,
     successes: u32,
     /// How often moves slip in plans, which do not change with every estimate.
     planned_slip: f64,
@@ -106,6 +120,7 @@ impl Atlas {
             slips: [0.0; 2],
             misread: [0.0; 2],
             episodes: VecDeque::new(),
+            brought: Vec::new(),
             successes: 0,
             planned_slip: 0.0,
             drawn_with: habits.headings.all_certain(),
@@ -120,13 +135,46 @@ impl Atlas {
         self
     }
 
-    /// The same without a chart or an episode, but for what is believed of moves and percepts.
+    /// Takes over the charts of a map that was drawn in another world. Each counts as one episode:
+    /// one that nothing bears out is soon too rare to plan on.
+    pub fn bring(&mut self, map: &Map) {
+        for (spot, state) in map
+            .spots
+            .iter()
+            .zip(0..)
+            .filter(|(spot, _)| spot.eaten == 0)
+        {
+            let at = usize::from(spot.chart);
+            while self.brought.len() <= at {
+                self.brought
+                    .push(Sheet::around(self.habits.vision.of_a_goal()));
+            }
+            let around = self.habits.vision.around(map.pomdp.percept(state));
+            let sheet = &mut self.brought[at];
+            sheet.chart.take_down(spot.place, &around);
+            if map.begin == Some(state) {
+                sheet.begun.insert(spot.place, LEAST_BEGUN);
+            }
+        }
+        for sheet in &mut self.brought {
+            sheet.chart = std::mem::take(&mut sheet.chart).seen_once();
+        }
+        self.sheets = self.brought.clone();
+        self.planned_slip = map.pomdp.slip();
+        self.slips = [BROUGHT_STEPS * map.pomdp.slip(), BROUGHT_STEPS];
+        self.settle_habits();
+    }
+
+    /// The same with no charts but those that were brought and without an episode, but for what is
+    /// believed of moves and percepts.
     fn blank(&self) -> Self {
         let Habits {
             headings, vision, ..
         } = &self.habits;
         Self {
             habits: self.habits,
+            sheets: self.brought.clone(),
+            brought: self.brought.clone(),
             successes: self.successes,
             ..Self::new(headings.actions(), *vision, self.params.clone())
         }
@@ -290,7 +338,7 @@ impl Atlas {
     /// Charts drawn from how episodes lie on these ones.
     fn drawn_again(&self, episodes: &[Vec<Seen>]) -> Self {
         let mut again = self.blank();
-        again.sheets = vec![Sheet::default(); self.sheets.len()];
+        again.sheets.resize(self.sheets.len(), Sheet::default());
         for steps in episodes {
             let charts = self.sheets.iter().map(|sheet| &sheet.chart).enumerate();
             let laid = charts.map(|(at, chart)| (at, align(steps, chart, &self.habits)));
@@ -348,9 +396,10 @@ impl Atlas {
                 .flatten()
                 .all(|&heading| heading < DISPLACEMENTS)
             && self.sheets.len() <= MOST_CHARTS
-            && self
-                .sheets
-                .iter()
+            && self.brought.len() <= self.sheets.len()
+            && [&self.sheets, &self.brought]
+                .into_iter()
+                .flatten()
                 .all(|sheet| sheet.chart.is_sound() && sheet.payments.is_sound())
             && self.episodes.iter().all(|steps| steps.len() <= KEPT_STEPS)
             && steps

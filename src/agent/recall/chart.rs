@@ -98,6 +98,13 @@ impl Chart {
         }
     }
 
+    /// The same chart as if every cell had been seen but once.
+    pub fn seen_once(mut self) -> Self {
+        let counts = self.sightings.iter_mut().flatten();
+        counts.for_each(|count| *count = (*count).min(1));
+        self
+    }
+
     /// Takes down what a cell is; it must be seen.
     pub fn sight(&mut self, place: Place, letter: Letter) {
         self.grow_to(place);

@@ -62,6 +62,11 @@ impl Headings {
         all.map(|action| self.certain(action)).collect()
     }
 
+    /// Is the displacement of every action certain?
+    pub fn are_certain(&self) -> bool {
+        Action::all(self.actions).all(|action| self.certain(action).is_some())
+    }
+
     /// Can nobody tell what will come of an action among these cells: a bump, or into which of the
     /// others it leads? A hidden corner counts as a wall: a bump does not tell the two apart, and to try
     /// again would teach nothing.

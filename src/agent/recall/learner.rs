@@ -21,6 +21,8 @@ const IMAGINED: usize = 32;
 const WEIGHED: [usize; 2] = [1600, 500];
 /// Episodes up to which the greater of these holds.
 const EARLY: u32 = 100;
+/// Who brings rules along explores as after so many episodes.
+const EXPERIENCED: u32 = 6;
 /// Imagined episodes from every state after each real one, at most, if moves are exact.
 const SWEEPS: usize = 8;
 /// If moves slip, plans never settle; rules are induced anew after so many episodes.
@@ -52,7 +54,7 @@ pub struct Learner {
     planner: BeliefPlanner,
     rules: Population,
     stream: Stream,
-    /// Finished episodes.
+    /// Finished episodes; more for one who brought rules along.
     episodes: u32,
     /// Has the plan changed since the rules were induced?
     stale: bool,
@@ -136,6 +138,18 @@ impl Learner {
         self.episodes = kept.episodes;
         self.stale = kept.stale;
         self.planner.belongs_to(&self.map.pomdp)
+    }
+
+    /// Starts from rules and charts of another world. Where it is not known which way actions go, these
+    /// rules are of no use, and the charts only later.
+    pub fn bring(&mut self, rules: &Population, map: &Map) {
+        self.atlas.bring(map);
+        self.map = self.atlas.map(&self.worth);
+        self.planner = BeliefPlanner::new(&self.map.pomdp);
+        if self.atlas.habits().headings.are_certain() {
+            self.rules = rules.clone();
+            self.episodes = EXPERIENCED;
+        }
     }
 
     /// The charted places.
