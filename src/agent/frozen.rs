@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::filter::Belief;
 use super::knowledge::Knowledge;
 use super::recall::Tracker;
 use super::{Agent, Choice, EndCredit, Explorer, StepCredit};
@@ -16,7 +17,9 @@ pub struct Frozen {
     step_threshold: u32,
     /// What it remembers of this episode.
     tracker: Tracker,
-    /// What it perceived last.
+    /// Where it believes to be, if it filters what it perceives.
+    belief: Belief,
+    /// What it perceived last, or believed to.
     #[serde(skip)]
     percept: Option<Percept>,
 }
@@ -29,6 +32,7 @@ impl Frozen {
             actions,
             step_threshold,
             tracker: Tracker::default(),
+            belief: Belief::default(),
             percept: None,
         }
     }
@@ -68,10 +72,12 @@ impl Frozen {
 
 impl Agent for Frozen {
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
-        self.percept = Some(*percept);
         let Knowledge::Remembering { map, .. } = &self.knowledge else {
-            return self.worth(percept);
+            let believed = self.knowledge.believed(&mut self.belief, percept);
+            self.percept = Some(believed);
+            return self.worth(&believed);
         };
+        self.percept = Some(*percept);
         self.tracker.perceive(map, percept);
         self.knowledge.remembered_worth(&self.tracker, self.actions)
     }
@@ -86,11 +92,14 @@ impl Agent for Frozen {
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         self.tracker.act(action, outcome.into());
+        let bumped = matches!(outcome, Outcome::Collided { .. });
+        self.belief.act(action, bumped);
         self.matching(action)
     }
 
     fn finish(&mut self, _: bool) -> EndCredit {
         self.tracker = Tracker::default();
+        self.belief = Belief::default();
         EndCredit {
             long_term_reward: 0.0,
             learning_rate: 0.0,

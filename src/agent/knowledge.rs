@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::filter::{Belief, Places};
 use super::model::Foresight;
 use super::recall::{CONTEXT_BITS, Map, PERCEPT_BITS, Tracker};
 use xcs::{Action, Percept};
@@ -34,6 +35,13 @@ pub enum Knowledge {
     },
     /// The table of a tabular method: the worth of each action in each percept.
     Table(BTreeMap<Percept, Vec<Option<f64>>>),
+    /// What was learned from filtered percepts, and the places that the filter knows.
+    Doubting {
+        /// What was learned.
+        of: Box<Self>,
+        /// What they look like, and what comes of actions there.
+        places: Places,
+    },
 }
 
 impl Knowledge {
@@ -70,6 +78,37 @@ impl Knowledge {
                 }
                 array
             }
+            Self::Doubting { of, .. } => of.worth(percept, actions),
+        }
+    }
+
+    /// What was learned, without the filter of what is perceived.
+    pub fn undoubting(&self) -> &Self {
+        match self {
+            Self::Doubting { of, .. } => of.undoubting(),
+            _ => self,
+        }
+    }
+
+    /// Other knowledge with the filter of this one, if it has one.
+    pub fn filtering(&self, other: Self) -> Self {
+        match self {
+            Self::Doubting { places, .. } => Self::Doubting {
+                of: Box::new(other),
+                places: places.clone(),
+            },
+            _ => other,
+        }
+    }
+
+    /// What is taken for perceived by one who believes this and perceives that.
+    pub(super) fn believed(&self, belief: &mut Belief, percept: &Percept) -> Percept {
+        match self {
+            Self::Doubting { places, .. } => {
+                let place = belief.perceive(places, percept);
+                place.map_or(*percept, |place| *places.percept(place))
+            }
+            _ => *percept,
         }
     }
 
@@ -116,6 +155,7 @@ impl Knowledge {
             | Self::Foresighted { rules, .. }
             | Self::Remembering { rules, .. } => Some(rules),
             Self::Table(_) => None,
+            Self::Doubting { of, .. } => of.rules(),
         }
     }
 
@@ -123,6 +163,7 @@ impl Knowledge {
     pub fn foresight(&self) -> Option<&Foresight> {
         match self {
             Self::Foresighted { foresight, .. } => Some(foresight),
+            Self::Doubting { of, .. } => of.foresight(),
             _ => None,
         }
     }
@@ -132,6 +173,12 @@ impl Knowledge {
     /// # Errors
     /// The first rule or row that is not.
     pub fn check(&self, width: usize, actions: usize) -> Result<(), Misfit> {
+        if let Self::Doubting { of, places } = self {
+            return match places.is_sound(Some(width), actions) && of.may_be_doubted() {
+                true => of.check(width, actions),
+                false => Err(Misfit::Places),
+            };
+        }
         if let Self::Remembering { map, .. } = self
             && !(map.is_sound(actions) && width >= PERCEPT_BITS)
         {
@@ -157,10 +204,16 @@ impl Knowledge {
         })
     }
 
+    /// Only what looks at percepts is learned from filtered ones, and only once.
+    fn may_be_doubted(&self) -> bool {
+        !matches!(self, Self::Doubting { .. } | Self::Remembering { .. })
+    }
+
     /// The number of rules, or of pairs in the table.
     pub fn len(&self) -> usize {
         match self {
             Self::Table(table) => table.values().flatten().flatten().count(),
+            Self::Doubting { of, .. } => of.len(),
             _ => self.rules().map_or(0, Population::len),
         }
     }
@@ -199,6 +252,9 @@ pub enum Misfit {
     /// What is remembered is no map for these moves and percepts.
     #[error("the map that the rules go by does not fit the moves and percepts of this world")]
     Map,
+    /// The places that a filter knows are none for these moves and percepts.
+    #[error("the places that the filter knows do not fit the moves and percepts of this world")]
+    Places,
     /// What is foreseen cannot be.
     #[error("{0}")]
     Foresight(String),

@@ -2,11 +2,13 @@
 //!
 //! [`Method`] is the closed set of agents, by the names they have on the command line. `credit/`
 //! has standard XCS and the paper's mechanisms, one file each; `model/` what is known and foreseen;
+//! `filter/` what tells misread percepts from new ones, for any method;
 //! `plus/` the method whose rules a model teaches; `tabular/` the rivals. All reward numbers live here.
 
 mod choice;
 mod credit;
 mod explorer;
+mod filter;
 mod frozen;
 mod knowledge;
 mod memory;
@@ -21,6 +23,8 @@ mod tabular;
 pub use choice::{Choice, Chooser, Chosen};
 use credit::{Combined, Standard};
 pub use explorer::Explorer;
+use filter::Filtered;
+pub use filter::Places;
 pub use frozen::Frozen;
 pub use knowledge::Knowledge;
 pub(crate) use knowledge::Misfit;

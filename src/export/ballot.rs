@@ -228,7 +228,7 @@ fn agrees(action: Option<Action>, worth: &PredictionArray) -> bool {
 /// What was learned as rules: condition, action, worth, weight. A table's rows become rules that
 /// match one percept each.
 fn rules(knowledge: &Knowledge, actions: usize) -> Result<Vec<Classifier>, ExportError> {
-    let rules: Vec<Classifier> = match knowledge {
+    let rules: Vec<Classifier> = match knowledge.undoubting() {
         Knowledge::Remembering { .. } => return Err(ExportError::Memory),
         Knowledge::RulesOverMatchSet(_) => return Err(ExportError::OverMatchSet),
         Knowledge::Table(table) => table

@@ -22,5 +22,8 @@ settings! {
         optimistic_policy: bool = true;
         /// Do R-max and Dyna-Q foretell collisions and ways back, as `xcscr-plus` does by default?
         foresight: bool = false;
+        /// The filter of `xcscr-plus` (`plus.doubts`) for tabular methods: steps that are remembered at most, to
+        /// tell misread percepts from new ones. With 0 every percept is taken for right.
+        doubts: u32 = 0, in 0..=1_000_000;
     }
 }

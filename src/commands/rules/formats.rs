@@ -33,7 +33,7 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
         .try_into()
         .expect("some rules of a population form one");
     let knowledge = shown.knowledge;
-    let printed = match knowledge {
+    let printed = match knowledge.undoubting() {
         Knowledge::RulesOverMatchSet(_) if shown.condensed.is_none() => {
             Knowledge::RulesOverMatchSet(rules)
         }
@@ -49,7 +49,7 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
     Ok(writeln!(
         out,
         "{}",
-        serde_json::to_string_pretty(&printed)?
+        serde_json::to_string_pretty(&knowledge.filtering(printed))?
     )?)
 }
 
