@@ -38,7 +38,8 @@ pub struct EvaluateArgs {
     /// Replace an earlier evaluation in that folder.
     #[arg(long, requires = "record")]
     force: bool,
-    /// End with code 1 unless every episode takes a shortest path.
+    /// End with code 1 unless every episode takes a shortest path; where moves slip, unless every
+    /// action in it is a best one.
     #[arg(long)]
     require_optimal: bool,
     /// Print one JSON document instead of the report.
@@ -64,14 +65,18 @@ pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&evaluation)?)?;
     } else {
-        print(&evaluation, &knowledge, out)?;
+        print(&evaluation, &plan, &knowledge, out)?;
         recorded.map_or(Ok(()), |folder| print_folder(&folder, out))?;
     }
     if args.require_optimal && !evaluation.is_optimal() {
         let Evaluation {
             optimal, episodes, ..
         } = evaluation;
-        let message = format!("{optimal} of {episodes} episodes took a shortest path");
+        let how = match plan.config.settings.arena.slip > 0.0 {
+            true => "chose only best actions",
+            false => "took a shortest path",
+        };
+        let message = format!("{optimal} of {episodes} episodes {how}");
         return Err(Failure::new(Exit::Refuted, message));
     }
     Ok(())
@@ -98,7 +103,17 @@ fn print_folder(folder: &Path, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-fn print(e: &Evaluation, knowledge: &Knowledge, out: &mut impl Write) -> Result<(), Failure> {
+fn print(
+    e: &Evaluation,
+    plan: &Plan,
+    knowledge: &Knowledge,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    // Where moves slip, the fewest steps are no yardstick.
+    let (optimally, best) = match plan.config.settings.arena.slip > 0.0 {
+        true => ("only best actions ", "expected at best"),
+        false => ("by a shortest path", "shortest"),
+    };
     let percent = |count: u32| 100.0 * f64::from(count) / f64::from(e.episodes);
     writeln!(
         out,
@@ -118,14 +133,14 @@ fn print(e: &Evaluation, knowledge: &Knowledge, out: &mut impl Write) -> Result<
     )?;
     writeln!(
         out,
-        "  by a shortest path   {} ({:.1} %)",
+        "  {optimally}   {} ({:.1} %)",
         e.optimal,
         percent(e.optimal)
     )?;
     let (steps, optimal) = (e.mean_steps, e.mean_optimal_steps);
     writeln!(
         out,
-        "  steps per episode    {steps:.2} (shortest {optimal:.2})"
+        "  steps per episode    {steps:.2} ({best} {optimal:.2})"
     )?;
     writeln!(out, "  collisions           {}", e.collisions)?;
     writeln!(

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use xcscr::record::RecordError;
-use xcscr::run::{RunError, RunFolderError};
+use xcscr::run::{RunError, RunFolder, RunFolderError};
 use xcscr::trial::{PlanError, SettingsError};
 use xcscr::world::WorldError;
 
@@ -198,6 +198,13 @@ impl From<RecordError> for Failure {
             }
             _ => Exit::Io,
         };
-        Self::new(exit, error.to_string())
+        let stopped = match &error {
+            RecordError::Unfinished { path } => path.parent().and_then(RunFolder::way_to_resume),
+            _ => None,
+        };
+        let message = stopped.map_or(error.to_string(), |way_on| {
+            format!("this run was stopped, and no viewer opens what it has not finished; {way_on}")
+        });
+        Self::new(exit, message)
     }
 }

@@ -31,7 +31,7 @@ pub struct LiveArgs {
     /// How many times as fast as real time the stream runs [default: 1 to replay, 10 to train].
     #[arg(long, value_name = "X", requires = "live", value_parser = speed)]
     speed: Option<f64>,
-    /// Let the pages of one more origin read what is served or streamed, such as
+    /// Also let pages of this origin read what is served or streamed, such as
     /// https://viewer.example.
     #[arg(long, value_name = "ORIGIN")]
     pub allow_origin: Vec<Origin>,

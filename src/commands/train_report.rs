@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use xcscr::agent::{Chosen, Method};
+use xcscr::agent::{Chosen, Method, Odometry};
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
@@ -253,7 +253,12 @@ fn way_out(trial: &Trial) -> String {
         Method::XcscrPlus => "--sensor neighbours-position",
         _ => "--method xcscr-plus",
     };
-    format!("{other}, another --seed, or --episodes {more}")
+    // Which way actions go is either known, or takes episodes to learn.
+    let known = match config.settings.memory.odometry {
+        Odometry::None if config.method == Method::XcscrMemory => "--set memory.odometry=known, ",
+        _ => "",
+    };
+    format!("{known}{other}, another --seed, or --episodes {more}")
 }
 
 /// How many cells on a path pay by themselves.

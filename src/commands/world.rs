@@ -31,7 +31,7 @@ pub enum WorldCommand {
         /// A world file.
         file: PathBuf,
     },
-    /// Size, goals, shortest paths, and cells that look alike to the robot.
+    /// Show size, goals, shortest paths, and cells that look alike to the robot.
     Info {
         /// A world file.
         file: PathBuf,
@@ -52,7 +52,7 @@ pub enum WorldCommand {
     },
     /// Generate a random maze and print it as a world file.
     Generate(GenerateArgs),
-    /// Make a world of a ROS 2 map, or a map of a world.
+    /// Convert a ROS 2 map to a world, or a world to a map.
     Convert(ConvertArgs),
 }
 

@@ -110,7 +110,8 @@ fn check_size(maze: &Maze) -> Result<(), FilmError> {
     match width * height {
         0..=MOST_CELLS => Ok(()),
         cells => Err(FilmError::Picture(format!(
-            "{} has {cells} cells, at most {MOST_CELLS} are drawn",
+            "{} has {cells} cells, at most {MOST_CELLS} are drawn; `xcscr rules --cell COL,ROW` tells \
+             what was learned in one of them",
             maze.name()
         ))),
     }

@@ -209,6 +209,11 @@ impl RunFolder {
         Ok((self.path.join(name), story.len() as u64))
     }
 
+    /// How to resume the run in a folder, if it was stopped.
+    pub fn way_to_resume(folder: &Path) -> Option<String> {
+        has_checkpoint(folder).then(|| way_on(folder))
+    }
+
     /// Saves where the run is, in place of an earlier checkpoint.
     ///
     /// # Errors

@@ -320,6 +320,18 @@ fn evaluate_follows_the_greedy_policy_in_noisy_physics() {
         stderr.contains("of 5 episodes took a shortest path"),
         "{stderr}"
     );
+    // Where moves slip, a path says nothing of who chose it.
+    let slippery = "--world worlds/maze6.json --episodes 5 --set arena.slip=0.2 --require-optimal";
+    let slippery: Vec<&str> = slippery.split(' ').collect();
+    let (stdout, stderr) = expect(1, &[&["evaluate", run][..], &slippery].concat());
+    assert!(
+        stderr.contains("of 5 episodes chose only best actions"),
+        "{stderr}"
+    );
+    assert!(
+        stdout.contains("only best actions") && !stdout.contains("shortest"),
+        "{stdout}"
+    );
 }
 
 #[test]

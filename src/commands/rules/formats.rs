@@ -19,6 +19,12 @@ pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
         writeln!(out, "  where the percept is {percept}")?;
     }
     writeln!(out, "\n{}", table(&shown.rows).text().trim_end())?;
+    if shown.knowledge.remembers() {
+        writeln!(
+            out,
+            "x and y: cells to the east and to the north of the goal."
+        )?;
+    }
     let foreseen = foreseen::lines(shown.knowledge, shown.plan);
     if !foreseen.is_empty() {
         write_words(out, &format!("\nForeseen:\n  {}", foreseen.join("\n  ")))?;

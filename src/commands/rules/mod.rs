@@ -169,7 +169,9 @@ fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Condensed, Failure> {
     Condensed::new(knowledge, config.sensor, maze, &paths).ok_or_else(|| {
         let name = maze.name();
         let message = match knowledge.remembers() {
-            true => "rules with a memory are condensed while they are learned".to_owned(),
+            true => "rules with a memory are condensed while they are learned; the list without \
+                     `--compact` is the answer"
+                .to_owned(),
             false => format!(
                 "{name} has more than {MOST_PERCEPTS} percepts: too many to condense rules for"
             ),

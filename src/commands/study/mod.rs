@@ -42,7 +42,7 @@ pub enum StudyCommand {
     /// Run one task of a planned study: what the jobs of a cluster do.
     Task(TaskArgs),
     /// Search for the best of the settings that a study varies: all begin with few seeds, the worse half
-    /// leaves after each rung, and the best two meet on fresh seeds.
+    /// is dropped after each rung, and the best two meet on fresh seeds.
     Tune(TuneArgs),
     /// List the missing and failed trials of a study, or of its shards together; of a planned study,
     /// its tasks, and which of them to submit again.
@@ -50,7 +50,7 @@ pub enum StudyCommand {
         /// Folders of one study.
         #[arg(required = true, value_name = "DIR")]
         folders: Vec<PathBuf>,
-        /// With the study split into so many shards: list those that have trials left to run.
+        /// For a study split into this many shards, list those that have trials left to run.
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
         shards: Option<u32>,
         /// Print one JSON document.

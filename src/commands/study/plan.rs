@@ -15,7 +15,7 @@ use crate::commands::failure::Failure;
 pub struct PlanArgs {
     #[command(flatten)]
     choice: ChoiceArgs,
-    /// Into how many tasks it is split, each for one job of a cluster.
+    /// Number of tasks to split it into, each one job of a cluster.
     #[arg(long, value_name = "N")]
     tasks: Option<usize>,
     /// Freeze the study in this folder, for `study task` and `study submit`.

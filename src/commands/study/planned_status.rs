@@ -6,6 +6,7 @@ use serde::Serialize;
 use xcscr::disk::typed;
 use xcscr::study::{PlannedStudy, Slurm, TaskState, ranges};
 
+use super::status::head;
 use crate::commands::failure::Failure;
 
 /// What became of the tasks of a study, as `study status --json` prints it.
@@ -72,10 +73,8 @@ impl PlannedStatus {
             tasks,
             ..
         } = self;
-        writeln!(
-            out,
-            "study {study}, plan {plan}: {finished} of {trials} trials finished, in {tasks} tasks"
-        )?;
+        let head = head(study, plan, *finished, *trials);
+        writeln!(out, "{head}, in {tasks} tasks")?;
         for (name, tasks) in [
             ("complete", &self.complete),
             ("running", &self.running),

@@ -77,10 +77,7 @@ impl Status {
             finished,
             ..
         } = self;
-        writeln!(
-            out,
-            "study {study}, plan {plan}: {finished} of {trials} trials finished"
-        )?;
+        writeln!(out, "{}", head(study, plan, *finished, *trials))?;
         for (name, trials) in [("missing", &self.missing), ("failed", &self.failed)] {
             if !trials.is_empty() {
                 writeln!(out, "  {name} ({}):", trials.len())?;
@@ -99,6 +96,11 @@ impl Status {
         }
         Ok(())
     }
+}
+
+/// The line that a status begins with.
+pub(super) fn head(study: &str, plan: &str, finished: usize, trials: usize) -> String {
+    format!("study {study}, plan {plan}: {finished} of {trials} trials finished")
 }
 
 /// What the trials of an arm have in common, in words.

@@ -17,18 +17,18 @@ pub struct SubmitArgs {
     /// What runs the jobs of the cluster.
     #[arg(long, value_enum, default_value_t = Engine::Slurm)]
     engine: Engine,
-    /// Into how many tasks the study is split, each a job of its own; 5 to 30 minutes of work are
-    /// good ones. Fixed by the first submission.
+    /// Into how many tasks the study is split, each a job of its own; aim for 5 to 30 minutes of
+    /// work each. Fixed by the first submission.
     #[arg(long, value_name = "N")]
     tasks: Option<usize>,
-    /// The time limit of a task, such as 45m, 1h or 2d. One that needs longer is interrupted, and goes
-    /// on later.
+    /// The time limit of a task, such as 45m, 1h or 2d. A task that needs longer is
+    /// interrupted, and resumed later.
     #[arg(long, value_name = "TIME", value_parser = minutes)]
     time: u64,
     /// The partition of the cluster.
     #[arg(long, value_name = "NAME", value_parser = partition)]
     partition: Option<String>,
-    /// Tasks that run at a time, at most.
+    /// The most tasks that run at a time.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
     array_limit: Option<u32>,
     /// The folder of the study, on a file system that all machines of the cluster see.

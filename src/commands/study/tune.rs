@@ -17,14 +17,14 @@ use crate::commands::interrupt::Interrupt;
 pub struct TuneArgs {
     #[command(flatten)]
     choice: ChoiceArgs,
-    /// Trials that the search may take in all; those of the final come on top.
+    /// Trials that the search may run in all, not counting those of the final.
     #[arg(long, value_name = "N")]
     budget: usize,
     /// The folder of the search.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Split each rung into so many tasks for a cluster, and end when there are tasks to run; run them
-    /// with `study task`, and give this command again.
+    /// Split each rung into this many tasks for a cluster, and stop when there are tasks to
+    /// run; run them with `study task`, then repeat this command.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     tasks: Option<u32>,
     /// Trials at a time; 0 for as many as there are cores.

@@ -117,7 +117,10 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
         variant,
         arm.successes.to_string(),
         arm.trials.to_string(),
-        percent_range(arm.wilson_low, arm.wilson_high),
+        match arm.trials {
+            0 => "–".to_owned(),
+            _ => percent_range(arm.wilson_low, arm.wilson_high),
+        },
         arm.retained.to_string(),
         percent(arm.mean_optimal_share_after_first),
         arm.median_episode
