@@ -61,6 +61,10 @@ impl Sheet {
         sheet
     }
 
+    fn is_sound(&self) -> bool {
+        self.chart.is_sound() && self.payments.is_sound() && is_count(&self.episodes)
+    }
+
     /// Takes down an episode that lies on it so.
     fn take_down(&mut self, steps: &[Seen], alignment: &Alignment) {
         self.episodes += 1.0;
@@ -400,7 +404,7 @@ impl Atlas {
             && [&self.sheets, &self.brought]
                 .into_iter()
                 .flatten()
-                .all(|sheet| sheet.chart.is_sound() && sheet.payments.is_sound())
+                .all(Sheet::is_sound)
             && self.episodes.iter().all(|steps| steps.len() <= KEPT_STEPS)
             && steps
                 .clone()

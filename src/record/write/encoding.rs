@@ -6,19 +6,33 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
+    /// Who wrote the file, and by which profile.
     Header = 1,
+    /// Where the summary begins, and its checksum.
     Footer,
+    /// What messages of a kind consist of.
     Schema,
+    /// A topic, its schema and its encoding.
     Channel,
+    /// A message of a channel, with its times.
     Message,
+    /// Records packed together.
     Chunk,
+    /// Where in a chunk the messages of a channel are.
     MessageIndex,
+    /// Where a chunk is, and from when to when it goes.
     ChunkIndex,
+    /// A file within the file.
     Attachment,
+    /// Where an attachment is.
     AttachmentIndex,
+    /// How many records of which kinds there are.
     Statistics,
+    /// Texts by name.
     Metadata,
+    /// Where metadata are.
     MetadataIndex,
+    /// The end of the data, before the summary.
     DataEnd = 15,
 }
 
