@@ -435,8 +435,9 @@ fn memory_that_cannot_be_had_ends_in_code_74() {
     fs::write(&study, text).unwrap();
     let (study, out) = (study.to_str().unwrap(), out.to_str().unwrap());
     let (mut refused, mut enough) = (0, 0);
-    // With less, the program itself cannot be loaded, and the system ends it.
-    for mib in (32..160).step_by(16) {
+    // With too little, the program itself cannot be loaded, and the system ends it.
+    let is_loaded = |mib: &u64| within(mib << 10, &["--version"]).status.success();
+    for mib in (32..160).step_by(16).filter(is_loaded) {
         let args = [
             "study", "run", study, "--out", out, "--jobs", "4", "--quiet",
         ];
