@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::filter::Belief;
 use super::knowledge::Knowledge;
+use super::places::Belief;
 use super::recall::Tracker;
 use super::{Agent, Choice, EndCredit, Explorer, StepCredit};
 use crate::arena::Outcome;

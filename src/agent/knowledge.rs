@@ -5,8 +5,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::filter::{Belief, Places};
 use super::model::Foresight;
+use super::places::{Belief, Places};
 use super::recall::{CONTEXT_BITS, Map, PERCEPT_BITS, Tracker};
 use xcs::{Action, Percept};
 use xcs::{Population, PredictionArray, Xcs};

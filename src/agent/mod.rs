@@ -2,7 +2,8 @@
 //!
 //! [`Method`] is the closed set of agents, by the names they have on the command line. `credit/`
 //! has standard XCS and the paper's mechanisms, one file each; `model/` what is known and foreseen;
-//! `filter/` what tells misread percepts from new ones, for any method;
+//! `places/` what places look like, and in which of them the robot believes to be; `filter/` what tells
+//! misread percepts from new ones by that, for any method;
 //! `plus/` the method whose rules a model teaches; `tabular/` the rivals. All reward numbers live here.
 
 mod choice;
@@ -15,6 +16,7 @@ mod memory;
 mod method;
 mod model;
 mod params;
+mod places;
 mod plus;
 mod recall;
 mod remembering;
@@ -24,7 +26,6 @@ pub use choice::{Choice, Chooser, Chosen};
 use credit::{Combined, Standard};
 pub use explorer::Explorer;
 use filter::Filtered;
-pub use filter::Places;
 pub use frozen::Frozen;
 pub use knowledge::Knowledge;
 pub(crate) use knowledge::Misfit;
@@ -33,6 +34,7 @@ pub use method::{Method, Setup};
 pub(crate) use model::pomdp;
 pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
+pub use places::Places;
 use plus::Plus;
 pub use plus::{Discovery, PlusParams};
 pub use recall::{MemoryParams, Odometry, PERCEPT_BITS, words as memory_words};

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::places::{Came, NEAR, Places, distance};
+use crate::agent::places::{Came, NEAR, Places, distance};
 use crate::arena::Outcome;
 use xcs::{Action, Percept};
 

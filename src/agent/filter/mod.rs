@@ -1,7 +1,7 @@
 //! A filter between percepts and a learner: what is likely misread is taken for what it should be.
 //!
 //! It knows the places in which the robot was, by what they look like, and what came of each action
-//! there ([`places`]). A belief over them ([`belief`]) explains an unlikely percept as misread before
+//! there ([`places`](super::places)). A belief over them explains an unlikely percept as misread before
 //! it becomes a new place, and the learner perceives what should be seen in the likeliest place. What
 //! was perceived and done is remembered ([`history`]): when later steps tell that a place was mistaken,
 //! the learner is taught anew, from nothing, by the history as it is understood now. So it works for
@@ -10,19 +10,16 @@
 //! As long as nothing tells that percepts are misread, they pass unchanged. That a robot bumped, and so
 //! stands where it was, is felt; nothing else is built in.
 
-mod belief;
 mod history;
-mod places;
 
-pub use belief::Belief;
 use history::{Felt, History};
-pub use places::Places;
 
 use serde::{Deserialize, Serialize};
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
+use super::places::{Belief, Came};
 use super::{Agent, Choice, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::{Action, Percept, PredictionArray};
@@ -201,7 +198,7 @@ impl Filtered {
         let History { steps, places } = &self.state.history;
         steps[self.begun..].iter().all(|step| {
             let tried = |(action, _)| {
-                let came = places::Came::Goal;
+                let came = Came::Goal;
                 places.tally(step.place, action, came)[1] > FAMILIAR
             };
             step.done.is_none_or(tried)

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::places::{Came, Places};
+use super::known::{Came, Places};
 use xcs::{Action, Percept};
 
 /// Beliefs below this share of the greatest are dropped.
