@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use mcap::records::{MessageHeader, Metadata};
@@ -129,9 +129,13 @@ impl OpenFile {
         let path = folder.join(name);
         let part = folder.join(format!("{name}.{extension}"));
         let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
-        let (disk, file) = created.map_err(|cause| RecordError::Create {
-            path: part.clone(),
-            cause,
+        let (disk, file) = created.map_err(|cause| match cause.kind() {
+            // The folder was there when the recorder began.
+            io::ErrorKind::NotFound => write_error(&part, &McapError::Io(cause)),
+            _ => RecordError::Create {
+                path: part.clone(),
+                cause,
+            },
         })?;
         let log = LogFile::new(BufWriter::with_capacity(64 * 1024, file), packing);
         Ok(Self {
