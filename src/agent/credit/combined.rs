@@ -6,7 +6,7 @@
 //! 3. [`imprinting`](super::imprinting): after a failure, one of the best policies so far is rehearsed;
 //! 4. [`step_threshold`](super::step_threshold): the time allowed shrinks toward the best policy.
 
-use super::experts::{Experts, Remembered};
+use super::experts::{self, Experts};
 use super::imprinting::{self, Imprinting, Lesson, Policy};
 use super::learning_rate::LearningRate;
 use super::short_term_filter::ShortTermFilter;
@@ -69,63 +69,19 @@ impl Combined {
         self
     }
 
-    /// What is rehearsed after an episode, if anything is.
+    /// What is rehearsed after an episode, if anything is (Alg. 2): one of the best policies, each of
+    /// its steps with its share of the reward of a success (Alg. 4).
     fn rehearsal(&mut self, reached_goal: bool, policy: &Policy) -> Option<Vec<Lesson>> {
-        let Some(experts) = &mut self.experts else {
-            let chosen = self.imprinting.after(reached_goal, policy)?.clone();
-            return Some(self.as_if_it_succeeded(&chosen));
+        let (shortest, params) = (self.shortest, &self.params);
+        let succeeded = |policy: &Policy| {
+            let reward = params.long_term(true, policy.len());
+            imprinting::lessons(policy, &Shares::new(reward, policy.len(), shortest, params))
         };
-        experts.judge(reached_goal);
-        if reached_goal {
-            self.imprinting.keep(policy);
-            self.teach_cloner(policy);
-            return None;
+        let imprinting = &mut self.imprinting;
+        match &mut self.experts {
+            None => imprinting.after(reached_goal, policy).map(succeeded),
+            Some(experts) => experts.after(reached_goal, policy, imprinting, succeeded),
         }
-        let (failed_at, _) = policy.last()?;
-        let chosen = experts
-            .choose(self.imprinting.rehearsable()?, failed_at)
-            .clone();
-        let mut lessons = self.as_if_it_succeeded(&chosen);
-        let way = policy.iter().map(|(percept, _)| *percept);
-        let advice = self.experts.as_ref()?.advise(way);
-        let is_new = |one: &Lesson| lessons.iter().all(|known| known.percept != one.percept);
-        let advice: Vec<Lesson> = advice.into_iter().filter(is_new).collect();
-        lessons.extend(advice);
-        Some(lessons)
-    }
-
-    /// One of the best policies is what the cloner learns from.
-    fn teach_cloner(&mut self, policy: &Policy) {
-        let lessons = self.as_if_it_succeeded(policy);
-        let is_best = self.imprinting.keeps(policy);
-        if let Some(experts) = self.experts.as_mut().filter(|_| is_best) {
-            experts.study(&lessons);
-        }
-    }
-
-    /// The steps of a policy, each with its share of the reward of a success (Alg. 4).
-    fn as_if_it_succeeded(&self, policy: &Policy) -> Vec<Lesson> {
-        let reward = self.params.long_term(true, policy.len());
-        imprinting::lessons(policy, &self.shares(reward, policy.len()))
-    }
-
-    /// Goes on with the experts that were kept; `false` if they are damaged, or none of its own.
-    fn resume_experts(&mut self, kept: Option<Remembered>) -> bool {
-        match (&mut self.experts, kept) {
-            (Some(experts), Some(kept)) => experts.resume(kept),
-            (experts, kept) => experts.is_none() && kept.is_none(),
-        }
-    }
-
-    /// The shares of a reward r_l among the steps of an episode or policy.
-    fn shares(&self, reward: f64, steps: usize) -> Shares {
-        Shares::new(
-            reward,
-            steps,
-            self.shortest,
-            self.params.sharing,
-            &self.params,
-        )
     }
 }
 
@@ -161,7 +117,8 @@ impl Agent for Combined {
         let long_term_reward = self.params.long_term(reached_goal, steps);
         let found = std::mem::take(&mut self.found);
         let learning_rate = self.learning_rate.after(reached_goal);
-        let shares = self.shares(long_term_reward + found, steps);
+        let reward = long_term_reward + found;
+        let shares = Shares::new(reward, steps, self.shortest, &self.params);
         let evolution = self.params.stack_evolution;
         self.stack
             .unwind(&mut self.xcs, &shares, learning_rate, evolution);
@@ -217,7 +174,7 @@ impl Agent for Combined {
         let fits = method.xcs.resume(learned)
             && method.imprinting.resume(policies)
             && method.step_threshold.resume(threshold)
-            && method.resume_experts(experts);
+            && experts::resume(&mut method.experts, experts);
         memory::resumed(method, fits)
     }
 }

@@ -8,7 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::imprinting::{Lesson, Policy};
+use super::imprinting::{Imprinting, Lesson, Policy};
 use xcs::random::Stream;
 use xcs::{self, Action, Learned, MatchSet, Percept, PredictionArray, Xcs};
 
@@ -56,8 +56,35 @@ impl Experts {
         }
     }
 
+    /// What is rehearsed after an episode, if anything is, in place of what Alg. 2 would draw: the
+    /// policy that the keeper chooses, and what the cloner advises for the way of the failure.
+    /// `succeeded` makes lessons of a policy, as if it had just succeeded.
+    pub fn after(
+        &mut self,
+        reached_goal: bool,
+        policy: &Policy,
+        imprinting: &mut Imprinting,
+        succeeded: impl Fn(&Policy) -> Vec<Lesson>,
+    ) -> Option<Vec<Lesson>> {
+        self.judge(reached_goal);
+        if reached_goal {
+            imprinting.keep(policy);
+            if imprinting.keeps(policy) {
+                self.study(&succeeded(policy));
+            }
+            return None;
+        }
+        let (failed_at, _) = policy.last()?;
+        let mut lessons = succeeded(self.choose(imprinting.rehearsable()?, failed_at));
+        let advice = self.advise(policy.iter().map(|(percept, _)| *percept));
+        let is_new = |one: &Lesson| lessons.iter().all(|known| known.percept != one.percept);
+        let advice: Vec<Lesson> = advice.into_iter().filter(is_new).collect();
+        lessons.extend(advice);
+        Some(lessons)
+    }
+
     /// Pays the keeper for what it chose before this episode.
-    pub fn judge(&mut self, reached_goal: bool) {
+    fn judge(&mut self, reached_goal: bool) {
         let Some((percept, action)) = self.kept.chosen.take() else {
             return;
         };
@@ -69,7 +96,7 @@ impl Experts {
 
     /// Teaches the cloner one of the best policies: each step is worth its share, any other action
     /// there nothing.
-    pub fn study(&mut self, policy: &[Lesson]) {
+    fn study(&mut self, policy: &[Lesson]) {
         let mut match_set = MatchSet::default();
         for lesson in policy {
             self.kept.least_share = self.kept.least_share.min(lesson.share);
@@ -88,7 +115,7 @@ impl Experts {
     }
 
     /// The policy to be rehearsed after a failure that ended in `percept`; there must be one.
-    pub fn choose<'a>(&mut self, policies: &'a [Policy], percept: &Percept) -> &'a Policy {
+    fn choose<'a>(&mut self, policies: &'a [Policy], percept: &Percept) -> &'a Policy {
         let mut match_set = MatchSet::default();
         self.keeper.form_match_set(percept, &mut match_set);
         let worth = self.keeper.predict(&match_set);
@@ -106,7 +133,7 @@ impl Experts {
 
     /// What the cloner would have done on the way, where it is sure: where one action alone is
     /// worth at least half of what the least step of the best policies is.
-    pub fn advise(&self, way: impl IntoIterator<Item = Percept>) -> Vec<Lesson> {
+    fn advise(&self, way: impl IntoIterator<Item = Percept>) -> Vec<Lesson> {
         let mut advice: Vec<Lesson> = Vec::new();
         for percept in way {
             let worth = self.cloner.worth(&percept);
@@ -130,13 +157,21 @@ impl Experts {
     }
 
     /// Goes on from what was kept; `false` if it is damaged.
-    pub fn resume(&mut self, (keeper, cloner, kept): Remembered) -> bool {
+    fn resume(&mut self, (keeper, cloner, kept): Remembered) -> bool {
         let sound = kept
             .chosen
             .is_none_or(|(_, action)| action.index() < MOST_POLICIES)
             && kept.least_share >= 0.0;
         self.kept = kept;
         sound && self.keeper.resume(keeper) && self.cloner.resume(cloner)
+    }
+}
+
+/// The experts, if there are any, go on from what was kept; `false` if it is damaged or not theirs.
+pub(super) fn resume(experts: &mut Option<Experts>, kept: Option<Remembered>) -> bool {
+    match (experts, kept) {
+        (Some(experts), Some(kept)) => experts.resume(kept),
+        (experts, kept) => experts.is_none() && kept.is_none(),
     }
 }
 

@@ -195,8 +195,7 @@ mod tests {
         for (percept, _) in &policy {
             xcs.form_match_set(percept, &mut xcs::MatchSet::default());
         }
-        let params = Params::default();
-        let shares = Shares::new(1000.0, 3, 3, params.sharing, &params);
+        let shares = Shares::new(1000.0, 3, 3, &Params::default());
         clone_behaviour(&mut xcs, &lessons(&policy, &shares), 0.2);
         let worth = policy.iter().map(|(p, action)| xcs.worth(p).get(*action));
         assert_eq!(

@@ -54,14 +54,8 @@ pub(super) struct Shares {
 impl Shares {
     /// Shares of the reward r_l among `steps` steps, where `shortest` is the length of the
     /// shortest success so far in the trial; a failure that is shorter is paid in full, too.
-    pub fn new(
-        reward: f64,
-        steps: usize,
-        shortest: usize,
-        sharing: Sharing,
-        params: &Params,
-    ) -> Self {
-        match sharing {
+    pub fn new(reward: f64, steps: usize, shortest: usize, params: &Params) -> Self {
+        match params.sharing {
             Sharing::Even => {
                 let given = params.even_constant > 0.0;
                 let c = if given {
@@ -92,27 +86,35 @@ impl Shares {
 mod tests {
     use super::*;
 
+    fn sharing(sharing: Sharing) -> Params {
+        Params {
+            sharing,
+            ..Params::default()
+        }
+    }
+
     #[test]
     fn equation_8_gives_every_step_the_same() {
         let params = Params {
             even_constant: 5.0,
-            ..Params::default()
+            ..sharing(Sharing::Even)
         };
-        let shares = Shares::new(1000.0, 20, 10, Sharing::Even, &params);
+        let shares = Shares::new(1000.0, 20, 10, &params);
         assert!(shares.backward().take(20).all(|share| share == 250.0));
     }
 
     #[test]
     fn equation_8_pays_the_shortest_success_in_full_by_default() {
-        let shares = Shares::new(1000.0, 10, 10, Sharing::Even, &Params::default());
+        let even = sharing(Sharing::Even);
+        let shares = Shares::new(1000.0, 10, 10, &even);
         assert_eq!(shares.backward().nth(3), Some(1000.0));
-        let longer = Shares::new(1000.0, 20, 10, Sharing::Even, &Params::default());
+        let longer = Shares::new(1000.0, 20, 10, &even);
         assert_eq!(longer.backward().nth(3), Some(500.0));
     }
 
     #[test]
     fn equation_9_counts_back_from_the_goal() {
-        let shares = Shares::new(1000.0, 20, 10, Sharing::Discounted, &Params::default());
+        let shares = Shares::new(1000.0, 20, 10, &sharing(Sharing::Discounted));
         let first: Vec<f64> = shares.backward().take(3).collect();
         assert_eq!(first, [1000.0, 900.0, 810.0]);
     }
