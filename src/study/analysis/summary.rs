@@ -106,7 +106,7 @@ impl<'a> ArmRecords<'a> {
 
     /// The interquartile mean of these steps with its bootstrap interval. Each arm begins the
     /// stream of `seed` anew: its interval is the same whatever stands beside it.
-    pub fn iqm_env_steps(&self, seed: u64) -> Option<Interval> {
+    fn iqm_env_steps(&self, seed: u64) -> Option<Interval> {
         bootstrap_interval(
             &self.env_steps(),
             &mut Stream::new(seed, StreamName::Bootstrap),

@@ -111,7 +111,7 @@ impl Report {
     /// # Errors
     /// When a figure cannot be drawn, or a file not be written.
     pub fn write(&mut self, folder: &StudyFolder) -> Result<(), StudyError> {
-        self.pictures = draw_figures(folder)?;
+        self.pictures = draw_figures(folder, &self.arms)?;
         folder.write("report.md", self.markdown().as_bytes())?;
         folder.write("report.html", self.html().as_bytes())
     }

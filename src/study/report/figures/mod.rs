@@ -16,7 +16,7 @@ use panels::Panels;
 use steps::Steps;
 
 use crate::page::Picture;
-use crate::study::analysis::summary::ArmRecords;
+use crate::study::analysis::summary::{ArmRecords, ArmSummary};
 use crate::study::error::StudyError;
 use crate::study::store::folder::StudyFolder;
 
@@ -43,11 +43,11 @@ const ABLATION: Subject = Subject {
     caption: "What each switch contributes",
 };
 
-/// Draws the figures of a study into its folder, and tells which there are.
+/// Draws the figures of a study, whose arms these are, into its folder, and tells which there are.
 ///
 /// # Errors
 /// When a figure cannot be drawn or written.
-pub fn draw_figures(folder: &StudyFolder) -> Result<Vec<Picture>, StudyError> {
+pub fn draw_figures(folder: &StudyFolder, arms: &[ArmSummary]) -> Result<Vec<Picture>, StudyError> {
     let records = ArmRecords::all(folder);
     let panels = Panels::new(&records, folder.protocol().episodes);
     let mut pictures = Vec::new();
@@ -55,7 +55,7 @@ pub fn draw_figures(folder: &StudyFolder) -> Result<Vec<Picture>, StudyError> {
         pictures.push(draw(folder, FIRST_OPTIMAL, &Histograms(&panels))?);
         pictures.push(draw(folder, CURVES, &Curves(&panels))?);
     }
-    if let Some(chart) = Steps::new(&panels, folder.protocol().seed) {
+    if let Some(chart) = Steps::new(&panels, arms) {
         pictures.push(draw(folder, STEPS, &chart)?);
     }
     if let Some(chart) = Ablation::new(&records) {

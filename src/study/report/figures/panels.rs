@@ -12,7 +12,9 @@ pub struct Panels<'a> {
     pub places: Vec<String>,
     /// Methods, with the settings that a sweep varies.
     pub series: Vec<String>,
-    arms: Vec<(usize, usize, &'a ArmRecords<'a>)>,
+    records: &'a [ArmRecords<'a>],
+    /// Place and series of each arm.
+    spots: Vec<(usize, usize)>,
 }
 
 impl<'a> Panels<'a> {
@@ -39,33 +41,30 @@ impl<'a> Panels<'a> {
             format!("{}{arena}{sensor}", arm.world)
         };
         let (mut places, mut series) = (Vec::new(), Vec::new());
-        let arms = records
-            .iter()
-            .map(|one| {
-                let who = format!("{} {}", one.arm.method.name(), one.arm.variant);
-                let column = index_of(&mut places, place(one.arm));
-                (
-                    column,
-                    index_of(&mut series, who.trim_end().to_owned()),
-                    one,
-                )
-            })
-            .collect();
+        let spot = |ArmRecords { arm, .. }: &ArmRecords<'_>| {
+            let who = format!("{} {}", arm.method.name(), arm.variant);
+            let column = index_of(&mut places, place(arm));
+            (column, index_of(&mut series, who.trim_end().to_owned()))
+        };
+        let spots = records.iter().map(spot).collect();
         Self {
             episodes,
             places,
             series,
-            arms,
+            records,
+            spots,
         }
+    }
+
+    /// Which arm is the one of this series in this place.
+    pub fn arm(&self, place: usize, series: usize) -> Option<usize> {
+        let mut spots = self.spots.iter();
+        spots.position(|spot| *spot == (place, series))
     }
 
     /// The trials of one series in one place.
     pub fn at(&self, place: usize, series: usize) -> Option<&'a ArmRecords<'a>> {
-        let arm = self
-            .arms
-            .iter()
-            .find(|(p, s, _)| (*p, *s) == (place, series));
-        arm.map(|(_, _, records)| *records)
+        Some(&self.records[self.arm(place, series)?])
     }
 }
 

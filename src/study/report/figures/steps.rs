@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use super::canvas::{Drawing, Drawn, Size};
 use super::panels::Panels;
 use super::theme::{BLUE, CENTRED, FAINT, FROM_LEFT, FROM_RIGHT, INK, RED, Theme, colour, widest};
-use crate::study::analysis::summary::ArmRecords;
+use crate::study::analysis::summary::ArmSummary;
 use crate::study::statistics::{Interval, Proportion};
 
 const TOP: u32 = 58;
@@ -30,12 +30,18 @@ struct Cost {
 }
 
 impl Cost {
-    fn new(series: usize, records: &ArmRecords<'_>, seed: u64) -> Option<Self> {
-        let steps = records.iqm_env_steps(seed)?;
+    fn new(series: usize, arm: &ArmSummary) -> Option<Self> {
         Some(Self {
             series,
-            steps,
-            successes: records.successes(),
+            steps: Interval {
+                value: arm.iqm_env_steps?,
+                low: arm.iqm_env_steps_low?,
+                high: arm.iqm_env_steps_high?,
+            },
+            successes: Proportion {
+                successes: arm.successes,
+                trials: arm.trials,
+            },
         })
     }
 
@@ -57,13 +63,13 @@ pub struct Steps<'a> {
 }
 
 impl<'a> Steps<'a> {
-    /// The chart of these panels; intervals are drawn from `seed`. `None` when names are too long.
-    pub fn new(panels: &'a Panels<'a>, seed: u64) -> Option<Self> {
+    /// The chart of these panels, whose arms these are. `None` when names are too long.
+    pub fn new(panels: &'a Panels<'a>, arms: &[ArmSummary]) -> Option<Self> {
         if panels.series.iter().any(|name| name.len() > LONGEST_NAME) {
             return None;
         }
         let at = |place| {
-            let cost = |series| Cost::new(series, panels.at(place, series)?, seed);
+            let cost = |series| Cost::new(series, &arms[panels.arm(place, series)?]);
             (0..panels.series.len()).filter_map(cost).collect()
         };
         let costs: Vec<Vec<Cost>> = (0..panels.places.len()).map(at).collect();
