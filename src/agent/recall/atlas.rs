@@ -1,6 +1,6 @@
 //! All charts, drawn from the episodes that reached a goal.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeSet, VecDeque};
 
 use serde::{Deserialize, Serialize};
 
@@ -9,13 +9,11 @@ use super::chart::Chart;
 use super::headings::{DISPLACEMENTS, Headings};
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
 use super::params::{MemoryParams, Odometry};
-use super::payments::Payments;
-use super::place::{Around, Letter, Place, Vision};
+use super::place::{Around, Place, Vision};
+use super::sheet::{KEPT_STEPS, Sheet, always_in, is_count};
 
 /// Episodes that are kept to draw the charts anew.
 const KEPT_EPISODES: usize = 100;
-/// The last steps of an episode that are kept.
-pub const KEPT_STEPS: usize = 200;
 /// After so many successes the charts are drawn anew, if moves slip.
 const REDRAWN_AFTER: [u32; 17] = [
     5, 10, 15, 20, 30, 40, 50, 65, 80, 100, 130, 160, 200, 300, 400, 600, 800,
@@ -36,53 +34,6 @@ const SHOWN_AT_FIRST: f64 = 50.0;
 const BLANK_ADVANTAGE: f64 = 7.4;
 /// A chart that fewer episodes than this share belong to is not planned on.
 const LEAST_SHARE: f64 = 0.05;
-/// Episodes begin in one place if so many of them did, and this share of all.
-const LEAST_BEGUN: u32 = 3;
-const ALWAYS: f64 = 0.9;
-
-/// A chart, what cells of it pay, how many episodes belong to it, and where they began.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-struct Sheet {
-    chart: Chart,
-    payments: Payments,
-    episodes: f64,
-    /// By place: how many episodes began there.
-    begun: BTreeMap<Place, u32>,
-}
-
-impl Sheet {
-    /// A chart that was brought, on which nothing is known but the goal, which looks like this.
-    fn around(goal: Letter) -> Self {
-        let mut sheet = Self {
-            episodes: 1.0,
-            ..Self::default()
-        };
-        sheet.chart.sight(Place::ORIGIN, goal);
-        sheet
-    }
-
-    fn is_sound(&self) -> bool {
-        self.chart.is_sound() && self.payments.is_sound() && is_count(&self.episodes)
-    }
-
-    /// Takes down an episode that lies on it so.
-    fn take_down(&mut self, steps: &[Seen], alignment: &Alignment) {
-        self.episodes += 1.0;
-        for (step, place) in steps.iter().zip(&alignment.places) {
-            place
-                .iter()
-                .for_each(|&place| self.chart.take_down(place, &step.around));
-        }
-        self.payments.take_down(steps, &alignment.places);
-        // Of longer episodes the beginning is not kept.
-        let whole = steps.len() < KEPT_STEPS;
-        let begun = alignment.places.first().copied().flatten();
-        if let Some(place) = begun.filter(|_| whole) {
-            let count = self.begun.entry(place).or_default();
-            *count = count.saturating_add(1);
-        }
-    }
-}
 
 /// The charts, what is believed of moves and percepts, and the episodes that say so.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -157,7 +108,7 @@ impl Atlas {
             let sheet = &mut self.brought[at];
             sheet.chart.take_down(spot.place, &around);
             if map.begin == Some(state) {
-                sheet.begun.insert(spot.place, LEAST_BEGUN);
+                sheet.always_begins_in(spot.place);
             }
         }
         for sheet in &mut self.brought {
@@ -263,21 +214,23 @@ impl Atlas {
         alignment.fits
     }
 
-    /// The chart that an episode fits best, or the number of a new one, and how it lies there.
-    fn lay(&self, steps: &[Seen]) -> (usize, Alignment) {
+    /// The chart that an episode fits best, and how it lies there; `None` if there is no chart.
+    fn best_fit(&self, steps: &[Seen]) -> Option<(usize, Alignment)> {
         let charts = self.sheets.iter().map(|sheet| &sheet.chart).enumerate();
         let laid = charts.map(|(at, chart)| (at, align(steps, chart, &self.habits)));
-        let best = laid.reduce(|best, one| match one.1.likelihood > best.1.likelihood {
+        laid.reduce(|best, one| match one.1.likelihood > best.1.likelihood {
             true => one,
             false => best,
-        });
+        })
+    }
+
+    /// The same, or the number of a new chart, if the episode fits none of them.
+    fn lay(&self, steps: &[Seen]) -> (usize, Alignment) {
         let blank = || {
-            (
-                self.sheets.len(),
-                align(steps, &Chart::default(), &self.habits),
-            )
+            let new = self.sheets.len();
+            (new, align(steps, &Chart::default(), &self.habits))
         };
-        let Some(best) = best else {
+        let Some(best) = self.best_fit(steps) else {
             return blank();
         };
         let exact = self.habits.slip < EXACT && self.misread() == 0.0;
@@ -344,13 +297,7 @@ impl Atlas {
         let mut again = self.blank();
         again.sheets.resize(self.sheets.len(), Sheet::default());
         for steps in episodes {
-            let charts = self.sheets.iter().map(|sheet| &sheet.chart).enumerate();
-            let laid = charts.map(|(at, chart)| (at, align(steps, chart, &self.habits)));
-            let best = laid.reduce(|best, one| match one.1.likelihood > best.1.likelihood {
-                true => one,
-                false => best,
-            });
-            let Some((at, alignment)) = best else {
+            let Some((at, alignment)) = self.best_fit(steps) else {
                 continue;
             };
             let sheet = &mut again.sheets[at];
@@ -414,23 +361,6 @@ impl Atlas {
             && (0.0..=1.0).contains(&self.planned_slip)
             && (0.0..=1.0).contains(&self.habits.misread)
     }
-}
-
-/// The chart and the place in which episodes always begin, if there is one.
-fn always_in<'a>(sheets: impl Iterator<Item = &'a Sheet>) -> Option<(u8, Place)> {
-    let begun = sheets.enumerate().flat_map(|(chart, sheet)| {
-        let places = sheet.begun.iter();
-        places.map(move |(place, count)| (*count, (chart as u8, *place)))
-    });
-    let begun: Vec<(u32, (u8, Place))> = begun.collect();
-    let all: f64 = begun.iter().map(|(count, _)| f64::from(*count)).sum();
-    let (most, place) = begun.into_iter().max()?;
-    (most >= LEAST_BEGUN && f64::from(most) >= ALWAYS * all).then_some(place)
-}
-
-/// Can a number of steps or cells be like this?
-fn is_count(number: &f64) -> bool {
-    number.is_finite() && *number >= 0.0
 }
 
 /// How often moves slip in plans, if they seem to slip so often: in steps of a fiftieth, and as

@@ -38,7 +38,7 @@ const LEAST_OFTEN: f64 = 4.5;
 /// The last two steps are needed if without them it takes this much more.
 const NEEDED: f64 = 0.03;
 /// Imagined episodes of a test, if moves slip.
-const TESTS: usize = 300;
+const TESTS: u32 = 300;
 /// Imagined episodes of a test from each state, if they do not: chance decides between actions that
 /// the rules hold for equally good, as it does when they act.
 const TESTS_OF_TIES: u32 = 8;
@@ -310,62 +310,26 @@ impl Learner {
     /// Rules induced from imagined episodes, put to the test, and improved by what they met; and the
     /// steps of the last test.
     fn induced(&mut self, windowed: bool) -> (Population, u64) {
-        let (map, planner, stream) = (&self.map, &mut self.planner, &mut self.stream);
-        let states = map.starts();
-        let slips = map.pomdp.slip() > 0.0;
-        let tests = if slips {
-            (TESTS as u32).div_ceil(states)
-        } else {
-            TESTS_OF_TIES
-        };
-        let starts = |rounds| (0..rounds).flat_map(move |_| 0..states);
-        let (tolerance, least) = if slips {
-            (TOLERANCE, LEAST_OFTEN)
-        } else {
-            (1e-6, 0.0)
-        };
-        let look = |context: Percept| {
-            if windowed {
-                context
-            } else {
-                without_window(&context)
-            }
-        };
+        let course = Course::on(&self.map, windowed);
         let mut lessons = Lessons::new();
-        let planned = starts(if slips { tests } else { 1 });
-        imagine(
-            map,
-            planner,
-            planned,
-            |_, _| None,
-            look,
-            stream,
-            &mut lessons,
-        );
+        self.imagine_all(&course, course.planned, |_, _| None, &mut lessons);
         let (mut best, mut least_steps) = (Population::default(), u64::MAX);
         for _ in 0..LESSONS {
-            let induced = induce(&lessons, self.actions, tolerance, least);
+            let induced = induce(&lessons, self.actions, course.tolerance, course.least_often);
             let rules: Population = induced.try_into().expect("induced rules are sound");
             let before = lessons.len();
+            let actions = self.actions;
             let chosen = |context: &Percept, stream: &mut Stream| {
-                let worth = rules.sums(context).array(self.actions, false);
+                let worth = rules.sums(context).array(actions, false);
                 let mut best = worth.best_actions();
-                match slips {
+                match course.slips {
                     true => best.next(),
                     false => stream.choose(&best.collect::<Vec<_>>()).copied(),
                 }
             };
-            let steps = imagine(
-                map,
-                planner,
-                starts(tests),
-                chosen,
-                look,
-                stream,
-                &mut lessons,
-            );
+            let steps = self.imagine_all(&course, course.tests, chosen, &mut lessons);
             // Where moves slip a test is a matter of luck, and the last rules have learned most.
-            if slips || steps <= least_steps {
+            if course.slips || steps <= least_steps {
                 (best, least_steps) = (rules, steps);
             }
             if lessons.len() == before {
@@ -373,5 +337,57 @@ impl Learner {
             }
         }
         (best, least_steps)
+    }
+
+    /// Imagines so many episodes from each state, with actions that are `chosen`, or else as planned;
+    /// their steps.
+    fn imagine_all(
+        &mut self,
+        course: &Course,
+        rounds: u32,
+        chosen: impl Fn(&Percept, &mut Stream) -> Option<Action>,
+        lessons: &mut Lessons,
+    ) -> u64 {
+        let (map, planner, stream) = (&self.map, &mut self.planner, &mut self.stream);
+        let starts = (0..rounds).flat_map(|_| 0..map.starts());
+        let look = |context: Percept| match course.windowed {
+            true => context,
+            false => without_window(&context),
+        };
+        imagine(map, planner, starts, chosen, look, stream, lessons)
+    }
+}
+
+/// How rules are induced on a map, and put to the test.
+struct Course {
+    slips: bool,
+    /// Do rules look at the last two steps?
+    windowed: bool,
+    /// Imagined episodes from each state: as planned, and in a test.
+    planned: u32,
+    tests: u32,
+    tolerance: f64,
+    least_often: f64,
+}
+
+impl Course {
+    fn on(map: &Map, windowed: bool) -> Self {
+        let slips = map.pomdp.slip() > 0.0;
+        let (planned, tests) = match slips {
+            true => [TESTS.div_ceil(map.starts()); 2].into(),
+            false => (1, TESTS_OF_TIES),
+        };
+        let (tolerance, least_often) = match slips {
+            true => (TOLERANCE, LEAST_OFTEN),
+            false => (1e-6, 0.0),
+        };
+        Self {
+            slips,
+            windowed,
+            planned,
+            tests,
+            tolerance,
+            least_often,
+        }
     }
 }

@@ -40,6 +40,7 @@ mod map;
 mod params;
 mod payments;
 mod place;
+mod sheet;
 mod wander;
 
 pub use context::{CONTEXT_BITS, PERCEPT_BITS, Tracker, words};
