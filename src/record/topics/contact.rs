@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::decimal;
-use super::schema::{Kind, Object};
+use super::schema::Object;
 use crate::arena::Contact;
 
 /// A change of contact with the walls.
@@ -56,19 +56,16 @@ impl ContactRecord {
 }
 
 pub(super) fn schema() -> Object {
-    let fields = [
-        ("episode", Kind::Count, "from 1"),
-        ("step", Kind::Count, "from 1; 0 before the first"),
-        (
+    Object::new("xcscr.Contact")
+        .count("episode", "from 1")
+        .count("step", "from 1; 0 before the first")
+        .bool(
             "touching",
-            Kind::Bool,
             "true at a hit, false when that move or the episode is over",
-        ),
-        ("x_m", Kind::Number, "point of the hit, metres, world frame"),
-        ("y_m", Kind::Number, "point of the hit, metres, world frame"),
-        ("normal_x", Kind::Number, "unit vector into the wall"),
-        ("normal_y", Kind::Number, "unit vector into the wall"),
-        ("impulse_ns", Kind::Number, "impulse of the hit, N s"),
-    ];
-    Object::new("xcscr.Contact", &fields)
+        )
+        .number("x_m", "point of the hit, metres, world frame")
+        .number("y_m", "point of the hit, metres, world frame")
+        .number("normal_x", "unit vector into the wall")
+        .number("normal_y", "unit vector into the wall")
+        .number("impulse_ns", "impulse of the hit, N s")
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::schema::{Kind, Object};
+use super::schema::Object;
 use crate::episode::Episode;
 
 /// The most points of a curve; beyond them every second one is dropped.
@@ -49,14 +49,8 @@ impl Curve {
 }
 
 pub(super) fn schema() -> Object {
-    let fields = [
-        (
-            "episode",
-            Kind::Numbers,
-            "episodes so far; of long runs not all",
-        ),
-        ("steps", Kind::Numbers, "steps of each"),
-        ("collisions", Kind::Numbers, "collisions of each"),
-    ];
-    Object::new("xcscr.Curve", &fields)
+    Object::new("xcscr.Curve")
+        .numbers("episode", "episodes so far; of long runs not all")
+        .numbers("steps", "steps of each")
+        .numbers("collisions", "collisions of each")
 }

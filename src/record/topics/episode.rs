@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::decimal;
-use super::schema::{Kind, Object};
+use super::schema::Object;
 use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode};
 use xcs::{Classifier, PredictionArray};
@@ -136,15 +136,9 @@ impl Ended {
 }
 
 pub(super) fn schema_of_ended() -> Object {
-    let fields = [
-        ("episode", Kind::Count, "from 1"),
-        (
-            "learning_rate",
-            Kind::Number,
-            "with which its end was learned",
-        ),
-    ];
-    Object::new("xcscr.Ended", &fields)
+    Object::new("xcscr.Ended")
+        .count("episode", "from 1")
+        .number("learning_rate", "with which its end was learned")
 }
 
 /// An episode that runs; what its end will tell is left out.
@@ -171,59 +165,41 @@ impl Running {
 }
 
 pub(super) fn schema() -> Object {
-    let fields = [
-        ("episode", Kind::Count, "from 1"),
-        (
+    Object::new("xcscr.Episode")
+        .count("episode", "from 1")
+        .text(
             "outcome",
-            Kind::Text,
             "running, goal, or step-limit; the rest is told at the end",
-        ),
-        ("state", Kind::Named(&STATES), "the outcome as a number"),
-        (
+        )
+        .named("state", &STATES, "the outcome as a number")
+        .named(
             "result",
-            Kind::Named(&STATES),
+            &STATES,
             "the same once it is over, and nothing before",
-        ),
-        ("policy", Kind::Named(&POLICIES), "optimal, as a number"),
-        ("steps", Kind::Count, "steps taken"),
-        ("collisions", Kind::Count, "steps that hit a wall"),
-        ("explored", Kind::Count, "steps chosen by chance"),
-        ("reward", Kind::Number, "sum of all rewards"),
-        ("rules", Kind::Count, "macro-classifiers in [P]"),
-        ("micro", Kind::Count, "micro-classifiers in [P]"),
-        (
+        )
+        .named("policy", &POLICIES, "optimal, as a number")
+        .count("steps", "steps taken")
+        .count("collisions", "steps that hit a wall")
+        .count("explored", "steps chosen by chance")
+        .number("reward", "sum of all rewards")
+        .count("rules", "macro-classifiers in [P]")
+        .count("micro", "micro-classifiers in [P]")
+        .number(
             "generality",
-            Kind::Number,
             "share of don't-cares in the conditions of [P], mean",
-        ),
-        ("mean_error", Kind::Number, "prediction error in [P], mean"),
-        (
-            "step_threshold",
-            Kind::Count,
-            "most steps of the next episode",
-        ),
-        (
-            "learning_rate",
-            Kind::Number,
-            "with which the end was learned",
-        ),
-        ("imprinted", Kind::Bool, "stored policy imprinted?"),
-        ("optimal", Kind::Bool, "greedy policy globally optimal?"),
-        (
+        )
+        .number("mean_error", "prediction error in [P], mean")
+        .count("step_threshold", "most steps of the next episode")
+        .number("learning_rate", "with which the end was learned")
+        .bool("imprinted", "stored policy imprinted?")
+        .bool("optimal", "greedy policy globally optimal?")
+        .count(
             "greedy_steps",
-            Kind::Count,
             "of the greedy policy from this start; absent: never arrives",
-        ),
-        (
-            "shortest",
-            Kind::Count,
-            "steps of the shortest path from this start",
-        ),
-        (
+        )
+        .count("shortest", "steps of the shortest path from this start")
+        .numbers(
             "start_worth",
-            Kind::Numbers,
             "of each action in the start cell, clockwise from north; null: unknown",
-        ),
-    ];
-    Object::new("xcscr.Episode", &fields)
+        )
 }

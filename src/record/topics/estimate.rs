@@ -6,7 +6,7 @@ use nalgebra::{Complex, Matrix3, UnitComplex};
 use serde::Serialize;
 
 use super::scene::{ESTIMATE, color, entity, heading, place, vector};
-use super::schema::{Kind, Object};
+use super::schema::Object;
 use super::{decimal, rounded};
 use crate::arena::{Sample, Sensed};
 
@@ -66,58 +66,29 @@ impl EstimateRecord {
 }
 
 pub(super) fn schema() -> Object {
-    let fields = [
-        ("episode", Kind::Count, "from 1"),
-        ("step", Kind::Count, "from 1; 0 before the first"),
-        (
-            "x_m",
-            Kind::Number,
-            "believed position, metres, world frame",
-        ),
-        (
-            "y_m",
-            Kind::Number,
-            "believed position, metres, world frame",
-        ),
-        ("heading_cos", Kind::Number, "believed heading, its cosine"),
-        ("heading_sin", Kind::Number, "believed heading, its sine"),
-        (
-            "sd_x_m",
-            Kind::Number,
-            "deviation that it believes in, metres",
-        ),
-        (
-            "sd_y_m",
-            Kind::Number,
-            "deviation that it believes in, metres",
-        ),
-        (
-            "sd_heading_deg",
-            Kind::Number,
-            "the same of the heading, degrees",
-        ),
-        (
-            "error_m",
-            Kind::Number,
-            "distance from the true position, metres",
-        ),
-        (
+    Object::new("xcscr.Estimate")
+        .count("episode", "from 1")
+        .count("step", "from 1; 0 before the first")
+        .number("x_m", "believed position, metres, world frame")
+        .number("y_m", "believed position, metres, world frame")
+        .number("heading_cos", "believed heading, its cosine")
+        .number("heading_sin", "believed heading, its sine")
+        .number("sd_x_m", "deviation that it believes in, metres")
+        .number("sd_y_m", "deviation that it believes in, metres")
+        .number("sd_heading_deg", "the same of the heading, degrees")
+        .number("error_m", "distance from the true position, metres")
+        .number(
             "heading_error_deg",
-            Kind::Number,
             "difference from the true heading, degrees",
-        ),
-        (
+        )
+        .number(
             "nees",
-            Kind::Number,
             "normalised estimation error squared; 3 is what 3 degrees of freedom give",
-        ),
-        (
+        )
+        .bool(
             "lost",
-            Kind::Bool,
             "does it believe to be in another cell than it is in?",
-        ),
-    ];
-    Object::new("xcscr.Estimate", &fields)
+        )
 }
 
 /// An ellipse around the believed position, ten times as large as it is, and a ghost of the robot where it believes to be.

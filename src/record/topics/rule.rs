@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::rounded;
 use super::scene::{ROBOT, color, entity, place, update};
-use super::schema::{Kind, Object};
+use super::schema::Object;
 use crate::agent::{Chooser, PERCEPT_BITS, memory_words};
 use crate::episode::Step;
 use crate::sensor::{Sensor, action_name};
@@ -212,37 +212,19 @@ fn over(up: f64, height: f64, rgb: u32, text: &str) -> TextPrimitive {
 }
 
 pub(super) fn schema() -> Object {
-    let fields = [
-        ("episode", Kind::Count, "from 1"),
-        ("step", Kind::Count, "from 1 in each episode"),
-        ("action", Kind::Text, "direction chosen"),
-        ("heading", Kind::Named(&HEADINGS), "the action as a number"),
-        ("chosen_by", Kind::Text, "rules, table, planner, chance"),
-        ("explored", Kind::Bool, "chosen to explore?"),
-        ("seen", Kind::Text, "what is perceived, in words"),
-        ("percept", Kind::Text, "the same as bits"),
-        (
-            "rule",
-            Kind::Text,
-            "the rule of [A] that weighs most in words, action, worth, error, and how many of the rules in [M] advocate it",
-        ),
-        (
-            "runner_up",
-            Kind::Text,
-            "the best other action, and its worth",
-        ),
-        (
-            "left",
-            Kind::Count,
-            "percent of the step-threshold that are left, this step included",
-        ),
-        (
-            "worth",
-            Kind::Numbers,
-            "of each action, clockwise from north, in percent of what a goal pays; null: unknown",
-        ),
-    ];
-    Object::new("xcscr.Rule", &fields)
+    Object::new("xcscr.Rule")
+        .count("episode", "from 1")
+        .count("step", "from 1 in each episode")
+        .text("action", "direction chosen")
+        .named("heading", &HEADINGS, "the action as a number")
+        .text("chosen_by", "rules, table, planner, chance")
+        .bool("explored", "chosen to explore?")
+        .text("seen", "what is perceived, in words")
+        .text("percept", "the same as bits")
+        .text("rule", "the rule of [A] that weighs most in words, action, worth, error, and how many of the rules in [M] advocate it")
+        .text("runner_up", "the best other action, and its worth")
+        .count("left", "percent of the step-threshold that are left, this step included")
+        .numbers("worth", "of each action, clockwise from north, in percent of what a goal pays; null: unknown")
 }
 
 #[cfg(test)]

@@ -5,18 +5,18 @@ use std::borrow::Cow;
 
 use foxglove::Schema;
 
+/// Numbers, and the names that they stand for.
+type Names = &'static [(u8, &'static str)];
+
 /// The type of a field.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Kind {
+enum Kind {
     Bool,
-    /// A whole number from 0.
     Count,
     Number,
     Text,
     Numbers,
-    /// A number that stands for a name. Viewers colour states by such numbers, in this order: blue,
-    /// orange, yellow, green, cyan, purple; words get colours that mean nothing.
-    Named(&'static [(u8, &'static str)]),
+    Named(Names),
 }
 
 impl Kind {
@@ -46,11 +46,42 @@ pub(super) struct Object {
 }
 
 impl Object {
-    pub fn new(name: &'static str, fields: &[(&'static str, Kind, &'static str)]) -> Self {
-        Self {
-            name,
-            fields: fields.to_vec(),
-        }
+    /// A message without fields.
+    pub fn new(name: &'static str) -> Self {
+        let fields = Vec::new();
+        Self { name, fields }
+    }
+
+    fn with(mut self, field: &'static str, kind: Kind, meaning: &'static str) -> Self {
+        self.fields.push((field, kind, meaning));
+        self
+    }
+
+    pub fn bool(self, field: &'static str, meaning: &'static str) -> Self {
+        self.with(field, Kind::Bool, meaning)
+    }
+
+    /// A whole number from 0.
+    pub fn count(self, field: &'static str, meaning: &'static str) -> Self {
+        self.with(field, Kind::Count, meaning)
+    }
+
+    pub fn number(self, field: &'static str, meaning: &'static str) -> Self {
+        self.with(field, Kind::Number, meaning)
+    }
+
+    pub fn numbers(self, field: &'static str, meaning: &'static str) -> Self {
+        self.with(field, Kind::Numbers, meaning)
+    }
+
+    pub fn text(self, field: &'static str, meaning: &'static str) -> Self {
+        self.with(field, Kind::Text, meaning)
+    }
+
+    /// A number that stands for a name. Viewers colour states by such numbers, in this order: blue,
+    /// orange, yellow, green, cyan, purple; words get colours that mean nothing.
+    pub fn named(self, field: &'static str, names: Names, meaning: &'static str) -> Self {
+        self.with(field, Kind::Named(names), meaning)
     }
 
     /// The schema; if `explained`, it tells what each field means.
@@ -82,11 +113,8 @@ mod tests {
 
     #[test]
     fn a_schema_is_json_with_a_field_for_each_entry() {
-        let fields = [
-            ("a", Kind::Bool, "yes or no"),
-            ("b", Kind::Numbers, "metres"),
-        ];
-        let object = Object::new("xcscr.Test", &fields);
+        let object = Object::new("xcscr.Test").bool("a", "yes or no");
+        let object = object.numbers("b", "metres");
         let [brief, explained] = [false, true].map(|explained| -> serde_json::Value {
             serde_json::from_slice(&object.schema(explained).data).unwrap()
         });

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::schema::{Kind, Object};
+use super::schema::Object;
 use super::{decimal, episode};
 use crate::arena::Outcome;
 use crate::episode::Step;
@@ -92,45 +92,29 @@ fn left(step: &Step<'_>) -> f64 {
 }
 
 pub(super) fn schema() -> Object {
-    let fields = [
-        ("episode", Kind::Count, "from 1"),
-        ("step", Kind::Count, "from 1 in each episode"),
-        ("col", Kind::Count, "cell before the step, from the west"),
-        ("row", Kind::Count, "cell before the step, from the north"),
-        ("percept", Kind::Text, "bits perceived there"),
-        ("action", Kind::Text, "direction chosen"),
-        (
-            "executed",
-            Kind::Text,
-            "direction carried out, where actions slip",
-        ),
-        ("explored", Kind::Bool, "chosen to explore?"),
-        ("chosen_by", Kind::Text, "rules, table, planner, chance"),
-        ("rule", Kind::Text, "condition of the rule that decided"),
-        (
+    Object::new("xcscr.Step")
+        .count("episode", "from 1")
+        .count("step", "from 1 in each episode")
+        .count("col", "cell before the step, from the west")
+        .count("row", "cell before the step, from the north")
+        .text("percept", "bits perceived there")
+        .text("action", "direction chosen")
+        .text("executed", "direction carried out, where actions slip")
+        .bool("explored", "chosen to explore?")
+        .text("chosen_by", "rules, table, planner, chance")
+        .text("rule", "condition of the rule that decided")
+        .text(
             "outcome",
-            Kind::Text,
             "moved, collided, stalled, reached-goal, found-reward",
-        ),
-        ("result", Kind::Named(&OUTCOMES), "the outcome as a number"),
-        (
-            "left",
-            Kind::Number,
-            "share of the step-threshold that is left",
-        ),
-        ("reward", Kind::Number, "short-term reward"),
-        (
+        )
+        .named("result", &OUTCOMES, "the outcome as a number")
+        .number("left", "share of the step-threshold that is left")
+        .number("reward", "short-term reward")
+        .numbers(
             "worth",
-            Kind::Numbers,
             "of each action, clockwise from north; null: unknown",
-        ),
-        (
-            "error",
-            Kind::Number,
-            "mean prediction error of [A], in reward",
-        ),
-        ("match_set", Kind::Count, "micro-classifiers in [M]"),
-        ("action_set", Kind::Count, "micro-classifiers in [A]"),
-    ];
-    Object::new("xcscr.Step", &fields)
+        )
+        .number("error", "mean prediction error of [A], in reward")
+        .count("match_set", "micro-classifiers in [M]")
+        .count("action_set", "micro-classifiers in [A]")
 }
