@@ -193,7 +193,9 @@ impl Sensor {
             Self::LidarPosition => {
                 lidar::around(is_free).followed_by(&position::percept(maze, cell))
             }
-            _ => lidar::around(is_free),
+            Self::Lidar | Self::Neighbours | Self::Position | Self::NeighboursPosition => {
+                lidar::around(is_free)
+            }
         }
     }
 }
