@@ -27,10 +27,15 @@ const LEAST_SHARE: f64 = 0.01;
 /// What was felt of an action: an outcome without what is not learned from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Felt {
+    /// The robot moved on.
     Moved,
+    /// It moved on, into a cell that paid this.
     Found(f64),
+    /// It bumped into a wall.
     Bumped,
+    /// It ran out of time on the way.
     Stalled,
+    /// It reached a goal.
     Goal,
 }
 
