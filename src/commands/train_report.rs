@@ -296,3 +296,35 @@ fn picture(maze: &Maze, policy: &PolicyMap) -> String {
         Some(arrow.map_or('?', |direction| if ties { '+' } else { direction.arrow() }))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use xcscr::sensor::Sensor;
+    use xcscr::trial::Settings;
+
+    /// What may help a robot with this method, which knows so much of its moves.
+    fn advice(method: Method, odometry: Odometry) -> String {
+        let rows = ["####", "#SG#", "####"];
+        let world = format!(r#"{{ "rows": {rows:?} }}"#);
+        let mut settings = Settings::default();
+        settings.memory.odometry = odometry;
+        let plan = Plan::new(Maze::from_json(world.as_bytes(), "tiny").unwrap())
+            .method(method)
+            .sensor(Sensor::Neighbours)
+            .episodes(30)
+            .settings(settings);
+        way_out(&Trial::new(plan).unwrap())
+    }
+
+    #[test]
+    fn who_learns_which_way_its_actions_go_is_advised_to_be_told() {
+        let told = "--set memory.odometry=known, ";
+        let rest = "--method xcscr-plus, another --seed, or --episodes 60";
+        let learns = advice(Method::XcscrMemory, Odometry::None);
+        assert_eq!(learns, format!("{told}{rest}"));
+        assert_eq!(advice(Method::XcscrMemory, Odometry::Known), rest);
+        // Other methods do not use the setting.
+        assert_eq!(advice(Method::Xcs, Odometry::None), rest);
+    }
+}

@@ -110,7 +110,7 @@ fn check_size(maze: &Maze) -> Result<(), FilmError> {
     match width * height {
         0..=MOST_CELLS => Ok(()),
         cells => Err(FilmError::Picture(format!(
-            "{} has {cells} cells, at most {MOST_CELLS} are drawn; `xcscr rules --cell COL,ROW` tells \
+            "{} has {cells} cells, at most {MOST_CELLS} are drawn; `xcscr rules RUN --cell COL,ROW` tells \
              what was learned in one of them",
             maze.name()
         ))),
@@ -196,5 +196,37 @@ impl Moment {
             false => "",
         };
         format!("episode {episode}: {steps} steps {how}; greedy path now: {greedy}{verdict}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arena::ArenaKind;
+
+    /// An empty hall with a start and a goal.
+    fn hall(width: usize, height: usize) -> Maze {
+        let mut rows = vec![format!("#{}#", ".".repeat(width - 2)); height];
+        rows[0] = "#".repeat(width);
+        rows[height - 1] = rows[0].clone();
+        rows[1].replace_range(1..3, "SG");
+        Maze::from_json(format!(r#"{{ "rows": {rows:?} }}"#).as_bytes(), "hall").unwrap()
+    }
+
+    #[test]
+    fn a_maze_of_more_than_a_million_cells_is_not_drawn_and_the_message_names_another_way() {
+        let plan = Plan::new(hall(4096, 257)).episodes(1);
+        let refused = Film::of(&plan, Scenes::Last).err();
+        let refused = refused.expect("it has too many cells").to_string();
+        for part in ["hall has 1052672 cells", "xcscr rules RUN --cell COL,ROW"] {
+            assert!(refused.contains(part), "{refused}");
+        }
+    }
+
+    #[test]
+    fn control_a_small_maze_is_drawn() {
+        let plan = Plan::new(hall(40, 5)).arena(ArenaKind::Grid).episodes(1);
+        let film = Film::of(&plan, Scenes::Last).unwrap();
+        assert_eq!(film.moments().len(), 1);
     }
 }

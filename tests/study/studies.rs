@@ -227,6 +227,28 @@ fn a_signal_ends_it_in_order_and_the_same_command_goes_on() {
     assert!(!desk.path("a/trials.csv").exists());
 }
 
+/// The interval of the share of successes in each row of the table of a study that is not complete.
+fn intervals(desk: &Desk, folder: &str) -> Vec<String> {
+    let report = desk.ends(&format!("report {folder} --format md"), 1).0;
+    let lines = report.lines().map(|line| line.split('|').map(str::trim));
+    let mut rows = lines.skip_while(|line| line.clone().nth(1) != Some("world"));
+    let column = rows
+        .next()
+        .and_then(|mut heads| heads.position(|head| head == "95 % interval"));
+    let column = column.expect("a report has a table of results");
+    let cells = rows.skip(1).map_while(|mut cells| cells.nth(column));
+    cells.map(str::to_owned).collect()
+}
+
+#[test]
+fn a_partial_report_gives_an_interval_only_of_arms_with_a_finished_trial() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out a --shard 1/16");
+    let of_one_trial = intervals(&desk, "a");
+    assert!(of_one_trial[0].ends_with(" %"), "{of_one_trial:?}");
+    assert_eq!(of_one_trial[1..], ["–"; 3], "{of_one_trial:?}");
+}
+
 #[test]
 fn an_incomplete_study_is_no_result_and_status_says_what_is_missing() {
     let desk = Desk::new();
@@ -428,7 +450,7 @@ fn one_flipped_bit_in_a_journal_is_damage_and_takes_no_finished_trial_away() {
         "merge a --out b",
     ] {
         let message = desk.refused(words, 65);
-        assert!(message.contains("line 3 is bad"), "{words}: {message}");
+        assert!(message.contains("line 3 is damaged"), "{words}: {message}");
         assert_eq!(fs::read_to_string(desk.path("a/journal")).unwrap(), text);
     }
     // Control: the way out that the message names.

@@ -136,7 +136,7 @@ fn next_line(lines: &mut impl BufRead) -> io::Result<Vec<u8>> {
 
 fn damaged_line(number: u64) -> String {
     format!(
-        "line {number} is bad, and not the last; take it out, and its trial is run again, by `xcscr study \
+        "line {number} is damaged, and not the last; delete it, and its trial is run again, by `xcscr study \
          run` or, of a planned study, by `xcscr study task`"
     )
 }
@@ -155,7 +155,7 @@ fn foreign(bytes: &[u8]) -> String {
             "it has format {found}, and this version reads format {FORMAT}; run the study again, \
              in another folder"
         ),
-        _ => "it does not begin as the journal of its plan".to_owned(),
+        _ => "it does not begin like the journal of this plan".to_owned(),
     }
 }
 
