@@ -27,7 +27,7 @@ Exit codes:
    3  recover: done, but some data was lost
   65  bad input data
   66  an input file is missing
-  70  internal fault: please report it
+  70  internal error: please report it
   73  cannot create the output
   74  input or output error, such as a full disk
   75  interrupted, and a valid checkpoint was left: resume it with `train --resume`

@@ -27,7 +27,9 @@ pub(super) fn recall<T: DeserializeOwned>(saved: &[u8]) -> Result<T, MemoryError
         .map_err(|fault| MemoryError::Unreadable(fault.to_string()))?;
     match rest.is_empty() {
         true => Ok(state),
-        false => Err(MemoryError::Unreadable("it is too long".to_owned())),
+        false => Err(MemoryError::Unreadable(
+            "bytes are left over at its end".to_owned(),
+        )),
     }
 }
 

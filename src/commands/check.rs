@@ -40,8 +40,7 @@ pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
     match checked.iter().filter(|file| !file.sound).count() {
         0 => Ok(()),
         bad => {
-            let are = if bad == 1 { "is" } else { "are" };
-            let message = format!("{bad} of {} recordings {are} not sound", checked.len());
+            let message = format!("{bad} of {} recordings failed the check", checked.len());
             Err(Failure::new(Exit::BadData, message))
         }
     }

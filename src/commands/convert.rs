@@ -180,7 +180,7 @@ fn to_map(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     image_file.write(&map.image)?;
     map_file.write(map.yaml.as_bytes())?;
     let (map, image) = (args.output.display(), image.display());
-    Ok(writeln!(out, "{map} and {image}: one pixel a cell")?)
+    Ok(writeln!(out, "{map} and {image}: one pixel per cell")?)
 }
 
 /// A world has its cells, start and goal already.

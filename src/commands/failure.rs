@@ -61,7 +61,7 @@ impl Failure {
 
     /// The failure after a panic, whose own message is already on stderr.
     pub fn internal() -> Self {
-        let message = "internal fault: please report it with the message above";
+        let message = "internal error: please report it with the message above";
         Self::new(Exit::Internal, message)
     }
 
@@ -203,7 +203,7 @@ impl From<RecordError> for Failure {
             _ => None,
         };
         let message = stopped.map_or(error.to_string(), |way_on| {
-            format!("this run was stopped, and no viewer opens what it has not finished; {way_on}")
+            format!("this run was interrupted, and no viewer can open its unfinished recording; {way_on}")
         });
         Self::new(exit, message)
     }

@@ -70,7 +70,7 @@ impl LearnedArgs {
     fn plan_of_rules(&self, path: &Path, arena: ArenaKind) -> Result<Plan, Failure> {
         let world = self.world.as_ref().ok_or_else(|| {
             let message = format!(
-                "{} says nothing of its world: add --world FILE",
+                "{} does not say in which world it was learned: add `--world FILE`",
                 path.display()
             );
             Failure::new(Exit::Usage, message)

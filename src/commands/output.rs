@@ -42,7 +42,7 @@ fn require_folder(path: &Path) -> io::Result<()> {
     match path.parent().filter(named) {
         Some(folder) if !folder.is_dir() => Err(io::Error::new(
             ErrorKind::NotADirectory,
-            "there is no such folder; make it first, or choose another",
+            "there is no such folder; create it first, or choose another",
         )),
         _ => Ok(()),
     }

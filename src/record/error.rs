@@ -45,7 +45,7 @@ pub enum RecordError {
         cause: io::Error,
     },
     /// The file is one that was being written when the program ended.
-    #[error("this recording was never finished, and no viewer opens it; make a whole file of it with `xcscr recover {0} -o OUT.mcap`", path.display())]
+    #[error("this recording was never finished, and no viewer can open it; make a complete file of it with `xcscr recover {0} -o OUT.mcap`", path.display())]
     Unfinished {
         /// The file.
         path: PathBuf,

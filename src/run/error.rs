@@ -35,13 +35,13 @@ pub enum RunError {
     },
     /// A recording shows two runs where one is asked for.
     #[error(
-        "{} compares two runs, and is no run itself; give the folders of those two, or recordings of them",
+        "{} is a comparison of two runs; give the folder of one of them, or a recording of it",
         .0.display()
     )]
     TwoRuns(PathBuf),
     /// A story draws every cell, and the maze has too many.
     #[error(
-        "{world} has too many cells for a story, which draws each of them; watch an episode of it"
+        "{world} has too many cells for a story, which draws each of them; watch single episodes instead"
     )]
     NoStory {
         /// The name of the maze.

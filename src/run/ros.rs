@@ -14,7 +14,7 @@ use crate::trial::{Evaluation, Plan, Trial};
 /// `/scan` of a robot that senses. The same recording gives the same bytes.
 ///
 /// # Errors
-/// When the recording cannot be read or run again, or is a story, which is no drive.
+/// When the recording cannot be read or run again, or is a story, which shows parts of many episodes.
 pub fn ros_bag(recording: &Path) -> Result<Vec<u8>, RunError> {
     if recording.is_dir() {
         return bag(&RunFolder::open(recording).plan()?, None, None);
@@ -26,7 +26,8 @@ pub fn ros_bag(recording: &Path) -> Result<Vec<u8>, RunError> {
         Extent::Story | Extent::Comparison => {
             return Err(RunError::Recording {
                 file: recording.to_owned(),
-                fault: "a story is no drive; give an episode, run.mcap, or the folder of a run"
+                fault: "a story shows parts of many episodes and cannot be written for ROS 2; give an episode, \
+                        run.mcap, or the folder of a run"
                     .to_owned(),
             });
         }

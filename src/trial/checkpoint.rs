@@ -126,7 +126,9 @@ pub fn unseal<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CheckpointError> {
     }
     match postcard::take_from_bytes(content).map_err(unread)? {
         (value, []) => Ok(value),
-        _ => Err(CheckpointError::Content("it is too long".to_owned())),
+        _ => Err(CheckpointError::Content(
+            "bytes are left over at its end".to_owned(),
+        )),
     }
 }
 

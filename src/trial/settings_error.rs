@@ -40,7 +40,7 @@ pub enum SettingsError {
         fault: String,
     },
     /// `--set` without an equals sign.
-    #[error("`--set {0}` is not a setting: write `--set section.key=value`")]
+    #[error("`--set {0}` has no value: write `--set section.key=value`")]
     NoValue(String),
     /// There is no such setting.
     #[error("{origin}: there is no setting `{key}`{}", did_you_mean(.suggestion))]

@@ -131,7 +131,7 @@ impl fmt::Display for Warning {
             Self::OutOfReach(cells) => {
                 write!(
                     f,
-                    "no episode can come to these cells that pay: {}",
+                    "no episode can reach these cells that pay: {}",
                     named(cells)
                 )
             }
@@ -236,8 +236,7 @@ mod tests {
             .iter()
             .map(Warning::to_string)
             .collect();
-        let wanted =
-            "no episode can come to these cells that pay: 5,1; try to open a way in `rows`";
+        let wanted = "no episode can reach these cells that pay: 5,1; try to open a way in `rows`";
         assert_eq!(said, [wanted]);
     }
 

@@ -132,7 +132,10 @@ fn decode<'a>(text: &'a [u8], origin: &str) -> Result<&'a str, WorldError> {
         source.fault(
             error.valid_up_to()..error.valid_up_to() + '\u{fffd}'.len_utf8(),
             "the file is not UTF-8 text",
-            format!("byte 0x{:02x} cannot stand here", text[error.valid_up_to()]),
+            format!(
+                "byte 0x{:02x} is not valid UTF-8 here",
+                text[error.valid_up_to()]
+            ),
             "save the file as UTF-8",
         )
     })

@@ -134,7 +134,12 @@ fn a_recording_that_ends_between_two_records_is_not_called_whole() {
     fs::write(&cut, &bytes[..8]).unwrap();
     let recovery = recover(&cut, &out, false).unwrap();
     assert_eq!((recovery.messages, recovery.lost_bytes), (0, 0));
-    assert!(recovery.fault.unwrap().contains("no end"));
+    assert!(
+        recovery
+            .fault
+            .unwrap()
+            .contains("the end of the file is missing")
+    );
 }
 
 #[test]

@@ -375,7 +375,7 @@ fn an_evaluation_is_recorded_watched_and_verified_as_a_run_is() {
     let (code, stdout, stderr) = outcome(&["replay", beside.to_str().unwrap(), "--verify"]);
     assert_eq!(code, Some(0), "{stdout}{stderr}");
     assert!(
-        stdout.starts_with("4 of 4 recordings are the same"),
+        stdout.starts_with("4 of 4 recordings are bit-identical"),
         "{stdout}"
     );
 
@@ -512,7 +512,7 @@ fn two_runs_are_compared_side_by_side_in_one_recording_in_which_nothing_interlea
     );
     let (code, _, stderr) = outcome(&["replay", one, to, "--compare"]);
     assert!(
-        code == Some(65) && stderr.contains("compares two runs"),
+        code == Some(65) && stderr.contains("comparison of two runs"),
         "{stderr}"
     );
 }

@@ -364,10 +364,7 @@ fn replay_verify_accepts_a_run_and_notices_one_changed_byte() {
     train(&run, "maze4", &["--episodes", "5", "--seed", "3"]);
     let dir = run.to_str().unwrap();
     let (stdout, _) = expect(0, &["replay", dir, "--verify"]);
-    assert_eq!(
-        stdout,
-        "7 of 7 recordings are the same as a new run, to the bit\n"
-    );
+    assert_eq!(stdout, "7 of 7 recordings are bit-identical to a new run\n");
     let file = run.join("ep-0004.mcap");
     let sound = fs::read(&file).unwrap();
     for at in [10, sound.len() / 3, sound.len() / 2, sound.len() - 20] {

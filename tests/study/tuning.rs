@@ -126,6 +126,6 @@ fn what_cannot_be_searched_is_refused_with_the_way_out() {
     )
     .unwrap();
     let (_, said) = program::ended(&tune(desk.path(), "--budget 70 --out a"), 65, "one");
-    assert!(said.contains("nothing to choose among"), "{said}");
+    assert!(said.contains("nothing to choose from"), "{said}");
     assert!(!desk.path().join("a").exists());
 }

@@ -15,7 +15,7 @@ use super::prediction::PredictionSums;
 use crate::random::Stream;
 use crate::signal::{Action, Percept};
 
-/// More steps than any learner lives to see; counters up to here leave room for arithmetic.
+/// More steps than any run can reach; counters up to here leave room for arithmetic.
 pub(super) const MOST_STEPS: u64 = 1 << 40;
 /// Figures of rules from files lie below this, so that no sum or product of two is infinite.
 const GREATEST_FIGURE: f64 = 1e100;
@@ -220,11 +220,11 @@ impl TryFrom<Vec<Classifier>> for Population {
             };
             fault_of(&rule, width).map_or(Ok(()), |text| Err(fault(text)))?;
             if population.micro.saturating_add(rule.numerosity) > GREATEST_POPULATION {
-                return Err(fault("makes the sum of numerosities larger than a million"));
+                return Err(fault("makes the sum of numerosities larger than 1,000,000"));
             }
             population.insert(rule);
             if population.len() != at + 1 {
-                return Err(fault("stands twice with the same action"));
+                return Err(fault("is listed twice with the same action"));
             }
         }
         Ok(population)
@@ -235,17 +235,17 @@ impl TryFrom<Vec<Classifier>> for Population {
 fn fault_of(rule: &Classifier, width: usize) -> Option<&'static str> {
     let figures = [rule.prediction, rule.error, rule.fitness];
     if rule.condition.width() != width {
-        Some("is not as wide as the first one")
+        Some("has a condition of another width than the first rule")
     } else if rule.numerosity == 0 {
         Some("has numerosity 0, but must have at least 1")
     } else if !figures.iter().all(|figure| figure.abs() <= GREATEST_FIGURE) {
-        Some("has a prediction, error or fitness that is no number up to 1e100")
+        Some("has a prediction, error or fitness that is not a number up to 1e100")
     } else if rule.fitness < 0.0 || rule.error < 0.0 {
         Some("has a fitness or an error below 0")
     } else if !(1.0..=f64::from(GREATEST_POPULATION)).contains(&rule.set_size) {
-        Some("has a set size that is not from 1 to a million")
+        Some("has a set size outside of 1 to 1,000,000")
     } else if rule.time_stamp > MOST_STEPS {
-        Some("counts more steps than any learner lives to see")
+        Some("has a time stamp later than any run can reach")
     } else {
         None
     }
@@ -293,17 +293,17 @@ mod tests {
         let refuse = |rules: Vec<Classifier>| Population::try_from(rules).unwrap_err().to_string();
         assert_eq!(
             refuse(vec![rule("01", 1), rule("0", 1)]),
-            "rule 2 (0) is not as wide as the first one"
+            "rule 2 (0) has a condition of another width than the first rule"
         );
         assert_eq!(
             refuse(vec![rule("01", 1), rule("01", 1)]),
-            "rule 2 (01) stands twice with the same action"
+            "rule 2 (01) is listed twice with the same action"
         );
         let broken = Classifier {
             prediction: f64::NAN,
             ..rule("01", 1)
         };
-        assert!(refuse(vec![broken]).contains("no number up to 1e100"));
+        assert!(refuse(vec![broken]).contains("not a number up to 1e100"));
         for set_size in [f64::NAN, 0.0, 1e7] {
             let broken = Classifier {
                 set_size,

@@ -62,7 +62,7 @@ impl CollisionRule {
         match seen.insert((*condition, self.action)) {
             true => Ok(()),
             false => Err(format!(
-                "the collision rule {condition} stands twice for the same action"
+                "the collision rule {condition} is listed twice for the same action"
             )),
         }
     }
@@ -79,7 +79,7 @@ impl ReturnRule {
         }
         match seen.insert(*turn) {
             true => Ok(()),
-            false => Err(format!("the return rule of turn {number} stands twice")),
+            false => Err(format!("the return rule of turn {number} is listed twice")),
         }
     }
 }
@@ -146,9 +146,9 @@ mod tests {
         assert_eq!(check(vec![collision(1)], vec![back(2), back(3)]), Ok(()));
         for (fault, collisions, returns) in [
             ("counts 0 hits", vec![collision(0)], vec![]),
-            ("01## stands twice", vec![collision(1); 2], vec![]),
+            ("01## is listed twice", vec![collision(1); 2], vec![]),
             ("of turn 4 counts", vec![], vec![back(4)]),
-            ("of turn 2 stands twice", vec![], vec![back(2); 2]),
+            ("of turn 2 is listed twice", vec![], vec![back(2); 2]),
             ("10001 collision rules", vec![collision(1); 10_001], vec![]),
         ] {
             let said = check(collisions, returns).unwrap_err();

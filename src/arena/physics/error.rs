@@ -11,7 +11,7 @@ pub enum PhysicsError {
     Setting(#[from] OutOfRange),
     /// The edges of the world join; a robot cannot drive through a border.
     #[error(
-        "world `{world}` joins its edges, which no physical floor does; use `--arena grid`, or close its border with walls"
+        "world `{world}` joins its edges (`\"wrap\": true`), which no physical floor does; use `--arena grid`, or close its border with walls"
     )]
     JoinedEdges {
         /// The world's name.

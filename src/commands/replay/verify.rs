@@ -71,7 +71,7 @@ fn report(verified: &[Verified], json: bool, out: &mut impl Write) -> Result<(),
         }
         writeln!(
             out,
-            "{same} of {all} recordings are the same as a new run, to the bit"
+            "{same} of {all} recordings are bit-identical to a new run"
         )?;
     }
     if same == all {

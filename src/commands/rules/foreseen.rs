@@ -27,9 +27,9 @@ pub fn lines(knowledge: &Knowledge, plan: &Plan) -> Vec<String> {
 fn way_back(rule: &ReturnRule, plan: &Plan) -> String {
     let ReturnRule { turn, hits, misses } = rule;
     let (turn, all) = (turn.index(), hits + misses);
-    let undoing = match 2 * turn == plan.maze.action_count() {
-        true => "the opposite action".to_owned(),
-        false => format!("the action {turn} places further round"),
+    let undoing = match 360 * turn / plan.maze.action_count() {
+        180 => "the opposite action".to_owned(),
+        degrees => format!("the action {degrees} degrees clockwise of it"),
     };
     format!("{undoing} undoes a move ({hits} of {all})")
 }

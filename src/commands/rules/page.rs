@@ -71,7 +71,7 @@ fn add_cells(shown: &Shown<'_>, blocks: &mut Vec<Block>) {
     blocks.push(Block::Heading("In each cell".to_owned()));
     if cells.len() > MOST_CELLS {
         blocks.push(Block::Text(format!(
-            "Not listed for the {} free cells of this maze: {MOST_CELLS} at most are. `xcscr rules \
+            "Not listed for the {} free cells of this maze: {MOST_CELLS} at most are. `xcscr rules RUN \
              --why COL,ROW` tells it for one.",
             cells.len()
         )));

@@ -185,7 +185,7 @@ fn merge(folders: &[PathBuf], out: Option<&Path>, force: bool) -> Result<StudyFo
     let path = out.ok_or_else(|| {
         Failure::new(
             Exit::Usage,
-            "say with `--out DIR` where the whole study is to be",
+            "name the folder of the whole study with `--out DIR`",
         )
     })?;
     if force {

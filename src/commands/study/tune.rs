@@ -97,8 +97,8 @@ fn show_rung(rung: &Rung, out: &mut impl Write) -> Result<(), Failure> {
     for one in &rung.standings {
         let verdict = match one.verdict {
             Verdict::Stays => "stays",
-            Verdict::Halved => "out: worse half",
-            Verdict::Worse => "out: worse for sure",
+            Verdict::Halved => "out: in the worse half",
+            Verdict::Worse => "out: certainly worse",
         };
         writeln!(
             out,

@@ -183,7 +183,7 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
             }
         };
         if findings.len() >= MOST_LISTED {
-            let what = format!("more is wrong than these {} things", findings.len());
+            let what = format!("there are more faults than these {}", findings.len());
             return findings.push(finding(FindingKind::Message, what));
         }
         let (topic, now_ns) = (message.topic(), message.time_ns);

@@ -306,7 +306,7 @@ fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
         false => Err(RecordError::Damaged {
             path: path.to_owned(),
             cause: format!(
-                "its chunks unpack to {unpacked} bytes, but at most {most} are believed"
+                "its chunks unpack to {unpacked} bytes, but at most {most} are accepted for a file of its size"
             ),
         }),
     }

@@ -60,7 +60,9 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
         let size = HEAD_BYTES + body.len();
         if let Some(unpacked) = unpacked_size(opcode, body) {
             if unpacked > room {
-                let what = format!("a chunk unpacks to {unpacked} bytes, more than is believed");
+                let what = format!(
+                    "a chunk unpacks to {unpacked} bytes, more than is accepted for a file of this size"
+                );
                 salvor.recovery.lose(size, at, &what);
                 continue;
             }
@@ -84,7 +86,7 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
         salvor.recovery.lose(bytes.len() - at, at, &what);
     }
     if !has_end {
-        let what = "the file has no end, so that what came after is missing";
+        let what = "the end of the file is missing";
         salvor.recovery.lose(0, bytes.len(), &what);
     }
     salvor.finish()
@@ -216,7 +218,7 @@ impl<W: Write> Salvor<W> {
 
     fn take_message(&mut self, header: MessageHeader, data: &[u8], at: usize) -> McapResult<()> {
         let Some(&channel_id) = self.channels.get(&header.channel_id) else {
-            let what = format!("nothing says what channel {} is", header.channel_id);
+            let what = format!("channel {} is defined nowhere", header.channel_id);
             self.recovery.lose(data.len(), at, &what);
             return Ok(());
         };
@@ -244,7 +246,7 @@ impl<W: Write> Salvor<W> {
     /// Compares the sum over all data; it tells of changes that no record's own sum covers.
     fn check_sum(&mut self, data: &[u8], expected: u32) {
         if expected != 0 && crc32fast::hash(data) != expected {
-            let what = "the checksum over all data is wrong";
+            let what = "the checksum of all data is wrong";
             self.recovery.lose(0, data.len(), &what);
         }
     }

@@ -127,7 +127,9 @@ fn afters_of(
     }
     if !method.learns_rules() {
         let name = method.name();
-        let fault = format!("the method `{name}` learns no rules, and can learn `after` nothing");
+        let fault = format!(
+            "the method `{name}` learns no rules, and `after` hands on rules: leave one of them out"
+        );
         return Err(StudyError::file(&file.origin, &fault));
     }
     let name = |maze: &Option<&Maze>| maze.map(|maze| maze.name().to_owned());

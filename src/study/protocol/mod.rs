@@ -265,7 +265,7 @@ impl Protocol {
         match there.1 == here.1 {
             true => Ok(()),
             false => Err(format!(
-                "trials in `{}` cannot learn in `{}` before: there are {} there, but {} here",
+                "trials in `{}` cannot start from rules learned in `{}`: there are {} there, but {} here",
                 here.0, there.0, there.1, here.1
             )),
         }

@@ -135,7 +135,8 @@ fn refuse_swept(
     if !variant.0.contains_key(switch) {
         return Ok(());
     }
-    let fault = format!("`{switch}` stands in `sweep` and in `{besides}`: leave one of them out");
+    let fault =
+        format!("`{switch}` is both in `sweep` and in `{besides}`: leave it out of one of them");
     Err(StudyError::file(&file.origin, &fault))
 }
 

@@ -130,7 +130,7 @@ impl TrialRecord {
         let (trial, trials) = (self.trial, protocol.len());
         if trial >= trials {
             return Err(format!(
-                "the study has no trial {trial}, only {trials}, from 0"
+                "the study has no trial {trial}: it has {trials}, counted from 0"
             ));
         }
         let figures = self.figures().map_or(Ok(()), |figures| {
@@ -179,7 +179,7 @@ fn words(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     format!(
-        "internal fault: {}",
-        text.unwrap_or("a panic without words")
+        "internal error: {}",
+        text.unwrap_or("a panic without a message")
     )
 }

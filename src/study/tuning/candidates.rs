@@ -33,7 +33,7 @@ impl Candidate {
         let fault = |fault: &str| Err(StudyError::file(&protocol.name, fault));
         if all.len() < 2 {
             return fault(
-                "there is nothing to choose among: give several values under `sweep` or `variants`, or several methods",
+                "there is nothing to choose from: give several values under `sweep` or `variants`, or several methods",
             );
         }
         let worlds = |one: &Self| -> Vec<&str> {

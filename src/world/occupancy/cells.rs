@@ -42,7 +42,7 @@ impl<'a> Cells<'a> {
         let fault = |fault: String| Err(MapError::Cell(fault));
         if !CELL_M.contains(&cell_m) {
             return fault(format!(
-                "a cell of {cell_m} m cannot be: give --cell from {} to {} metres",
+                "a cell cannot have {cell_m} m: give `--cell` from {} to {} metres",
                 CELL_M.start(),
                 CELL_M.end()
             ));
@@ -58,7 +58,7 @@ impl<'a> Cells<'a> {
         if cols.max(rows) + 2 > MAX_SIDE {
             return fault(format!(
                 "{cols} x {rows} cells of {cell_m} m are too many: a world has at most {MAX_SIDE} \
-                 columns and rows; give a larger --cell"
+                 columns and rows; give a larger `--cell`"
             ));
         }
         let mut cells = Self {

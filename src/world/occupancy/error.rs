@@ -38,7 +38,7 @@ pub enum MapError {
     #[error("{0}")]
     Cell(String),
     /// A map says not where the goal is.
-    #[error("a world needs a goal: add --goal X,Y, in metres of the map's frame")]
+    #[error("a world needs a goal: add `--goal X,Y`, in metres of the map's frame")]
     NoGoal,
     /// A point lies outside, or in a wall.
     #[error("the {what} {}, {} lies {fault}", .at_m[0], .at_m[1])]
@@ -65,7 +65,7 @@ fn narrow(passages: &[Passage]) -> String {
     }
     let list: Vec<String> = passages.iter().map(ToString::to_string).collect();
     format!(
-        ": no cell of the grid fits through {}; give a smaller --cell, or widen the map there",
+        ": no cell of the grid fits through {}; give a smaller `--cell`, or widen the map there",
         list.join(", nor through ")
     )
 }

@@ -9,7 +9,7 @@ use crate::world::{Cell, Maze};
 /// How a map becomes a maze.
 #[derive(Debug, Clone)]
 pub struct Gridding {
-    /// Edge of a cell, in metres; `None` for one pixel a cell.
+    /// Edge of a cell, in metres; `None` for one pixel per cell.
     pub cell_m: Option<f64>,
     /// Where episodes start, in the map's frame, in metres; anywhere if `None`.
     pub start_m: Option<[f64; 2]>,

@@ -66,7 +66,7 @@ impl<'a> Numbers<'a> {
         let text = std::str::from_utf8(&self.bytes[self.at..self.at + length]).unwrap_or_default();
         let number = text
             .parse()
-            .map_err(|_| format!("byte {} begins no number", self.at));
+            .map_err(|_| format!("expected a number at byte {}", self.at));
         self.at += length;
         number
     }
@@ -181,7 +181,7 @@ fn of_png(bytes: &[u8]) -> Result<Image, String> {
     let most = disk::room_for(bytes.len() as u64) / 4;
     if size as u64 > most {
         return Err(format!(
-            "it unpacks to {size} bytes, but at most {most} are believed of a file of its size"
+            "it unpacks to {size} bytes, but at most {most} are accepted for a file of its size"
         ));
     }
     let mut samples = vec![0; size];
@@ -193,7 +193,7 @@ fn of_png(bytes: &[u8]) -> Result<Image, String> {
         png::ColorType::GrayscaleAlpha => (2, true),
         png::ColorType::Rgb => (3, false),
         png::ColorType::Rgba => (4, true),
-        png::ColorType::Indexed => return Err("its palette was not expanded".to_owned()),
+        png::ColorType::Indexed => return Err("its palette cannot be read".to_owned()),
     };
     let colours = channels - usize::from(has_alpha);
     let pixels = || samples[..frame.buffer_size()].chunks_exact(channels);

@@ -1,4 +1,4 @@
-//! A maze as an occupancy map: one pixel a cell.
+//! A maze as an occupancy map: one pixel per cell.
 
 use std::fmt::Write;
 
