@@ -3,6 +3,7 @@
 use fixedbitset::FixedBitSet;
 use serde::{Deserialize, Serialize};
 
+use super::by_action::ByAction;
 use super::prediction::PredictionArray;
 use super::signal::{Action, MAX_ACTIONS, Percept};
 
@@ -12,7 +13,7 @@ pub struct Lesson {
     /// The percept.
     pub percept: Percept,
     /// By action: is it one of the best?
-    pub best: [bool; MAX_ACTIONS],
+    pub best: ByAction<bool>,
     /// What the best actions are worth.
     pub value: f64,
 }
@@ -41,7 +42,7 @@ pub struct Lessons {
     /// By allele: the lessons in whose percept it is 1.
     ones: Vec<FixedBitSet>,
     /// By action: the lessons in which it is one of the best.
-    best: [FixedBitSet; MAX_ACTIONS],
+    best: ByAction<FixedBitSet>,
     /// Those that are new or were changed since they were last asked for, in that order.
     changed: Vec<usize>,
 }
@@ -65,7 +66,7 @@ impl Lessons {
                 self.ones[bit].grow_and_insert(number);
             }
         }
-        for (lessons, is_best) in self.best.iter_mut().zip(lesson.best) {
+        for (lessons, is_best) in self.best.iter_mut().zip(lesson.best.0) {
             lessons.grow(number + 1);
             lessons.set(number, is_best);
         }

@@ -1,5 +1,6 @@
 //! The prediction array: the worth of each action (Eq. 6).
 
+use super::by_action::ByAction;
 use super::classifier::Classifier;
 use crate::signal::{Action, MAX_ACTIONS};
 
@@ -51,7 +52,7 @@ impl PredictionArray {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PredictionSums {
     /// By action: the fitness-weighted predictions, and the fitness.
-    sums: [(f64, f64); MAX_ACTIONS],
+    sums: ByAction<(f64, f64)>,
 }
 
 impl PredictionSums {

@@ -1,9 +1,10 @@
 //! The match set \[M\] and the action set \[A\].
 
+use super::by_action::ByAction;
 use super::classifier::Classifier;
 use super::handles::ClassifierId;
 use super::prediction::{PredictionArray, PredictionSums};
-use crate::signal::{Action, MAX_ACTIONS, Percept};
+use crate::signal::{Action, Percept};
 
 /// \[M\]: the rules that match a percept, as they were when it was formed. Reused from step to
 /// step.
@@ -11,7 +12,7 @@ use crate::signal::{Action, MAX_ACTIONS, Percept};
 pub struct MatchSet {
     percept: Option<Percept>,
     /// The rules that advocate each action, in the order of the population.
-    members: [Vec<ClassifierId>; MAX_ACTIONS],
+    members: ByAction<Vec<ClassifierId>>,
     /// Micro-classifiers.
     micro: u32,
     /// Added up while the rules are at hand: looking them up again would cost as much as finding
@@ -46,8 +47,8 @@ impl MatchSet {
     }
 
     /// The ids of its rules, by action.
-    pub(super) fn members(&self) -> &[Vec<ClassifierId>; MAX_ACTIONS] {
-        &self.members
+    pub(super) fn members(&self) -> &[Vec<ClassifierId>] {
+        &*self.members
     }
 
     /// Micro-classifiers in \[M\] when it was formed.

@@ -6,11 +6,11 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 /// Machine words in a [`Percept`]; 64 bits each.
-pub const PERCEPT_WORDS: usize = 4;
+pub const PERCEPT_WORDS: usize = if cfg!(feature = "wide") { 64 } else { 4 };
 /// The widest percept, in bits.
 pub const MAX_PERCEPT_BITS: usize = 64 * PERCEPT_WORDS;
 /// The largest number of actions that a learner can tell apart.
-pub const MAX_ACTIONS: usize = 8;
+pub const MAX_ACTIONS: usize = if cfg!(feature = "wide") { 256 } else { 8 };
 
 /// What is perceived: a string of at most [`MAX_PERCEPT_BITS`] bits.
 ///
@@ -150,7 +150,7 @@ impl Action {
 
     /// The first `count` actions (at most [`MAX_ACTIONS`]), in order.
     pub fn all(count: usize) -> impl DoubleEndedIterator<Item = Self> + Clone {
-        (0..count.min(MAX_ACTIONS) as u8).map(Self)
+        (0..count.min(MAX_ACTIONS)).map(|index| Self(index as u8))
     }
 
     /// The number of this action, counted from 0.
@@ -189,14 +189,19 @@ mod tests {
     }
 
     #[test]
-    fn a_percept_wider_than_256_bits_is_refused() {
-        assert!("0".repeat(256).parse::<Percept>().is_ok());
-        assert!("0".repeat(257).parse::<Percept>().is_err());
+    fn a_percept_wider_than_the_bound_is_refused_and_the_message_names_it() {
+        assert!("0".repeat(MAX_PERCEPT_BITS).parse::<Percept>().is_ok());
+        let error = "0".repeat(MAX_PERCEPT_BITS + 1).parse::<Percept>();
+        let message = error.unwrap_err().to_string();
+        assert!(
+            message.contains(&format!("at most {MAX_PERCEPT_BITS} characters")),
+            "{message}"
+        );
     }
 
     #[test]
     fn one_percept_follows_another_bit_by_bit_and_what_does_not_fit_is_lost() {
-        let text = "0110100110010111".repeat(16);
+        let text = "0110100110010111".repeat(MAX_PERCEPT_BITS / 16);
         for (first, second) in [
             (0, 9),
             (9, 0),
@@ -204,7 +209,8 @@ mod tests {
             (64, 64),
             (65, 130),
             (200, 100),
-            (256, 3),
+            (MAX_PERCEPT_BITS - 56, 100),
+            (MAX_PERCEPT_BITS, 3),
         ] {
             let [a, b] = [&text[..first], &text[text.len() - second..]];
             let [one, two]: [Percept; 2] = [a, b].map(|bits| bits.parse().unwrap());
@@ -231,9 +237,12 @@ mod tests {
     }
 
     #[test]
-    fn the_ninth_action_does_not_exist() {
-        assert!(Action::new(7).is_some());
-        assert!(Action::new(8).is_none());
-        assert!(serde_json::from_str::<Action>("8").is_err());
+    fn an_action_beyond_the_last_does_not_exist() {
+        let read = |index: usize| serde_json::from_str::<Action>(&index.to_string());
+        let last = Action::new(MAX_ACTIONS - 1);
+        assert_eq!(read(MAX_ACTIONS - 1).ok(), last);
+        assert_eq!(Action::all(MAX_ACTIONS + 1).last(), last);
+        assert!(Action::new(MAX_ACTIONS).is_none());
+        assert!(read(MAX_ACTIONS).is_err());
     }
 }

@@ -15,7 +15,7 @@
 use super::CollisionRule;
 use super::bumps::Bumps;
 use super::tally::Tally;
-use xcs::{Action, MAX_ACTIONS, Percept};
+use xcs::{Action, ByAction, Percept};
 
 /// A collision that is foretold with more certainty than this is believed outright: far from the
 /// goal, even a small doubt would promise more than all that is known.
@@ -30,7 +30,7 @@ pub(in crate::agent) struct CollisionRules {
     /// The power to which a forecast is raised before it is believed.
     certainty: u32,
     /// Rules for one action each.
-    actions: [Bumps; MAX_ACTIONS],
+    actions: ByAction<Bumps>,
     /// Rules for every action, on the percept turned as far as the action is from the first one.
     turned: Bumps,
 }
@@ -61,12 +61,12 @@ impl CollisionRules {
     }
 
     /// What learning has changed so far.
-    pub fn kept(&self) -> (&[Bumps; MAX_ACTIONS], &Bumps) {
+    pub fn kept(&self) -> (&ByAction<Bumps>, &Bumps) {
         (&self.actions, &self.turned)
     }
 
     /// Goes on from what was kept; `false` if there is no room in the counts.
-    pub fn resume(&mut self, (actions, turned): ([Bumps; MAX_ACTIONS], Bumps)) -> bool {
+    pub fn resume(&mut self, (actions, turned): (ByAction<Bumps>, Bumps)) -> bool {
         (self.actions, self.turned) = (actions, turned);
         let mut all = self.actions.iter().chain([&self.turned]);
         all.all(Bumps::is_sound)

@@ -9,7 +9,7 @@ use super::return_rules::{Counts, ReturnRules};
 use super::transitions::Transitions;
 use crate::agent::params::Params;
 use xcs::Lesson;
-use xcs::{Action, MAX_ACTIONS};
+use xcs::{Action, ByAction};
 
 /// Changes of a value by less than this share of it are not passed on.
 const NEGLIGIBLE: f64 = 1e-9;
@@ -283,7 +283,7 @@ impl Known {
     /// What is best in a percept.
     fn lesson(&self, memory: &Transitions, percept: usize) -> Lesson {
         let value = self.values[percept];
-        let mut best = [false; MAX_ACTIONS];
+        let mut best = ByAction::default();
         for action in Action::all(self.actions) {
             let own = self.value_of(memory, percept, action);
             best[action.index()] = own.is_some_and(|own| own >= value * (1.0 - TIE));

@@ -6,7 +6,7 @@
 
 use super::ReturnRule;
 use super::transitions::Transitions;
-use xcs::{Action, MAX_ACTIONS};
+use xcs::{Action, ByAction};
 
 /// A rule is believed from so many successes on ...
 const LEAST_HITS: u32 = 2;
@@ -23,7 +23,7 @@ pub(in crate::agent) struct ReturnRules {
     counts: Counts,
 }
 
-pub(in crate::agent) type Counts = [[u32; 2]; MAX_ACTIONS];
+pub(in crate::agent) type Counts = ByAction<[u32; 2]>;
 
 impl ReturnRules {
     /// Nothing is known of `actions` actions.
@@ -85,7 +85,7 @@ impl ReturnRules {
 
     /// The rules that are believed.
     pub fn rules(&self) -> impl Iterator<Item = ReturnRule> {
-        let turns = Action::all(self.actions).zip(&self.counts);
+        let turns = Action::all(self.actions).zip(self.counts.iter());
         let believed = turns.filter(|&(_, &count)| is_believed(count));
         believed.map(|(turn, &[hits, misses])| ReturnRule { turn, hits, misses })
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use xcs::random::Stream;
-use xcs::{Action, MAX_ACTIONS, Percept};
+use xcs::{Action, ByAction, Percept};
 
 /// One step, after it is known what came of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,7 +123,7 @@ impl Outcomes {
 pub struct Transitions {
     numbers: BTreeMap<Percept, usize>,
     percepts: Vec<Percept>,
-    pairs: Vec<[Outcomes; MAX_ACTIONS]>,
+    pairs: Vec<ByAction<Outcomes>>,
     /// The pairs in the order in which they were first tried.
     tried: Vec<(usize, Action)>,
 }
@@ -148,7 +148,7 @@ impl Transitions {
         let tried = |&(percept, action): &(usize, Action)| {
             percept < met && self.outcomes(percept, action).tries() > 0
         };
-        let mut outcomes = self.pairs.iter().flatten();
+        let mut outcomes = self.pairs.iter().flat_map(|pairs| pairs.iter());
         self.pairs.len() == met
             && self.numbers.len() == met
             && self.numbers.iter().all(named)

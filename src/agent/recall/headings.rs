@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::place::{AROUND, Around, Letter, heading};
-use xcs::{Action, MAX_ACTIONS};
+use xcs::{Action, ByAction, MAX_ACTIONS};
 
 /// The displacements: one cell into each of the eight directions, and none.
 pub const DISPLACEMENTS: usize = AROUND.len() + 1;
@@ -18,14 +18,17 @@ const LEAST: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Headings {
     actions: usize,
-    likely: [[f64; DISPLACEMENTS]; MAX_ACTIONS],
+    likely: ByAction<[f64; DISPLACEMENTS]>,
 }
 
 impl Headings {
     /// Of so many actions, none of which is known.
     pub fn unknown(actions: usize) -> Self {
         let likely = [[1.0 / DISPLACEMENTS as f64; DISPLACEMENTS]; MAX_ACTIONS];
-        Self { actions, likely }
+        Self {
+            actions,
+            likely: ByAction(likely),
+        }
     }
 
     /// Of so many actions, all of which are known.

@@ -6,7 +6,7 @@ use super::context::{Felt, Tracker};
 use super::map::Map;
 use crate::agent::model::pomdp::{BeliefPlanner, GOAL, moved};
 use xcs::random::Stream;
-use xcs::{Action, MAX_ACTIONS, Percept};
+use xcs::{Action, ByAction, Percept};
 
 /// The most steps of an imagined episode.
 const MOST_STEPS: u32 = 100;
@@ -16,7 +16,7 @@ const MOST_STEPS: u32 = 100;
 pub struct Lesson {
     /// How often it came.
     pub weight: f64,
-    costs: [f64; MAX_ACTIONS],
+    costs: ByAction<f64>,
 }
 
 impl Lesson {

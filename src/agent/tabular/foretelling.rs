@@ -7,10 +7,10 @@ use crate::agent::model::planner::Belief;
 use crate::agent::model::return_rules::{Counts, ReturnRules};
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::params::Params;
-use xcs::{Action, MAX_ACTIONS, Percept};
+use xcs::{Action, ByAction, Percept};
 
 /// What a file keeps of it.
-pub(super) type Kept = (([Bumps; MAX_ACTIONS], Bumps), Counts, Before);
+pub(super) type Kept = ((ByAction<Bumps>, Bumps), Counts, Before);
 
 /// Rules that foretell collisions and ways back, and what they are learned from.
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ impl Foretelling {
     }
 
     /// What learning has changed between two episodes.
-    pub fn kept(&self) -> ((&[Bumps; MAX_ACTIONS], &Bumps), Counts, &Before) {
+    pub fn kept(&self) -> ((&ByAction<Bumps>, &Bumps), Counts, &Before) {
         (self.collisions.kept(), self.returns.kept(), &self.before)
     }
 

@@ -6,7 +6,7 @@ use crate::agent::knowledge::Knowledge;
 use crate::agent::model::planner::Values;
 use crate::agent::model::transitions::{Transition, Transitions};
 use xcs::PredictionArray;
-use xcs::{Action, MAX_ACTIONS, Percept};
+use xcs::{Action, ByAction, Percept};
 
 /// Q: the value of each action in each percept that was met; 0 where nothing was learned.
 #[derive(Debug, Clone)]
@@ -16,7 +16,7 @@ pub(super) struct Table {
 }
 
 /// The values by percept and action.
-pub(super) type Rows = BTreeMap<Percept, [f64; MAX_ACTIONS]>;
+pub(super) type Rows = BTreeMap<Percept, ByAction<f64>>;
 
 impl Table {
     pub fn new(actions: usize) -> Self {
@@ -33,13 +33,17 @@ impl Table {
 
     /// A table for so many actions with rows from a file; `None` if one is damaged.
     pub fn with_rows(actions: usize, rows: Rows) -> Option<Self> {
-        let is_sound = rows.values().flatten().all(|number| number.is_finite());
+        let is_sound = rows
+            .values()
+            .flat_map(|row| row.iter())
+            .all(|number| number.is_finite());
         is_sound.then_some(Self { actions, rows })
     }
 
     /// The table of planned values, of the percepts for which they were planned.
     pub fn from_values(memory: &Transitions, values: &Values, actions: usize) -> Self {
-        let row = |(percept, number): (&Percept, usize)| Some((*percept, values.get(number)?));
+        let row =
+            |(percept, number): (&Percept, usize)| Some((*percept, ByAction(values.get(number)?)));
         let rows = memory.sorted().filter_map(row).collect();
         Self { actions, rows }
     }

@@ -1,0 +1,134 @@
+//! The widest percept and all actions that there can be, with the feature `wide` and without.
+
+use crate::{
+    Action, ByAction, Environment, Lesson, Lessons, MAX_ACTIONS, MAX_PERCEPT_BITS, Params, Percept,
+    Population, Response, Runner,
+};
+
+/// Bits that tell which action is right: the first and the last.
+const TELLING: [usize; 2] = [0, MAX_PERCEPT_BITS - 1];
+const SITUATIONS: usize = 1 << TELLING.len();
+
+/// One action is right in each situation, the first and the last among them.
+struct Lock {
+    turn: usize,
+    /// Does the percept tell the situation?
+    tells: bool,
+}
+
+/// A percept whose telling bits are those of a number; every third of the others is 1.
+fn percept(telling: usize) -> Percept {
+    let bits = (0..MAX_PERCEPT_BITS).map(|bit| {
+        let place = TELLING.iter().position(|&at| at == bit);
+        place.map_or(bit % 3 == 0, |place| telling >> place & 1 == 1)
+    });
+    Percept::from_bits(bits).unwrap()
+}
+
+fn right(situation: usize) -> Action {
+    Action::new(situation * (MAX_ACTIONS - 1) / (SITUATIONS - 1)).unwrap()
+}
+
+impl Environment for Lock {
+    fn actions(&self) -> usize {
+        MAX_ACTIONS
+    }
+
+    fn begin(&mut self) -> Percept {
+        self.turn = (self.turn + 1) % SITUATIONS;
+        percept(if self.tells { self.turn } else { 0 })
+    }
+
+    fn act(&mut self, action: Action) -> Response {
+        let is_right = action == right(self.turn);
+        Response {
+            reward: if is_right { 1000.0 } else { 0.0 },
+            next: None,
+        }
+    }
+}
+
+/// The situations in which the right action is taken at the end.
+fn opened(tells: bool) -> (usize, Population) {
+    let params = Params {
+        population_size: 3072,
+        ..Params::default()
+    };
+    let mut runner = Runner::new(Lock { turn: 0, tells }, params, 1).unwrap();
+    (0..4096).for_each(|_| {
+        runner.learn();
+    });
+    let right = (0..SITUATIONS).filter(|_| runner.test().reward > 0.0);
+    (right.count(), runner.xcs().population().clone())
+}
+
+#[test]
+fn the_bounds_are_those_of_the_documentation() {
+    let wide = cfg!(feature = "wide");
+    let expected = if wide { (4096, 256) } else { (256, 8) };
+    assert_eq!((MAX_PERCEPT_BITS, MAX_ACTIONS), expected);
+}
+
+#[test]
+fn percepts_as_wide_and_actions_as_many_as_there_can_be_are_learned_and_kept() {
+    let (right, learned) = opened(true);
+    assert_eq!(right, SITUATIONS);
+    let text = serde_json::to_string(&learned).unwrap();
+    assert_eq!(serde_json::from_str::<Population>(&text).unwrap(), learned);
+    let bytes = postcard::to_allocvec(&learned).unwrap();
+    assert_eq!(postcard::from_bytes::<Population>(&bytes).unwrap(), learned);
+}
+
+#[test]
+fn control_without_the_telling_bits_it_is_not_learned() {
+    let (right, _) = opened(false);
+    assert!(right <= 1, "{right}");
+}
+
+#[test]
+fn one_action_more_is_refused_and_the_message_names_the_bound() {
+    struct Crowded;
+    impl Environment for Crowded {
+        fn actions(&self) -> usize {
+            MAX_ACTIONS + 1
+        }
+
+        fn begin(&mut self) -> Percept {
+            percept(0)
+        }
+
+        fn act(&mut self, _: Action) -> Response {
+            Response {
+                reward: 0.0,
+                next: None,
+            }
+        }
+    }
+    let error = Runner::new(Crowded, Params::default(), 1).err().unwrap();
+    let [given, last] = [MAX_ACTIONS + 1, MAX_ACTIONS];
+    assert_eq!(
+        error.to_string(),
+        format!("`actions` is {given}, but must be from 1 to {last}")
+    );
+}
+
+#[test]
+fn lessons_of_all_actions_survive_a_file() {
+    let mut lessons = Lessons::default();
+    for situation in 0..SITUATIONS {
+        let mut best = ByAction::default();
+        best[right(situation).index()] = true;
+        let lesson = Lesson {
+            percept: percept(situation),
+            best,
+            value: 1.0,
+        };
+        lessons.give(situation, lesson);
+    }
+    let bytes = postcard::to_allocvec(&lessons).unwrap();
+    let read: Lessons = postcard::from_bytes(&bytes).unwrap();
+    for situation in 0..SITUATIONS {
+        let best: Vec<Action> = read.get(situation).unwrap().best_actions().collect();
+        assert_eq!(best, [right(situation)]);
+    }
+}
