@@ -28,7 +28,8 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-BUILT = ROOT / "target/peers"
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+BUILT = TARGET / "peers"
 ROUNDS = 5
 
 
@@ -107,7 +108,7 @@ def xcsf_work(population, seed, problems, world="maze4-classic", **settings):
 
 def newest(name):
     """The newest build of a bench."""
-    found = glob.glob(str(ROOT / f"target/release/deps/{name}-*"))
+    found = glob.glob(str(TARGET / f"release/deps/{name}-*"))
     programs = [path for path in found if os.access(path, os.X_OK) and os.path.isfile(path)]
     if not programs:
         sys.exit(f"no bench `{name}`: run `cargo bench --no-run` first")
