@@ -2,12 +2,10 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Output, Stdio};
-
-use assert_cmd::Command;
+use std::process::{Command, Output, Stdio};
 
 fn xcscr(args: &[&str]) -> Output {
-    let mut command = Command::cargo_bin("xcscr").unwrap();
+    let mut command = Command::new(binary());
     command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args);
     command.output().unwrap()
 }
@@ -160,7 +158,7 @@ fn a_reader_that_goes_away_is_a_clean_end() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("big.json");
     fs::write(&file, format!(r#"{{"rows": {rows:?}}}"#)).unwrap();
-    let mut child = std::process::Command::new(binary())
+    let mut child = Command::new(binary())
         .args(["world", "show"])
         .arg(&file)
         .stdout(Stdio::piped())
@@ -180,7 +178,7 @@ fn a_full_disk_gives_code_74() {
         .write(true)
         .open("/dev/full")
         .unwrap();
-    let output = std::process::Command::new(binary())
+    let output = Command::new(binary())
         .args(["world", "show", "worlds/maze4.json"])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .stdout(full)

@@ -12,7 +12,7 @@ const LOOK: Duration = Duration::from_millis(5);
 
 /// The program with these arguments, in the folder of the project.
 pub fn xcscr(args: &[&str]) -> Command {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin("xcscr"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
     command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args);
     command
 }

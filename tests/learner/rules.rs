@@ -1,9 +1,8 @@
 //! Rules to be read, condensed, and carried from maze to maze.
 
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output};
 
-use assert_cmd::Command;
 use tempfile::TempDir;
 
 /// A folder with a run of `xcscr-plus` in it.
@@ -17,7 +16,7 @@ impl Desk {
     }
 
     fn xcscr(&self, args: &[&str]) -> Output {
-        let mut command = Command::cargo_bin("xcscr").unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
         command.current_dir(self.0.path()).args(args);
         command.output().unwrap()
     }

@@ -14,7 +14,7 @@ fn within(kib: u64, args: &[&str]) -> Output {
     let mut shell = Command::new("sh");
     shell
         .args(["-c", &limits])
-        .arg(assert_cmd::cargo::cargo_bin("xcscr"))
+        .arg(env!("CARGO_BIN_EXE_xcscr"))
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .args(args);
     shell.output().unwrap()

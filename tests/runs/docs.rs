@@ -66,7 +66,7 @@ fn folder() -> TempDir {
 
 /// Runs a line in the shell, where `xcscr` is the program that was built.
 fn shell(line: &str, folder: &Path) -> Output {
-    let program = assert_cmd::cargo::cargo_bin("xcscr");
+    let program = Path::new(env!("CARGO_BIN_EXE_xcscr"));
     let beside = program.parent().unwrap().display();
     let path = std::env::var("PATH").unwrap_or_default();
     let mut command = Command::new("sh");

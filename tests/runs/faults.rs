@@ -265,11 +265,10 @@ fn a_file_size_limit_ends_in_code_74_and_the_run_goes_on_when_it_is_lifted() {
             .chain([dir])
             .collect::<Vec<_>>()
     };
-    let program = assert_cmd::cargo::cargo_bin("xcscr");
     let limited = Command::new("sh")
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .args(["-c", "ulimit -f 150; exec \"$0\" \"$@\""])
-        .arg(program)
+        .arg(env!("CARGO_BIN_EXE_xcscr"))
         .args(args(&out))
         .output()
         .unwrap();

@@ -301,7 +301,7 @@ fn within_memory(kib: u64, args: &[&str]) -> std::process::Output {
     let mut shell = std::process::Command::new("sh");
     shell
         .args(["-c", &format!("ulimit -v {kib}; exec \"$0\" \"$@\"")])
-        .arg(assert_cmd::cargo::cargo_bin("xcscr"))
+        .arg(env!("CARGO_BIN_EXE_xcscr"))
         .args(args);
     shell.output().unwrap()
 }

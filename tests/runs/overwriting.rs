@@ -256,7 +256,7 @@ fn too_many_open_files_are_not_another_process() {
         let mut shell = std::process::Command::new("sh");
         shell
             .args(["-c", &format!("ulimit -n {limit}; exec \"$0\" \"$@\"")])
-            .arg(assert_cmd::cargo::cargo_bin("xcscr"))
+            .arg(env!("CARGO_BIN_EXE_xcscr"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .args([
                 "train",

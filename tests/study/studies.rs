@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
 use std::time::Duration;
 
-use assert_cmd::cargo::CommandCargoExt;
 use tempfile::TempDir;
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
@@ -43,7 +42,7 @@ impl Desk {
     }
 
     fn command(&self, words: &str) -> std::process::Command {
-        let mut command = std::process::Command::cargo_bin("xcscr").unwrap();
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_xcscr"));
         command
             .current_dir(self.0.path())
             .arg("study")
@@ -621,7 +620,7 @@ fn a_trial_of_a_study_is_the_same_as_training_with_its_seed() {
     let row: BTreeMap<&str, &str> = cells(0).zip(cells(2)).collect();
     assert_eq!([row["world"], row["method"]], ["maze4", "xcscr"]);
     let world = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
-    let mut train = std::process::Command::cargo_bin("xcscr").unwrap();
+    let mut train = std::process::Command::new(env!("CARGO_BIN_EXE_xcscr"));
     train.current_dir(desk.0.path()).args([
         "train",
         world,

@@ -9,7 +9,6 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use crate::kit::folder;
-use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
 use xcscr::streams::StreamName;
@@ -55,7 +54,7 @@ impl Desk {
     }
 
     fn command(&self, words: &str) -> Command {
-        let mut command = Command::new(cargo_bin("xcscr"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
         let path = std::env::var("PATH").unwrap();
         command
             .current_dir(self.0.path())
