@@ -127,3 +127,44 @@ fn who_begins_anywhere_does_not_believe_to_begin_in_one_place() {
     let rules = trial.method().rule_count();
     assert!(rules > 0 && !knows_its_start(&trial), "{rules} rules");
 }
+
+/// How often moves slip, as a robot believes that learned in a corridor of thirty cells, of which all
+/// but the ends and those at the goal's niche look alike.
+fn slip_believed_in_a_corridor(seed: u64, slip: f64) -> (Trial, f64) {
+    let (walls, niche) = (
+        "#".repeat(32),
+        format!("{}G{}", "#".repeat(8), "#".repeat(23)),
+    );
+    let corridor = format!("#{}S{}#", ".".repeat(14), ".".repeat(15));
+    let json = format!(
+        r##"{{"name": "corridor", "cell_size_m": 1.0, "moves": 4, "rows": ["{walls}", "{niche}", "{corridor}", "{walls}"]}}"##
+    );
+    let plan = Plan::new(Maze::from_json(json.as_bytes(), "corridor.json").unwrap());
+    let plan = plan.method(Method::XcscrMemory).arena(ArenaKind::Grid);
+    let mut plan = plan.sensor(Sensor::Lidar).episodes(30).seed(seed);
+    plan.config.settings.arena.slip = slip;
+    let trial = plan.settled().run().unwrap();
+    let Knowledge::Remembering { map, .. } = trial.method().knowledge() else {
+        panic!("the method remembers");
+    };
+    (trial, map.pomdp.slip())
+}
+
+#[test]
+fn in_a_corridor_of_cells_that_look_alike_only_moves_that_slip_are_held_for_slipping() {
+    for seed in 1..=4 {
+        let (trial, slip) = slip_believed_in_a_corridor(seed, 0.0);
+        assert!(slip == 0.0, "seed {seed}: {slip}");
+        assert!(
+            trial.progress().optimal,
+            "seed {seed}: {:?}",
+            trial.progress()
+        );
+        // A third of all moves is drawn from all four.
+        let (_, slip) = slip_believed_in_a_corridor(seed, 0.25);
+        assert!(
+            (slip - 1.0 / 3.0).abs() < 0.1,
+            "control: seed {seed}: {slip}"
+        );
+    }
+}

@@ -84,6 +84,17 @@ impl Habits {
         })
     }
 
+    /// How likely a step was a slip, given what was seen after it (nothing at the goal).
+    fn share_of_slips(&self, step: &Seen, next: Option<&Around>) -> f64 {
+        let (mut slips, mut all) = (0.0, 0.0);
+        let slipped = self.slipped(step);
+        for (displacement, likely) in likely_moves(step, next, self) {
+            slips += likely * slipped[displacement];
+            all += likely;
+        }
+        if all > 0.0 { slips / all } else { 0.0 }
+    }
+
     /// How well a displacement fits to what was seen before and after it (nothing at the goal).
     fn fit(&self, step: &Seen, next: Option<&Around>, displacement: usize) -> f64 {
         let cell = step.around.get(displacement).copied();
@@ -212,7 +223,7 @@ pub struct Alignment {
     pub likelihood: Likelihood,
     /// For each step, where the robot was, if that is certain.
     pub places: Vec<Option<Place>>,
-    /// How many steps slipped, as far as can be told.
+    /// How many steps slipped, as far as the chart tells.
     pub slips: f64,
     /// For each step, how well each displacement fits to the chart and to all other steps.
     pub fits: Vec<[f64; DISPLACEMENTS]>,
@@ -311,6 +322,17 @@ fn backward(
     layers.push(later);
     layers.reverse();
     (layers, likelihood)
+}
+
+/// How many steps of an episode slipped, as far as two percepts that follow each other tell. This needs
+/// no chart: on a chart that ends too soon, moves that slip back to what is known seem likelier than new
+/// places, and the more are taken for slips the likelier they seem.
+pub fn slips(steps: &[Seen], habits: &Habits) -> f64 {
+    let after = |at: usize| steps.get(at + 1).map(|next| &next.around);
+    let steps = steps.iter().enumerate();
+    steps
+        .map(|(at, step)| habits.share_of_slips(step, after(at)))
+        .sum()
 }
 
 /// The displacements that a step may have had, given what was seen after it (nothing at the goal).

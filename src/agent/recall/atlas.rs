@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, VecDeque};
 
 use serde::{Deserialize, Serialize};
 
-use super::align::{Alignment, Habits, Likelihood, Seen, align, differing};
+use super::align::{Alignment, Habits, Likelihood, Seen, align, differing, slips};
 use super::chart::Chart;
 use super::headings::{DISPLACEMENTS, Headings};
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
@@ -209,9 +209,18 @@ impl Atlas {
         let goal = self.habits.vision.of_a_goal();
         sheet.chart.sight(Place::ORIGIN, goal);
         let fading = 0.99;
-        self.slips[0] = self.slips[0] * fading + alignment.slips;
+        self.slips[0] = self.slips[0] * fading + self.slips_of(steps, &alignment);
         self.slips[1] = self.slips[1] * fading + steps.len() as f64;
         alignment.fits
+    }
+
+    /// How many steps of an episode slipped. While directions are being learned, a step that goes another way
+    /// than it seemed to aim is no slip, and only the chart tells.
+    fn slips_of(&self, steps: &[Seen], alignment: &Alignment) -> f64 {
+        match self.params.odometry {
+            Odometry::Known => slips(steps, &self.habits),
+            Odometry::None => alignment.slips,
+        }
     }
 
     /// The chart that an episode fits best, and how it lies there; `None` if there is no chart.
@@ -304,7 +313,7 @@ impl Atlas {
             let goal = self.habits.vision.of_a_goal();
             sheet.chart.sight(Place::ORIGIN, goal);
             sheet.take_down(steps, &alignment);
-            again.slips[0] += alignment.slips;
+            again.slips[0] += again.slips_of(steps, &alignment);
             again.slips[1] += steps.len() as f64;
         }
         again.sheets.retain(|sheet| sheet.episodes > 0.0);
