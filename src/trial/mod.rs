@@ -30,7 +30,7 @@ pub use history::{Lesson, RuleHistory};
 pub(crate) use judge::{Judge, steps_to_goal};
 pub use plan::{Config, Plan, PlanError};
 pub use resolve::Resolved;
-pub(crate) use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar};
+pub(crate) use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar, value_of};
 pub use settings::Settings;
 pub use settings_error::{Origin, SettingsError};
 pub use toml_text::MOST_TOML_BYTES;

@@ -84,8 +84,8 @@ impl Resolved {
     }
 }
 
-/// A value of the command line: what TOML would read, or else the text itself.
-fn value_of(text: &str) -> Value {
+/// A value behind a `=` that stands in no TOML: what TOML would read, or else the text itself.
+pub fn value_of(text: &str) -> Value {
     let read = format!("value = {text}").parse::<Table>().ok();
     // A text of several lines could hold more than the value.
     let alone = read.filter(|table| table.len() == 1);

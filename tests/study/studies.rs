@@ -549,11 +549,13 @@ fn what_was_learned_before_or_turned_off_is_compared_with_nothing() {
     );
     desk.write(
         "without.toml",
-        &format!("without = [\"plus.return_rules\"]\n{text}"),
+        &format!("without = [\"plus.return_rules\", \"plus.certainty=1\"]\n{text}"),
     );
     let printed = desk.done("run without.toml --out w");
-    let words = "xcscr-plus without plus.return_rules − without nothing";
-    assert!(printed.contains(words), "{printed}");
+    for part in ["plus.return_rules", "plus.certainty"] {
+        let words = format!("xcscr-plus without {part} − without nothing");
+        assert!(printed.contains(&words), "{printed}");
+    }
 }
 
 #[test]

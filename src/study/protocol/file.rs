@@ -91,7 +91,8 @@ pub(super) struct Document {
     /// How many of these combinations are tried, drawn at random, instead of all.
     #[serde(default)]
     pub sample: Option<usize>,
-    /// Switches that are turned off, one at a time, beside a variant with all of them as set.
+    /// Switches that are turned off, one at a time, beside a variant with all of them as set; or settings
+    /// with the value that turns them off, `key=value`.
     #[serde(default)]
     pub without: Vec<String>,
 }

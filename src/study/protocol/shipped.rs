@@ -61,12 +61,16 @@ const WORLDS: [(&str, &str); 37] = [
 ];
 
 /// The studies, by name.
-const STUDIES: [(&str, &str); 13] = [
+const STUDIES: [(&str, &str); 14] = [
     ("paper", include_str!("presets/paper.toml")),
     ("paper-search", include_str!("presets/paper-search.toml")),
     ("ablation", include_str!("presets/ablation.toml")),
     ("plus", include_str!("presets/plus.toml")),
     ("repairs", include_str!("presets/repairs.toml")),
+    (
+        "repairs-memory",
+        include_str!("presets/repairs-memory.toml"),
+    ),
     ("transfer", include_str!("presets/transfer.toml")),
     ("starts", include_str!("presets/starts.toml")),
     ("aliased", include_str!("presets/aliased.toml")),

@@ -8,7 +8,7 @@ use super::file::NOTHING;
 use super::overrides::Overrides;
 use super::{StudyFile, Variant};
 use crate::study::error::StudyError;
-use crate::trial::flatten;
+use crate::trial::{flatten, value_of};
 use xcs::random::Stream;
 
 /// The seed of [`drawn_combinations`]: the same for all seeds of trials, so that a study that is
@@ -42,14 +42,22 @@ pub(super) fn variants(
     let mut with_switches = Vec::new();
     for variant in variants {
         with_switches.push((variant.0.clone(), told(&variant.1, "without", NOTHING)));
-        for switch in switches {
+        for (switch, off) in switches.iter().map(|part| switched_off(part)) {
             refuse_set(file, overrides, switch)?;
             refuse_swept(file, &variant.1, switch, "without")?;
-            let (table, _) = varied(&variant, switch, &Value::Boolean(false));
+            let (table, _) = varied(&variant, switch, &off);
             with_switches.push((table, told(&variant.1, "without", switch)));
         }
     }
     Ok(with_switches)
+}
+
+/// The setting of a part that is left out, and its value then: `false`, unless another one stands behind it.
+fn switched_off(part: &str) -> (&str, Value) {
+    match part.split_once('=') {
+        None => (part, Value::Boolean(false)),
+        Some((key, text)) => (key.trim(), value_of(text.trim())),
+    }
 }
 
 /// Every pair of one element each.
