@@ -61,7 +61,7 @@ const WORLDS: [(&str, &str); 37] = [
 ];
 
 /// The studies, by name.
-const STUDIES: [(&str, &str); 14] = [
+const STUDIES: [(&str, &str); 15] = [
     ("paper", include_str!("presets/paper.toml")),
     ("paper-search", include_str!("presets/paper-search.toml")),
     ("ablation", include_str!("presets/ablation.toml")),
@@ -70,6 +70,10 @@ const STUDIES: [(&str, &str); 14] = [
     (
         "repairs-memory",
         include_str!("presets/repairs-memory.toml"),
+    ),
+    (
+        "repairs-aliased",
+        include_str!("presets/repairs-aliased.toml"),
     ),
     ("transfer", include_str!("presets/transfer.toml")),
     ("starts", include_str!("presets/starts.toml")),
