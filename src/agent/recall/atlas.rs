@@ -4,9 +4,10 @@ use std::collections::{BTreeSet, VecDeque};
 
 use serde::{Deserialize, Serialize};
 
-use super::align::{Alignment, Habits, Likelihood, Seen, align, differing, slips};
+use super::align::{Alignment, Habits, Seen, align, differing, slips};
 use super::chart::Chart;
 use super::headings::{DISPLACEMENTS, Headings};
+use super::likelihood::Likelihood;
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
 use super::params::{MemoryParams, Odometry};
 use super::place::{Around, Place, Vision};

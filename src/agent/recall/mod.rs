@@ -36,6 +36,7 @@ mod headings;
 mod induction;
 pub(super) mod learner;
 mod lessons;
+mod likelihood;
 mod map;
 mod params;
 mod payments;

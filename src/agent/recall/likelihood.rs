@@ -1,0 +1,49 @@
+//! Likelihoods of long episodes, which no number of 64 bits can hold.
+
+/// A product of many small numbers: `mantissa * 2^exponent`, the mantissa between 0.5 and 1.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Likelihood {
+    exponent: i64,
+    mantissa: f64,
+}
+
+impl Likelihood {
+    /// A certainty.
+    pub const ONE: Self = Self {
+        exponent: 1,
+        mantissa: 0.5,
+    };
+
+    /// Times a number that is not negative.
+    pub fn times(self, factor: f64) -> Self {
+        let mut mantissa = self.mantissa * factor;
+        let mut exponent = self.exponent;
+        if mantissa <= 0.0 {
+            return Self {
+                exponent: i64::MIN,
+                mantissa: 0.0,
+            };
+        }
+        while mantissa < 0.5 {
+            mantissa *= 2.0;
+            exponent -= 1;
+        }
+        while mantissa >= 1.0 {
+            mantissa /= 2.0;
+            exponent += 1;
+        }
+        Self { exponent, mantissa }
+    }
+
+    /// Times another.
+    pub fn and(self, other: Self) -> Self {
+        if self.mantissa == 0.0 || other.mantissa == 0.0 {
+            return self.times(0.0);
+        }
+        let product = self.times(other.mantissa);
+        Self {
+            exponent: product.exponent + other.exponent,
+            ..product
+        }
+    }
+}
