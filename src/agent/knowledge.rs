@@ -67,9 +67,7 @@ impl Knowledge {
                 rules.sums(percept).array(actions, false)
             }
             Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
-            Self::Remembering { rules, .. } => {
-                rules.sums(&self.looked_at(percept)).array(actions, false)
-            }
+            Self::Remembering { .. } => self.worth_in(&self.looked_at(percept), actions),
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);
@@ -115,10 +113,16 @@ impl Knowledge {
     /// The worth of each action for one who remembers an episode; none without a memory.
     pub(super) fn remembered_worth(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
         match self {
-            Self::Remembering { rules, map } => {
-                rules.sums(&tracker.context(map)).array(actions, false)
-            }
+            Self::Remembering { map, .. } => self.worth_in(&tracker.context(map), actions),
             _ => PredictionArray::new(actions),
+        }
+    }
+
+    /// The worth of each action in what its rules look at: a context, or without a memory a percept.
+    pub(crate) fn worth_in(&self, looked_at: &Percept, actions: usize) -> PredictionArray {
+        match self {
+            Self::Remembering { rules, .. } => rules.sums(looked_at).array(actions, false),
+            _ => self.worth(looked_at, actions),
         }
     }
 

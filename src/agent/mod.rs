@@ -37,6 +37,9 @@ pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 pub use places::Places;
 use plus::Plus;
 pub use plus::{Discovery, PlusParams};
+pub(crate) use recall::{
+    ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Demand, Map, Part, contexts, demands,
+};
 pub use recall::{MemoryParams, Odometry, PERCEPT_BITS, words as memory_words};
 use remembering::Recall;
 use tabular::Tabular;

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::builder::TypedValueParser;
-use xcscr::export::{Ballot, ExportError, Origin, Target};
+use xcscr::export::{ExportError, Origin, Policy, Target};
 
 use super::choices;
 use super::failure::{Exit, Failure};
@@ -50,9 +50,9 @@ fn text(args: &ExportArgs) -> Result<String, Failure> {
     knowledge
         .check(width, actions)
         .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
-    let ballot = Ballot::new(&knowledge, width, actions, &sensor.percepts(maze))?;
+    let policy = Policy::new(&knowledge, width, actions, &sensor.percepts(maze))?;
     let origin = Origin::new(&plan, &knowledge, args.learned.is_a_run());
-    Ok(args.target.text(&ballot, &origin))
+    Ok(args.target.text(&policy, &origin)?)
 }
 
 impl From<ExportError> for Failure {

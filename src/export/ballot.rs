@@ -1,6 +1,6 @@
 //! Rules that vote in whole numbers.
 
-use crate::agent::Knowledge;
+use crate::agent::{CONTEXT_BITS, Knowledge, contexts};
 use crate::streams::StreamName;
 use xcs::random::Stream;
 use xcs::{Action, Classifier, Condition, Params, Percept, Population, PredictionArray};
@@ -12,6 +12,9 @@ const DRAWN: usize = 100_000;
 const DRAWN_PER_RULE: usize = 64;
 /// The rules that a 16-bit number counts.
 const MOST_RULES: usize = u16::MAX as usize;
+
+/// The states that a 16-bit number counts, one number left for the goal.
+pub(super) const MOST_STATES: usize = u16::MAX as usize;
 
 /// How many bits a rule's figures take, fewest first: worth, then weight.
 const SIZES: [Size; 3] = [Size::new(16, 8), Size::new(16, 16), Size::new(32, 32)];
@@ -65,8 +68,9 @@ pub struct Ballot {
     size: Size,
     width: usize,
     actions: usize,
-    /// How many percepts it was compared on.
+    /// How many percepts it was compared in, or of what else.
     compared: usize,
+    of: &'static str,
 }
 
 /// Rules that cannot be exported.
@@ -75,12 +79,15 @@ pub enum ExportError {
     /// Nothing was learned.
     #[error("nothing was learned, so there is no policy to export")]
     Empty,
-    /// They look at more than the percept.
+    /// The charts that they go by have too many states.
     #[error(
-        "rules with a memory look at places and past steps, which the exported function does not \
-         follow: train another method for export, such as xcscr-plus"
+        "the charts that the rules go by have {0} states, more than the {MOST_STATES} that can be \
+         exported: train another method for export, such as xcscr-plus"
     )]
-    Memory,
+    Vast(usize),
+    /// What is written knows no charts.
+    #[error("rules with a memory go by charts, of which `--target {0}` knows nothing: take c99")]
+    Charts(&'static str),
     /// They are too many.
     #[error("{0} rules are more than the {MOST_RULES} that can be exported: {CONDENSE}")]
     Many(usize),
@@ -90,6 +97,12 @@ pub enum ExportError {
          numbers of 32 bits: {CONDENSE}"
     )]
     Close(Percept),
+    /// The same with a memory.
+    #[error(
+        "the worths of two actions lie too close in a context to be told apart in whole numbers of \
+         32 bits: train with another seed"
+    )]
+    CloseInContext,
     /// Eq. 6 as it is printed.
     #[error("rules learned with `xcs.worth_over_match_set` cannot be exported: {CONDENSE}")]
     OverMatchSet,
@@ -103,7 +116,7 @@ impl Ballot {
     /// The votes of what was learned about percepts of `width` bits and `actions` actions, in the
     /// fewest bits with which they choose an action that `knowledge` rates best, wherever it rates
     /// any: in all percepts of up to 16 bits, otherwise in those `of_world` and in many drawn at
-    /// random.
+    /// random; with a memory in the contexts that two moves on the charts make.
     ///
     /// # Errors
     /// When there is nothing to export, or it cannot be expressed exactly.
@@ -114,7 +127,10 @@ impl Ballot {
         of_world: &[Percept],
     ) -> Result<Self, ExportError> {
         let rules = rules(knowledge, actions)?;
-        let percepts = percepts(&rules, width, of_world);
+        let (width, percepts, of) = match knowledge {
+            Knowledge::Remembering { map, .. } => (CONTEXT_BITS, contexts(map, DRAWN), "contexts"),
+            _ => (width, percepts(&rules, width, of_world), "percepts"),
+        };
         let mut unlike = None;
         for size in SIZES {
             let votes = votes(&rules, size);
@@ -125,9 +141,10 @@ impl Ballot {
                 width,
                 actions,
                 compared: percepts.len(),
+                of,
             };
             let differs = |percept: &&Percept| {
-                let worth = knowledge.worth(percept, actions);
+                let worth = knowledge.worth_in(percept, actions);
                 !agrees(ballot.decide(percept), &worth)
             };
             unlike = percepts.iter().find(differs).copied();
@@ -135,7 +152,11 @@ impl Ballot {
                 return Ok(ballot);
             }
         }
-        Err(unlike.map_or(ExportError::Many(rules.len()), ExportError::Close))
+        Err(match unlike {
+            None => ExportError::Many(rules.len()),
+            Some(_) if knowledge.remembers() => ExportError::CloseInContext,
+            Some(percept) => ExportError::Close(percept),
+        })
     }
 
     /// Do the sums of one action fit into 64 bits of worth and 32 of weight, whatever matches?
@@ -197,10 +218,12 @@ impl Ballot {
 
     /// In what it was compared with what was learned.
     pub fn compared(&self) -> String {
-        match self.width <= ALL_OF_BITS {
-            true => format!("all {} percepts", self.compared),
-            false => format!("{} percepts", self.compared),
-        }
+        let all = if self.width <= ALL_OF_BITS {
+            "all "
+        } else {
+            ""
+        };
+        format!("{all}{} {}", self.compared, self.of)
     }
 
     /// Bytes of a condition: the values demanded, and where any is.
@@ -229,7 +252,6 @@ fn agrees(action: Option<Action>, worth: &PredictionArray) -> bool {
 /// match one percept each.
 fn rules(knowledge: &Knowledge, actions: usize) -> Result<Vec<Classifier>, ExportError> {
     let rules: Vec<Classifier> = match knowledge.undoubting() {
-        Knowledge::Remembering { .. } => return Err(ExportError::Memory),
         Knowledge::RulesOverMatchSet(_) => return Err(ExportError::OverMatchSet),
         Knowledge::Table(table) => table
             .keys()

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use super::{Ballot, Origin, Vote};
 use xcs::Action;
 
-/// What is the same in every header: reading a rule, comparing worths, deciding.
-const FUNCTIONS: &str = r#"
+/// What is the same in every header: reading a table.
+pub(super) const FUNCTIONS: &str = r#"
 /* On an AVR the table stays in flash memory. */
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
@@ -18,7 +18,8 @@ const FUNCTIONS: &str = r#"
 #endif
 "#;
 
-const DECIDE: &str = r#"
+/// Comparing worths.
+pub(super) const IS_GREATER: &str = r#"
 /* Is the mean worth_a / weight_a greater than worth_b / weight_b? In 96 bits. */
 static inline int xcscr_is_greater(uint64_t worth_a, uint32_t weight_a,
                                    uint64_t worth_b, uint32_t weight_b)
@@ -32,7 +33,9 @@ static inline int xcscr_is_greater(uint64_t worth_a, uint32_t weight_a,
     }
     return (low_a & 0xffffffffu) > (low_b & 0xffffffffu);
 }
+"#;
 
+const DECIDE: &str = r#"
 /* The action for a percept, the first of equals; XCSCR_NO_ACTION where no rule matches. */
 static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
 {
@@ -88,7 +91,17 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
     for (name, value) in figures {
         let _ = writeln!(text, "#define XCSCR_{name} {value}");
     }
-    text.push_str("#define XCSCR_NO_ACTION (-1)\n\n");
+    text.push_str(&actions(ballot, origin));
+    text.push_str(FUNCTIONS);
+    text.push_str(&table(ballot));
+    text.push_str(IS_GREATER);
+    text.push_str(DECIDE);
+    text
+}
+
+/// The names of the actions.
+pub(super) fn actions(ballot: &Ballot, origin: &Origin) -> String {
+    let mut text = String::from("#define XCSCR_NO_ACTION (-1)\n\n");
     for action in Action::all(ballot.actions()) {
         let name = origin
             .action(action)
@@ -96,14 +109,11 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
             .replace(['-', ' '], "_");
         let _ = writeln!(text, "#define XCSCR_ACTION_{name} {}", action.index());
     }
-    text.push_str(FUNCTIONS);
-    text.push_str(&table(ballot));
-    text.push_str(DECIDE);
     text
 }
 
 /// What whoever calls the function should know.
-fn about(ballot: &Ballot) -> [String; 2] {
+pub(super) fn about(ballot: &Ballot) -> [String; 2] {
     [
         format!(
             "{} rules vote in whole numbers. Compared with the run's own",

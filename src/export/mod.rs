@@ -2,17 +2,22 @@
 //!
 //! Rules keep voting as they do here, but in whole numbers, so that a microcontroller without
 //! floating point chooses the same action. [`Ballot`] finds the fewest bits with which it does.
+//! Rules with a memory come with their charts as a table, and with a tracker that follows the robot on
+//! them ([`memory`]).
 
 mod ballot;
 mod c99;
 mod data;
 mod dot;
+mod memory;
 mod origin;
+mod policy;
 mod python;
 mod rust;
 
 pub use ballot::{Ballot, ExportError, Vote};
 pub use origin::Origin;
+pub use policy::Policy;
 use strum::{IntoStaticStr, VariantArray};
 
 /// What a policy can be written as.
@@ -43,7 +48,21 @@ impl Target {
     }
 
     /// The whole text of the file.
-    pub fn text(self, ballot: &Ballot, origin: &Origin) -> String {
+    ///
+    /// # Errors
+    /// When the rules go by charts, and it cannot hold any.
+    pub fn text(self, policy: &Policy, origin: &Origin) -> Result<String, ExportError> {
+        let ballot = policy.ballot();
+        match policy.charts() {
+            None => Ok(self.without_charts(ballot, origin)),
+            Some(charts) => match self {
+                Self::C99 => Ok(memory::c99::text(ballot, charts, origin)),
+                _ => Err(ExportError::Charts(self.name())),
+            },
+        }
+    }
+
+    fn without_charts(self, ballot: &Ballot, origin: &Origin) -> String {
         match self {
             Self::C99 => c99::text(ballot, origin),
             Self::Rust => rust::text(ballot, origin),

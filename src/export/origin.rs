@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::agent::Knowledge;
+use crate::agent::{Knowledge, PERCEPT_BITS, memory_words};
 use crate::sensor::{Sensor, action_name};
 use crate::trial::Plan;
 use crate::world::Maze;
@@ -13,6 +13,8 @@ use xcs::{Action, Condition};
 pub struct Origin {
     maze: Maze,
     sensor: Sensor,
+    /// Do conditions demand more than percepts tell?
+    remembers: bool,
     /// What is known of the run.
     pub(super) facts: Facts,
 }
@@ -53,6 +55,7 @@ impl Origin {
         Self {
             maze: maze.clone(),
             sensor: config.sensor,
+            remembers: knowledge.remembers(),
             facts,
         }
     }
@@ -91,7 +94,17 @@ impl Origin {
 
     /// What a condition demands, in words.
     pub(super) fn words(&self, condition: &Condition) -> String {
-        self.sensor.words(&self.maze, &|bit| condition.allele(bit))
+        let allele = |bit| condition.allele(bit);
+        if !self.remembers {
+            return self.sensor.words(&self.maze, &allele);
+        }
+        let perceived = |bit| allele(bit).filter(|_| bit < PERCEPT_BITS);
+        let mut words = vec![self.sensor.words(&self.maze, &perceived)];
+        words.extend(memory_words(&allele));
+        if words.len() > 1 {
+            words.retain(|word| word != "anything");
+        }
+        words.join(", ")
     }
 
     /// The name of an action.

@@ -17,11 +17,11 @@ pub const COORDINATE_BITS: usize = 2 * FURTHEST as usize;
 /// The bits of a chart's number.
 pub const CHART_BITS: usize = 3;
 /// Where cells are misread: the probability that the robot is not where its moves should have led it.
-const ASTRAY: f64 = 1e-3;
+pub const ASTRAY: f64 = 1e-3;
 /// The same for the place in which episodes always began so far.
-const BEGUN_ELSEWHERE: f64 = 0.1;
+pub const BEGUN_ELSEWHERE: f64 = 0.1;
 /// The bits of a step of the window: was there one, its action, its percept.
-const STEP_BITS: usize = 1 + 3 + PERCEPT_BITS;
+pub const STEP_BITS: usize = 1 + 3 + PERCEPT_BITS;
 /// The steps of the window.
 const WINDOW: usize = 2;
 /// All bits of a context.
@@ -74,6 +74,17 @@ impl Tracker {
             belief,
             ..Self::default()
         }
+    }
+
+    /// In a state of which it is sure, before anything was done.
+    pub fn standing(map: &Map, state: u32) -> Self {
+        let found = map.spots[state as usize].eaten.count_ones();
+        let mut tracker = Self {
+            found,
+            ..Self::begun(Belief::even([state]))
+        };
+        tracker.perceive_rightly(map, map.pomdp.percept(state));
+        tracker
     }
 
     /// Perceives; the percept's first sixteen bits count.

@@ -6,7 +6,7 @@ use super::{GOAL, Pomdp};
 use xcs::{Action, Percept};
 
 /// States that are less likely than this are forgotten.
-const NEGLIGIBLE: f64 = 1e-4;
+pub const NEGLIGIBLE: f64 = 1e-4;
 
 /// States in order, each with its probability; they add up to 1. Empty: nothing is believed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

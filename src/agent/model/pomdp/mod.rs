@@ -8,7 +8,7 @@ mod belief;
 mod planner;
 mod prizes;
 
-pub use belief::Belief;
+pub use belief::{Belief, NEGLIGIBLE};
 pub use planner::{BeliefPlanner, Effort, moved};
 pub use prizes::Prizes;
 

@@ -1,0 +1,246 @@
+//! The policy with its charts as a C99 header.
+
+mod locate;
+mod parts;
+
+use std::fmt::Write;
+
+use locate::{BUMPED, LOCATE_DOUBTINGLY, LOCATE_RIGHTLY, LOOKS, PERCEIVED};
+use parts::{
+    COMMON, DOUBLE_WEIGHT, EXACT_MOVES, FOLLOW, PERCEIVE, SETTLE_DOUBLE, SETTLE_WHOLE,
+    SLIPPING_MOVES, TYPES, WHOLE_WEIGHT,
+};
+
+use super::charts::{Charts, State};
+use super::demanded::{Language, expression};
+use crate::agent::pomdp::NEGLIGIBLE;
+use crate::agent::{ASTRAY, BEGUN_ELSEWHERE, PERCEPT_BITS};
+use crate::export::c99::{FUNCTIONS, IS_GREATER, about, actions};
+use crate::export::{Ballot, Origin, Vote};
+
+/// How C writes demands.
+const C: Language = Language {
+    of: "c->",
+    and: " && ",
+};
+
+/// Counting votes.
+const VOTES: &str = r"
+struct xcscr_votes {
+    uint64_t worth[XCSCR_ACTIONS];
+    uint32_t weight[XCSCR_ACTIONS];
+};
+
+static inline void xcscr_vote(struct xcscr_votes *votes, int action, uint32_t weight, uint32_t worth)
+{
+    votes->worth[action] += (uint64_t)worth * weight;
+    votes->weight[action] += weight;
+}
+
+/* The action of the greatest mean worth, the first of equals; XCSCR_NO_ACTION if nobody voted. */
+static inline int8_t xcscr_elected(const struct xcscr_votes *votes)
+{
+    int8_t best = XCSCR_NO_ACTION;
+    int8_t action;
+
+    for (action = 0; action < XCSCR_ACTIONS; action++) {
+        if (votes->weight[action] != 0
+            && (best == XCSCR_NO_ACTION
+                || xcscr_is_greater(votes->worth[action], votes->weight[action],
+                                    votes->worth[best], votes->weight[best]))) {
+            best = action;
+        }
+    }
+    return best;
+}
+
+/* The rules: each that matches votes for an action with a weight and a worth. */
+static inline int8_t xcscr_decide(const struct xcscr_context *c)
+{
+    struct xcscr_votes votes = {{0}, {0}};
+
+";
+
+/// How to use it.
+const USAGE: &str = r"
+The rules go by charts of the world: a tracker follows the robot on them. At the beginning of an
+episode call xcscr_reset(&tracker), then in each step
+    action = xcscr_perceive(&tracker, percept, bumped, rewarded);
+percept   the eight cells around the robot, see below
+bumped    did the last action end at a wall, so that the robot stands where it was?
+rewarded  did it find a reward other than the goal?
+In the first step of an episode the last two mean nothing. Whoever does something else than the
+action, which may be XCSCR_NO_ACTION where no rule matches, writes that into tracker.action.
+xcscr_context(&tracker) tells where the robot is believed to be: x cells to the east of the goal
+of its chart, y to the north.
+";
+
+/// The header.
+pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
+    let mut text = String::from("/*\n");
+    for line in origin.lines().iter().chain(&about(ballot)) {
+        let _ = writeln!(text, " * {line}");
+    }
+    for line in USAGE.lines().chain(costs(ballot, charts).lines()) {
+        let _ = writeln!(text, "{}", format!(" * {line}").trim_end());
+    }
+    text.push_str(" *\n * Bits of a percept:\n");
+    for bit in 0..PERCEPT_BITS {
+        let _ = writeln!(text, " *   {:#06x}  {}", 1 << bit, origin.bit(bit));
+    }
+    text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
+    text.push_str(&figures(ballot, charts));
+    text.push_str(&actions(ballot, origin));
+    text.push_str(FUNCTIONS);
+    text.push_str(weight(charts));
+    text.push_str(TYPES);
+    text.push_str(&table(charts));
+    text.push_str(IS_GREATER);
+    text.push_str(VOTES);
+    text.push_str(&rules(ballot, origin));
+    text.push_str(&tracker(charts));
+    text
+}
+
+/// What it takes, as lines for the leading comment.
+fn costs(ballot: &Ballot, charts: &Charts) -> String {
+    let states = charts.states().len();
+    let row = 2 * ballot.actions() + 6;
+    let (belief, kind) = match charts.is_exact() {
+        true => (2, "whole numbers"),
+        false => (8, "doubles"),
+    };
+    let whole = 2 * states * belief + 12;
+    let tracker = whole.next_multiple_of(belief.max(4));
+    let mut text = format!(
+        "\nIt takes {states} states of {row} bytes, together {} bytes of constants (on an AVR in flash memory),\n\
+         and {tracker} bytes of memory for a tracker. Beliefs are {kind}. No allocation, no recursion, no libm.\n",
+        states * row
+    );
+    if !charts.is_exact() {
+        text.push_str(
+            "They are bit for bit those of `xcscr evaluate` where a double has 64 bits and each operation is\n\
+             rounded (-ffp-contract=off); elsewhere states that are equally likely may be told apart otherwise.\n",
+        );
+    }
+    text
+}
+
+fn figures(ballot: &Ballot, charts: &Charts) -> String {
+    let mut text = format!(
+        "#define XCSCR_ACTIONS {}\n#define XCSCR_STATES {}\n#define XCSCR_GOAL 65535 /* in place of a state */\n",
+        ballot.actions(),
+        charts.states().len()
+    );
+    if charts.slip > 0.0 {
+        let _ = writeln!(
+            text,
+            "#define XCSCR_SLIP {:?} /* how likely an action drawn from all is executed instead */",
+            charts.slip
+        );
+    }
+    if charts.misread > 0.0 {
+        let _ = writeln!(
+            text,
+            "#define XCSCR_MISREAD {:?} /* how likely a cell is misread */",
+            charts.misread
+        );
+    }
+    text
+}
+
+fn weight(charts: &Charts) -> &'static str {
+    match charts.is_exact() {
+        true => WHOLE_WEIGHT,
+        false => DOUBLE_WEIGHT,
+    }
+}
+
+/// All states.
+fn table(charts: &Charts) -> String {
+    let mut text = String::from(
+        "\nstatic const struct xcscr_state xcscr_states[XCSCR_STATES] XCSCR_TABLE = {\n",
+    );
+    for (at, state) in charts.states().iter().enumerate() {
+        let State {
+            percept,
+            x,
+            y,
+            chart,
+            eaten,
+            next,
+        } = state;
+        let next: Vec<String> = next.iter().map(u16::to_string).collect();
+        let _ = writeln!(
+            text,
+            "    {{{{{}}}, {percept:#06x}, {x}, {y}, {chart}, {eaten}}}, /* {at} */",
+            next.join(", ")
+        );
+    }
+    text.push_str("};\n");
+    text
+}
+
+/// The rules as statements.
+fn rules(ballot: &Ballot, origin: &Origin) -> String {
+    let mut text = String::new();
+    for vote in ballot.votes() {
+        let _ = writeln!(
+            text,
+            "    /* {}: {} */",
+            origin.words(&vote.condition),
+            origin.action(vote.action)
+        );
+        text.push_str(&rule(vote));
+    }
+    if ballot
+        .votes()
+        .iter()
+        .all(|vote| vote.condition.specificity() == 0)
+    {
+        text.push_str("    (void)c;\n");
+    }
+    text.push_str("    return xcscr_elected(&votes);\n}\n");
+    text
+}
+
+fn rule(vote: &Vote) -> String {
+    let call = format!(
+        "xcscr_vote(&votes, {}, {}u, {}u);",
+        vote.action.index(),
+        vote.weight,
+        vote.worth
+    );
+    match expression(&vote.condition, &C) {
+        Some(demands) => format!("    if ({demands}) {{\n        {call}\n    }}\n"),
+        None => format!("    {call}\n"),
+    }
+}
+
+/// The tracker, of the parts that these charts need.
+fn tracker(charts: &Charts) -> String {
+    let (settle, moves) = match (charts.is_exact(), charts.slip > 0.0) {
+        (true, _) => (SETTLE_WHOLE, EXACT_MOVES),
+        (false, false) => (SETTLE_DOUBLE, EXACT_MOVES),
+        (false, true) => (SETTLE_DOUBLE, SLIPPING_MOVES),
+    };
+    let (felt, looks, locate) = match charts.misread > 0.0 {
+        true => (&BUMPED, "", LOCATE_DOUBTINGLY),
+        false => (&PERCEIVED, LOOKS, LOCATE_RIGHTLY),
+    };
+    let begin = match charts.begin {
+        Some(begin) => format!("at == {begin}"),
+        None => "0".to_owned(),
+    };
+    [settle, COMMON, looks, FOLLOW, locate, PERCEIVE]
+        .concat()
+        .replace("{MOVES}", moves)
+        .replace("{FELT_WORDS}", felt.words)
+        .replace("{FELT_TYPES}", felt.types)
+        .replace("{FELT_FITS}", felt.fits)
+        .replace("{FELT}", felt.names)
+        .replace("{BEGIN}", &begin)
+        .replace("{NEGLIGIBLE}", &format!("{NEGLIGIBLE:?}"))
+        .replace("{ASTRAY}", &format!("{ASTRAY:?}"))
+        .replace("{BEGUN_ELSEWHERE}", &format!("{BEGUN_ELSEWHERE:?}"))
+}

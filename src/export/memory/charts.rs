@@ -1,0 +1,93 @@
+//! Charts as a table of states.
+
+use crate::agent::{Map, pomdp::GOAL};
+use crate::export::ballot::{ExportError, MOST_STATES};
+use xcs::Action;
+
+/// In place of a state: the goal.
+pub const NO_STATE: u16 = u16::MAX;
+
+/// The charts of a map with at most [`MOST_STATES`] states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Charts {
+    states: Vec<State>,
+    /// The state in which all episodes begin, if that is known.
+    pub begin: Option<u16>,
+    /// The probability that an action drawn from all is executed in place of the chosen one.
+    pub slip: f64,
+    /// The probability that a cell is misread.
+    pub misread: f64,
+}
+
+/// A state: a place, and what was found before.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct State {
+    /// What is perceived.
+    pub percept: u16,
+    /// Cells to the east of the goal.
+    pub x: i16,
+    /// Cells to the north of it.
+    pub y: i16,
+    /// The number of the chart.
+    pub chart: u8,
+    /// As bits: which rewards of the chart were found.
+    pub eaten: u8,
+    /// By action: the state that it leads to, or [`NO_STATE`].
+    pub next: Vec<u16>,
+}
+
+impl Charts {
+    /// The charts of a map.
+    ///
+    /// # Errors
+    /// When it has no states, or too many.
+    pub fn new(map: &Map) -> Result<Self, ExportError> {
+        match map.pomdp.states() {
+            0 => return Err(ExportError::Empty),
+            1..=MOST_STATES => {}
+            many => return Err(ExportError::Vast(many)),
+        }
+        Ok(Self {
+            states: (0..map.pomdp.states() as u32)
+                .map(|at| State::new(map, at))
+                .collect(),
+            begin: map.begin.map(number),
+            slip: map.pomdp.slip(),
+            misread: map.misread,
+        })
+    }
+
+    /// All states.
+    pub fn states(&self) -> &[State] {
+        &self.states
+    }
+
+    /// Are moves exact and percepts right? Then beliefs are whole numbers.
+    pub fn is_exact(&self) -> bool {
+        self.slip == 0.0 && self.misread == 0.0
+    }
+}
+
+impl State {
+    fn new(map: &Map, at: u32) -> Self {
+        let spot = &map.spots[at as usize];
+        let actions = Action::all(map.pomdp.actions());
+        Self {
+            percept: map.pomdp.percept(at).words()[0] as u16,
+            x: spot.place.east,
+            y: spot.place.north,
+            chart: spot.chart,
+            eaten: spot.eaten,
+            next: actions
+                .map(|action| number(map.pomdp.next(at, action)))
+                .collect(),
+        }
+    }
+}
+
+fn number(state: u32) -> u16 {
+    match state {
+        GOAL => NO_STATE,
+        _ => state as u16,
+    }
+}

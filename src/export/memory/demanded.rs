@@ -1,0 +1,41 @@
+//! What a rule demands, as an expression of a programming language.
+
+use crate::agent::{Demand, Part, demands};
+use xcs::Condition;
+
+/// How a language writes it.
+pub struct Language {
+    /// Before the name of a part.
+    pub of: &'static str,
+    /// Between demands.
+    pub and: &'static str,
+}
+
+/// The demands of a condition; `None` if it demands nothing.
+pub fn expression(condition: &Condition, language: &Language) -> Option<String> {
+    let terms: Vec<String> = demands(condition)
+        .into_iter()
+        .map(|(part, demand)| term(&format!("{}{}", language.of, name(part)), demand))
+        .collect();
+    (!terms.is_empty()).then(|| terms.join(language.and))
+}
+
+fn term(part: &str, demand: Demand) -> String {
+    match demand {
+        Demand::Bits { care, value } => format!("({part} & {care:#06x}) == {value:#06x}"),
+        Demand::Above(limit) => format!("{part} > {limit}"),
+        Demand::AtMost(limit) => format!("{part} <= {limit}"),
+    }
+}
+
+fn name(part: Part) -> &'static str {
+    match part {
+        Part::Percept => "percept",
+        Part::X => "x",
+        Part::Y => "y",
+        Part::Chart => "chart",
+        Part::Eaten => "eaten",
+        Part::Last => "last",
+        Part::Before => "before",
+    }
+}

@@ -1,0 +1,7 @@
+//! Rules with a memory: the charts that they go by as a table, and a tracker of where the robot is.
+
+pub(super) mod c99;
+mod charts;
+mod demanded;
+
+pub(super) use charts::Charts;

@@ -1,0 +1,302 @@
+//! Exported policies with a memory are compiled or run as their users would, and drive through whole
+//! episodes as the learner does.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::process::{Child, Command, Stdio};
+
+use xcscr::agent::{
+    Agent, Choice, Chooser, EndCredit, Explorer, Frozen, Knowledge, Method, StepCredit,
+};
+use xcscr::arena::Outcome;
+use xcscr::episode;
+use xcscr::export::{Origin, Policy, Target};
+use xcscr::trial::Plan;
+use xcscr::xcs::random::Stream;
+use xcscr::xcs::{Action, Percept, PredictionArray};
+
+use super::exporting::{compile_c, folder};
+use crate::kit::trial::on_the_grid;
+
+/// Stands for `no rule matches` in what the programs print.
+const NONE: u8 = 255;
+
+/// Commands of five bytes: `r` resets; `p`, two bytes of percept, bumped, rewarded asks for an action and
+/// the likeliest state; `a` and an action says that something else is done.
+const C_MAIN: &str = r#"
+#include "policy.h"
+#include <stdio.h>
+
+int main(void)
+{
+    static struct xcscr_tracker tracker;
+    uint8_t line[5];
+    while (fread(line, 1, sizeof line, stdin) == sizeof line) {
+        if (line[0] == 'r') {
+            xcscr_reset(&tracker);
+        } else if (line[0] == 'a') {
+            tracker.action = (int8_t)line[1];
+        } else {
+            const uint16_t percept = (uint16_t)(line[1] | line[2] << 8);
+            const int8_t action = xcscr_perceive(&tracker, percept, line[3], line[4]);
+            const uint16_t likeliest = xcscr_likeliest(&tracker);
+            putchar((uint8_t)action);
+            putchar((uint8_t)(likeliest & 255));
+            putchar((uint8_t)(likeliest >> 8));
+            fflush(stdout);
+        }
+    }
+    return 0;
+}
+"#;
+
+/// What was learned, and where.
+struct Learned {
+    plan: Plan,
+    knowledge: Knowledge,
+}
+
+impl Learned {
+    fn new(plan: Plan) -> Self {
+        let trial = plan.run().unwrap();
+        Self {
+            plan: trial.plan().clone(),
+            knowledge: trial.method().knowledge(),
+        }
+    }
+
+    fn text(&self, target: Target) -> String {
+        let Plan { maze, config } = &self.plan;
+        let (width, actions) = (config.sensor.width(maze), maze.action_count());
+        let policy = Policy::new(&self.knowledge, width, actions, &[]).unwrap();
+        let origin = Origin::new(&self.plan, &self.knowledge, true);
+        target.text(&policy, &origin).unwrap()
+    }
+
+    /// Drives episodes from all starts, as often as asked, and each step in `chance` by chance.
+    fn driven(&self, program: &mut Command, times: u32, chance: f64) -> Tally {
+        let Plan { maze, config } = &self.plan;
+        let limit = config.settings.reward.step_threshold;
+        let frozen = Frozen::new(self.knowledge.clone(), maze.action_count(), limit);
+        let mut driver = Driver::new(frozen, program);
+        let mut arena = config.build_arena(maze).unwrap();
+        let mut explorer = Explorer::new(chance, Stream::new(7, 0_u64));
+        for number in 1..=times {
+            for start in maze.start_cells() {
+                let (arena, sensor) = (arena.as_mut(), config.sensor);
+                let (episode, _) = episode::run(
+                    number,
+                    start,
+                    arena,
+                    sensor,
+                    &mut driver,
+                    &mut explorer,
+                    &mut (),
+                );
+                driver.tally.reached += u32::from(episode.ending == episode::Ending::Goal);
+                driver.tally.episodes += 1;
+            }
+        }
+        driver.tally
+    }
+}
+
+/// How driving went.
+#[derive(Debug, Default, Clone, Copy)]
+struct Tally {
+    episodes: u32,
+    reached: u32,
+    steps: u32,
+    /// Steps in which the program chose what the learner does not rate best.
+    differences: u32,
+    /// Steps in which another state was likeliest for it.
+    elsewhere: u32,
+    /// Steps in which no rule matched.
+    unknown: u32,
+}
+
+/// Follows an exported program, and compares it with the learner.
+struct Driver {
+    frozen: Frozen,
+    program: Child,
+    chosen: u8,
+    felt: [bool; 2],
+    tally: Tally,
+}
+
+impl Driver {
+    fn new(frozen: Frozen, command: &mut Command) -> Self {
+        let program = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut driver = Self {
+            frozen,
+            program,
+            chosen: NONE,
+            felt: [false; 2],
+            tally: Tally::default(),
+        };
+        driver.say([b'r', 0, 0, 0, 0]);
+        driver
+    }
+
+    fn say(&mut self, line: [u8; 5]) {
+        let stdin = self.program.stdin.as_mut().unwrap();
+        stdin.write_all(&line).unwrap();
+        stdin.flush().unwrap();
+    }
+}
+
+impl Drop for Driver {
+    fn drop(&mut self) {
+        drop(self.program.stdin.take());
+        let _ = self.program.wait();
+    }
+}
+
+impl Agent for Driver {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        let [low, high, ..] = percept.words()[0].to_le_bytes();
+        let [bumped, rewarded] = self.felt.map(u8::from);
+        self.say([b'p', low, high, bumped, rewarded]);
+        let mut answer = [0; 3];
+        self.program
+            .stdout
+            .as_mut()
+            .unwrap()
+            .read_exact(&mut answer)
+            .unwrap();
+        let [chosen, low, high] = answer;
+        self.chosen = chosen;
+        let worth = self.frozen.consider(percept);
+        let there = likeliest(&self.frozen);
+        self.tally.elsewhere += u32::from(there != u16::from_le_bytes([low, high]));
+        let best = |action| worth.best_actions().any(|best| best.index() == action);
+        let agrees = match self.chosen {
+            NONE => worth.greatest().is_none(),
+            chosen => best(usize::from(chosen)),
+        };
+        self.tally.steps += 1;
+        self.tally.differences += u32::from(!agrees);
+        self.tally.unknown += u32::from(self.chosen == NONE);
+        worth
+    }
+
+    /// What the program chose, unless it has no answer or chance says otherwise.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (other, explores) = explorer.choose(worth);
+        let chosen = Action::new(usize::from(self.chosen)).filter(|_| !explores);
+        if chosen.is_none() {
+            self.say([b'a', other.index() as u8, 0, 0, 0]);
+        }
+        Choice::new(chosen.unwrap_or(other), Chooser::Rules)
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        self.felt = [
+            matches!(outcome, Outcome::Collided { .. }),
+            outcome.found() > 0.0,
+        ];
+        self.frozen.credit(action, outcome)
+    }
+
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        self.say([b'r', 0, 0, 0, 0]);
+        self.frozen.finish(reached_goal)
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.frozen.step_threshold()
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.frozen.worth(percept)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        self.frozen.knowledge()
+    }
+
+    fn rule_count(&self) -> usize {
+        self.frozen.rule_count()
+    }
+}
+
+/// The likeliest state of a learner, the first of several, or the number of none.
+fn likeliest(frozen: &Frozen) -> u16 {
+    let json = serde_json::to_value(frozen).unwrap();
+    let belief: Vec<(u16, f64)> =
+        serde_json::from_value(json["tracker"]["belief"].clone()).unwrap();
+    let better = |best: (u16, f64), one: (u16, f64)| if one.1 > best.1 { one } else { best };
+    belief
+        .into_iter()
+        .reduce(better)
+        .map_or(u16::MAX, |best| best.0)
+}
+
+fn classic(world: &str) -> Plan {
+    let mut plan = on_the_grid(&format!("classic/{world}"), Method::XcscrMemory);
+    plan.config.settings.reward.step_threshold = 100;
+    plan.episodes(60).seed(5)
+}
+
+/// A program made of a header.
+fn compiled(folder: &std::path::Path, header: &str) -> Command {
+    fs::write(folder.join("policy.h"), header).unwrap();
+    fs::write(folder.join("main.c"), C_MAIN).unwrap();
+    compile_c(folder);
+    Command::new(folder.join("decide"))
+}
+
+/// Drives straight and with random steps, and finds no difference.
+fn drives_alike(name: &str, learned: &Learned, program: &mut Command) -> [Tally; 2] {
+    let tallies = [(1, 0.0), (8, 0.3)].map(|(times, chance)| {
+        let tally = learned.driven(program, times, chance);
+        assert_eq!(tally.differences, 0, "{name}: {tally:?}");
+        assert_eq!(tally.elsewhere, 0, "{name}: {tally:?}");
+        tally
+    });
+    println!("{name}: {tallies:?}");
+    tallies
+}
+
+#[test]
+fn the_c99_header_of_rules_with_a_memory_drives_as_the_learner_in_every_step() {
+    for world in [
+        "maze7",
+        "maze10",
+        "woods101",
+        "mazee1",
+        "mazef4",
+        "littman57",
+        "sutton",
+    ] {
+        let (learned, folder) = (Learned::new(classic(world)), folder());
+        let mut program = compiled(folder.path(), &learned.text(Target::C99));
+        let [straight, _] = drives_alike(world, &learned, &mut program);
+        assert_eq!(straight.reached, straight.episodes, "{world}: {straight:?}");
+    }
+}
+
+#[test]
+fn control_a_rule_or_a_state_that_is_forged_is_found() {
+    let (learned, folder) = (Learned::new(classic("maze7")), folder());
+    let header = learned.text(Target::C99);
+    let vote = "xcscr_vote(&votes, ";
+    let at = header.rfind(vote).unwrap() + vote.len();
+    let action = if header[at..].starts_with('0') {
+        "1"
+    } else {
+        "0"
+    };
+    let rule = format!("{}{action}{}", &header[..at], &header[at + 1..]);
+    let tally = learned.driven(&mut compiled(folder.path(), &rule), 4, 0.3);
+    assert!(tally.differences > 0, "{tally:?}");
+    let [first, second] =
+        ["/* 0 */", "/* 1 */"].map(|end| header.lines().find(|line| line.ends_with(end)).unwrap());
+    let state = header.replacen(second, first, 1);
+    let tally = learned.driven(&mut compiled(folder.path(), &state), 4, 0.3);
+    assert!(tally.elsewhere > 0, "{tally:?}");
+}
