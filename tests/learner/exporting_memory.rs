@@ -8,18 +8,23 @@ use std::process::{Child, Command, Stdio};
 use xcscr::agent::{
     Agent, Choice, Chooser, EndCredit, Explorer, Frozen, Knowledge, Method, StepCredit,
 };
-use xcscr::arena::Outcome;
+use xcscr::arena::{ArenaKind, Outcome};
 use xcscr::episode;
 use xcscr::export::{Origin, Policy, Target};
+use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
+use xcscr::world::{Maze, Recipe};
 use xcscr::xcs::random::Stream;
 use xcscr::xcs::{Action, Percept, PredictionArray};
 
-use super::exporting::{compile_c, folder};
-use crate::kit::trial::on_the_grid;
+use super::exporting::{compile_c, fed, folder};
+use crate::kit::trial::{maze, on_the_grid};
 
 /// Stands for `no rule matches` in what the programs print.
 const NONE: u8 = 255;
+
+/// The likeliest state is compared every so many steps: that takes long.
+const COMPARED_EVERY: u32 = 5;
 
 /// Commands of five bytes: `r` resets; `p`, two bytes of percept, bumped, rewarded asks for an action and
 /// the likeliest state; `a` and an action says that something else is done.
@@ -50,6 +55,21 @@ int main(void)
 }
 "#;
 
+/// Prints the sizes of the table of states and of a tracker.
+const C_SIZES: &str = r#"
+#include "policy.h"
+#include <stdio.h>
+
+int main(void)
+{
+    struct xcscr_tracker tracker;
+    xcscr_reset(&tracker);
+    (void)xcscr_perceive(&tracker, 0, 0, 0);
+    printf("%d %d\n", (int)sizeof xcscr_states, (int)sizeof tracker);
+    return 0;
+}
+"#;
+
 /// What was learned, and where.
 struct Learned {
     plan: Plan,
@@ -62,6 +82,17 @@ impl Learned {
         Self {
             plan: trial.plan().clone(),
             knowledge: trial.method().knowledge(),
+        }
+    }
+
+    fn charted(&self) -> Charted {
+        let Knowledge::Remembering { map, .. } = &self.knowledge else {
+            panic!("no memory");
+        };
+        Charted {
+            last_chart: map.spots.iter().map(|spot| spot.chart).max(),
+            most_eaten: map.spots.iter().map(|spot| spot.eaten).max(),
+            begins_in_one_place: map.begin.is_some(),
         }
     }
 
@@ -99,6 +130,13 @@ impl Learned {
         }
         driver.tally
     }
+}
+
+/// What is on the charts.
+struct Charted {
+    last_chart: Option<u8>,
+    most_eaten: Option<u8>,
+    begins_in_one_place: bool,
 }
 
 /// How driving went.
@@ -171,8 +209,10 @@ impl Agent for Driver {
         let [chosen, low, high] = answer;
         self.chosen = chosen;
         let worth = self.frozen.consider(percept);
-        let there = likeliest(&self.frozen);
-        self.tally.elsewhere += u32::from(there != u16::from_le_bytes([low, high]));
+        if self.tally.steps.is_multiple_of(COMPARED_EVERY) {
+            let there = likeliest(&self.frozen);
+            self.tally.elsewhere += u32::from(there != u16::from_le_bytes([low, high]));
+        }
         let best = |action| worth.best_actions().any(|best| best.index() == action);
         let agrees = match self.chosen {
             NONE => worth.greatest().is_none(),
@@ -234,6 +274,13 @@ fn likeliest(frozen: &Frozen) -> u16 {
         .into_iter()
         .reduce(better)
         .map_or(u16::MAX, |best| best.0)
+}
+
+/// A plan on the grid of a maze of one's own.
+fn own(json: &str) -> Plan {
+    let plan = Plan::new(Maze::from_json(json.as_bytes(), "own.json").unwrap());
+    let plan = plan.method(Method::XcscrMemory).arena(ArenaKind::Grid);
+    plan.sensor(Sensor::Neighbours).episodes(60).seed(3)
 }
 
 fn classic(world: &str) -> Plan {
@@ -299,4 +346,122 @@ fn control_a_rule_or_a_state_that_is_forged_is_found() {
     let state = header.replacen(second, first, 1);
     let tally = learned.driven(&mut compiled(folder.path(), &state), 4, 0.3);
     assert!(tally.elsewhere > 0, "{tally:?}");
+}
+
+#[test]
+fn it_drives_so_where_moves_slip_percepts_are_misread_and_both() {
+    for (world, slip, flips) in [
+        ("woods101", 0.2, 0.0),
+        ("mazef4", 0.1, 0.0),
+        ("maze7", 0.0, 0.02),
+        ("littman57", 0.0, 0.02),
+        ("mazee1", 0.1, 0.02),
+    ] {
+        let mut plan = classic(world);
+        plan.config.settings.arena.slip = slip;
+        plan.config.settings.sensor.flips = flips;
+        let (learned, folder) = (Learned::new(plan), folder());
+        let header = learned.text(Target::C99);
+        assert!(header.contains("XCSCR_SLIP") || slip == 0.0, "{world}");
+        assert!(header.contains("XCSCR_MISREAD") || flips == 0.0, "{world}");
+        let mut program = compiled(folder.path(), &header);
+        drives_alike(
+            &format!("{world}, slip {slip}, flips {flips}"),
+            &learned,
+            &mut program,
+        );
+    }
+}
+
+/// Learns, exports to C and drives, and returns what was learned and its header.
+fn checked_in_c(name: &str, plan: Plan) -> (Learned, String) {
+    let (learned, folder) = (Learned::new(plan), folder());
+    let header = learned.text(Target::C99);
+    drives_alike(name, &learned, &mut compiled(folder.path(), &header));
+    (learned, header)
+}
+
+const PAID: [&str; 7] = [
+    "##########",
+    "#..#...#.#",
+    "#*.....#.#",
+    "#..#.#...#",
+    "####.#.#.#",
+    "#*...#G#*#",
+    "##########",
+];
+
+#[test]
+fn it_drives_so_where_cells_pay_by_themselves() {
+    for (reward, slip, flips) in [(400.0, 0.0, 0.0), (400.0, 0.1, 0.0), (400.0, 0.0, 0.01)] {
+        let mut plan = own(&format!(r#"{{ "rows": {PAID:?}, "reward": {reward} }}"#));
+        plan.config.settings.arena.slip = slip;
+        plan.config.settings.sensor.flips = flips;
+        let name = format!("reward {reward}, slip {slip}, flips {flips}");
+        let (learned, _) = checked_in_c(&name, plan);
+        let eaten = learned.charted().most_eaten;
+        assert!(eaten > Some(0), "{name}: no reward is on the chart");
+    }
+}
+
+#[test]
+fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() {
+    let two = [
+        "#########",
+        "#...#...#",
+        "#.#...#.#",
+        "#.##.##.#",
+        "#G#...#.#",
+        "###.#.#.#",
+        "#...#...#",
+        "#.###.#G#",
+        "#########",
+    ];
+    let (learned, _) = checked_in_c("two goals", own(&format!(r#"{{ "rows": {two:?} }}"#)));
+    let last = learned.charted().last_chart;
+    assert!(last > Some(0), "{last:?}: one chart");
+    for flips in [0.0, 0.01] {
+        let maze = "rooms-20-1".parse::<Recipe>().unwrap().maze().unwrap();
+        let plan = Plan::new(maze).method(Method::XcscrMemory);
+        let mut plan = plan
+            .arena(ArenaKind::Grid)
+            .sensor(Sensor::Lidar)
+            .episodes(12);
+        plan.config.settings.sensor.flips = flips;
+        let (learned, _) = checked_in_c(&format!("rooms, flips {flips}"), plan);
+        assert!(learned.charted().begins_in_one_place, "flips {flips}");
+    }
+}
+
+#[test]
+fn it_drives_so_in_physics_with_all_senses_of_its_own() {
+    let mut plan = Plan::new(maze("maze4")).method(Method::XcscrMemory);
+    plan = plan
+        .arena(ArenaKind::Physics)
+        .sensor(Sensor::Lidar)
+        .episodes(6);
+    plan.config.settings.physics.noise = 3.0;
+    checked_in_c("maze4 in physics", plan);
+}
+
+#[test]
+fn the_header_tells_how_much_memory_a_tracker_takes() {
+    for flips in [0.0, 0.02] {
+        let mut plan = classic("maze7");
+        plan.config.settings.sensor.flips = flips;
+        let (learned, folder) = (Learned::new(plan), folder());
+        let header = learned.text(Target::C99);
+        fs::write(folder.path().join("policy.h"), &header).unwrap();
+        fs::write(folder.path().join("main.c"), C_SIZES).unwrap();
+        compile_c(folder.path());
+        let sizes = fed(&mut Command::new(folder.path().join("decide")), Vec::new());
+        let sizes = String::from_utf8(sizes).unwrap();
+        let (constants, tracker) = sizes.trim().split_once(' ').unwrap();
+        for told in [
+            format!("together {constants} bytes of constants"),
+            format!("and {tracker} bytes of memory"),
+        ] {
+            assert!(header.contains(&told), "flips {flips}: {told}");
+        }
+    }
 }

@@ -95,7 +95,8 @@ impl Belief {
                 reached.push((0, next, weight));
             }
         });
-        reached.sort_unstable_by_key(|&(_, state, _)| state);
+        // In the order of the moves, so that sums are the same wherever they are computed.
+        reached.sort_by_key(|&(_, state, _)| state);
         Self::merged(&reached).normalised()
     }
 
@@ -143,7 +144,8 @@ impl Belief {
         };
         let mut reached = self.reached(pomdp, action);
         reached.retain(|one| one.0 == look);
-        reached.sort_unstable_by_key(|&(_, state, _)| state);
+        // In the order of the moves, so that sums are the same wherever they are computed.
+        reached.sort_by_key(|&(_, state, _)| state);
         Self::merged(&reached).normalised()
     }
 
