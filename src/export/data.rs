@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use super::memory::Charts;
 use super::origin::Facts;
-use super::{Ballot, Origin, Vote};
+use super::{Ballot, Origin, Policy, Vote};
 use xcs::Action;
 
 /// A rule of the table.
@@ -24,10 +25,13 @@ struct Document<'a> {
     origin: &'a Facts,
     /// In what it was compared with the run's own greedy choice.
     compared: String,
-    /// What each bit of a percept says when it is 1.
+    /// What each bit of a percept, or with a memory of a context, says when it is 1.
     bits: Vec<String>,
     actions: Vec<String>,
     rules: Vec<Row>,
+    /// The charts that rules with a memory go by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    charts: Option<&'a Charts>,
 }
 
 fn rows(ballot: &Ballot, origin: &Origin) -> impl Iterator<Item = Row> {
@@ -52,7 +56,8 @@ pub(super) fn csv(ballot: &Ballot, origin: &Origin) -> String {
 }
 
 /// One document.
-pub(super) fn json(ballot: &Ballot, origin: &Origin) -> String {
+pub(super) fn json(policy: &Policy, origin: &Origin) -> String {
+    let ballot = policy.ballot();
     let document = Document {
         origin: &origin.facts,
         compared: ballot.compared(),
@@ -61,6 +66,7 @@ pub(super) fn json(ballot: &Ballot, origin: &Origin) -> String {
             .map(|a| origin.action(a))
             .collect(),
         rules: rows(ballot, origin).collect(),
+        charts: policy.charts(),
     };
     let text = serde_json::to_string_pretty(&document).expect("texts and numbers");
     text + "\n"

@@ -53,23 +53,16 @@ impl Target {
     /// When the rules go by charts, and it cannot hold any.
     pub fn text(self, policy: &Policy, origin: &Origin) -> Result<String, ExportError> {
         let ballot = policy.ballot();
-        match policy.charts() {
-            None => Ok(self.without_charts(ballot, origin)),
-            Some(charts) => match self {
-                Self::C99 => Ok(memory::c99::text(ballot, charts, origin)),
-                _ => Err(ExportError::Charts(self.name())),
-            },
-        }
-    }
-
-    fn without_charts(self, ballot: &Ballot, origin: &Origin) -> String {
-        match self {
-            Self::C99 => c99::text(ballot, origin),
-            Self::Rust => rust::text(ballot, origin),
-            Self::Python => python::text(ballot, origin),
-            Self::Csv => data::csv(ballot, origin),
-            Self::Json => data::json(ballot, origin),
-            Self::Dot => dot::text(ballot, origin),
-        }
+        Ok(match (self, policy.charts()) {
+            (Self::C99, None) => c99::text(ballot, origin),
+            (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, origin),
+            (Self::Rust, None) => rust::text(ballot, origin),
+            (Self::Rust, Some(_)) => return Err(ExportError::Charts(self.name())),
+            (Self::Python, None) => python::text(ballot, origin),
+            (Self::Python, Some(charts)) => memory::python::text(ballot, charts, origin),
+            (Self::Csv, _) => data::csv(ballot, origin),
+            (Self::Json, _) => data::json(policy, origin),
+            (Self::Dot, _) => dot::text(ballot, origin),
+        })
     }
 }

@@ -81,11 +81,9 @@ impl Origin {
         lines
     }
 
-    /// What bit `bit` of a percept says when it is 1.
+    /// What bit `bit` of a percept, or of what else rules look at, says when it is 1.
     pub(super) fn bit(&self, bit: usize) -> String {
-        let words = self
-            .sensor
-            .words(&self.maze, &|at| (at == bit).then_some(true));
+        let words = self.demanded(&|at| (at == bit).then_some(true));
         match words.as_str() {
             "anything" => "always 0".to_owned(),
             _ => words,
@@ -94,13 +92,16 @@ impl Origin {
 
     /// What a condition demands, in words.
     pub(super) fn words(&self, condition: &Condition) -> String {
-        let allele = |bit| condition.allele(bit);
+        self.demanded(&|bit| condition.allele(bit))
+    }
+
+    fn demanded(&self, allele: &dyn Fn(usize) -> Option<bool>) -> String {
         if !self.remembers {
-            return self.sensor.words(&self.maze, &allele);
+            return self.sensor.words(&self.maze, allele);
         }
         let perceived = |bit| allele(bit).filter(|_| bit < PERCEPT_BITS);
         let mut words = vec![self.sensor.words(&self.maze, &perceived)];
-        words.extend(memory_words(&allele));
+        words.extend(memory_words(allele));
         if words.len() > 1 {
             words.retain(|word| word != "anything");
         }

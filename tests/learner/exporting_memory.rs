@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::io::{Read, Write};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use xcscr::agent::{
@@ -53,6 +54,24 @@ int main(void)
     }
     return 0;
 }
+"#;
+
+const PYTHON_MAIN: &str = r#"
+import sys
+import policy
+tracker = policy.Tracker()
+while line := sys.stdin.buffer.read(5):
+    if line[0] == ord("r"):
+        tracker = policy.Tracker()
+    elif line[0] == ord("a"):
+        tracker.action = line[1]
+    else:
+        action = tracker.perceive(line[1] | line[2] << 8, line[3], line[4])
+        likeliest = tracker.likeliest()
+        action = 255 if action is None else action
+        likeliest = 65535 if likeliest is None else likeliest
+        sys.stdout.buffer.write(bytes([action, likeliest & 255, likeliest >> 8]))
+        sys.stdout.buffer.flush()
 "#;
 
 /// Prints the sizes of the table of states and of a tracker.
@@ -290,7 +309,7 @@ fn classic(world: &str) -> Plan {
 }
 
 /// A program made of a header.
-fn compiled(folder: &std::path::Path, header: &str) -> Command {
+fn compiled(folder: &Path, header: &str) -> Command {
     fs::write(folder.join("policy.h"), header).unwrap();
     fs::write(folder.join("main.c"), C_MAIN).unwrap();
     compile_c(folder);
@@ -298,19 +317,30 @@ fn compiled(folder: &std::path::Path, header: &str) -> Command {
 }
 
 /// Drives straight and with random steps, and finds no difference.
-fn drives_alike(name: &str, learned: &Learned, program: &mut Command) -> [Tally; 2] {
-    let tallies = [(1, 0.0), (8, 0.3)].map(|(times, chance)| {
-        let tally = learned.driven(program, times, chance);
+fn drives_alike(name: &str, learned: &Learned, program: &mut Command) {
+    let straight = learned.driven(program, 1, 0.0);
+    assert_eq!(straight.reached, straight.episodes, "{name}: {straight:?}");
+    for tally in [straight, learned.driven(program, 8, 0.3)] {
         assert_eq!(tally.differences, 0, "{name}: {tally:?}");
         assert_eq!(tally.elsewhere, 0, "{name}: {tally:?}");
-        tally
-    });
-    println!("{name}: {tallies:?}");
-    tallies
+    }
 }
 
+fn interpreted(folder: &Path, module: &str) -> Command {
+    fs::write(folder.join("policy.py"), module).unwrap();
+    fs::write(folder.join("main.py"), PYTHON_MAIN).unwrap();
+    let mut python = Command::new("python3");
+    python.arg("main.py").current_dir(folder);
+    python
+}
+
+/// What makes a program of an exported policy.
+type Maker = fn(&Path, &str) -> Command;
+
+const LANGUAGES: [(Target, Maker); 2] = [(Target::C99, compiled), (Target::Python, interpreted)];
+
 #[test]
-fn the_c99_header_of_rules_with_a_memory_drives_as_the_learner_in_every_step() {
+fn rules_with_a_memory_drive_as_the_learner_in_every_step_in_all_languages() {
     for world in [
         "maze7",
         "maze10",
@@ -320,10 +350,7 @@ fn the_c99_header_of_rules_with_a_memory_drives_as_the_learner_in_every_step() {
         "littman57",
         "sutton",
     ] {
-        let (learned, folder) = (Learned::new(classic(world)), folder());
-        let mut program = compiled(folder.path(), &learned.text(Target::C99));
-        let [straight, _] = drives_alike(world, &learned, &mut program);
-        assert_eq!(straight.reached, straight.episodes, "{world}: {straight:?}");
+        checked(world, classic(world));
     }
 }
 
@@ -360,25 +387,26 @@ fn it_drives_so_where_moves_slip_percepts_are_misread_and_both() {
         let mut plan = classic(world);
         plan.config.settings.arena.slip = slip;
         plan.config.settings.sensor.flips = flips;
-        let (learned, folder) = (Learned::new(plan), folder());
+        let learned = checked(&format!("{world}, slip {slip}, flips {flips}"), plan);
         let header = learned.text(Target::C99);
         assert!(header.contains("XCSCR_SLIP") || slip == 0.0, "{world}");
         assert!(header.contains("XCSCR_MISREAD") || flips == 0.0, "{world}");
-        let mut program = compiled(folder.path(), &header);
+    }
+}
+
+/// Learns, exports to all languages and drives, and returns what was learned.
+fn checked(name: &str, plan: Plan) -> Learned {
+    let learned = Learned::new(plan);
+    for (target, program) in LANGUAGES {
+        let folder = folder();
+        let mut program = program(folder.path(), &learned.text(target));
         drives_alike(
-            &format!("{world}, slip {slip}, flips {flips}"),
+            &format!("{name} in {}", target.name()),
             &learned,
             &mut program,
         );
     }
-}
-
-/// Learns, exports to C and drives, and returns what was learned and its header.
-fn checked_in_c(name: &str, plan: Plan) -> (Learned, String) {
-    let (learned, folder) = (Learned::new(plan), folder());
-    let header = learned.text(Target::C99);
-    drives_alike(name, &learned, &mut compiled(folder.path(), &header));
-    (learned, header)
+    learned
 }
 
 const PAID: [&str; 7] = [
@@ -398,7 +426,7 @@ fn it_drives_so_where_cells_pay_by_themselves() {
         plan.config.settings.arena.slip = slip;
         plan.config.settings.sensor.flips = flips;
         let name = format!("reward {reward}, slip {slip}, flips {flips}");
-        let (learned, _) = checked_in_c(&name, plan);
+        let learned = checked(&name, plan);
         let eaten = learned.charted().most_eaten;
         assert!(eaten > Some(0), "{name}: no reward is on the chart");
     }
@@ -417,7 +445,7 @@ fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() 
         "#.###.#G#",
         "#########",
     ];
-    let (learned, _) = checked_in_c("two goals", own(&format!(r#"{{ "rows": {two:?} }}"#)));
+    let learned = checked("two goals", own(&format!(r#"{{ "rows": {two:?} }}"#)));
     let last = learned.charted().last_chart;
     assert!(last > Some(0), "{last:?}: one chart");
     for flips in [0.0, 0.01] {
@@ -428,7 +456,7 @@ fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() 
             .sensor(Sensor::Lidar)
             .episodes(12);
         plan.config.settings.sensor.flips = flips;
-        let (learned, _) = checked_in_c(&format!("rooms, flips {flips}"), plan);
+        let learned = checked(&format!("rooms, flips {flips}"), plan);
         assert!(learned.charted().begins_in_one_place, "flips {flips}");
     }
 }
@@ -441,7 +469,7 @@ fn it_drives_so_in_physics_with_all_senses_of_its_own() {
         .sensor(Sensor::Lidar)
         .episodes(6);
     plan.config.settings.physics.noise = 3.0;
-    checked_in_c("maze4 in physics", plan);
+    checked("maze4 in physics", plan);
 }
 
 #[test]
@@ -463,5 +491,32 @@ fn the_header_tells_how_much_memory_a_tracker_takes() {
         ] {
             assert!(header.contains(&told), "flips {flips}: {told}");
         }
+    }
+}
+
+#[test]
+fn data_of_rules_with_a_memory_tell_what_they_look_at_and_json_has_the_charts() {
+    let learned = Learned::new(classic("maze7"));
+    let json: serde_json::Value = serde_json::from_str(&learned.text(Target::Json)).unwrap();
+    let [rules, states] = [&json["rules"], &json["charts"]["states"]];
+    assert_eq!(states.as_array().unwrap().len(), 9, "{states}");
+    assert!(
+        states[0]["next"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|next| next.is_null()),
+        "{states}"
+    );
+    let places = |words: &str| words.contains("x >") || words.contains("x <=");
+    let rules = rules.as_array().unwrap();
+    assert!(
+        rules
+            .iter()
+            .any(|rule| places(rule["if"].as_str().unwrap())),
+        "{rules:?}"
+    );
+    for target in [Target::Csv, Target::Dot] {
+        assert!(places(&learned.text(target)), "{}", target.name());
     }
 }

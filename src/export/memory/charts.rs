@@ -1,26 +1,25 @@
 //! Charts as a table of states.
 
+use serde::Serialize;
+
 use crate::agent::{Map, pomdp::GOAL};
 use crate::export::ballot::{ExportError, MOST_STATES};
 use xcs::Action;
 
-/// In place of a state: the goal.
-pub const NO_STATE: u16 = u16::MAX;
-
 /// The charts of a map with at most [`MOST_STATES`] states.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Charts {
-    states: Vec<State>,
     /// The state in which all episodes begin, if that is known.
     pub begin: Option<u16>,
     /// The probability that an action drawn from all is executed in place of the chosen one.
     pub slip: f64,
     /// The probability that a cell is misread.
     pub misread: f64,
+    states: Vec<State>,
 }
 
 /// A state: a place, and what was found before.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct State {
     /// What is perceived.
     pub percept: u16,
@@ -32,8 +31,8 @@ pub struct State {
     pub chart: u8,
     /// As bits: which rewards of the chart were found.
     pub eaten: u8,
-    /// By action: the state that it leads to, or [`NO_STATE`].
-    pub next: Vec<u16>,
+    /// By action: the state that it leads to; none for the goal.
+    pub next: Vec<Option<u16>>,
 }
 
 impl Charts {
@@ -51,7 +50,7 @@ impl Charts {
             states: (0..map.pomdp.states() as u32)
                 .map(|at| State::new(map, at))
                 .collect(),
-            begin: map.begin.map(number),
+            begin: map.begin.and_then(number),
             slip: map.pomdp.slip(),
             misread: map.misread,
         })
@@ -85,9 +84,6 @@ impl State {
     }
 }
 
-fn number(state: u32) -> u16 {
-    match state {
-        GOAL => NO_STATE,
-        _ => state as u16,
-    }
+fn number(state: u32) -> Option<u16> {
+    (state != GOAL).then_some(state as u16)
 }

@@ -3,5 +3,6 @@
 pub(super) mod c99;
 mod charts;
 mod demanded;
+pub(super) mod python;
 
 pub(super) use charts::Charts;

@@ -31,7 +31,7 @@ struct xcscr_votes {
     uint32_t weight[XCSCR_ACTIONS];
 };
 
-static inline void xcscr_vote(struct xcscr_votes *votes, int action, uint32_t weight, uint32_t worth)
+static inline void xcscr_vote(struct xcscr_votes *votes, uint8_t action, {WEIGHT} weight, {WORTH} worth)
 {
     votes->worth[action] += (uint64_t)worth * weight;
     votes->weight[action] += weight;
@@ -96,7 +96,9 @@ pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
     text.push_str(TYPES);
     text.push_str(&table(charts));
     text.push_str(IS_GREATER);
-    text.push_str(VOTES);
+    let size = ballot.size();
+    let votes = VOTES.replace("{WEIGHT}", &format!("uint{}_t", size.weight));
+    text.push_str(&votes.replace("{WORTH}", &format!("uint{}_t", size.worth)));
     text.push_str(&rules(ballot, origin));
     text.push_str(&tracker(charts));
     text
@@ -170,7 +172,11 @@ fn table(charts: &Charts) -> String {
             eaten,
             next,
         } = state;
-        let next: Vec<String> = next.iter().map(u16::to_string).collect();
+        let named = |next: u16| next.to_string();
+        let next = next
+            .iter()
+            .map(|next| next.map_or("XCSCR_GOAL".to_owned(), named));
+        let next: Vec<String> = next.collect();
         let _ = writeln!(
             text,
             "    {{{{{}}}, {percept:#06x}, {x}, {y}, {chart}, {eaten}}}, /* {at} */",

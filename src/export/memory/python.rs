@@ -1,0 +1,274 @@
+//! The policy with its charts as a Python module.
+
+use std::fmt::Write;
+
+use super::charts::{Charts, State};
+use super::demanded::{Language, expression};
+use crate::agent::pomdp::NEGLIGIBLE;
+use crate::agent::{ASTRAY, BEGUN_ELSEWHERE, PERCEPT_BITS};
+use crate::export::{Ballot, Origin, Vote};
+use xcs::Action;
+
+/// How Python writes demands.
+const PYTHON: Language = Language {
+    of: "",
+    and: " and ",
+};
+
+/// How to use it.
+const USAGE: &str = "\
+#
+# The rules go by charts of the world: a tracker follows the robot on them. At the beginning of an
+# episode make a Tracker(), then in each step
+#     action = tracker.perceive(percept, bumped, rewarded)
+# percept   the eight cells around the robot as a number, see BITS
+# bumped    did the last action end at a wall, so that the robot stands where it was?
+# rewarded  did it find a reward other than the goal?
+# In the first step of an episode the last two mean nothing. Whoever does something else than the
+# action, which may be None where no rule matches, writes that into tracker.action.
+";
+
+/// What is the same in every module.
+const TRACKER: &str = r#"
+
+def decide(context):
+    """The action for a context, the first of equals; None where no rule matches."""
+    sums = [[0, 0] for _ in ACTIONS]
+    for action, weight, worth in votes(*context):
+        sums[action][0] += worth * weight
+        sums[action][1] += weight
+    best = None
+    for action, (worth, weight) in enumerate(sums):
+        if weight and (best is None or worth * sums[best][1] > sums[best][0] * weight):
+            best = action
+    return best
+
+
+def found_in(state):
+    """How many rewards were found."""
+    return bin(STATES[state][4]).count("1")
+
+
+def letter(percept, at):
+    """One of the eight cells around the robot. A goal that is not barred, 1, means nothing: most cells
+    are free, 0."""
+    letter = percept >> at & 3
+    return 0 if letter == 1 else letter
+
+
+def differences(a, b):
+    """In how many of these cells two percepts differ."""
+    return sum(letter(a, at) != letter(b, at) for at in range(0, 16, 2))
+
+
+def total(weights):
+    """Their sum, added up one by one: sum() rounds otherwise in newer versions of Python."""
+    total = 0.0
+    for weight in weights:
+        total += weight
+    return total
+
+
+def settled(weights):
+    """Weights by state, without the negligible, that add up to 1."""
+    least = {NEGLIGIBLE} * total(weights[state] for state in sorted(weights))
+    kept = [(state, weights[state]) for state in sorted(weights) if weights[state] > least]
+    whole = total(weight for _, weight in kept)
+    return {state: weight / whole for state, weight in kept}
+
+
+class Tracker:
+    """What is remembered of an episode."""
+
+    def __init__(self):
+        self.belief = {} if BEGIN is None else {BEGIN: 1.0}  # the probability of each state
+        self.last = self.before = 0  # steps: 1 + 2 * action + 16 * percept, or 0
+        self.percept = 0
+        self.action = None
+        self.found = 0
+
+    def perceive(self, percept, bumped=False, rewarded=False):
+        """The action for what is perceived now, and what came of the action before it."""
+        if self.action is not None:
+            self.before = self.last
+            self.last = 1 | self.action << 1 | self.percept << 4
+        percept &= 0xFFFF
+        if MISREAD > 0.0:
+            self.locate_doubtingly(percept, bool(bumped), bool(rewarded))
+        else:
+            self.locate(percept, bool(rewarded))
+        self.action = decide(self.context())
+        return self.action
+
+    def likeliest(self):
+        """The likeliest state, the first of several; None if nothing is believed."""
+        return max(self.belief, key=self.belief.get, default=None)
+
+    def context(self):
+        """What rules look at: the percept; of the likeliest state the cells to the east and to the north
+        of the goal, the number of the chart, as bits the rewards found; the last two steps."""
+        likeliest = self.likeliest()
+        place = (0, 0, 0, 0) if likeliest is None else STATES[likeliest][1:5]
+        return (self.percept, *place, self.last, self.before)
+
+    def moves(self):
+        """From, to and weight of all that may come of the last action."""
+        for state, weight in self.belief.items():
+            after = STATES[state][5]
+            yield state, after[self.action], weight * (1.0 - SLIP)
+            if SLIP > 0.0:
+                for to in after:
+                    yield state, to, weight * (SLIP / len(ACTIONS))
+
+    def follow(self, fits):
+        """What is believed after the last action, if from and to fit."""
+        weights = {}
+        for state, to, weight in self.moves():
+            if to is not None and fits(state, to):
+                weights[to] = weights.get(to, 0.0) + weight
+        return settled(weights)
+
+    def locate(self, percept, rewarded):
+        """Where the robot may be if percepts are right."""
+        self.percept = percept
+
+        def looks(state, found):
+            return STATES[state][0] == percept and found_in(state) == found
+
+        if self.action is None:
+            if self.belief and all(looks(state, self.found) for state in self.belief):
+                return
+        else:
+            # A reward that was not foreseen, or did not come, still tells where the robot is.
+            for found in (self.found + rewarded, self.found + (not rewarded)):
+                belief = self.follow(lambda _, to: looks(to, found))
+                if belief:
+                    self.belief, self.found = belief, found
+                    return
+        strange = {
+            state: differences(STATES[state][0], percept)
+            for state in range(len(STATES))
+            if found_in(state) == self.found
+        }
+        least = min(strange.values(), default=0)
+        self.belief = settled({state: 1.0 for state in strange if strange[state] == least})
+
+    def locate_doubtingly(self, percept, bumped, rewarded):
+        """Where the robot may be if percepts may be misread: all states weighed by what was expected, and
+        by how much of what is perceived would be misread there. With a small probability it is anywhere."""
+        if self.action is None:
+            expected, astray = self.belief, {BEGUN_ELSEWHERE}
+        else:
+            self.found += rewarded
+            expected, astray = self.follow(lambda state, to: (to == state) == bumped), {ASTRAY}
+        if not expected:
+            astray = 1.0
+        weights = {}
+        for state in range(len(STATES)):
+            likely = 1.0
+            for _ in range(differences(STATES[state][0], percept) + (found_in(state) != self.found)):
+                likely *= MISREAD
+            weight = expected.get(state, 0.0) * (1.0 - astray) + astray / len(STATES)
+            weights[state] = weight * likely
+        self.belief = settled(weights)
+        likeliest = self.likeliest()
+        self.percept = percept if likeliest is None else STATES[likeliest][0]
+"#;
+
+/// The module.
+pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
+    let mut text = String::new();
+    for line in origin.lines() {
+        let _ = writeln!(text, "# {line}");
+    }
+    let _ = writeln!(
+        text,
+        "# {} rules vote in whole numbers. Compared with the run's own greedy choice in {}: the \
+         same.",
+        ballot.votes().len(),
+        ballot.compared()
+    );
+    text.push_str(USAGE);
+    text.push_str(
+        "\n# What each bit of a percept says when it is 1, the lowest first.\nBITS = [\n",
+    );
+    for bit in 0..PERCEPT_BITS {
+        let _ = writeln!(text, "    {:?},", origin.bit(bit));
+    }
+    text.push_str("]\n\nACTIONS = [\n");
+    for action in Action::all(ballot.actions()) {
+        let _ = writeln!(text, "    {:?},", origin.action(action));
+    }
+    text.push_str("]\n\n");
+    text.push_str(&states(charts));
+    text.push_str(&rules(ballot, origin));
+    text.push_str(
+        &TRACKER
+            .replace("{NEGLIGIBLE}", &format!("{NEGLIGIBLE:?}"))
+            .replace("{ASTRAY}", &format!("{ASTRAY:?}"))
+            .replace("{BEGUN_ELSEWHERE}", &format!("{BEGUN_ELSEWHERE:?}")),
+    );
+    text
+}
+
+/// The charts.
+fn states(charts: &Charts) -> String {
+    let begin = named(charts.begin);
+    let mut text = format!(
+        "# How likely an action drawn from all is executed instead, and how likely a cell is misread.\n\
+         SLIP = {:?}\nMISREAD = {:?}\n\n# The state in which all episodes begin, if there is one.\n\
+         BEGIN = {begin}\n\n# States: the percept, cells to the east and to the north of the goal, the number \
+         of the chart (each is\n# drawn around one goal), as bits the rewards found, and by action the next \
+         state (None: the goal).\nSTATES = [\n",
+        charts.slip, charts.misread
+    );
+    for (at, state) in charts.states().iter().enumerate() {
+        let State {
+            percept,
+            x,
+            y,
+            chart,
+            eaten,
+            next,
+        } = state;
+        let next = next.iter().map(|next| named(*next));
+        let next: Vec<String> = next.collect();
+        let _ = writeln!(
+            text,
+            "    ({percept:#06x}, {x}, {y}, {chart}, {eaten}, ({})),  # {at}",
+            next.join(", ")
+        );
+    }
+    text.push_str("]\n");
+    text
+}
+
+/// A state, or none.
+fn named(state: Option<u16>) -> String {
+    state.map_or("None".to_owned(), |state| state.to_string())
+}
+
+/// The rules as statements.
+fn rules(ballot: &Ballot, origin: &Origin) -> String {
+    let mut text = String::from(
+        "\n\ndef votes(percept, x, y, chart, eaten, last, before):\n    \
+         \"\"\"Action, weight and worth of each rule that matches.\"\"\"\n",
+    );
+    for vote in ballot.votes() {
+        let Vote {
+            condition,
+            action,
+            worth,
+            weight,
+        } = vote;
+        let demands = expression(condition, &PYTHON).unwrap_or("True".to_owned());
+        let _ = writeln!(
+            text,
+            "    # {}: {}\n    if {demands}:\n        yield {}, {weight}, {worth}",
+            origin.words(condition),
+            origin.action(*action),
+            action.index()
+        );
+    }
+    text
+}
