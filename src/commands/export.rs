@@ -53,7 +53,7 @@ fn text(args: &ExportArgs) -> Result<String, Failure> {
         .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
     let policy = Policy::new(&knowledge, width, actions, &sensor.percepts(maze))?;
     let origin = Origin::new(&plan, &knowledge, args.learned.is_a_run());
-    Ok(args.target.text(&policy, &origin)?)
+    Ok(args.target.text(&policy, &origin))
 }
 
 impl From<ExportError> for Failure {

@@ -85,11 +85,6 @@ pub enum ExportError {
          exported: train another method for export, such as xcscr-plus"
     )]
     Vast(usize),
-    /// What is written knows no charts.
-    #[error(
-        "rules with a memory go by charts, of which `--target {0}` knows nothing: take c99 or python"
-    )]
-    Charts(&'static str),
     /// They are too many.
     #[error("{0} rules are more than the {MOST_RULES} that can be exported: {CONDENSE}")]
     Many(usize),

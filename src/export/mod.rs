@@ -48,21 +48,18 @@ impl Target {
     }
 
     /// The whole text of the file.
-    ///
-    /// # Errors
-    /// When the rules go by charts, and it cannot hold any.
-    pub fn text(self, policy: &Policy, origin: &Origin) -> Result<String, ExportError> {
+    pub fn text(self, policy: &Policy, origin: &Origin) -> String {
         let ballot = policy.ballot();
-        Ok(match (self, policy.charts()) {
+        match (self, policy.charts()) {
             (Self::C99, None) => c99::text(ballot, origin),
             (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, origin),
             (Self::Rust, None) => rust::text(ballot, origin),
-            (Self::Rust, Some(_)) => return Err(ExportError::Charts(self.name())),
+            (Self::Rust, Some(charts)) => memory::rust::text(ballot, charts, origin),
             (Self::Python, None) => python::text(ballot, origin),
             (Self::Python, Some(charts)) => memory::python::text(ballot, charts, origin),
             (Self::Csv, _) => data::csv(ballot, origin),
             (Self::Json, _) => data::json(policy, origin),
             (Self::Dot, _) => dot::text(ballot, origin),
-        })
+        }
     }
 }

@@ -63,7 +63,7 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
     text
 }
 
-fn names(ballot: &Ballot, origin: &Origin) -> String {
+pub(super) fn names(ballot: &Ballot, origin: &Origin) -> String {
     let names = Action::all(ballot.actions()).map(|action| format!("{:?}", origin.action(action)));
     names.collect::<Vec<_>>().join(", ")
 }

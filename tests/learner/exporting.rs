@@ -89,7 +89,7 @@ impl Learned {
 
     fn text(&self, target: Target) -> String {
         let origin = Origin::new(&self.plan, &self.knowledge, true);
-        target.text(&self.policy().unwrap(), &origin).unwrap()
+        target.text(&self.policy().unwrap(), &origin)
     }
 
     /// All percepts of up to 16 bits; of wider ones those of the world and a million drawn, half
@@ -193,6 +193,14 @@ pub fn compile_c(folder: &Path) {
 }
 
 fn compiled_rust(folder: &Path, module: &str) -> Command {
+    fs::write(folder.join("policy.rs"), module).unwrap();
+    fs::write(folder.join("main.rs"), RUST_MAIN).unwrap();
+    compile_rust(folder);
+    Command::new(folder.join("decide"))
+}
+
+/// Compiles `policy.rs` without the standard library, and `main.rs` with it as `decide`.
+pub fn compile_rust(folder: &Path) {
     let rustc = || {
         let mut command = Command::new(std::env::var("RUSTC").unwrap_or("rustc".to_owned()));
         command
@@ -200,16 +208,13 @@ fn compiled_rust(folder: &Path, module: &str) -> Command {
             .current_dir(folder);
         command
     };
-    fs::write(folder.join("policy.rs"), module).unwrap();
     fs::write(folder.join("bare.rs"), "#![no_std]\npub mod policy;\n").unwrap();
     fed(rustc().args(["--crate-type", "lib", "bare.rs"]), Vec::new());
-    fs::write(folder.join("main.rs"), RUST_MAIN).unwrap();
     // The names of the actions are for users that print them.
     fed(
         rustc().args(["-A", "dead_code", "main.rs", "-o", "decide"]),
         Vec::new(),
     );
-    Command::new(folder.join("decide"))
 }
 
 pub fn folder() -> TempDir {

@@ -61,6 +61,22 @@ impl Charts {
         &self.states
     }
 
+    /// What they take as constants, and what a tracker does that has so many bytes beside its beliefs,
+    /// as lines for a comment.
+    pub fn costs(&self, actions: usize, beside: usize) -> String {
+        let (states, state) = (self.states.len(), 2 * actions + 6);
+        let (weight, kind) = match self.is_exact() {
+            true => (2, "whole numbers"),
+            false => (8, "doubles"),
+        };
+        let tracker = (2 * states * weight + beside).next_multiple_of(weight.max(4));
+        format!(
+            "It takes {states} states of {state} bytes, together {} bytes of constants, and {tracker} bytes of \
+             memory\nfor a tracker. Beliefs are {kind}. No allocation, no recursion, no libm.\n",
+            states * state
+        )
+    }
+
     /// Are moves exact and percepts right? Then beliefs are whole numbers.
     pub fn is_exact(&self) -> bool {
         self.slip == 0.0 && self.misread == 0.0

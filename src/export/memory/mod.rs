@@ -4,5 +4,6 @@ pub(super) mod c99;
 mod charts;
 mod demanded;
 pub(super) mod python;
+pub(super) mod rust;
 
 pub(super) use charts::Charts;

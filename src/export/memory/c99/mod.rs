@@ -106,22 +106,11 @@ pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
 
 /// What it takes, as lines for the leading comment.
 fn costs(ballot: &Ballot, charts: &Charts) -> String {
-    let states = charts.states().len();
-    let row = 2 * ballot.actions() + 6;
-    let (belief, kind) = match charts.is_exact() {
-        true => (2, "whole numbers"),
-        false => (8, "doubles"),
-    };
-    let whole = 2 * states * belief + 12;
-    let tracker = whole.next_multiple_of(belief.max(4));
-    let mut text = format!(
-        "\nIt takes {states} states of {row} bytes, together {} bytes of constants (on an AVR in flash memory),\n\
-         and {tracker} bytes of memory for a tracker. Beliefs are {kind}. No allocation, no recursion, no libm.\n",
-        states * row
-    );
+    let mut text = format!("\n{}", charts.costs(ballot.actions(), 12));
+    text.push_str("On an AVR the constants stay in flash memory.\n");
     if !charts.is_exact() {
         text.push_str(
-            "They are bit for bit those of `xcscr evaluate` where a double has 64 bits and each operation is\n\
+            "Beliefs are bit for bit those of `xcscr evaluate` where a double has 64 bits and each operation is\n\
              rounded (-ffp-contract=off); elsewhere states that are equally likely may be told apart otherwise.\n",
         );
     }

@@ -1,0 +1,177 @@
+//! The policy with its charts as a Rust module without the standard library.
+
+mod parts;
+
+use std::fmt::Write;
+
+use super::charts::{Charts, State};
+use super::demanded::{Language, expression};
+use crate::agent::pomdp::NEGLIGIBLE;
+use crate::agent::{ASTRAY, BEGUN_ELSEWHERE, PERCEPT_BITS};
+use crate::export::rust::names;
+use crate::export::{Ballot, Origin, Vote};
+use parts::{
+    EXACT_MOVES, LOCATE_DOUBTINGLY, LOCATE_RIGHTLY, SETTLE_DOUBLE, SETTLE_WHOLE, SLIPPING_MOVES,
+    TRACKER, TYPES, VOTES,
+};
+
+/// How Rust writes demands.
+const RUST: Language = Language {
+    of: "c.",
+    and: " && ",
+};
+
+/// How to use it.
+const USAGE: &str = "\
+//
+// The rules go by charts of the world: a tracker follows the robot on them. At the beginning of an
+// episode make a Tracker::new(), then in each step
+//     let action = tracker.perceive(percept, bumped, rewarded);
+// percept   the eight cells around the robot, see below
+// bumped    did the last action end at a wall, so that the robot stands where it was?
+// rewarded  did it find a reward other than the goal?
+// In the first step of an episode the last two mean nothing. Whoever does something else than the
+// action, which may be None where no rule matches, writes that into tracker.action.
+//
+";
+
+/// The module.
+pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
+    let mut text = String::new();
+    for line in origin.lines() {
+        let _ = writeln!(text, "// {line}");
+    }
+    let _ = writeln!(
+        text,
+        "// {} rules vote in whole numbers. Compared with the run's own greedy choice in {}: the \
+         same.",
+        ballot.votes().len(),
+        ballot.compared()
+    );
+    text.push_str(USAGE);
+    for line in charts.costs(ballot.actions(), 13).lines() {
+        let _ = writeln!(text, "// {line}");
+    }
+    text.push_str("//\n// Bits of a percept:\n");
+    for bit in 0..PERCEPT_BITS {
+        let _ = writeln!(text, "// {:#06x}  {}", 1 << bit, origin.bit(bit));
+    }
+    text.push_str(&figures(ballot, charts, origin));
+    text.push_str(TYPES);
+    text.push_str(&table(charts));
+    text.push_str(VOTES);
+    text.push_str(&rules(ballot, origin));
+    text.push_str(&tracker(charts));
+    text
+}
+
+fn figures(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
+    let mut text = format!(
+        "\n/// The number of actions.\npub const ACTIONS: usize = {};\n/// Their names.\npub const \
+         ACTION_NAMES: [&str; ACTIONS] = [{}];\n/// The number of states.\npub const STATES: usize = {};\n\
+         /// In place of a state.\npub const GOAL: u16 = u16::MAX;\n",
+        ballot.actions(),
+        names(ballot, origin),
+        charts.states().len()
+    );
+    if charts.slip > 0.0 {
+        let _ = writeln!(
+            text,
+            "/// How likely an action drawn from all is executed instead.\npub const SLIP: f64 = {:?};",
+            charts.slip
+        );
+    }
+    if charts.misread > 0.0 {
+        let _ = writeln!(
+            text,
+            "/// How likely a cell is misread.\npub const MISREAD: f64 = {:?};",
+            charts.misread
+        );
+    }
+    text
+}
+
+/// All states.
+fn table(charts: &Charts) -> String {
+    let mut text = String::from("\n/// All states.\npub static CHARTS: [State; STATES] = [\n");
+    for state in charts.states() {
+        let State {
+            percept,
+            x,
+            y,
+            chart,
+            eaten,
+            next,
+        } = state;
+        let named = |next: u16| next.to_string();
+        let next = next
+            .iter()
+            .map(|next| next.map_or("GOAL".to_owned(), named));
+        let next: Vec<String> = next.collect();
+        let _ = writeln!(
+            text,
+            "    State {{ next: [{}], percept: {percept:#06x}, x: {x}, y: {y}, chart: {chart}, eaten: {eaten} }},",
+            next.join(", ")
+        );
+    }
+    text.push_str("];\n");
+    text
+}
+
+/// The rules as statements.
+fn rules(ballot: &Ballot, origin: &Origin) -> String {
+    let mut text = String::new();
+    for vote in ballot.votes() {
+        let words = origin.words(&vote.condition);
+        let _ = writeln!(text, "    // {words}: {}", origin.action(vote.action));
+        text.push_str(&rule(vote));
+    }
+    if ballot
+        .votes()
+        .iter()
+        .all(|vote| vote.condition.specificity() == 0)
+    {
+        text.push_str("    let _ = c;\n");
+    }
+    text.push_str("    votes.elected()\n}\n");
+    text
+}
+
+fn rule(vote: &Vote) -> String {
+    let Vote { weight, worth, .. } = vote;
+    let call = format!("votes.add({}, {weight}, {worth});", vote.action.index());
+    match expression(&vote.condition, &RUST) {
+        Some(demands) => format!("    if {demands} {{\n        {call}\n    }}\n"),
+        None => format!("    {call}\n"),
+    }
+}
+
+/// The tracker, of the parts that these charts need.
+fn tracker(charts: &Charts) -> String {
+    let (settle, zero, one) = match charts.is_exact() {
+        true => (SETTLE_WHOLE, "0", "1"),
+        false => (SETTLE_DOUBLE, "0.0", "1.0"),
+    };
+    let moves = match charts.slip > 0.0 {
+        true => SLIPPING_MOVES,
+        false => EXACT_MOVES,
+    };
+    let locate = match charts.misread > 0.0 {
+        true => LOCATE_DOUBTINGLY,
+        false => LOCATE_RIGHTLY,
+    };
+    let begin = match charts.begin {
+        Some(begin) => {
+            format!("core::array::from_fn(|at| if at == {begin} {{ {one} }} else {{ {zero} }})")
+        }
+        None => format!("[{zero}; STATES]"),
+    };
+    [settle, TRACKER, locate]
+        .concat()
+        .replace("{MOVES}", moves)
+        .replace("{BEGIN}", &begin)
+        .replace("{ZERO}", zero)
+        .replace("{NEGLIGIBLE}", &format!("{NEGLIGIBLE:?}"))
+        .replace("{ASTRAY}", &format!("{ASTRAY:?}"))
+        .replace("{BEGUN_ELSEWHERE}", &format!("{BEGUN_ELSEWHERE:?}"))
+}

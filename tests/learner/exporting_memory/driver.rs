@@ -1,0 +1,230 @@
+//! Drives through whole episodes with an exported program, and compares it with the learner.
+
+use std::io::{Read, Write};
+use std::process::{Child, Command, Stdio};
+
+use xcscr::agent::{Agent, Choice, Chooser, EndCredit, Explorer, Frozen, Knowledge, StepCredit};
+use xcscr::arena::Outcome;
+use xcscr::episode;
+use xcscr::export::{Origin, Policy, Target};
+use xcscr::trial::Plan;
+use xcscr::xcs::random::Stream;
+use xcscr::xcs::{Action, Percept, PredictionArray};
+
+/// Stands for `no rule matches` in what the programs print.
+const NONE: u8 = 255;
+/// The likeliest state is compared every so many steps: that takes long.
+const COMPARED_EVERY: u32 = 5;
+
+/// What was learned, and where.
+pub struct Learned {
+    plan: Plan,
+    knowledge: Knowledge,
+}
+
+impl Learned {
+    pub fn new(plan: Plan) -> Self {
+        let trial = plan.run().unwrap();
+        Self {
+            plan: trial.plan().clone(),
+            knowledge: trial.method().knowledge(),
+        }
+    }
+
+    pub fn charted(&self) -> Charted {
+        let Knowledge::Remembering { map, .. } = &self.knowledge else {
+            panic!("no memory");
+        };
+        Charted {
+            last_chart: map.spots.iter().map(|spot| spot.chart).max(),
+            most_eaten: map.spots.iter().map(|spot| spot.eaten).max(),
+            begins_in_one_place: map.begin.is_some(),
+        }
+    }
+
+    pub fn text(&self, target: Target) -> String {
+        let Plan { maze, config } = &self.plan;
+        let (width, actions) = (config.sensor.width(maze), maze.action_count());
+        let policy = Policy::new(&self.knowledge, width, actions, &[]).unwrap();
+        let origin = Origin::new(&self.plan, &self.knowledge, true);
+        target.text(&policy, &origin)
+    }
+
+    /// Drives episodes from all starts, as often as asked, and each step in `chance` by chance.
+    pub fn driven(&self, program: &mut Command, times: u32, chance: f64) -> Tally {
+        let Plan { maze, config } = &self.plan;
+        let limit = config.settings.reward.step_threshold;
+        let frozen = Frozen::new(self.knowledge.clone(), maze.action_count(), limit);
+        let mut driver = Driver::new(frozen, program);
+        let mut arena = config.build_arena(maze).unwrap();
+        let mut explorer = Explorer::new(chance, Stream::new(7, 0_u64));
+        for number in 1..=times {
+            for start in maze.start_cells() {
+                let (arena, sensor) = (arena.as_mut(), config.sensor);
+                let (episode, _) = episode::run(
+                    number,
+                    start,
+                    arena,
+                    sensor,
+                    &mut driver,
+                    &mut explorer,
+                    &mut (),
+                );
+                driver.tally.reached += u32::from(episode.ending == episode::Ending::Goal);
+                driver.tally.episodes += 1;
+            }
+        }
+        driver.tally
+    }
+}
+
+/// What is on the charts.
+pub struct Charted {
+    pub last_chart: Option<u8>,
+    pub most_eaten: Option<u8>,
+    pub begins_in_one_place: bool,
+}
+
+/// How driving went.
+#[derive(Debug, Default, Clone, Copy)]
+pub struct Tally {
+    pub episodes: u32,
+    pub reached: u32,
+    pub steps: u32,
+    /// Steps in which the program chose what the learner does not rate best.
+    pub differences: u32,
+    /// Steps in which another state was likeliest for it.
+    pub elsewhere: u32,
+}
+
+/// Follows an exported program, and compares it with the learner.
+struct Driver {
+    frozen: Frozen,
+    program: Child,
+    chosen: u8,
+    felt: [bool; 2],
+    tally: Tally,
+}
+
+impl Driver {
+    fn new(frozen: Frozen, command: &mut Command) -> Self {
+        let program = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut driver = Self {
+            frozen,
+            program,
+            chosen: NONE,
+            felt: [false; 2],
+            tally: Tally::default(),
+        };
+        driver.say([b'r', 0, 0, 0, 0]);
+        driver
+    }
+
+    fn say(&mut self, line: [u8; 5]) {
+        let stdin = self.program.stdin.as_mut().unwrap();
+        stdin.write_all(&line).unwrap();
+        stdin.flush().unwrap();
+    }
+}
+
+impl Drop for Driver {
+    fn drop(&mut self) {
+        drop(self.program.stdin.take());
+        let _ = self.program.wait();
+    }
+}
+
+impl Agent for Driver {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        let [low, high, ..] = percept.words()[0].to_le_bytes();
+        let [bumped, rewarded] = self.felt.map(u8::from);
+        self.say([b'p', low, high, bumped, rewarded]);
+        let mut answer = [0; 3];
+        self.program
+            .stdout
+            .as_mut()
+            .unwrap()
+            .read_exact(&mut answer)
+            .unwrap();
+        let [chosen, low, high] = answer;
+        self.chosen = chosen;
+        let worth = self.frozen.consider(percept);
+        if self.tally.steps.is_multiple_of(COMPARED_EVERY) {
+            let there = likeliest(&self.frozen);
+            self.tally.elsewhere += u32::from(there != u16::from_le_bytes([low, high]));
+        }
+        let best = |action| worth.best_actions().any(|best| best.index() == action);
+        let agrees = match self.chosen {
+            NONE => worth.greatest().is_none(),
+            chosen => best(usize::from(chosen)),
+        };
+        self.tally.steps += 1;
+        self.tally.differences += u32::from(!agrees);
+        worth
+    }
+
+    /// What the program chose, unless it has no answer or chance says otherwise.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (other, explores) = explorer.choose(worth);
+        let chosen = Action::new(usize::from(self.chosen)).filter(|_| !explores);
+        if chosen.is_none() {
+            self.say([b'a', other.index() as u8, 0, 0, 0]);
+        }
+        Choice::new(chosen.unwrap_or(other), Chooser::Rules)
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        self.felt = [
+            matches!(outcome, Outcome::Collided { .. }),
+            outcome.found() > 0.0,
+        ];
+        self.frozen.credit(action, outcome)
+    }
+
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        self.say([b'r', 0, 0, 0, 0]);
+        self.frozen.finish(reached_goal)
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.frozen.step_threshold()
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.frozen.worth(percept)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        self.frozen.knowledge()
+    }
+
+    fn rule_count(&self) -> usize {
+        self.frozen.rule_count()
+    }
+}
+
+/// The likeliest state of a learner, the first of several, or the number of none.
+fn likeliest(frozen: &Frozen) -> u16 {
+    let json = serde_json::to_value(frozen).unwrap();
+    let belief: Vec<(u16, f64)> =
+        serde_json::from_value(json["tracker"]["belief"].clone()).unwrap();
+    let better = |best: (u16, f64), one: (u16, f64)| if one.1 > best.1 { one } else { best };
+    belief
+        .into_iter()
+        .reduce(better)
+        .map_or(u16::MAX, |best| best.0)
+}
+
+/// Drives straight and with random steps, and finds no difference.
+pub fn drives_alike(name: &str, learned: &Learned, program: &mut Command) {
+    let straight = learned.driven(program, 1, 0.0);
+    assert_eq!(straight.reached, straight.episodes, "{name}: {straight:?}");
+    for tally in [straight, learned.driven(program, 8, 0.3)] {
+        assert_eq!(tally.differences, 0, "{name}: {tally:?}");
+        assert_eq!(tally.elsewhere, 0, "{name}: {tally:?}");
+    }
+}
