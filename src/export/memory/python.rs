@@ -24,8 +24,8 @@ const USAGE: &str = "\
 # percept   the eight cells around the robot as a number, see BITS
 # bumped    did the last action end at a wall, so that the robot stands where it was?
 # rewarded  did it find a reward other than the goal?
-# In the first step of an episode the last two mean nothing. Whoever does something else than the
-# action, which may be None where no rule matches, writes that into tracker.action.
+# In the first step of an episode the last two mean nothing. Where no rule matches, the action is None:
+# take any. Whoever does another action than this one writes it into tracker.action.
 ";
 
 /// What is the same in every module.

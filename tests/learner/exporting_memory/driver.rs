@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use xcscr::agent::{Agent, Choice, Chooser, EndCredit, Explorer, Frozen, Knowledge, StepCredit};
 use xcscr::arena::Outcome;
 use xcscr::episode;
-use xcscr::export::{Origin, Policy, Target};
+use xcscr::export::{ExportError, Origin, Policy, Target};
 use xcscr::trial::Plan;
 use xcscr::xcs::random::Stream;
 use xcscr::xcs::{Action, Percept, PredictionArray};
@@ -19,7 +19,7 @@ const COMPARED_EVERY: u32 = 5;
 /// What was learned, and where.
 pub struct Learned {
     plan: Plan,
-    knowledge: Knowledge,
+    pub knowledge: Knowledge,
 }
 
 impl Learned {
@@ -42,12 +42,15 @@ impl Learned {
         }
     }
 
-    pub fn text(&self, target: Target) -> String {
+    pub fn policy(&self) -> Result<Policy, ExportError> {
         let Plan { maze, config } = &self.plan;
         let (width, actions) = (config.sensor.width(maze), maze.action_count());
-        let policy = Policy::new(&self.knowledge, width, actions, &[]).unwrap();
+        Policy::new(&self.knowledge, width, actions, &[])
+    }
+
+    pub fn text(&self, target: Target) -> String {
         let origin = Origin::new(&self.plan, &self.knowledge, true);
-        target.text(&policy, &origin)
+        target.text(&self.policy().unwrap(), &origin)
     }
 
     /// Drives episodes from all starts, as often as asked, and each step in `chance` by chance.

@@ -9,7 +9,7 @@ use std::process::Command;
 
 use xcscr::agent::Method;
 use xcscr::arena::ArenaKind;
-use xcscr::export::Target;
+use xcscr::export::{ExportError, Target};
 use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
 use xcscr::world::{Maze, Recipe};
@@ -220,4 +220,22 @@ fn data_of_rules_with_a_memory_tell_what_they_look_at_and_json_has_the_charts() 
     for target in [Target::Csv, Target::Dot] {
         assert!(places(&learned.text(target)), "{}", target.name());
     }
+}
+
+#[test]
+fn worths_too_close_for_whole_numbers_are_refused_with_a_memory_too() {
+    let mut learned = Learned::new(classic("maze7"));
+    let mut json = serde_json::to_value(&learned.knowledge).unwrap();
+    let rules = json["remembering"]["rules"].as_array_mut().unwrap();
+    rules.truncate(3);
+    let worths = [1000.0, f64::from_bits(1000_f64.to_bits() + 1), 0.0];
+    for ((at, rule), worth) in rules.iter_mut().enumerate().zip(worths) {
+        rule["condition"] = "#".repeat(255).into();
+        rule["action"] = at.into();
+        rule["prediction"] = worth.into();
+    }
+    learned.knowledge = serde_json::from_value(json).unwrap();
+    let refused = learned.policy().unwrap_err();
+    assert_eq!(refused, ExportError::CloseInContext);
+    assert!(refused.to_string().contains("another seed"), "{refused}");
 }

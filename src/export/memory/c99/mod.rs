@@ -69,8 +69,8 @@ episode call xcscr_reset(&tracker), then in each step
 percept   the eight cells around the robot, see below
 bumped    did the last action end at a wall, so that the robot stands where it was?
 rewarded  did it find a reward other than the goal?
-In the first step of an episode the last two mean nothing. Whoever does something else than the
-action, which may be XCSCR_NO_ACTION where no rule matches, writes that into tracker.action.
+In the first step of an episode the last two mean nothing. Where no rule matches, the action is
+XCSCR_NO_ACTION: take any. Whoever does another action than this one writes it into tracker.action.
 xcscr_context(&tracker) tells where the robot is believed to be: x cells to the east of the goal
 of its chart, y to the north.
 ";

@@ -16,8 +16,8 @@ struct xcscr_state {
 struct xcscr_context {
     uint32_t last;    /* the last step */
     uint32_t before;  /* the step before it */
-    uint16_t percept; /* what is perceived, and the likeliest state: */
-    int8_t x;
+    uint16_t percept; /* what is perceived; where cells are misread, what should be */
+    int8_t x;         /* the likeliest state */
     int8_t y;
     uint8_t chart;
     uint8_t eaten;

@@ -26,9 +26,9 @@ pub struct Context {
     pub last: u32,
     /// The step before it.
     pub before: u32,
-    /// What is perceived. What follows is that of the likeliest state.
+    /// What is perceived; where cells are misread, what should be.
     pub percept: u16,
-    /// Cells to the east of the goal.
+    /// Of the likeliest state: cells to the east of the goal.
     pub x: i8,
     /// Cells to the north of it.
     pub y: i8,
