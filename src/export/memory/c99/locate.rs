@@ -154,7 +154,7 @@ pub struct Felt {
 
 /// What is perceived there.
 pub const PERCEIVED: Felt = Felt {
-    words: "Where it looks like this, and so many rewards were found",
+    words: "Where executing an action in a state leads, if it looks like this there after so many rewards.",
     types: "uint16_t percept, uint8_t found",
     names: "percept, found",
     fits: "xcscr_looks(to, percept, found)",
@@ -162,7 +162,7 @@ pub const PERCEIVED: Felt = Felt {
 
 /// Only whether the robot stands where it was.
 pub const BUMPED: Felt = Felt {
-    words: "In another place, or in the same one if the robot bumped",
+    words: "Where executing an action in a state leads: elsewhere, or nowhere if the robot bumped.",
     types: "int bumped",
     names: "bumped",
     fits: "(to == from) == bumped",

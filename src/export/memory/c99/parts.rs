@@ -164,7 +164,7 @@ static inline struct xcscr_context xcscr_context(const struct xcscr_tracker *tra
 
 /// Where an action leads. Filled in are what is felt after it, and the moves that may be executed.
 pub const FOLLOW: &str = r"
-/* {FELT_WORDS}: what may come of executing an action in a state. */
+/* {FELT_WORDS} */
 static inline void xcscr_move(struct xcscr_tracker *tracker, uint16_t from, int8_t executed,
                               xcscr_weight weight, {FELT_TYPES})
 {
