@@ -10,6 +10,7 @@ attachments and metadata. Prints one line; ends with code 1 and a message at the
 
 import io
 import json
+import re
 import struct
 import sys
 import zlib
@@ -21,40 +22,23 @@ from mcap.stream_reader import StreamReader
 from mcap_protobuf.decoder import DecoderFactory
 
 MAGIC = b"\x89MCAP0\r\n"
-SCHEMAS = {
-    "/tf": "foxglove.FrameTransforms",
-    "/scene/maze": "foxglove.SceneUpdate",
-    "/scene/robot": "foxglove.SceneUpdate",
-    "/scene/policy": "foxglove.SceneUpdate",
-    "/scene/trail": "foxglove.SceneUpdate",
-    "/worth": "foxglove.SceneUpdate",
-    "/contact": "xcscr.Contact",
-    "/step": "xcscr.Step",
-    "/episode": "xcscr.Episode",
-    "/curve": "xcscr.Curve",
-    "/log": "foxglove.Log",
-    "/scene/caption": "foxglove.SceneUpdate",
-    "/rule": "xcscr.Rule",
-    "/scene/rule": "foxglove.SceneUpdate",
-    "/scene/percept": "foxglove.SceneUpdate",
-    "/scene/worth": "foxglove.SceneUpdate",
-    "/ended": "xcscr.Ended",
-    "/estimate": "xcscr.Estimate",
-    "/scan": "foxglove.LaserScan",
-}
-ONLY_IN_EPISODES = {
-    "/tf",
-    "/scene/robot",
-    "/contact",
-    "/curve",
-    "/rule",
-    "/scene/rule",
-    "/scene/percept",
-}
-ONLY_IN_RUN = {"/ended"}
+PAGE = Path(__file__).parent.parent / "docs/src/recordings.md"
+# A line of the table of topics: the topic, its schema, and which recordings have it.
+ROW = re.compile(r"^\| `(/\S+)` \| `(\S+)`(?: \(JSON\))? \| (both|run|episodes(?:, \w+)?) \|", re.MULTILINE)
+ROWS = ROW.findall(PAGE.read_text())
+SCHEMAS = {topic: schema for topic, schema, _ in ROWS}
+
+
+def in_(*places):
+    return {topic for topic, _, place in ROWS if place in places}
+
+
+ONLY_IN_EPISODES = in_("episodes")
+ONLY_IN_RUN = in_("run")
 # What a robot that senses believes, and what its beams measured, which is recorded on demand.
-ONLY_IF_SENSED = {"/estimate"}
-ON_DEMAND = {"/scan"}
+ONLY_IF_SENSED = in_("episodes, sensed")
+ON_DEMAND = in_("episodes, beams")
+LOOKED_UP = {"neighbours", "position", "neighbours-position"}
 ATTACHED = {"world.json", "config.json"}
 ATTACHED_TO_RUN = {"foxglove-layout.json", "rules.json"}
 FACTS = {"seed", "method", "arena", "sensor", "world", "episode", "episodes", "version"}
@@ -157,7 +141,7 @@ def read(path):
     if run["episode"] in ("run", "story"):
         check_explained(summary.schemas.values())
     topics = {channel.topic for channel in summary.channels.values()}
-    senses = run["arena"] == "physics" and run["sensor"].startswith("lidar")
+    senses = run["arena"] == "physics" and run["sensor"] not in LOOKED_UP
     is_run = run["episode"] == "run"
     left_out = (ONLY_IN_EPISODES | ONLY_IF_SENSED) if is_run else ONLY_IN_RUN
     wanted = set(SCHEMAS) - ON_DEMAND - left_out - (set() if senses else ONLY_IF_SENSED)

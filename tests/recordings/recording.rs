@@ -308,10 +308,8 @@ fn a_recording_of_a_fixed_way_has_these_bytes() {
         add(&message.time_ns.to_le_bytes());
         add(&message.data);
     }
-    assert_eq!(
-        (length, format!("{:016x}", digest.finish())),
-        (45170, "0ddb2f9f1258e2f8".to_owned())
-    );
+    let digest = format!("{length} bytes, {:016x}", digest.finish());
+    insta::assert_snapshot!(digest, @"45170 bytes, 0ddb2f9f1258e2f8");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use super::teller::{Teller, Told, unwritten};
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
 use crate::record::layout::{self, SIDES};
-use crate::record::topics::Topic;
+use crate::record::topics::{Message, Topic};
 use crate::record::write::sink::{Packing, Sink};
 
 /// Two stories in one recording.
@@ -112,20 +112,20 @@ fn attach(out: &mut Sink<Vec<u8>>, name: &str, text: &str) -> McapResult<()> {
 /// The message with frames of the side's own; what is in no frame stays as it is.
 fn below(side: &str, topic: Topic, data: &[u8]) -> Vec<u8> {
     let put = |frame: &mut String| *frame = format!("{side}/{frame}");
-    let moved = match topic {
-        Topic::Transforms => decoded(data).map(|mut frames: FrameTransforms| {
+    let moved = match topic.message() {
+        Message::Frames => decoded(data).map(|mut frames: FrameTransforms| {
             for frame in &mut frames.transforms {
                 put(&mut frame.parent_frame_id);
                 put(&mut frame.child_frame_id);
             }
             encoded(&frames)
         }),
-        topic if topic.is_scene() => decoded(data).map(|mut scene: SceneUpdate| {
+        Message::Scene => decoded(data).map(|mut scene: SceneUpdate| {
             let frames = scene.entities.iter_mut();
             frames.for_each(|entity| put(&mut entity.frame_id));
             encoded(&scene)
         }),
-        _ => return data.to_vec(),
+        Message::Scan | Message::Log | Message::Own(_) => return data.to_vec(),
     };
     // A story holds only what could be decoded.
     moved.unwrap_or_else(|_| data.to_vec())

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use foxglove::messages::{FrameTransform, FrameTransforms, LaserScan, Log, SceneUpdate, Timestamp};
 use foxglove::{Decode, Encode};
 
-use crate::record::topics::{Topic, timestamp};
+use crate::record::topics::{Message, Topic, timestamp};
 
 /// Poses of a frame are at least so far apart on the clock of the story.
 const POSE_PERIOD_NS: u64 = 50_000_000;
@@ -51,40 +51,26 @@ impl Tempo {
 
 /// The same message at another time; `Err` says what is wrong with it.
 pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, String> {
-    match topic {
-        Topic::Transforms => Ok(encoded(&frames(data, tempo)?)),
-        Topic::Maze
-        | Topic::Robot
-        | Topic::Policy
-        | Topic::Worth
-        | Topic::Trail
-        | Topic::Caption
-        | Topic::RuleText
-        | Topic::Percept
-        | Topic::Landscape => {
+    match topic.message() {
+        Message::Frames => Ok(encoded(&frames(data, tempo)?)),
+        Message::Scene => {
             let mut scene: SceneUpdate = decoded(data)?;
             for entity in &mut scene.entities {
                 tempo.stamp(&mut entity.timestamp);
             }
             Ok(encoded(&scene))
         }
-        Topic::Scan => {
+        Message::Scan => {
             let mut scan: LaserScan = decoded(data)?;
             tempo.stamp(&mut scan.timestamp);
             Ok(encoded(&scan))
         }
-        Topic::Log => {
+        Message::Log => {
             let mut line: Log = decoded(data)?;
             tempo.stamp(&mut line.timestamp);
             Ok(encoded(&line))
         }
-        Topic::Contact
-        | Topic::Step
-        | Topic::Rule
-        | Topic::Episode
-        | Topic::Curve
-        | Topic::Ended
-        | Topic::Estimate => Ok(data.to_vec()),
+        Message::Own(_) => Ok(data.to_vec()),
     }
 }
 

@@ -96,64 +96,43 @@ enum Place {
     Beams,
 }
 
-/// What the messages of a topic consist of.
-enum Content {
-    /// A well-known message, as protobuf.
-    WellKnown(Option<Schema>),
-    /// One of our own, as JSON.
-    Own(Object),
+/// What the messages of a topic are: a well-known message as protobuf, or one of our own as JSON.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Message {
+    Frames,
+    Scene,
+    Scan,
+    Log,
+    /// Its fields.
+    Own(fn() -> Object),
 }
 
 impl Topic {
     /// Every topic, in the order of their declaration.
     pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// The topic's name in the file, and which files have it.
-    fn entry(self) -> (&'static str, Place) {
+    /// The topic's name in the file, which files have it, and what it consists of.
+    fn entry(self) -> (&'static str, Place, Message) {
         match self {
-            Self::Transforms => ("/tf", Place::Episode),
-            Self::Maze => ("/scene/maze", Place::Both),
-            Self::Robot => ("/scene/robot", Place::Episode),
-            Self::Policy => ("/scene/policy", Place::Both),
-            Self::Worth => ("/worth", Place::Both),
-            Self::Trail => ("/scene/trail", Place::Both),
-            Self::Contact => ("/contact", Place::Episode),
-            Self::Step => ("/step", Place::Both),
-            Self::Episode => ("/episode", Place::Both),
-            Self::Curve => ("/curve", Place::Episode),
-            Self::Log => ("/log", Place::Both),
-            Self::Caption => ("/scene/caption", Place::Both),
-            Self::Rule => ("/rule", Place::Episode),
-            Self::RuleText => ("/scene/rule", Place::Episode),
-            Self::Percept => ("/scene/percept", Place::Episode),
-            Self::Landscape => ("/scene/worth", Place::Both),
-            Self::Estimate => ("/estimate", Place::Sensed),
-            Self::Scan => ("/scan", Place::Beams),
-            Self::Ended => ("/ended", Place::Run),
-        }
-    }
-
-    fn content(self) -> Content {
-        match self {
-            Self::Transforms => Content::WellKnown(FrameTransforms::get_schema()),
-            Self::Maze
-            | Self::Robot
-            | Self::Policy
-            | Self::Worth
-            | Self::Trail
-            | Self::Caption
-            | Self::RuleText
-            | Self::Percept
-            | Self::Landscape => Content::WellKnown(SceneUpdate::get_schema()),
-            Self::Log => Content::WellKnown(Log::get_schema()),
-            Self::Scan => Content::WellKnown(LaserScan::get_schema()),
-            Self::Contact => Content::Own(contact::schema()),
-            Self::Step => Content::Own(step::schema()),
-            Self::Rule => Content::Own(rule::schema()),
-            Self::Episode => Content::Own(episode::schema()),
-            Self::Curve => Content::Own(curve::schema()),
-            Self::Ended => Content::Own(episode::schema_of_ended()),
-            Self::Estimate => Content::Own(estimate::schema()),
+            Self::Transforms => ("/tf", Place::Episode, Message::Frames),
+            Self::Maze => ("/scene/maze", Place::Both, Message::Scene),
+            Self::Robot => ("/scene/robot", Place::Episode, Message::Scene),
+            Self::Policy => ("/scene/policy", Place::Both, Message::Scene),
+            Self::Worth => ("/worth", Place::Both, Message::Scene),
+            Self::Trail => ("/scene/trail", Place::Both, Message::Scene),
+            Self::Contact => ("/contact", Place::Episode, Message::Own(contact::schema)),
+            Self::Step => ("/step", Place::Both, Message::Own(step::schema)),
+            Self::Episode => ("/episode", Place::Both, Message::Own(episode::schema)),
+            Self::Curve => ("/curve", Place::Episode, Message::Own(curve::schema)),
+            Self::Log => ("/log", Place::Both, Message::Log),
+            Self::Caption => ("/scene/caption", Place::Both, Message::Scene),
+            Self::Rule => ("/rule", Place::Episode, Message::Own(rule::schema)),
+            Self::RuleText => ("/scene/rule", Place::Episode, Message::Scene),
+            Self::Percept => ("/scene/percept", Place::Episode, Message::Scene),
+            Self::Landscape => ("/scene/worth", Place::Both, Message::Scene),
+            Self::Estimate => ("/estimate", Place::Sensed, Message::Own(estimate::schema)),
+            Self::Scan => ("/scan", Place::Beams, Message::Scan),
+            Self::Ended => ("/ended", Place::Run, Message::Own(episode::schema_of_ended)),
         }
     }
 
@@ -184,9 +163,9 @@ impl Topic {
         Self::at(|place| matches!(place, Place::Both | Place::Run))
     }
 
-    /// Are its messages scenes?
-    pub(super) fn is_scene(self) -> bool {
-        self == Self::Worth || self.name().starts_with("/scene/")
+    /// What its messages are.
+    pub(super) fn message(self) -> Message {
+        self.entry().2
     }
 
     /// Does only a robot that senses have it? Layouts show it nevertheless: viewers leave out what a
@@ -215,12 +194,14 @@ impl Topic {
     }
 
     fn defined(self, explained: bool) -> Schema {
-        match self.content() {
-            Content::WellKnown(schema) => {
-                descriptor::short(&schema.expect("well-known messages have a schema"))
-            }
-            Content::Own(object) => object.schema(explained),
-        }
+        let well_known = match self.message() {
+            Message::Frames => FrameTransforms::get_schema(),
+            Message::Scene => SceneUpdate::get_schema(),
+            Message::Scan => LaserScan::get_schema(),
+            Message::Log => Log::get_schema(),
+            Message::Own(fields) => return fields().schema(explained),
+        };
+        descriptor::short(&well_known.expect("well-known messages have a schema"))
     }
 
     /// How the topic's messages are encoded: `json` or `protobuf`.

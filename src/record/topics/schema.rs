@@ -40,7 +40,7 @@ impl Kind {
 
 /// A message of our own: its fields by name, type and meaning.
 #[derive(Debug)]
-pub(super) struct Object {
+pub(in crate::record) struct Object {
     name: &'static str,
     fields: Vec<(&'static str, Kind, &'static str)>,
 }
