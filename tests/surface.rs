@@ -1,8 +1,13 @@
 //! What users of the library can name, so that nothing becomes public by accident: a name more or
-//! less is a decision (`cargo insta accept`), and a line in the changelog once there are users.
+//! less is a decision (`cargo insta accept`), and a line in the changelog once there are users. What
+//! the command line and recordings name, the pages explain.
 
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use xcscr::agent::Method;
+use xcscr::record::Topic;
+use xcscr::sensor::Sensor;
 
 /// The kinds of items that have names.
 const KINDS: [&str; 7] = [
@@ -105,6 +110,28 @@ fn xcscr_exports_no_other_names() {
 #[test]
 fn xcs_exports_no_other_names() {
     insta::assert_snapshot!(exported("crates/xcs/src"));
+}
+
+/// What a page does not name at the begin of a row of a table.
+fn missing(page: &str, names: impl Iterator<Item = &'static str>) -> Vec<&'static str> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("docs/src").join(page)).unwrap();
+    let rows = text.lines().filter_map(|line| line.strip_prefix("| "));
+    let first: Vec<&str> = rows.filter_map(|row| row.split('|').next()).collect();
+    let is_named = |name: &str| first.iter().any(|cell| cell.contains(&format!("`{name}`")));
+    names.filter(|name| !is_named(name)).collect()
+}
+
+#[test]
+fn a_table_explains_every_sensor_method_and_topic() {
+    let none: [&str; 0] = [];
+    let sensors = Sensor::ALL.iter().map(|sensor| sensor.name());
+    assert_eq!(missing("robot.md", sensors.clone()), none);
+    let methods = Method::ALL.iter().map(|method| method.name());
+    assert_eq!(missing("learner.md", methods), none);
+    let topics = Topic::ALL.iter().map(|topic| topic.name());
+    assert_eq!(missing("recordings.md", topics), none);
+    assert!(!missing("recordings.md", sensors).is_empty(), "control");
 }
 
 #[test]

@@ -71,10 +71,11 @@ impl Method {
 
     /// Does it learn rules, and not a table?
     pub fn learns_rules(self) -> bool {
-        !matches!(
-            self,
-            Self::QLearning | Self::SarsaLambda | Self::DynaQ | Self::RMax
-        )
+        match self {
+            Self::Xcs | Self::Xcsam | Self::AdaptedEven | Self::AdaptedDiscounted => true,
+            Self::Xcscr | Self::XcscrCoevolved | Self::XcscrPlus | Self::XcscrMemory => true,
+            Self::QLearning | Self::SarsaLambda | Self::DynaQ | Self::RMax => false,
+        }
     }
 
     /// Does it need percepts that begin with the eight cells around the robot?

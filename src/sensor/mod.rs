@@ -199,3 +199,58 @@ impl Sensor {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn maze(name: &str) -> Maze {
+        let file = format!("{}/worlds/{name}.json", env!("CARGO_MANIFEST_DIR"));
+        Maze::load(std::path::Path::new(&file)).unwrap()
+    }
+
+    #[test]
+    fn those_that_begin_with_the_neighbours_show_them_in_every_cell() {
+        let maze = maze("maze4");
+        let first = |sensor: Sensor, cell| {
+            let percept = sensor.perceive_at(&maze, cell);
+            let width = percept.width().min(neighbours::WIDTH);
+            (0..width).map(|at| percept.bit(at)).collect::<Vec<_>>()
+        };
+        for &sensor in Sensor::ALL {
+            let shows = |model| {
+                let mut cells = maze.free_cells();
+                cells.all(|cell| first(sensor, cell) == first(model, cell))
+            };
+            let begins = shows(Sensor::Neighbours) || shows(Sensor::Lidar);
+            assert_eq!(sensor.begins_with_neighbours(), begins, "{sensor:?}");
+        }
+    }
+
+    /// The room is a square, so that its middle stays where it is.
+    #[test]
+    fn a_ring_that_is_turned_by_an_action_shows_a_room_that_was_turned() {
+        let turned = |rows: [&str; 5]| -> [String; 5] {
+            let column = |at: usize| rows.iter().rev().map(move |row| row.as_bytes()[at]);
+            std::array::from_fn(|at| column(at).map(char::from).collect())
+        };
+        let room = ["#####", "#..S#", "#..##", "#G.##", "#####"];
+        let at_middle = |sensor: Sensor, rows: &[String]| {
+            let text = format!(r#"{{ "rows": {rows:?} }}"#);
+            let maze = Maze::from_json(text.as_bytes(), "room.json").unwrap();
+            sensor.perceive_at(&maze, Cell { col: 2, row: 2 })
+        };
+        let (upright, turned) = (room.map(str::to_owned), turned(room));
+        let mut checked = 0;
+        for &sensor in Sensor::ALL.iter().filter(|sensor| sensor.ring() > 0) {
+            let ring = sensor.ring();
+            let [before, after] = [&upright, &turned].map(|rows| at_middle(sensor, rows));
+            let bits = |percept: Percept| (0..ring).map(|at| percept.bit(at)).collect::<Vec<_>>();
+            let east_ahead = after.turned(ring / 4, ring);
+            assert_eq!(bits(east_ahead), bits(before), "{sensor:?}");
+            assert_ne!(bits(after), bits(before), "control: {sensor:?}");
+            checked += 1;
+        }
+        assert!(checked >= 6, "{checked}");
+    }
+}

@@ -88,14 +88,9 @@ fn misleading(sensor: Sensor, maze: &Maze, paths: &Paths) -> Vec<Vec<Cell>> {
 
 /// A percept that does not mislead: of a robot that senses one that is sensed, if there is any.
 fn telling_apart(sensor: Sensor, maze: &Maze, paths: &Paths) -> Sensor {
-    let sensed = [
-        Sensor::LidarRanges,
-        Sensor::LidarBeams,
-        Sensor::LidarPosition,
-    ]
-    .into_iter();
-    let mut sensed = sensed.filter(|_| sensor.is_sensed());
-    let sound = sensed.find(|&other| misleading(other, maze, paths).is_empty());
+    let mut sensed = Sensor::ALL.iter().copied().filter(|_| sensor.is_sensed());
+    let sound =
+        sensed.find(|&other| other.is_sensed() && misleading(other, maze, paths).is_empty());
     sound.unwrap_or(Sensor::NeighboursPosition)
 }
 

@@ -171,15 +171,11 @@ fn every_combination_that_makes_sense_runs_and_the_others_say_why_not() {
                 let plan = plan.settings(settings.clone());
                 let result = plan.arena(arena).sensor(sensor).run();
                 let what = format!("{world}, {method:?}, {arena:?}, {sensor:?}");
-                let begins_with_cells = !matches!(
-                    sensor,
-                    Sensor::Position | Sensor::LidarRanges | Sensor::LidarBeams
-                );
                 // Where a combination makes no sense, the words that lead out of it.
                 let ways_out = [
                     (!is_drivable && arena == ArenaKind::Physics, "--arena grid"),
                     (
-                        method == Method::XcscrMemory && !begins_with_cells,
+                        method == Method::XcscrMemory && !sensor.begins_with_neighbours(),
                         "choose `neighbours`",
                     ),
                 ];
