@@ -3,6 +3,14 @@
 use std::fs;
 use std::path::Path;
 
+/// Puts a file where there may be one, as tests do that try thousands of files. It is made anew: one
+/// that is cut to nothing and written again goes to the disk at once on ext4, which takes 150 times as long.
+pub fn replace(path: &Path, bytes: impl AsRef<[u8]>) {
+    // There may be none yet.
+    let _ = fs::remove_file(path);
+    fs::write(path, bytes).unwrap();
+}
+
 /// The names of the files in a folder, in order.
 pub fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = fs::read_dir(folder)

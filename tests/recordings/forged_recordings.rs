@@ -3,10 +3,10 @@
 //!
 //! `XCSCR_LONG=1 cargo test --test recordings forged_recordings` forges ten times as many.
 
-use std::fs;
 use std::path::Path;
 
 use crate::kit::chance::{dice, rounds};
+use crate::kit::folder::replace;
 use mcap::records::{MessageHeader, Metadata};
 use xcscr::record::reader::Recording;
 use xcscr::record::{check, check_recording, recover};
@@ -196,7 +196,7 @@ fn forged_recordings() {
         }
         let bytes = file(&forged);
         if number % 20 == 0 {
-            fs::write(&broken, &bytes).unwrap();
+            replace(&broken, &bytes);
             if let Ok(recovery) = recover(&broken, &saved, true) {
                 recovered += 1;
                 let findings = check(&saved).unwrap();

@@ -8,6 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::kit::chance::{dice, rounds};
+use crate::kit::folder::replace;
 use serde_json::{Value, json};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
@@ -145,7 +146,7 @@ fn forged_journals() {
         let record: Value = serde_json::from_str(&lines[at][9..]).unwrap();
         let json = forge(&record, &mut dice).to_string();
         lines[at] = format!("{:08x} {json}", crc32fast::hash(json.as_bytes()));
-        fs::write(&path, lines.join("\n") + "\n").unwrap();
+        replace(&path, lines.join("\n") + "\n");
         // All mutants are read; drawing the conclusions of each would take minutes.
         let is_read = match number % 20 {
             0 => report(folder.path()),
@@ -176,9 +177,9 @@ fn forged_plans() {
         let study = forge(&sound["study"], &mut dice).to_string();
         let plan = format!("{:08x}", crc32fast::hash(study.as_bytes()));
         let text = format!("{{\"plan\": \"{plan}\", \"study\": {study}}}");
-        fs::write(&path, text).unwrap();
+        replace(&path, text);
         let header = format!("xcscr study journal 2, plan {plan}\n");
-        fs::write(&journal, header + records).unwrap();
+        replace(&journal, header + records);
         let is_read = match number % 20 {
             0 => report(folder.path()),
             _ => StudyFolder::read(folder.path()).is_ok(),
@@ -213,7 +214,7 @@ fn forged_tasks() {
         }
         let rest = rest.to_string();
         let text = format!("{},\"study\":{study}}}", rest.trim_end_matches('}'));
-        fs::write(&path, text).unwrap();
+        replace(&path, text);
         let survey = PlannedStudy::read(folder.path()).and_then(|planned| planned.survey());
         taken += usize::from(survey.is_ok());
     }

@@ -8,6 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::kit::chance::{dice, rounds};
+use crate::kit::folder::replace;
 use crate::kit::program::{ended, expect, xcscr};
 use crate::kit::trial::{maze as world, on_the_grid};
 use xcscr::agent::{Knowledge, Method};
@@ -152,7 +153,7 @@ fn mutants_of_study_folders() {
         let sound = fs::read(&path).unwrap();
         // Each mutant is written to a disk: fewer, and more in memory above.
         let taken = feed(name, &[&sound], rounds(3_000, 30_000), |bytes| {
-            fs::write(&path, bytes).unwrap();
+            replace(&path, bytes);
             StudyFolder::read(folder.path()).is_ok()
         });
         fs::write(&path, sound).unwrap();
@@ -289,7 +290,7 @@ fn mutants_of_recordings_that_are_recovered() {
     let sound = recording(folder.path());
     let (broken, saved) = (folder.path().join("broken"), folder.path().join("saved"));
     let taken = feed("salvage", &[&sound], rounds(2_000, 20_000), |bytes| {
-        fs::write(&broken, bytes).unwrap();
+        replace(&broken, bytes);
         record::recover(&broken, &saved, true).is_ok()
     });
     assert!(taken > 0, "most mutants hold something that can be saved");

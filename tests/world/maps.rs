@@ -7,6 +7,7 @@ use tempfile::TempDir;
 use xcscr::world::{Gridded, Gridding, MapError, Maze, Occupancy, OccupancyMap, written};
 use xcscr::xcs::random::Stream;
 
+use crate::kit::folder::replace;
 use crate::kit::program::{ended, xcscr};
 
 /// Grey levels of Nav2's saver: free, occupied, unknown.
@@ -33,7 +34,7 @@ impl Map {
     }
 
     fn keep(&self, name: &str, bytes: &[u8]) {
-        fs::write(self.path(name), bytes).unwrap();
+        replace(&self.path(name), bytes);
     }
 
     /// The usual header; the lines given come last, and win over those with the same key.
