@@ -20,5 +20,6 @@ mod readings;
 mod readme;
 mod rules;
 mod rules_decide;
+mod slips;
 mod trust;
 mod xcs_invariants;

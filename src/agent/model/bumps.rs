@@ -28,6 +28,8 @@ pub(in crate::agent) struct Bumps {
     candidates: Vec<Candidate>,
     /// Counts the changes of forecasts.
     version: u64,
+    /// By how much bumps or moves must be ahead in a percept to count.
+    margin: u32,
     /// The evidence once more, by condition; counted when the first candidates are made.
     #[serde(skip)]
     coverage: Option<Coverage>,
@@ -54,18 +56,39 @@ impl Bumps {
     /// Learns that the action bumped or moved; true if that changes a forecast.
     pub fn learn(&mut self, percept: &Percept, bumped: bool) -> bool {
         let tally = self.evidence.entry(*percept).or_default();
-        let before = verdict(*tally);
+        let before = verdict(*tally, self.margin);
         match bumped {
             true => tally.hits += 1,
             false => tally.misses += 1,
         }
-        let after = verdict(*tally);
+        let after = verdict(*tally, self.margin);
         if let Some(coverage) = self.coverage.as_mut().filter(|_| after != before) {
             coverage.change(percept, before, after);
         }
         let changes = after != before && self.judge(percept, before, after);
         self.version += u64::from(changes);
         changes
+    }
+
+    /// Judges everything anew, because bumps or moves must be ahead by another margin now to count.
+    pub fn demand(&mut self, margin: u32) {
+        let before = std::mem::replace(&mut self.margin, margin);
+        if before == margin {
+            return;
+        }
+        self.version += 1;
+        self.coverage = None;
+        let evidence = self.evidence.clone();
+        for (percept, &tally) in &evidence {
+            self.recount(percept, verdict(tally, before), verdict(tally, margin));
+        }
+        for (percept, _) in evidence
+            .iter()
+            .filter(|(_, tally)| verdict(**tally, margin) == Some(true))
+        {
+            self.foretell(percept);
+        }
+        self.drop_inaccurate();
     }
 
     /// Another number after each change of a forecast.
@@ -96,6 +119,13 @@ impl Bumps {
     /// Judges the candidates anew after the verdict on a percept has changed; true if that changes
     /// a forecast.
     fn judge(&mut self, changed: &Percept, before: Option<bool>, after: Option<bool>) -> bool {
+        let recounted = self.recount(changed, before, after);
+        let foretold = after == Some(true) && self.foretell(changed);
+        self.drop_inaccurate() || recounted || foretold
+    }
+
+    /// Counts the verdict on a percept anew; true if that may change a forecast.
+    fn recount(&mut self, changed: &Percept, before: Option<bool>, after: Option<bool>) -> bool {
         let mut changes = false;
         for candidate in &mut self.candidates {
             if candidate.condition.matches(changed) {
@@ -104,20 +134,34 @@ impl Bumps {
                 changes |= before == Some(true) || after == Some(true);
             }
         }
+        changes
+    }
+
+    /// Makes candidates for a percept in which the action bumps; false if it is foretold already.
+    fn foretell(&mut self, percept: &Percept) -> bool {
         let mut foretold = self.candidates.iter().map(|c| c.condition);
-        if after == Some(true) && !foretold.any(|condition| condition.matches(changed)) {
-            let width = changed.width();
-            let coverage = self
-                .coverage
-                .get_or_insert_with(|| Coverage::of(width, &self.evidence));
-            let new = coverage.conditions(changed);
-            let new = new.map(|(condition, tally)| Candidate { condition, tally });
-            self.candidates.extend(new);
-            changes = true;
+        if foretold.any(|condition| condition.matches(percept)) {
+            return false;
         }
-        let candidates = self.candidates.len();
+        let Self {
+            evidence,
+            margin,
+            coverage,
+            ..
+        } = self;
+        let coverage =
+            coverage.get_or_insert_with(|| Coverage::of(percept.width(), evidence, *margin));
+        let new = coverage.conditions(percept);
+        let new = new.map(|(condition, tally)| Candidate { condition, tally });
+        self.candidates.extend(new);
+        true
+    }
+
+    /// Drops the candidates that were wrong too often; true if there are any.
+    fn drop_inaccurate(&mut self) -> bool {
+        let before = self.candidates.len();
         self.candidates
             .retain(|candidate| candidate.tally.is_accurate());
-        changes || self.candidates.len() < candidates
+        self.candidates.len() < before
     }
 }

@@ -79,6 +79,13 @@ impl CollisionRules {
         self.ring > 0 && self.turned.learn(&turned, bumped) || own
     }
 
+    /// Bumps or moves must be ahead by this margin in a percept to count: where moves slip, one try
+    /// tells little.
+    pub fn demand(&mut self, margin: u32) {
+        let all = self.actions.iter_mut().chain([&mut self.turned]);
+        all.for_each(|bumps| bumps.demand(margin));
+    }
+
     /// How firmly it is believed that an action bumps in a percept, 0 to 1.
     pub fn belief(&self, percept: &Percept, action: Action) -> f64 {
         let bump = self.forecast(percept, action).powi(self.certainty as i32);

@@ -18,13 +18,13 @@ pub(super) struct Coverage {
 }
 
 impl Coverage {
-    /// Counts what is known of percepts of one width.
-    pub fn of(width: usize, evidence: &BTreeMap<Percept, Tally>) -> Self {
+    /// Counts what is known of percepts of one width, by verdicts with this margin.
+    pub fn of(width: usize, evidence: &BTreeMap<Percept, Tally>, margin: u32) -> Self {
         let mut coverage = Self {
             tallies: vec![Default::default(); pairs(width).count()],
         };
         for (percept, &tally) in evidence {
-            coverage.change(percept, None, verdict(tally));
+            coverage.change(percept, None, verdict(tally, margin));
         }
         coverage
     }
@@ -77,14 +77,14 @@ mod tests {
             let learn = |evidence: &mut BTreeMap<Percept, Tally>, word, bumped| {
                 let percept = Percept::from_word(word, 5);
                 let tally = evidence.entry(percept).or_default();
-                let before = verdict(*tally);
+                let before = verdict(*tally, 0);
                 tally.add(Some(bumped));
-                (percept, before, verdict(*tally))
+                (percept, before, verdict(*tally, 0))
             };
             for &(word, bumped) in early {
                 learn(&mut evidence, word, bumped);
             }
-            let mut coverage = Coverage::of(5, &evidence);
+            let mut coverage = Coverage::of(5, &evidence, 0);
             for &(word, bumped) in late {
                 let (percept, before, after) = learn(&mut evidence, word, bumped);
                 coverage.change(&percept, before, after);
@@ -94,7 +94,7 @@ mod tests {
             for (condition, tally) in conditions {
                 let mut counted = Tally::default();
                 let matched = evidence.iter().filter(|(percept, _)| condition.matches(percept));
-                matched.for_each(|(_, &one)| counted.add(verdict(one)));
+                matched.for_each(|(_, &one)| counted.add(verdict(one, 0)));
                 prop_assert_eq!(tally, counted);
             }
         }

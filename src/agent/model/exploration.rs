@@ -12,6 +12,8 @@ use xcs::{Action, MAX_ACTIONS};
 
 /// A promise must exceed what is known by this share of it.
 const NEGLIGIBLE: f64 = 1e-9;
+/// Percepts among which a way is looked for that was left by a slip.
+const NEAR: usize = 50;
 
 /// What exploration is planned on.
 pub(in crate::agent) struct Model<'a> {
@@ -122,7 +124,8 @@ impl Exploration {
 
     /// The next step of exploration; `None` where nothing promises more than what is known.
     pub fn next(&mut self, from: usize, model: &Model<'_>, stream: &mut Stream) -> Option<Action> {
-        if self.way.last().is_none_or(|&(percept, _)| percept != from) {
+        let is_on_the_way = self.way.last().is_some_and(|&(percept, _)| percept == from);
+        if !is_on_the_way && !self.rejoin(from, model) {
             self.way.clear();
             if self.is_content(from) {
                 return None;
@@ -135,6 +138,30 @@ impl Exploration {
         self.way.pop().map(|(_, action)| action)
     }
 
+    /// After a slip: finds the way again, if it is near; false if it is not.
+    fn rejoin(&mut self, from: usize, model: &Model<'_>) -> bool {
+        if self.way.is_empty() || !model.memory.slips().any() {
+            return false;
+        }
+        self.search.begin(from, model.memory.percepts().len());
+        for _ in 0..NEAR {
+            let Some((factor, percept)) = self.search.pop() else {
+                return false;
+            };
+            if let Some(at) = self.way.iter().position(|&(on_it, _)| on_it == percept) {
+                self.way.truncate(at + 1);
+                self.search.trace(percept, &mut self.way);
+                return true;
+            }
+            for action in Action::all(self.actions) {
+                if let Some((next, left)) = self.step(percept, action, model) {
+                    self.search.push(factor * left, next, (percept, action));
+                }
+            }
+        }
+        false
+    }
+
     /// Finds the most promising way.
     fn find(&mut self, from: usize, model: &Model<'_>, stream: &mut Stream) {
         let mut best = model.known.value(from) * (1.0 + NEGLIGIBLE);
@@ -145,14 +172,15 @@ impl Exploration {
             }
             let worths = self.believed_worths(percept, model);
             for action in Action::all(self.actions) {
-                let outcomes = model.memory.outcomes(percept, action);
-                if outcomes.tries() > 0 {
-                    if let Some((next, share)) = outcomes.likeliest_move(percept, self.step) {
-                        let factor = factor * share * model.known.gamma();
-                        self.search.push(factor, next, (percept, action));
+                let moves = worths[action.index()] > 0.0;
+                let is_doubtful = model.memory.is_doubtful(percept, action, moves);
+                if model.memory.is_known(percept, action) && !is_doubtful {
+                    if let Some((next, left)) = self.step(percept, action, model) {
+                        self.search.push(factor * left, next, (percept, action));
                     }
                 } else if let Some(next) = model.known.way_back(model.memory, percept, action) {
-                    let factor = factor * model.known.gamma();
+                    let slips = model.memory.slips();
+                    let factor = factor * slips.discount(model.known.gamma());
                     self.search.push(factor, next, (percept, action));
                 } else {
                     let worth = factor * worths[action.index()];
@@ -164,6 +192,20 @@ impl Exploration {
             self.way.push((last, action));
             self.search.trace(last, &mut self.way);
         }
+    }
+
+    /// Where a known pair leads, and what is left of a promise on the way; `None` if it leads nowhere
+    /// else.
+    fn step(&self, percept: usize, action: Action, model: &Model<'_>) -> Option<(usize, f64)> {
+        let Model { memory, known, .. } = model;
+        if memory.slips().any() {
+            let next = memory.next(percept, action);
+            let next = next.filter(|&next| next != percept)?;
+            return Some((next, memory.slips().discount(known.gamma())));
+        }
+        let outcomes = memory.outcomes(percept, action);
+        let (next, share) = outcomes.likeliest_move(percept, self.step)?;
+        Some((next, share * known.gamma()))
     }
 
     /// What the untried actions of a percept are believed to be worth, where no way back is.

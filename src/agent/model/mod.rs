@@ -9,6 +9,7 @@ pub(super) mod known;
 pub(super) mod planner;
 pub mod pomdp;
 pub(super) mod return_rules;
+mod slips;
 pub(super) mod tally;
 pub(super) mod transitions;
 

@@ -5,6 +5,7 @@
 //! every cell.
 
 use super::ReturnRule;
+use super::slips::Slips;
 use super::transitions::Transitions;
 use xcs::{Action, ByAction};
 
@@ -21,6 +22,8 @@ pub(in crate::agent) struct ReturnRules {
     actions: usize,
     /// By turn: how often it led back, and how often elsewhere.
     counts: Counts,
+    /// A rule is believed from such a share of successes on.
+    least_accuracy: f64,
 }
 
 pub(in crate::agent) type Counts = ByAction<[u32; 2]>;
@@ -31,6 +34,7 @@ impl ReturnRules {
         Self {
             actions,
             counts: Default::default(),
+            least_accuracy: LEAST_ACCURACY,
         }
     }
 
@@ -39,6 +43,11 @@ impl ReturnRules {
         for rule in rules {
             self.counts[rule.turn.index()] = [rule.hits, rule.misses];
         }
+    }
+
+    /// Allows for slips, on the way there or on the way back.
+    pub fn allow(&mut self, slips: Slips) {
+        self.least_accuracy = LEAST_ACCURACY * slips.intended() * slips.intended();
     }
 
     /// What learning has changed so far.
@@ -55,15 +64,15 @@ impl ReturnRules {
     /// Learns whether `next`, taken right after a move by `first`, led back; true if that changes
     /// what is believed.
     pub fn learn(&mut self, first: Action, next: Action, back: bool) -> bool {
-        let count = &mut self.counts[turn(first, next, self.actions)];
-        let before = is_believed(*count);
-        count[usize::from(!back)] += 1;
-        is_believed(*count) != before
+        let turn = turn(first, next, self.actions);
+        let before = self.is_believed(self.counts[turn]);
+        self.counts[turn][usize::from(!back)] += 1;
+        self.is_believed(self.counts[turn]) != before
     }
 
     /// Is a move by `first` believed to be undone by `next`?
     pub fn undoes(&self, first: Action, next: Action) -> bool {
-        is_believed(self.counts[turn(first, next, self.actions)])
+        self.is_believed(self.counts[turn(first, next, self.actions)])
     }
 
     /// The percept to which an action is foretold to lead back; `before` are the pairs that were
@@ -78,7 +87,7 @@ impl ReturnRules {
         let leads_back = |&&(from, there): &&(usize, Action)| {
             from != percept
                 && self.undoes(there, action)
-                && memory.outcomes(from, there).only_next() == Some(percept)
+                && memory.next(from, there) == Some(percept)
         };
         before.find(leads_back).map(|&(from, _)| from)
     }
@@ -86,18 +95,18 @@ impl ReturnRules {
     /// The rules that are believed.
     pub fn rules(&self) -> impl Iterator<Item = ReturnRule> {
         let turns = Action::all(self.actions).zip(self.counts.iter());
-        let believed = turns.filter(|&(_, &count)| is_believed(count));
+        let believed = turns.filter(|&(_, &count)| self.is_believed(count));
         believed.map(|(turn, &[hits, misses])| ReturnRule { turn, hits, misses })
+    }
+
+    fn is_believed(&self, [hits, misses]: [u32; 2]) -> bool {
+        hits >= LEAST_HITS && f64::from(hits) >= self.least_accuracy * f64::from(hits + misses)
     }
 }
 
 /// How far one has to turn from one of `actions` actions to the next.
 fn turn(first: Action, next: Action, actions: usize) -> usize {
     (next.index() + actions - first.index()) % actions
-}
-
-fn is_believed([hits, misses]: [u32; 2]) -> bool {
-    hits >= LEAST_HITS && f64::from(hits) >= LEAST_ACCURACY * f64::from(hits + misses)
 }
 
 #[cfg(test)]

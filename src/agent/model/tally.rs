@@ -41,7 +41,8 @@ impl Tally {
     }
 }
 
-/// Does a percept count as one where the action bumps? `None` where nothing is known.
-pub(super) fn verdict(Tally { hits, misses }: Tally) -> Option<bool> {
-    (hits + misses > 0).then_some(hits > misses)
+/// Does a percept count as one where the action bumps? `None` where nothing is known, or where neither
+/// is ahead by this margin.
+pub(super) fn verdict(Tally { hits, misses }: Tally, margin: u32) -> Option<bool> {
+    (hits + misses > 0 && hits.abs_diff(misses) >= margin).then_some(hits > misses)
 }

@@ -118,22 +118,24 @@ impl Plus {
         };
         self.learn_return(next);
         let number = self.memory.meet(&percept);
-        let tried = self.memory.outcomes(number, action).tries();
+        let known = self.memory.is_known(number, action);
         let step = Transition {
             percept,
             action,
             reward,
             next,
         };
-        if self.memory.learn(&step, 1) {
+        if self.memory.learn(&step, self.memory.slips().lead()) {
             let next = next.map(|next| self.memory.meet(&next));
             self.known.learn(&self.memory, (number, action), next);
         }
-        if tried == 0 {
+        if self.memory.is_known(number, action) != known {
             self.exploration.wake();
         } else if let Some(next) = next.filter(|_| !bumped && self.is_best(number, action)) {
             let next = self.memory.meet(&next);
-            self.exploration.follow(number, next);
+            if !self.memory.slipped(number, action, next) {
+                self.exploration.follow(number, next);
+            }
         }
     }
 
@@ -141,6 +143,17 @@ impl Plus {
     fn is_best(&self, percept: usize, action: Action) -> bool {
         let lesson = self.lessons.get(percept);
         lesson.is_some_and(|lesson| lesson.best[action.index()])
+    }
+
+    /// Estimates how often moves slip; if that has changed, all is judged anew.
+    fn notice_slips(&mut self) {
+        if self.memory.notice_slips(self.params.step) {
+            let slips = self.memory.slips();
+            self.known.reconsider(&self.memory);
+            let margin = if slips.any() { slips.lead() } else { 0 };
+            self.collisions.demand(margin);
+            self.exploration.wake();
+        }
     }
 
     /// Learns whether the last two steps led there and back.
@@ -256,6 +269,7 @@ impl Agent for Plus {
             }
         }
         self.path.clear();
+        self.notice_slips();
         self.exploration.begin();
         self.known.tidy();
         self.teach();
