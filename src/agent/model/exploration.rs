@@ -198,7 +198,7 @@ impl Exploration {
     /// else.
     fn step(&self, percept: usize, action: Action, model: &Model<'_>) -> Option<(usize, f64)> {
         let Model { memory, known, .. } = model;
-        if memory.slips().any() {
+        if memory.slips().any() && memory.is_explained(percept) {
             let next = memory.next(percept, action);
             let next = next.filter(|&next| next != percept)?;
             return Some((next, memory.slips().discount(known.gamma())));

@@ -248,8 +248,12 @@ impl Known {
             return Some(self.gamma * self.values[back]);
         }
         let after = |next: Option<usize>| next.map_or(-self.floor(), |next| self.values[next]);
+        let least = match memory.slips().any() {
+            true => 0.0,
+            false => f64::NEG_INFINITY,
+        };
         Some(memory.mean(percept, action, |o| {
-            o.reward - self.step + self.gamma * after(o.next)
+            (o.reward - self.step).max(least) + self.gamma * after(o.next)
         }))
     }
 
@@ -262,6 +266,9 @@ impl Known {
 
     /// The value of a percept where moves slip.
     fn slipping_value(&self, memory: &Transitions, percept: usize) -> f64 {
+        if !memory.is_explained(percept) {
+            return self.greatest(memory, percept);
+        }
         let mut values = ByAction::default();
         for action in Action::all(self.actions) {
             if memory.next(percept, action) != Some(percept) {
@@ -287,7 +294,8 @@ impl Known {
         let own = Action::all(self.actions).filter_map(|action| memory.next(percept, action));
         let before = std::mem::take(&mut self.before[percept]);
         let depends = |&&(other, action): &&(usize, Action)| {
-            !memory.slips().any() || memory.next(other, action) == Some(percept)
+            let depends = memory.next(other, action) == Some(percept);
+            depends || !memory.slips().any() || !memory.is_explained(other)
         };
         let others = before.iter().filter(depends).map(|&(other, _)| other);
         for other in others.chain(own) {

@@ -6,6 +6,7 @@ mod coverage;
 pub(super) mod exploration;
 mod foresight;
 pub(super) mod known;
+mod outcomes;
 pub(super) mod planner;
 pub mod pomdp;
 pub(super) mod return_rules;

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::transitions::{Outcome, Transitions, mean};
+use super::outcomes::{Outcome, mean};
+use super::transitions::Transitions;
 use xcs::{Action, MAX_ACTIONS};
 
 /// Value iteration ends when no value changes by more than this, in units of reward ...

@@ -13,6 +13,9 @@ const LEAST_SHARE: f64 = 0.01;
 const CERTAIN: f64 = 50.0;
 /// ... but after so much of a lead at the latest.
 const LONGEST_LEAD: u32 = 8;
+/// More came of a pair than slips explain if it is more than they make expect by so many deviations, and
+/// one more.
+const DEVIATIONS: f64 = 4.0;
 /// An estimate that differs by less than this share of it is no news.
 const SAME: f64 = 0.1;
 
@@ -68,6 +71,15 @@ impl Slips {
             lead += 1;
         }
         lead
+    }
+
+    /// Do slips explain that of so many tries of a pair so many were odd? If not, it is a pair of several
+    /// places that look alike.
+    pub fn explain(self, odd: u32, tries: u32) -> bool {
+        let tries = f64::from(tries);
+        let expected = self.share * tries;
+        let deviation = (expected * self.intended()).sqrt();
+        f64::from(odd) <= expected + DEVIATIONS * deviation + 1.0
     }
 
     /// The share of moves that do what was chosen.
@@ -135,6 +147,14 @@ mod tests {
             ..evidence
         };
         assert!(!control.slips().any(), "places that look alike");
+    }
+
+    #[test]
+    fn slips_explain_some_odd_outcomes_and_not_half_of_many() {
+        let explained =
+            [5, 12, 13, 50].map(|odd| slips(0.25).explain(odd, if odd < 50 { 20 } else { 100 }));
+        assert_eq!(explained, [true, true, true, false]);
+        assert!(!slips(0.05).explain(10, 20), "few slip");
     }
 
     /// A corridor in which one step leads to a goal worth 1 and the others nowhere: by the equation

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::outcomes::{Leads, Outcome, Outcomes, mean};
 use super::slips::{Evidence, Slips};
 use xcs::random::Stream;
 use xcs::{Action, ByAction, MAX_ACTIONS, Percept};
@@ -16,159 +17,6 @@ pub struct Transition {
     pub reward: f64,
     /// What was perceived afterwards; `None` at a goal.
     pub next: Option<Percept>,
-}
-
-/// What followed a pair: the reward, the number of the next percept (`None` at a goal), and how
-/// often that was seen.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
-    pub reward: f64,
-    pub next: Option<usize>,
-    pub count: u32,
-}
-
-/// A pair that was tried so often has nothing new to tell.
-const MANY: u32 = 20;
-
-/// Everything that followed one pair.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct Outcomes {
-    all: Vec<Outcome>,
-    /// Where moves slip: the percept, or the goal, to which the pair is known to lead otherwise.
-    leads_to: Option<Option<usize>>,
-}
-
-/// The mean of `value` over outcomes, each by its frequency; 0 over none.
-pub fn mean<'a>(
-    outcomes: impl IntoIterator<Item = &'a Outcome>,
-    value: impl Fn(&Outcome) -> f64,
-) -> f64 {
-    let (mut sum, mut tries) = (0.0, 0);
-    for outcome in outcomes {
-        sum += f64::from(outcome.count) * value(outcome);
-        tries += outcome.count;
-    }
-    sum / f64::from(tries.max(1))
-}
-
-impl Outcomes {
-    /// How often the pair was tried.
-    pub fn tries(&self) -> u32 {
-        self.all.iter().map(|outcome| outcome.count).sum()
-    }
-
-    /// The mean of `value` over all outcomes, each by its frequency; 0 for an untried pair.
-    pub fn mean(&self, value: impl Fn(&Outcome) -> f64) -> f64 {
-        mean(&self.all, value)
-    }
-
-    /// Everything that followed, in the order in which it was first seen.
-    pub fn all(&self) -> &[Outcome] {
-        &self.all
-    }
-
-    /// The percept that always followed; `None` if there were several, or a goal, or none.
-    pub fn only_next(&self) -> Option<usize> {
-        match self.all[..] {
-            [only] => only.next,
-            _ => None,
-        }
-    }
-
-    /// How often a percept followed, or a goal.
-    fn count_of(&self, next: Option<usize>) -> u32 {
-        let same = self.all.iter().filter(|outcome| outcome.next == next);
-        same.map(|outcome| outcome.count).sum()
-    }
-
-    /// The percept that followed most often, or a goal, and by how much more often than any other;
-    /// `None` if nothing followed.
-    fn likeliest(&self) -> Option<(Option<usize>, u32)> {
-        let counts = self.all.iter().map(|o| (o.next, self.count_of(o.next)));
-        let (likeliest, count) = counts.rev().max_by_key(|&(_, count)| count)?;
-        let others = self.all.iter().filter(|o| o.next != likeliest);
-        let most = others.map(|o| self.count_of(o.next)).max().unwrap_or(0);
-        Some((likeliest, count - most))
-    }
-
-    /// The percept, or the goal, to which the pair leads unless it slips: what followed more often
-    /// than anything else, by enough of a lead, or most often of many tries.
-    fn believed(&self, slips: Slips) -> Option<Option<usize>> {
-        let (likeliest, lead) = self.likeliest().filter(|_| slips.any())?;
-        let is_believed = lead >= slips.lead() || self.tries() >= MANY;
-        is_believed.then_some(likeliest)
-    }
-
-    /// What the pair, of this percept, tells of slips; a collision costs more than a `step`.
-    fn tell(&self, percept: usize, step: f64, evidence: &mut Evidence) {
-        let bumps = |o: &&Outcome| o.next == Some(percept) && o.reward < step;
-        let bumped: u32 = self.all.iter().filter(bumps).map(|o| o.count).sum();
-        let tries = self.tries();
-        evidence.all += tries;
-        evidence.mixed += bumped.min(tries - bumped);
-        if let Some((next, _)) = self.likeliest()
-            && next != Some(percept)
-            && tries > 1
-        {
-            evidence.moves += tries;
-            evidence.odd += tries - self.count_of(next);
-        }
-    }
-
-    /// The percepts that followed.
-    pub fn nexts(&self) -> impl Iterator<Item = usize> {
-        self.all.iter().filter_map(|outcome| outcome.next)
-    }
-
-    /// Where the pair most often led from `percept`, and in which share of its tries; `None` when
-    /// it stayed there, ended in a goal, or cost more than a `step`.
-    pub fn likeliest_move(&self, percept: usize, step: f64) -> Option<(usize, f64)> {
-        let likeliest = self.all.iter().rev().max_by_key(|o| o.count)?;
-        let next = likeliest
-            .next
-            .filter(|&next| next != percept && likeliest.reward >= step)?;
-        Some((next, f64::from(likeliest.count) / f64::from(self.tries())))
-    }
-
-    /// Do the counts leave room, and do the numbers name one of `met` percepts?
-    fn is_sound(&self, met: usize, slips: Slips) -> bool {
-        let known = |o: &Outcome| {
-            o.reward.is_finite() && o.next.is_none_or(|next| next < met) && o.count > 0
-        };
-        let tries: u64 = self.all.iter().map(|o| u64::from(o.count)).sum();
-        self.all.iter().all(known)
-            && self.leads_to == self.believed(slips)
-            && tries <= u64::from(u32::MAX / 2)
-    }
-
-    /// Counts an outcome; true unless it is one more of what always happened.
-    fn count(&mut self, reward: f64, next: Option<usize>) -> bool {
-        let known = self
-            .all
-            .iter_mut()
-            .find(|o| o.reward == reward && o.next == next);
-        if let Some(outcome) = known {
-            outcome.count += 1;
-            return self.all.len() > 1;
-        }
-        self.all.push(Outcome {
-            reward,
-            next,
-            count: 1,
-        });
-        true
-    }
-
-    /// One of the outcomes, each as likely as it was seen to be.
-    fn draw(&self, stream: &mut Stream) -> Option<Outcome> {
-        let mut left = stream.below(self.tries().max(1) as usize);
-        let stops = |outcome: &&Outcome| {
-            let found = left < outcome.count as usize;
-            left = left.saturating_sub(outcome.count as usize);
-            found
-        };
-        self.all.iter().find(stops).copied()
-    }
 }
 
 /// All percepts that were met, numbered in the order of meeting, and what followed their pairs.
@@ -254,7 +102,7 @@ impl Transitions {
     pub fn is_known(&self, percept: usize, action: Action) -> bool {
         let outcomes = self.outcomes(percept, action);
         match self.slips.any() {
-            true => outcomes.leads_to.is_some(),
+            true => outcomes.leads_to != Leads::Unknown,
             false => outcomes.tries() > 0,
         }
     }
@@ -263,10 +111,17 @@ impl Transitions {
     /// that always followed. `None` if there is none, or a goal.
     pub fn next(&self, percept: usize, action: Action) -> Option<usize> {
         let outcomes = self.outcomes(percept, action);
-        match self.slips.any() {
-            true => outcomes.leads_to?,
-            false => outcomes.only_next(),
+        match outcomes.leads_to {
+            Leads::To(next) => next,
+            _ if self.slips.any() => None,
+            _ => outcomes.only_next(),
         }
+    }
+
+    /// Do slips explain what came of the actions of a percept? If not, several places look like it.
+    pub fn is_explained(&self, percept: usize) -> bool {
+        let mut pairs = self.pairs[percept].iter();
+        pairs.all(|outcomes| outcomes.leads_to != Leads::Elsewhere)
     }
 
     /// May what is known of a pair be some slips in a row? So it may if it stays where it is although a
@@ -274,7 +129,7 @@ impl Transitions {
     /// is asked for.
     pub fn is_doubtful(&self, percept: usize, action: Action, foretold: bool) -> bool {
         let outcomes = self.outcomes(percept, action);
-        let Some(next) = outcomes.leads_to else {
+        let Leads::To(next) = outcomes.leads_to else {
             return false;
         };
         let lead = outcomes.likeliest().map_or(0, |(_, lead)| lead);
@@ -282,7 +137,9 @@ impl Transitions {
         lead < 2 * self.slips.lead()
             && match next == Some(percept) {
                 true => foretold,
-                false => others.any(|other| self.outcomes(percept, other).leads_to == Some(next)),
+                false => {
+                    others.any(|other| self.outcomes(percept, other).leads_to == Leads::To(next))
+                }
             }
     }
 
@@ -295,8 +152,8 @@ impl Transitions {
     pub fn mean(&self, percept: usize, action: Action, value: impl Fn(&Outcome) -> f64) -> f64 {
         let outcomes = self.outcomes(percept, action);
         match outcomes.leads_to {
-            Some(next) => mean(outcomes.all.iter().filter(|o| o.next == next), value),
-            None => outcomes.mean(value),
+            Leads::To(next) => mean(outcomes.all().iter().filter(|o| o.next == next), value),
+            _ => outcomes.mean(value),
         }
     }
 
