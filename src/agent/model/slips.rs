@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Moves slip if pairs that bump have moved, or the other way round, so often, and in such a share of
 /// what was tried: in places that merely look alike, walls are seen.
 const LEAST_EVIDENCE: u32 = 3;
-const LEAST_SHARE: f64 = 0.01;
+const LEAST_SHARE: f64 = 0.003;
 /// What came mostly is believed when it is so many times as likely as that only slips have come.
 const CERTAIN: f64 = 50.0;
 /// ... but after so much of a lead at the latest.
