@@ -32,9 +32,9 @@ pub struct TrainArgs {
     /// The world file, such as worlds/maze4.json.
     #[arg(required_unless_present = "resume")]
     world: Option<PathBuf>,
-    /// How the robot learns.
-    #[arg(long, default_value = "xcscr-plus", value_parser = choices::method())]
-    method: Method,
+    /// How the robot learns [default: xcscr-plus, or xcscr-memory where places look alike to the sensor].
+    #[arg(long, value_parser = choices::method())]
+    method: Option<Method>,
     /// Where the robot acts: in simulated physics, or on the bare grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
@@ -82,7 +82,7 @@ impl TrainArgs {
     fn plan(&self, world: &Path) -> Result<Plan, Failure> {
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            method: self.method,
+            method: self.method.unwrap_or(Method::XcscrPlus),
             arena: self.arena,
             sensor: self.sensor.unwrap_or(Sensor::usual_in(self.arena)),
             episodes: self.episodes,
@@ -95,8 +95,25 @@ impl TrainArgs {
             settings: self.settings.resolve(&Settings::default())?.settings,
         };
         let maze = Maze::load(world)?;
-        Ok(Plan { maze, config })
+        let plan = Plan { maze, config };
+        Ok(match self.method {
+            Some(_) => plan,
+            None => with_usual_method(plan),
+        })
     }
+}
+
+/// The same by the method that suits it; if that is another than most plans have, says so.
+fn with_usual_method(plan: Plan) -> Plan {
+    let method = plan.usual_method();
+    if method == Method::XcscrMemory {
+        say(&format!(
+            "places look alike to the sensor `{}`, so `{}` learns, which remembers; `--method` chooses another",
+            plan.config.sensor.name(),
+            method.name()
+        ));
+    }
+    plan.method(method)
 }
 
 /// Trains, records, saves and reports.

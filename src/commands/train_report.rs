@@ -248,10 +248,15 @@ fn look_alike(trial: &Trial) -> Option<(String, String)> {
 fn way_out(trial: &Trial) -> String {
     let config = &trial.plan().config;
     let more = config.episodes.saturating_mul(2);
+    let position = match config.sensor.is_sensed() {
+        true => "--sensor lidar-position",
+        false => "--sensor neighbours-position",
+    };
     let other = match config.method {
-        Method::XcscrPlus if config.sensor.is_sensed() => "--sensor lidar-position",
-        Method::XcscrPlus => "--sensor neighbours-position",
-        _ => "--method xcscr-plus",
+        Method::XcscrPlus => position.to_owned(),
+        // It was chosen because places look alike.
+        Method::XcscrMemory => format!("--method xcscr-plus {position}"),
+        _ => "--method xcscr-plus".to_owned(),
     };
     // Which way actions go is either known, or takes episodes to learn.
     let known = match config.settings.memory.odometry {
@@ -320,11 +325,13 @@ mod tests {
     #[test]
     fn who_learns_which_way_its_actions_go_is_advised_to_be_told() {
         let told = "--set memory.odometry=known, ";
-        let rest = "--method xcscr-plus, another --seed, or --episodes 60";
+        let rest =
+            "--method xcscr-plus --sensor neighbours-position, another --seed, or --episodes 60";
         let learns = advice(Method::XcscrMemory, Odometry::None);
         assert_eq!(learns, format!("{told}{rest}"));
         assert_eq!(advice(Method::XcscrMemory, Odometry::Known), rest);
         // Other methods do not use the setting.
-        assert_eq!(advice(Method::Xcs, Odometry::None), rest);
+        let others = "--method xcscr-plus, another --seed, or --episodes 60";
+        assert_eq!(advice(Method::Xcs, Odometry::None), others);
     }
 }

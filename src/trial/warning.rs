@@ -9,6 +9,9 @@ use crate::world::{Cell, Facts, Maze, Paths};
 
 /// How many groups of cells, and how many cells of each, a warning names.
 const MOST_NAMED: usize = 3;
+/// Cells along a side of the largest worlds in which `xcscr-memory` was measured; in larger ones it takes
+/// minutes, and its charts end 48 cells from the goal.
+const CHARTED: u16 = 32;
 /// The largest step-threshold that settings can hold.
 const MOST: u32 = 1_000_000;
 
@@ -28,6 +31,8 @@ pub enum Warning {
         sensor: Sensor,
         /// One that does.
         instead: Sensor,
+        /// May `xcscr-memory` tell them apart?
+        charts: bool,
         /// The cells, group by group.
         groups: Vec<Vec<Cell>>,
     },
@@ -52,6 +57,23 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// The method to take where none is asked for: `xcscr-plus`, or `xcscr-memory` where that cannot
+    /// succeed because cells look alike that need different actions, in a world that its charts hold.
+    pub fn usual_method(&self) -> Method {
+        let plan = self.clone().method(Method::XcscrPlus).settled();
+        let Self { maze, config } = &plan;
+        let misled = || {
+            let paths = Paths::with_slip(maze, config.settings.arena.slip);
+            look_alike(config, maze, &paths).is_some()
+        };
+        match is_charted(config.sensor, maze) && misled() {
+            true => Method::XcscrMemory,
+            false => Method::XcscrPlus,
+        }
+    }
+}
+
 fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
     let steps = config.settings.reward.step_threshold;
     let longest = paths.longest(maze);
@@ -68,8 +90,14 @@ fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
     (!groups.is_empty()).then(|| Warning::LookAlike {
         sensor,
         instead: telling_apart(sensor, maze, paths),
+        charts: is_charted(sensor, maze),
         groups,
     })
+}
+
+/// Does the percept show the cells around the robot, in a world that is no larger than was tried?
+fn is_charted(sensor: Sensor, maze: &Maze) -> bool {
+    sensor.begins_with_neighbours() && maze.width().max(maze.height()) <= CHARTED
 }
 
 fn out_of_reach(maze: &Maze) -> Option<Warning> {
@@ -102,8 +130,15 @@ impl Warning {
                 steps @ ..=MOST => format!("`--set reward.step_threshold={steps}`"),
                 _ => "a smaller maze".to_owned(),
             },
-            Self::LookAlike { instead, .. } => {
-                format!("`--sensor {}` (in a study file: `sensors`)", instead.name())
+            Self::LookAlike {
+                instead, charts, ..
+            } => {
+                let sensor = format!("`--sensor {}` (in a study file: `sensors`)", instead.name());
+                let remembers = Method::XcscrMemory.name();
+                match charts {
+                    true => format!("{sensor} or `--method {remembers}` (`methods`)"),
+                    false => sensor,
+                }
             }
             Self::OutOfReach(_) => "to open a way in `rows`".to_owned(),
         }
@@ -266,9 +301,30 @@ mod tests {
         let words = "cells look alike to the sensor `neighbours`, and no action is best in all of \
                      them: ";
         assert!(named.len() == 1 && named[0].starts_with(words), "{named:?}");
-        let way_out = "; try `--sensor neighbours-position` (in a study file: `sensors`)";
+        let way_out = "; try `--sensor neighbours-position` (in a study file: `sensors`) or `--method \
+                       xcscr-memory` (`methods`)";
         assert!(named[0].ends_with(way_out), "{named:?}");
         assert_eq!(said(Method::Xcscr, Sensor::NeighboursPosition), [""; 0]);
         assert_eq!(said(Method::XcscrMemory, Sensor::Neighbours), [""; 0]);
+    }
+
+    #[test]
+    fn where_cells_mislead_on_the_way_the_usual_method_remembers_if_it_can() {
+        let usual = |world, sensor| Plan::new(maze(world)).sensor(sensor).usual_method();
+        assert_eq!(usual("dfs-12-1", Sensor::Lidar), Method::XcscrMemory);
+        for (world, sensor) in [
+            ("maze4", Sensor::Lidar),
+            ("dfs-12-1", Sensor::LidarPosition),
+            // Nothing in it tells which cells are beside the robot.
+            ("dfs-12-1", Sensor::LidarRanges),
+            // Too large.
+            ("dfs-40-1", Sensor::Lidar),
+        ] {
+            assert_eq!(
+                usual(world, sensor),
+                Method::XcscrPlus,
+                "{world} {sensor:?}"
+            );
+        }
     }
 }

@@ -529,6 +529,30 @@ fn recordings_and_trial_agree_when_a_policy_with_a_memory_is_optimal() {
 }
 
 #[test]
+fn where_places_look_alike_the_method_that_remembers_learns_unless_another_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let world = "worlds/classic/mazef4.json";
+    let trained = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let what = "train --arena grid --record none --quiet --json --episodes 12 --out";
+        let what = what
+            .split_whitespace()
+            .chain([out.to_str().unwrap(), world]);
+        let (report, said) = expect(0, &what.chain(more.iter().copied()).collect::<Vec<_>>());
+        let report: Value = serde_json::from_str(&report).unwrap();
+        (report, said)
+    };
+    let (report, said) = trained("usual", &[]);
+    let words = "places look alike to the sensor `neighbours`, so `xcscr-memory` learns";
+    assert!(said.starts_with(words), "{said}");
+    assert_eq!(report["retained"], true, "{report}");
+    let (_, said) = trained("named", &["--method", "xcscr-plus"]);
+    assert!(said.starts_with("warning: cells look alike"), "{said}");
+    let (_, said) = trained("told", &["--sensor", "neighbours-position"]);
+    assert_eq!(said, "", "control: the position tells them apart");
+}
+
+#[test]
 fn a_failure_names_cells_that_look_alike_and_a_percept_that_tells_them_apart() {
     let folder = tempfile::tempdir().unwrap();
     let rows = ["########", "#S.....#", "#.####.#", "#.....G#", "########"];
