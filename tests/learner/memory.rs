@@ -2,8 +2,10 @@
 
 use crate::kit::trial::on_the_grid;
 use xcscr::agent::{Knowledge, Method};
+use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Bounds, GreedySteps, Settings, Trial};
+use xcscr::trial::{Bounds, GreedySteps, Plan, Settings, Trial};
+use xcscr::world::{Maze, Recipe};
 
 fn finished(world: &str, method: Method, episodes: u32, slip: f64) -> Trial {
     let mut settings = Settings::default();
@@ -55,6 +57,27 @@ fn a_trial_with_a_memory_counts_as_optimal_when_it_reaches_the_belief_bound() {
     assert_eq!(greedy.ratio(trial.plan()), Some(1.0));
     assert!(trial.progress().optimal, "{:?}", trial.progress());
     assert!(trial.progress().first_optimal_episode.unwrap() <= 50);
+}
+
+#[test]
+fn rules_are_induced_for_the_one_start_that_a_world_has_also_if_it_looks_like_no_other() {
+    let recipe: Recipe = "rooms-16-31".parse().unwrap();
+    let trained = |starts: &str| {
+        let json = recipe.maze().unwrap().to_json().replace("#S.", starts);
+        let maze = Maze::from_json(json.as_bytes(), "rooms.json").unwrap();
+        let plan = Plan::new(maze).method(Method::XcscrMemory);
+        let plan = plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours);
+        plan.episodes(20).seed(2).run().unwrap()
+    };
+    let trial = trained("#S.");
+    assert_eq!(greedy(&trial), 26.0, "the shortest way");
+    let rules = trial.method().rule_count();
+    assert!(rules <= 8, "{rules} rules");
+    let anywhere = trained("#..").method().rule_count();
+    assert!(
+        anywhere > 12,
+        "control, with starts anywhere: {anywhere} rules"
+    );
 }
 
 #[test]

@@ -36,6 +36,23 @@ fn a_trial_with_flipping_bits_goes_on_from_a_checkpoint_as_if_it_had_never_stopp
 }
 
 #[test]
+fn a_memory_tells_two_goals_apart_where_cells_are_misread() {
+    let ratio = |charts| {
+        let mut settings = Settings::default();
+        settings.reward.step_threshold = 100;
+        settings.sensor.flips = 0.01;
+        settings.memory.charts = charts;
+        let plan = on_the_grid("classic/woods102", Method::XcscrMemory).episodes(60);
+        let trial = plan.seed(5501).settings(settings).run().unwrap();
+        let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
+        greedy.ratio(trial.plan()).unwrap()
+    };
+    let (two, one) = (ratio(6), ratio(1));
+    assert!(two < 1.1, "{two} times the bound");
+    assert!(one > 1.5, "control, with one chart: {one}");
+}
+
+#[test]
 fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
     for world in ["classic/mazef4", "classic/maze7"] {
         let steps = |method| {

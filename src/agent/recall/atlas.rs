@@ -1,13 +1,14 @@
 //! All charts, drawn from the episodes that reached a goal.
 
-use std::collections::{BTreeSet, VecDeque};
+mod redraw;
+
+use std::collections::{BTreeMap, VecDeque};
 
 use serde::{Deserialize, Serialize};
 
 use super::align::{Alignment, Habits, Seen, align, differing, slips};
 use super::chart::Chart;
 use super::headings::{DISPLACEMENTS, Headings};
-use super::likelihood::Likelihood;
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
 use super::params::{MemoryParams, Odometry};
 use super::place::{Around, Place, Vision};
@@ -33,6 +34,10 @@ const BROUGHT_STEPS: f64 = 100.0;
 const SHOWN_AT_FIRST: f64 = 50.0;
 /// How many times likelier an episode must be on a blank chart, to open one for it.
 const BLANK_ADVANTAGE: f64 = 7.4;
+/// How well it can be guessed what a cell is. A blank chart tells nothing; so if cells are misread, and none
+/// by itself speaks against a chart, an episode must be so much likelier on a blank one for each cell that
+/// the other tells.
+const GUESSED: f64 = 0.5;
 /// A chart that fewer episodes than this share belong to is not planned on.
 const LEAST_SHARE: f64 = 0.05;
 
@@ -243,91 +248,50 @@ impl Atlas {
         let Some(best) = self.best_fit(steps) else {
             return blank();
         };
-        let exact = self.habits.slip < EXACT && self.misread() == 0.0;
-        let enough = match exact {
-            true => 1,
-            false => self.too_many(8 * best.1.places.iter().flatten().count()),
-        };
-        if self.sheets.len() >= self.params.charts as usize
-            || self.contradictions(steps, &best) < enough
-        {
+        if self.sheets.len() >= self.params.charts as usize {
             return best;
         }
+        let Some(advantage) = self.advantage_to_open(steps, &best) else {
+            return best;
+        };
         let blank = blank();
-        let likelier = blank.1.likelihood > best.1.likelihood.times(BLANK_ADVANTAGE);
-        if exact || likelier { blank } else { best }
+        match blank.1.likelihood > best.1.likelihood.times(advantage) {
+            true => blank,
+            false => best,
+        }
     }
 
-    /// How many contradictions among so many sightings are more than misread cells explain, three
-    /// deviations above what is expected; two if none are misread.
-    fn too_many(&self, sightings: usize) -> usize {
-        // What is charted may have been misread as well.
-        let expected = 2.0 * self.misread() * sightings as f64;
-        2 + (expected + 3.0 * expected.sqrt()) as usize
+    /// How many times likelier an episode must be on a blank chart than on the one that it fits best, to
+    /// open a chart for it; `None` if nothing speaks against that one.
+    fn advantage_to_open(&self, steps: &[Seen], best: &(usize, Alignment)) -> Option<f64> {
+        let [contradicted, seen] = self.contradictions(steps, best);
+        if self.misread() > 0.0 {
+            return Some(BLANK_ADVANTAGE * GUESSED.powi(-(seen as i32)));
+        }
+        match self.habits.slip < EXACT {
+            true => (contradicted > 0).then_some(0.0),
+            false => (contradicted > 1).then_some(BLANK_ADVANTAGE),
+        }
     }
 
-    /// In how many cells an episode contradicts the chart on which it lies.
-    fn contradictions(&self, steps: &[Seen], (at, alignment): &(usize, Alignment)) -> usize {
+    /// In how many cells an episode contradicts the chart on which it lies, and how many charted cells it
+    /// sees.
+    fn contradictions(&self, steps: &[Seen], (at, alignment): &(usize, Alignment)) -> [usize; 2] {
         let chart = &self.sheets[*at].chart;
         let placed = steps.iter().zip(&alignment.places);
         let placed = placed.filter_map(|(step, place)| Some((step, (*place)?)));
-        let cells: BTreeSet<Place> = placed
-            .flat_map(|(step, place)| chart.contradictions(place, &step.around))
-            .collect();
-        cells.len()
+        let mut cells: BTreeMap<Place, bool> = BTreeMap::new();
+        for (cell, agrees) in placed.flat_map(|(step, place)| chart.compare(place, &step.around)) {
+            *cells.entry(cell).or_default() |= !agrees;
+        }
+        let contradicted = cells.values().filter(|contradicted| **contradicted);
+        [contradicted.count(), cells.len()]
     }
 
     /// How often moves slip, as far as the last episodes tell.
     fn settle_habits(&mut self) {
         let [slips, steps] = self.slips;
         self.habits.slip = ((slips + FIRST_SLIP) / (steps + 1.0)).clamp(1e-4, 0.9);
-    }
-
-    /// Draws all charts anew from the kept episodes, the shortest first, and once more from how they
-    /// lie there; keeps what is likelier.
-    fn redraw(&mut self) {
-        let mut order: Vec<&Vec<Seen>> = self.episodes.iter().collect();
-        order.sort_by_key(|steps| steps.len());
-        let order: Vec<Vec<Seen>> = order.into_iter().cloned().collect();
-        let mut fresh = self.blank();
-        for steps in &order {
-            fresh.draw(steps);
-        }
-        fresh.settle_habits();
-        let fresh = fresh.drawn_again(&order);
-        if fresh.likelihood(&order) > self.likelihood(&order) || order.len() < 25 {
-            self.sheets = fresh.sheets;
-            self.habits = fresh.habits;
-            self.slips = fresh.slips;
-        }
-    }
-
-    /// Charts drawn from how episodes lie on these ones.
-    fn drawn_again(&self, episodes: &[Vec<Seen>]) -> Self {
-        let mut again = self.blank();
-        again.sheets.resize(self.sheets.len(), Sheet::default());
-        for steps in episodes {
-            let Some((at, alignment)) = self.best_fit(steps) else {
-                continue;
-            };
-            let sheet = &mut again.sheets[at];
-            let goal = self.habits.vision.of_a_goal();
-            sheet.chart.sight(Place::ORIGIN, goal);
-            sheet.take_down(steps, &alignment);
-            again.slips[0] += again.slips_of(steps, &alignment);
-            again.slips[1] += steps.len() as f64;
-        }
-        again.sheets.retain(|sheet| sheet.episodes > 0.0);
-        again.settle_habits();
-        again
-    }
-
-    fn likelihood(&self, episodes: &[Vec<Seen>]) -> Likelihood {
-        let best = |steps: &Vec<Seen>| self.lay(steps).1.likelihood;
-        episodes
-            .iter()
-            .map(best)
-            .fold(Likelihood::ONE, Likelihood::and)
     }
 
     /// The charted places as states to plan on, on all charts that are not rare.

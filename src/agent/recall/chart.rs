@@ -10,6 +10,9 @@ const MOST_SIGHTINGS: u8 = 20;
 pub const FURTHEST: u16 = 48;
 /// The likelihood of whatever is seen in a cell that nobody has seen before.
 const UNKNOWN: f64 = 0.9;
+/// If cells are misread more rarely than this, what was seen otherwise was mostly seen elsewhere, where the robot was
+/// taken for being here.
+const RARE: f64 = 0.002;
 /// The sightings that every letter is granted in advance.
 const PRIOR: f64 = 0.003;
 
@@ -47,6 +50,12 @@ impl Chart {
         }
     }
 
+    /// How many cells were seen.
+    pub fn cells(&self) -> usize {
+        let seen = |sightings: &&[u8; 3]| sightings.iter().any(|count| *count > 0);
+        self.sightings.iter().filter(seen).count()
+    }
+
     /// What would be seen in a place; `None` if some of it is not charted.
     pub fn around(&self, place: Place, vision: Vision) -> Option<Around> {
         vision.seen(AROUND.map(|by| self.letter(place.plus(by))))
@@ -72,18 +81,23 @@ impl Chart {
         if all == 0.0 {
             return UNKNOWN;
         }
-        let share = (f64::from(sightings[letter as usize]) + PRIOR) / (all + 3.0 * PRIOR);
-        (1.0 - misread) * share + misread / 3.0
+        if misread < RARE {
+            let share = (f64::from(sightings[letter as usize]) + PRIOR) / (all + 3.0 * PRIOR);
+            return (1.0 - misread) * share + misread / 3.0;
+        }
+        // What the cell may be, by the theorem of Bayes; another letter is read with half of `misread`.
+        let odds = (misread / 2.0) / (1.0 - misread);
+        let truly = sightings.map(|count| odds.powf(all - f64::from(count)));
+        let share = truly[letter as usize] / truly.iter().sum::<f64>();
+        (1.0 - misread) * share + misread / 2.0 * (1.0 - share)
     }
 
-    /// The cells around a place that were charted otherwise than they are seen.
-    pub fn contradictions(&self, place: Place, seen: &Around) -> impl Iterator<Item = Place> {
+    /// The charted cells around a place, and whether they are seen as they were charted.
+    pub fn compare(&self, place: Place, seen: &Around) -> impl Iterator<Item = (Place, bool)> {
         let cells = AROUND.into_iter().zip(*seen);
         let cells = cells.filter(|(_, letter)| *letter != Letter::Hidden);
         let cells = cells.map(move |(by, letter)| (place.plus(by), letter));
-        cells
-            .filter(|&(cell, letter)| self.letter(cell).is_some_and(|charted| charted != letter))
-            .map(|(cell, _)| cell)
+        cells.filter_map(|(cell, letter)| Some((cell, self.letter(cell)? == letter)))
     }
 
     /// Takes down what is seen in a place, which is free.

@@ -49,7 +49,7 @@ pub struct Map {
     pub spots: Vec<Spot>,
     /// The probability that a cell is misread; 0 if what is perceived is taken for right.
     pub misread: f64,
-    /// The state in which all episodes begin, if there is one, and it looks like others.
+    /// The state in which all episodes begin, if there is one.
     pub begin: Option<u32>,
 }
 
@@ -186,8 +186,7 @@ impl Map {
         }
     }
 
-    /// The same, where all episodes begin in this place of this chart. It is of no use to know that if
-    /// the robot can see it.
+    /// The same, where all episodes begin in this place of this chart.
     pub fn begun_in(self, begun: Option<(u8, Place)>) -> Self {
         let state = begun.and_then(|(chart, place)| {
             let eaten = 0;
@@ -198,9 +197,7 @@ impl Map {
             };
             self.spots.binary_search(&spot).ok()
         });
-        let state = state.map(|state| state as u32);
-        let looks_like_others = |state: &u32| self.pomdp.alike(self.pomdp.look(*state)).count() > 1;
-        let begin = state.filter(looks_like_others);
+        let begin = state.map(|state| state as u32);
         Self { begin, ..self }
     }
 

@@ -1,0 +1,95 @@
+//! Charts drawn anew from all episodes that are kept.
+
+use super::super::align::Seen;
+use super::super::likelihood::Likelihood;
+use super::super::sheet::Sheet;
+use super::{Atlas, GUESSED, Place};
+
+impl Atlas {
+    /// Draws all charts anew from the kept episodes, the shortest first, and once more from how they
+    /// lie there; keeps what is likelier.
+    pub(super) fn redraw(&mut self) {
+        let mut order: Vec<&Vec<Seen>> = self.episodes.iter().collect();
+        order.sort_by_key(|steps| steps.len());
+        let order: Vec<Vec<Seen>> = order.into_iter().cloned().collect();
+        let mut fresh = self.blank();
+        for steps in &order {
+            fresh.draw(steps);
+        }
+        fresh.settle_habits();
+        let fresh = fresh.drawn_again(&order);
+        if fresh.likelihood(&order) > self.likelihood(&order) || order.len() < 25 {
+            self.take_over(fresh);
+        }
+        if self.misread() > 0.0 {
+            self.take_over(self.clone().without_needless(&order));
+        }
+    }
+
+    /// Takes over charts, and what they tell of moves.
+    fn take_over(&mut self, drawn: Self) {
+        self.sheets = drawn.sheets;
+        self.habits = drawn.habits;
+        self.slips = drawn.slips;
+    }
+
+    /// Charts drawn from how episodes lie on these ones.
+    fn drawn_again(&self, episodes: &[Vec<Seen>]) -> Self {
+        let mut again = self.blank();
+        again.sheets.resize(self.sheets.len(), Sheet::default());
+        for steps in episodes {
+            let Some((at, alignment)) = self.best_fit(steps) else {
+                continue;
+            };
+            let sheet = &mut again.sheets[at];
+            let goal = self.habits.vision.of_a_goal();
+            sheet.chart.sight(Place::ORIGIN, goal);
+            sheet.take_down(steps, &alignment);
+            again.slips[0] += again.slips_of(steps, &alignment);
+            again.slips[1] += steps.len() as f64;
+        }
+        again.sheets.retain(|sheet| sheet.episodes > 0.0);
+        again.settle_habits();
+        again
+    }
+
+    /// The same without charts of goals that have another one. If cells are misread, the first episodes on a
+    /// chart may draw it so wrongly that later ones open another. A chart is needless if without it
+    /// episodes are as likely but for what it tells of its cells.
+    fn without_needless(self, episodes: &[Vec<Seen>]) -> Self {
+        let mut best = self;
+        let mut at = 0;
+        while at < best.sheets.len() && best.sheets.len() > 1 {
+            let fewer = best.without(at, episodes);
+            let cells = best.sheets[at].chart.cells();
+            let advantage = GUESSED.powi(-(cells as i32));
+            (best, at) = match fewer.fit(episodes).times(advantage) > best.fit(episodes) {
+                true => (fewer, 0),
+                false => (best, at + 1),
+            };
+        }
+        best
+    }
+
+    /// The same drawn again without a chart.
+    fn without(&self, at: usize, episodes: &[Vec<Seen>]) -> Self {
+        let mut fewer = self.clone();
+        fewer.sheets.remove(at);
+        fewer.drawn_again(episodes).drawn_again(episodes)
+    }
+
+    /// How likely episodes are on the charts that there are.
+    fn fit(&self, episodes: &[Vec<Seen>]) -> Likelihood {
+        let fits = episodes.iter().filter_map(|steps| self.best_fit(steps));
+        fits.map(|(_, alignment)| alignment.likelihood)
+            .fold(Likelihood::ONE, Likelihood::and)
+    }
+
+    fn likelihood(&self, episodes: &[Vec<Seen>]) -> Likelihood {
+        let best = |steps: &Vec<Seen>| self.lay(steps).1.likelihood;
+        episodes
+            .iter()
+            .map(best)
+            .fold(Likelihood::ONE, Likelihood::and)
+    }
+}
