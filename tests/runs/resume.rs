@@ -412,11 +412,12 @@ fn a_damaged_or_foreign_checkpoint_is_refused_and_left_as_it_is() {
     let mut flipped = sound.clone();
     flipped[sound.len() / 2] ^= 1;
     let mut newer = sound.clone();
-    newer[8] = 9;
+    newer[8] += 1;
+    let has_format = format!("it has format {}", newer[8]);
     for (bytes, words) in [
         (&flipped[..], "its checksum is wrong"),
         (&sound[..sound.len() / 2], "but should have"),
-        (&newer[..], "it has format 9"),
+        (&newer[..], &has_format),
         (b"not at all", "it is not a checkpoint"),
         (&sound[..], "its content contradicts itself"),
     ] {
