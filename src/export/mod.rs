@@ -3,7 +3,7 @@
 //! Rules keep voting as they do here, but in whole numbers, so that a microcontroller without
 //! floating point chooses the same action. [`Ballot`] finds the fewest bits with which it does.
 //! Rules with a memory come with their charts as a table, and with a tracker that follows the robot on
-//! them ([`memory`]).
+//! them (`memory`).
 
 mod ballot;
 mod c99;
