@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::align::{Alignment, Habits, Seen, align, differing, slips};
 use super::chart::Chart;
 use super::headings::{DISPLACEMENTS, Headings};
+use super::likelihood::Likelihood;
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
 use super::params::{MemoryParams, Odometry};
 use super::place::{Around, Place, Vision};
@@ -34,10 +35,6 @@ const BROUGHT_STEPS: f64 = 100.0;
 const SHOWN_AT_FIRST: f64 = 50.0;
 /// How many times likelier an episode must be on a blank chart, to open one for it.
 const BLANK_ADVANTAGE: f64 = 7.4;
-/// How well it can be guessed what a cell is. A blank chart tells nothing; so if cells are misread, and none
-/// by itself speaks against a chart, an episode must be so much likelier on a blank one for each cell that
-/// the other tells.
-const GUESSED: f64 = 0.5;
 /// A chart that fewer episodes than this share belong to is not planned on.
 const LEAST_SHARE: f64 = 0.05;
 
@@ -251,26 +248,30 @@ impl Atlas {
         if self.sheets.len() >= self.params.charts as usize {
             return best;
         }
-        let Some(advantage) = self.advantage_to_open(steps, &best) else {
+        let Some(least) = self.least_to_open(steps, &best) else {
             return best;
         };
         let blank = blank();
-        match blank.1.likelihood > best.1.likelihood.times(advantage) {
-            true => blank,
-            false => best,
+        if blank.1.likelihood > least {
+            blank
+        } else {
+            best
         }
     }
 
-    /// How many times likelier an episode must be on a blank chart than on the one that it fits best, to
-    /// open a chart for it; `None` if nothing speaks against that one.
-    fn advantage_to_open(&self, steps: &[Seen], best: &(usize, Alignment)) -> Option<f64> {
+    /// How likely an episode must be on a blank chart to open one for it; `None` if nothing speaks against
+    /// the one that it fits best. If cells are misread, none by itself speaks against a chart; but a blank
+    /// one tells nothing, so the episode must be twice as likely there for each cell that the other tells.
+    fn least_to_open(&self, steps: &[Seen], best: &(usize, Alignment)) -> Option<Likelihood> {
         let [contradicted, seen] = self.contradictions(steps, best);
+        let likelihood = best.1.likelihood;
+        let likelier = likelihood.times(BLANK_ADVANTAGE);
         if self.misread() > 0.0 {
-            return Some(BLANK_ADVANTAGE * GUESSED.powi(-(seen as i32)));
+            return Some(likelier.doubled(seen));
         }
         match self.habits.slip < EXACT {
-            true => (contradicted > 0).then_some(0.0),
-            false => (contradicted > 1).then_some(BLANK_ADVANTAGE),
+            true => (contradicted > 0).then_some(likelihood.times(0.0)),
+            false => (contradicted > 1).then_some(likelier),
         }
     }
 

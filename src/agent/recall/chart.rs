@@ -87,7 +87,8 @@ impl Chart {
         }
         // What the cell may be, by the theorem of Bayes; another letter is read with half of `misread`.
         let odds = (misread / 2.0) / (1.0 - misread);
-        let truly = sightings.map(|count| odds.powf(all - f64::from(count)));
+        let seen: u8 = sightings.iter().sum();
+        let truly = sightings.map(|count| (count..seen).fold(1.0, |share, _| share * odds));
         let share = truly[letter as usize] / truly.iter().sum::<f64>();
         (1.0 - misread) * share + misread / 2.0 * (1.0 - share)
     }

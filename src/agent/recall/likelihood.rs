@@ -35,6 +35,15 @@ impl Likelihood {
         Self { exponent, mantissa }
     }
 
+    /// Times two, so often.
+    pub fn doubled(self, times: usize) -> Self {
+        let exponent = self.exponent.saturating_add(times as i64);
+        match self.mantissa > 0.0 {
+            true => Self { exponent, ..self },
+            false => self,
+        }
+    }
+
     /// Times another.
     pub fn and(self, other: Self) -> Self {
         if self.mantissa == 0.0 || other.mantissa == 0.0 {
@@ -45,5 +54,20 @@ impl Likelihood {
             exponent: product.exponent + other.exponent,
             ..product
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn doubling_more_often_than_a_float_can_hold_is_the_same_as_one_by_one() {
+        let small = Likelihood::ONE.times(0.3);
+        let one_by_one = (0..2_000).fold(small, |product, _| product.times(2.0));
+        assert_eq!(small.doubled(2_000), one_by_one);
+        assert_ne!(small.doubled(1_999), one_by_one, "control");
+        let never = Likelihood::ONE.times(0.0);
+        assert_eq!(never.doubled(2_000), never);
     }
 }

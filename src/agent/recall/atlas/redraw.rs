@@ -3,7 +3,7 @@
 use super::super::align::Seen;
 use super::super::likelihood::Likelihood;
 use super::super::sheet::Sheet;
-use super::{Atlas, GUESSED, Place};
+use super::{Atlas, Place};
 
 impl Atlas {
     /// Draws all charts anew from the kept episodes, the shortest first, and once more from how they
@@ -55,15 +55,14 @@ impl Atlas {
 
     /// The same without charts of goals that have another one. If cells are misread, the first episodes on a
     /// chart may draw it so wrongly that later ones open another. A chart is needless if without it
-    /// episodes are as likely but for what it tells of its cells.
+    /// episodes are as likely but for what it tells of its cells, one bit of each.
     fn without_needless(self, episodes: &[Vec<Seen>]) -> Self {
         let mut best = self;
         let mut at = 0;
         while at < best.sheets.len() && best.sheets.len() > 1 {
             let fewer = best.without(at, episodes);
             let cells = best.sheets[at].chart.cells();
-            let advantage = GUESSED.powi(-(cells as i32));
-            (best, at) = match fewer.fit(episodes).times(advantage) > best.fit(episodes) {
+            (best, at) = match fewer.fit(episodes).doubled(cells) > best.fit(episodes) {
                 true => (fewer, 0),
                 false => (best, at + 1),
             };
