@@ -38,9 +38,10 @@ pub use places::Places;
 use plus::Plus;
 pub use plus::{Discovery, PlusParams};
 pub(crate) use recall::{
-    ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Demand, Map, Part, contexts, demands,
+    ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Demand, Map, PERCEPT_BITS, Part, contexts, demands,
+    words as memory_words,
 };
-pub use recall::{MemoryParams, Odometry, PERCEPT_BITS, words as memory_words};
+pub use recall::{MemoryParams, Odometry};
 use remembering::Recall;
 use tabular::Tabular;
 pub use tabular::TabularParams;

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::agent::{Knowledge, PERCEPT_BITS, memory_words};
+use crate::agent::Knowledge;
 use crate::sensor::{Sensor, action_name};
-use crate::trial::Plan;
+use crate::trial::{Plan, context_words};
 use crate::world::Maze;
 use xcs::{Action, Condition};
 
@@ -96,16 +96,10 @@ impl Origin {
     }
 
     fn demanded(&self, allele: &dyn Fn(usize) -> Option<bool>) -> String {
-        if !self.remembers {
-            return self.sensor.words(&self.maze, allele);
+        match self.remembers {
+            true => context_words(self.sensor, &self.maze, allele),
+            false => self.sensor.words(&self.maze, allele),
         }
-        let perceived = |bit| allele(bit).filter(|_| bit < PERCEPT_BITS);
-        let mut words = vec![self.sensor.words(&self.maze, &perceived)];
-        words.extend(memory_words(allele));
-        if words.len() > 1 {
-            words.retain(|word| word != "anything");
-        }
-        words.join(", ")
     }
 
     /// The name of an action.

@@ -15,6 +15,7 @@ mod settings_error;
 mod toml_text;
 mod warning;
 mod why;
+mod wording;
 
 use std::ops::{ControlFlow, RangeInclusive};
 
@@ -37,6 +38,8 @@ pub use toml_text::MOST_TOML_BYTES;
 pub(crate) use toml_text::shortened;
 pub use warning::Warning;
 pub use why::{Change, Vote, Why};
+pub use wording::context_words;
+pub(crate) use wording::recorded_context_words;
 
 use crate::agent::{Agent, Chosen, Explorer};
 use crate::arena::Arena;

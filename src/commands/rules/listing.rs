@@ -4,9 +4,9 @@ use std::cmp::Reverse;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use xcscr::agent::{Knowledge, PERCEPT_BITS, memory_words};
+use xcscr::agent::Knowledge;
 use xcscr::sensor::{Sensor, action_name};
-use xcscr::trial::Plan;
+use xcscr::trial::{Plan, context_words};
 use xcscr::xcs::{Action, Classifier, Condition, Percept};
 
 /// By what rules are ordered.
@@ -101,15 +101,8 @@ pub fn rows(
 pub fn words(rule: &Classifier, plan: &Plan, knowledge: &Knowledge) -> String {
     let Plan { maze, config } = plan;
     let allele = |at| rule.condition.allele(at);
-    if !knowledge.remembers() {
-        return config.sensor.words(maze, &allele);
+    match knowledge.remembers() {
+        true => context_words(Sensor::Neighbours, maze, &allele),
+        false => config.sensor.words(maze, &allele),
     }
-    let percept = |at| allele(at).filter(|_| at < PERCEPT_BITS);
-    let mut words = vec![Sensor::Neighbours.words(maze, &percept)];
-    let remembered = memory_words(&allele);
-    if !remembered.is_empty() {
-        words.retain(|word| word != "anything");
-    }
-    words.extend(remembered);
-    words.join(", ")
 }

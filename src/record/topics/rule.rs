@@ -6,9 +6,10 @@ use serde::Serialize;
 use super::rounded;
 use super::scene::{ROBOT, color, entity, place, update};
 use super::schema::Object;
-use crate::agent::{Chooser, PERCEPT_BITS, memory_words};
+use crate::agent::Chooser;
 use crate::episode::Step;
 use crate::sensor::{Sensor, action_name};
+use crate::trial::recorded_context_words;
 use crate::world::Maze;
 use xcs::{Action, Condition, Percept};
 
@@ -143,13 +144,10 @@ fn who(chooser: Chooser) -> &'static str {
 /// What a condition demands; of one on more than the percept also of the memory.
 fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
     let (maze, allele) = (step.view.maze, |at| condition.allele(at));
-    if condition.width() == step.percept.width() {
-        return sensor.words(maze, &allele);
+    match condition.width() == step.percept.width() {
+        true => sensor.words(maze, &allele),
+        false => recorded_context_words(Sensor::Neighbours, maze, &allele),
     }
-    let percept = |at| allele(at).filter(|_| at < PERCEPT_BITS);
-    let mut words = vec![Sensor::Neighbours.words(maze, &percept)];
-    words.extend(memory_words(&allele));
-    words.join(", ")
 }
 
 /// An action and its worth.
