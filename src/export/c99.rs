@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::comments::C as COMMENTS;
 use super::{Ballot, Origin, Vote};
 use xcs::Action;
 
@@ -74,13 +75,8 @@ static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
 /// The header.
 pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
     let mut text = String::from("/*\n");
-    for line in origin.lines().iter().chain(&about(ballot)) {
-        let _ = writeln!(text, " * {line}");
-    }
-    text.push_str(" *\n * Bits of a percept; bit i is bit i % 8 of byte i / 8:\n");
-    for bit in 0..ballot.width() {
-        let _ = writeln!(text, " *   {bit:3}  {}", origin.bit(bit));
-    }
+    text.push_str(&COMMENTS.head(ballot, origin));
+    text.push_str(&COMMENTS.bits_of_bytes(ballot, origin));
     text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
     let figures = [
         ("PERCEPT_BITS", ballot.width()),
@@ -110,17 +106,6 @@ pub(super) fn actions(ballot: &Ballot, origin: &Origin) -> String {
         let _ = writeln!(text, "#define XCSCR_ACTION_{name} {}", action.index());
     }
     text
-}
-
-/// What whoever calls the function should know.
-pub(super) fn about(ballot: &Ballot) -> [String; 2] {
-    [
-        format!(
-            "{} rules vote in whole numbers. Compared with the run's own",
-            ballot.votes().len()
-        ),
-        format!("greedy choice in {}: the same.", ballot.compared()),
-    ]
 }
 
 /// The type of a rule, and all of them.

@@ -7,6 +7,7 @@
 
 mod ballot;
 mod c99;
+mod comments;
 mod data;
 mod dot;
 mod memory;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::comments::PYTHON as COMMENTS;
 use super::{Ballot, Origin, Vote};
 use xcs::Action;
 
@@ -24,25 +25,10 @@ def decide(percept):
 
 /// The module.
 pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
-    let mut text = String::new();
-    for line in origin.lines() {
-        let _ = writeln!(text, "# {line}");
-    }
-    let _ = writeln!(
-        text,
-        "# {} rules vote in whole numbers. Compared with the run's own greedy choice in {}: the \
-         same.\n\n# What each bit of a percept says when it is 1.\nBITS = [",
-        ballot.votes().len(),
-        ballot.compared()
-    );
-    for bit in 0..ballot.width() {
-        let _ = writeln!(text, "    {:?},", origin.bit(bit));
-    }
-    text.push_str("]\n\nACTIONS = [\n");
-    for action in Action::all(ballot.actions()) {
-        let _ = writeln!(text, "    {:?},", origin.action(action));
-    }
-    text.push_str("]\n\n# Condition, action, weight, worth.\nRULES = [\n");
+    let mut text = COMMENTS.head(ballot, origin);
+    text.push_str("\n# What each bit of a percept says when it is 1.\n");
+    text.push_str(&names(ballot, ballot.width(), origin));
+    text.push_str("\n# Condition, action, weight, worth.\nRULES = [\n");
     for Vote {
         condition,
         action,
@@ -56,4 +42,14 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
     text.push_str("]\n");
     text.push_str(DECIDE);
     text
+}
+
+/// The names of so many bits, and of the actions.
+pub(super) fn names(ballot: &Ballot, bits: usize, origin: &Origin) -> String {
+    let bits = (0..bits).map(|bit| origin.bit(bit));
+    let actions = Action::all(ballot.actions()).map(|action| origin.action(action));
+    let lines = |name: String| format!("    {name:?},\n");
+    let (bits, actions): (String, String) =
+        (bits.map(lines).collect(), actions.map(lines).collect());
+    format!("BITS = [\n{bits}]\n\nACTIONS = [\n{actions}]\n")
 }

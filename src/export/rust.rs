@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::comments::RUST as COMMENTS;
 use super::{Ballot, Origin, Vote};
 use xcs::Action;
 
@@ -35,20 +36,8 @@ pub fn decide(percept: &[u8; PERCEPT_BYTES]) -> Option<u8> {
 
 /// The module.
 pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
-    let mut text = String::new();
-    for line in origin.lines() {
-        let _ = writeln!(text, "// {line}");
-    }
-    let _ = writeln!(
-        text,
-        "// {} rules vote in whole numbers. Compared with the run's own greedy choice in {}: the \
-         same.\n//\n// Bits of a percept; bit i is bit i % 8 of byte i / 8:",
-        ballot.votes().len(),
-        ballot.compared()
-    );
-    for bit in 0..ballot.width() {
-        let _ = writeln!(text, "// {bit:3}  {}", origin.bit(bit));
-    }
+    let mut text = COMMENTS.head(ballot, origin);
+    text.push_str(&COMMENTS.bits_of_bytes(ballot, origin));
     let _ = writeln!(
         text,
         "\n/// Bytes of a percept.\npub const PERCEPT_BYTES: usize = {};\n/// The names of the \

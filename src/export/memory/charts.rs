@@ -98,6 +98,17 @@ impl State {
                 .collect(),
         }
     }
+
+    /// The states that the actions lead to as a list, with this for the goal.
+    pub fn successors(&self, goal: &str) -> String {
+        let next: Vec<String> = self.next.iter().map(|&next| named(next, goal)).collect();
+        next.join(", ")
+    }
+}
+
+/// A state, or the name of none.
+pub fn named(state: Option<u16>, none: &str) -> String {
+    state.map_or(none.to_owned(), |state| state.to_string())
 }
 
 fn number(state: u32) -> Option<u16> {

@@ -5,5 +5,6 @@ mod charts;
 mod demanded;
 pub(super) mod python;
 pub(super) mod rust;
+mod usage;
 
 pub(super) use charts::Charts;

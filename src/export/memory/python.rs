@@ -2,12 +2,14 @@
 
 use std::fmt::Write;
 
-use super::charts::{Charts, State};
+use super::charts::{Charts, State, named};
 use super::demanded::{Language, expression};
+use super::usage::{Calls, usage};
 use crate::agent::pomdp::NEGLIGIBLE;
 use crate::agent::{ASTRAY, BEGUN_ELSEWHERE, PERCEPT_BITS};
+use crate::export::comments::PYTHON as COMMENTS;
+use crate::export::python::names;
 use crate::export::{Ballot, Origin, Vote};
-use xcs::Action;
 
 /// How Python writes demands.
 const PYTHON: Language = Language {
@@ -16,17 +18,12 @@ const PYTHON: Language = Language {
 };
 
 /// How to use it.
-const USAGE: &str = "\
-#
-# The rules go by charts of the world: a tracker follows the robot on them. At the beginning of an
-# episode make a Tracker(), then in each step
-#     action = tracker.perceive(percept, bumped, rewarded)
-# percept   the eight cells around the robot as a number, see BITS
-# bumped    did the last action end at a wall, so that the robot stands where it was?
-# rewarded  did it find a reward other than the goal?
-# In the first step of an episode the last two mean nothing. Where no rule matches, the action is None:
-# take any. Whoever does another action than this one writes it into tracker.action.
-";
+const CALLS: Calls = Calls {
+    begin: "make a Tracker()",
+    step: "action = tracker.perceive(percept, bumped, rewarded)",
+    percept: " as a number, see BITS",
+    none: " None:\ntake ",
+};
 
 /// What is the same in every module.
 const TRACKER: &str = r#"
@@ -177,29 +174,11 @@ class Tracker:
 
 /// The module.
 pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
-    let mut text = String::new();
-    for line in origin.lines() {
-        let _ = writeln!(text, "# {line}");
-    }
-    let _ = writeln!(
-        text,
-        "# {} rules vote in whole numbers. Compared with the run's own greedy choice in {}: the \
-         same.",
-        ballot.votes().len(),
-        ballot.compared()
-    );
-    text.push_str(USAGE);
-    text.push_str(
-        "\n# What each bit of a percept says when it is 1, the lowest first.\nBITS = [\n",
-    );
-    for bit in 0..PERCEPT_BITS {
-        let _ = writeln!(text, "    {:?},", origin.bit(bit));
-    }
-    text.push_str("]\n\nACTIONS = [\n");
-    for action in Action::all(ballot.actions()) {
-        let _ = writeln!(text, "    {:?},", origin.action(action));
-    }
-    text.push_str("]\n\n");
+    let mut text = COMMENTS.head(ballot, origin);
+    text.push_str(&COMMENTS.of(&usage(&CALLS)));
+    text.push_str("\n# What each bit of a percept says when it is 1, the lowest first.\n");
+    text.push_str(&names(ballot, PERCEPT_BITS, origin));
+    text.push('\n');
     text.push_str(&states(charts));
     text.push_str(&rules(ballot, origin));
     text.push_str(
@@ -213,7 +192,7 @@ pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
 
 /// The charts.
 fn states(charts: &Charts) -> String {
-    let begin = named(charts.begin);
+    let begin = named(charts.begin, "None");
     let mut text = format!(
         "# How likely an action drawn from all is executed instead, and how likely a cell is misread.\n\
          SLIP = {:?}\nMISREAD = {:?}\n\n# The state in which all episodes begin, if there is one.\n\
@@ -229,23 +208,16 @@ fn states(charts: &Charts) -> String {
             y,
             chart,
             eaten,
-            next,
+            ..
         } = state;
-        let next = next.iter().map(|next| named(*next));
-        let next: Vec<String> = next.collect();
         let _ = writeln!(
             text,
             "    ({percept:#06x}, {x}, {y}, {chart}, {eaten}, ({})),  # {at}",
-            next.join(", ")
+            state.successors("None")
         );
     }
     text.push_str("]\n");
     text
-}
-
-/// A state, or none.
-fn named(state: Option<u16>) -> String {
-    state.map_or("None".to_owned(), |state| state.to_string())
 }
 
 /// The rules as statements.

@@ -13,9 +13,11 @@ use parts::{
 
 use super::charts::{Charts, State};
 use super::demanded::{Language, expression};
+use super::usage::{Calls, bits, usage};
 use crate::agent::pomdp::NEGLIGIBLE;
-use crate::agent::{ASTRAY, BEGUN_ELSEWHERE, PERCEPT_BITS};
-use crate::export::c99::{FUNCTIONS, IS_GREATER, about, actions};
+use crate::agent::{ASTRAY, BEGUN_ELSEWHERE};
+use crate::export::c99::{FUNCTIONS, IS_GREATER, actions};
+use crate::export::comments::C as COMMENTS;
 use crate::export::{Ballot, Origin, Vote};
 
 /// How C writes demands.
@@ -62,15 +64,14 @@ static inline int8_t xcscr_decide(const struct xcscr_context *c)
 ";
 
 /// How to use it.
-const USAGE: &str = r"
-The rules go by charts of the world: a tracker follows the robot on them. At the beginning of an
-episode call xcscr_reset(&tracker), then in each step
-    action = xcscr_perceive(&tracker, percept, bumped, rewarded);
-percept   the eight cells around the robot, see below
-bumped    did the last action end at a wall, so that the robot stands where it was?
-rewarded  did it find a reward other than the goal?
-In the first step of an episode the last two mean nothing. Where no rule matches, the action is
-XCSCR_NO_ACTION: take any. Whoever does another action than this one writes it into tracker.action.
+const CALLS: Calls = Calls {
+    begin: "call xcscr_reset(&tracker)",
+    step: "action = xcscr_perceive(&tracker, percept, bumped, rewarded);",
+    percept: ", see below",
+    none: "\nXCSCR_NO_ACTION: take ",
+};
+
+const CONTEXT: &str = "\
 xcscr_context(&tracker) tells where the robot is believed to be: x cells to the east of the goal
 of its chart, y to the north.
 ";
@@ -78,16 +79,10 @@ of its chart, y to the north.
 /// The header.
 pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
     let mut text = String::from("/*\n");
-    for line in origin.lines().iter().chain(&about(ballot)) {
-        let _ = writeln!(text, " * {line}");
-    }
-    for line in USAGE.lines().chain(costs(ballot, charts).lines()) {
-        let _ = writeln!(text, "{}", format!(" * {line}").trim_end());
-    }
-    text.push_str(" *\n * Bits of a percept:\n");
-    for bit in 0..PERCEPT_BITS {
-        let _ = writeln!(text, " *   {:#06x}  {}", 1 << bit, origin.bit(bit));
-    }
+    text.push_str(&COMMENTS.head(ballot, origin));
+    let costs = costs(ballot, charts);
+    text.push_str(&COMMENTS.of(&[&usage(&CALLS), CONTEXT, &costs].concat()));
+    text.push_str(&bits(&COMMENTS, origin));
     text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
     text.push_str(&figures(ballot, charts));
     text.push_str(&actions(ballot, origin));
@@ -159,17 +154,12 @@ fn table(charts: &Charts) -> String {
             y,
             chart,
             eaten,
-            next,
+            ..
         } = state;
-        let named = |next: u16| next.to_string();
-        let next = next
-            .iter()
-            .map(|next| next.map_or("XCSCR_GOAL".to_owned(), named));
-        let next: Vec<String> = next.collect();
         let _ = writeln!(
             text,
             "    {{{{{}}}, {percept:#06x}, {x}, {y}, {chart}, {eaten}}}, /* {at} */",
-            next.join(", ")
+            state.successors("XCSCR_GOAL")
         );
     }
     text.push_str("};\n");

@@ -6,8 +6,10 @@ use std::fmt::Write;
 
 use super::charts::{Charts, State};
 use super::demanded::{Language, expression};
+use super::usage::{Calls, bits, usage};
 use crate::agent::pomdp::NEGLIGIBLE;
-use crate::agent::{ASTRAY, BEGUN_ELSEWHERE, PERCEPT_BITS};
+use crate::agent::{ASTRAY, BEGUN_ELSEWHERE};
+use crate::export::comments::RUST as COMMENTS;
 use crate::export::rust::names;
 use crate::export::{Ballot, Origin, Vote};
 use parts::{
@@ -22,40 +24,19 @@ const RUST: Language = Language {
 };
 
 /// How to use it.
-const USAGE: &str = "\
-//
-// The rules go by charts of the world: a tracker follows the robot on them. At the beginning of an
-// episode make a Tracker::new(), then in each step
-//     let action = tracker.perceive(percept, bumped, rewarded);
-// percept   the eight cells around the robot, see below
-// bumped    did the last action end at a wall, so that the robot stands where it was?
-// rewarded  did it find a reward other than the goal?
-// In the first step of an episode the last two mean nothing. Where no rule matches, the action is None:
-// take any. Whoever does another action than this one writes it into tracker.action.
-//
-";
+const CALLS: Calls = Calls {
+    begin: "make a Tracker::new()",
+    step: "let action = tracker.perceive(percept, bumped, rewarded);",
+    percept: ", see below",
+    none: " None:\ntake ",
+};
 
 /// The module.
 pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
-    let mut text = String::new();
-    for line in origin.lines() {
-        let _ = writeln!(text, "// {line}");
-    }
-    let _ = writeln!(
-        text,
-        "// {} rules vote in whole numbers. Compared with the run's own greedy choice in {}: the \
-         same.",
-        ballot.votes().len(),
-        ballot.compared()
-    );
-    text.push_str(USAGE);
-    for line in charts.costs(ballot.actions(), 13).lines() {
-        let _ = writeln!(text, "// {line}");
-    }
-    text.push_str("//\n// Bits of a percept:\n");
-    for bit in 0..PERCEPT_BITS {
-        let _ = writeln!(text, "// {:#06x}  {}", 1 << bit, origin.bit(bit));
-    }
+    let mut text = COMMENTS.head(ballot, origin);
+    let costs = charts.costs(ballot.actions(), 13);
+    text.push_str(&COMMENTS.of(&[&usage(&CALLS), "\n", &costs].concat()));
+    text.push_str(&bits(&COMMENTS, origin));
     text.push_str(&figures(ballot, charts, origin));
     text.push_str(TYPES);
     text.push_str(&table(charts));
@@ -101,17 +82,12 @@ fn table(charts: &Charts) -> String {
             y,
             chart,
             eaten,
-            next,
+            ..
         } = state;
-        let named = |next: u16| next.to_string();
-        let next = next
-            .iter()
-            .map(|next| next.map_or("GOAL".to_owned(), named));
-        let next: Vec<String> = next.collect();
         let _ = writeln!(
             text,
             "    State {{ next: [{}], percept: {percept:#06x}, x: {x}, y: {y}, chart: {chart}, eaten: {eaten} }},",
-            next.join(", ")
+            state.successors("GOAL")
         );
     }
     text.push_str("];\n");

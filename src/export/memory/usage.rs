@@ -1,0 +1,45 @@
+//! How to use a tracker.
+
+use crate::agent::PERCEPT_BITS;
+use crate::export::Origin;
+use crate::export::comments::Comments;
+
+/// How a language calls it.
+pub struct Calls {
+    /// What is done at the beginning of an episode.
+    pub begin: &'static str,
+    /// What is done in each step.
+    pub step: &'static str,
+    /// Where more is said about percepts.
+    pub percept: &'static str,
+    /// No action, between `the action is` and `any`.
+    pub none: &'static str,
+}
+
+/// What the program of a robot must do, as lines for a comment.
+pub fn usage(calls: &Calls) -> String {
+    let Calls {
+        begin,
+        step,
+        percept,
+        none,
+    } = calls;
+    format!(
+        "
+The rules go by charts of the world: a tracker follows the robot on them. At the beginning of an
+episode {begin}, then in each step
+    {step}
+percept   the eight cells around the robot{percept}
+bumped    did the last action end at a wall, so that the robot stands where it was?
+rewarded  did it find a reward other than the goal?
+In the first step of an episode the last two mean nothing. Where no rule matches, the action is{none}any. \
+Whoever does another action than this one writes it into tracker.action.
+"
+    )
+}
+
+/// What the bits of a percept say that is a number.
+pub fn bits(comments: &Comments, origin: &Origin) -> String {
+    let number = |bit: usize| format!("{:#06x}", 1 << bit);
+    comments.bits(PERCEPT_BITS, origin, "", number)
+}
