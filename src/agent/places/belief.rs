@@ -7,8 +7,6 @@ use xcs::{Action, Percept};
 
 /// Beliefs below this share of the greatest are dropped.
 const NEGLIGIBLE: f64 = 1e-4;
-/// A place that is foreseen at least so surely, and looks just like what is seen, has no rivals.
-const FORESEEN: f64 = 0.5;
 
 /// A belief over known places, step by step (Bayes); `None` among them is a place never met.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -77,10 +75,10 @@ impl Belief {
         action: Action,
         seen: &Percept,
     ) -> Vec<(Option<usize>, f64)> {
+        // What is foreseen more surely than not, and looks just like what is seen, has no rivals.
         if let [(Some(from), _)] = self.places[..]
             && let Some(next) = known.usual(from, action)
             && known.percept(next) == seen
-            && known.chance(Some(from), action, Some(Came::To(next))) >= FORESEEN
         {
             return vec![(Some(next), 1.0)];
         }
