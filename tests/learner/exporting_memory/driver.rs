@@ -13,12 +13,12 @@ use xcscr::xcs::{Action, Percept, PredictionArray};
 
 /// Stands for `no rule matches` in what the programs print.
 const NONE: u8 = 255;
-/// The likeliest state is compared every so many steps: that takes long.
+/// The likeliest state or place is compared every so many steps: that takes long.
 const COMPARED_EVERY: u32 = 5;
 
 /// What was learned, and where.
 pub struct Learned {
-    plan: Plan,
+    pub plan: Plan,
     pub knowledge: Knowledge,
 }
 
@@ -96,7 +96,7 @@ pub struct Tally {
     pub steps: u32,
     /// Steps in which the program chose what the learner does not rate best.
     pub differences: u32,
-    /// Steps in which another state was likeliest for it.
+    /// Steps in which another state or place was likeliest for it.
     pub elsewhere: u32,
 }
 
@@ -123,12 +123,14 @@ impl Driver {
             felt: [false; 2],
             tally: Tally::default(),
         };
-        driver.say([b'r', 0, 0, 0, 0]);
+        driver.say(b'r', [0, 0], 0);
         driver
     }
 
-    fn say(&mut self, line: [u8; 5]) {
+    /// A command of eleven bytes.
+    fn say(&mut self, command: u8, more: [u8; 2], percept: u64) {
         let stdin = self.program.stdin.as_mut().unwrap();
+        let line = [&[command][..], &more, &percept.to_le_bytes()].concat();
         stdin.write_all(&line).unwrap();
         stdin.flush().unwrap();
     }
@@ -143,9 +145,7 @@ impl Drop for Driver {
 
 impl Agent for Driver {
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
-        let [low, high, ..] = percept.words()[0].to_le_bytes();
-        let [bumped, rewarded] = self.felt.map(u8::from);
-        self.say([b'p', low, high, bumped, rewarded]);
+        self.say(b'p', self.felt.map(u8::from), percept.words()[0]);
         let mut answer = [0; 3];
         self.program
             .stdout
@@ -175,7 +175,7 @@ impl Agent for Driver {
         let (other, explores) = explorer.choose(worth);
         let chosen = Action::new(usize::from(self.chosen)).filter(|_| !explores);
         if chosen.is_none() {
-            self.say([b'a', other.index() as u8, 0, 0, 0]);
+            self.say(b'a', [other.index() as u8, 0], 0);
         }
         Choice::new(chosen.unwrap_or(other), Chooser::Rules)
     }
@@ -189,7 +189,7 @@ impl Agent for Driver {
     }
 
     fn finish(&mut self, reached_goal: bool) -> EndCredit {
-        self.say([b'r', 0, 0, 0, 0]);
+        self.say(b'r', [0, 0], 0);
         self.frozen.finish(reached_goal)
     }
 
@@ -210,16 +210,17 @@ impl Agent for Driver {
     }
 }
 
-/// The likeliest state of a learner, the first of several, or the number of none.
+/// The likeliest state or place of a learner, the first of several, or the number of none.
 fn likeliest(frozen: &Frozen) -> u16 {
     let json = serde_json::to_value(frozen).unwrap();
-    let belief: Vec<(u16, f64)> =
-        serde_json::from_value(json["tracker"]["belief"].clone()).unwrap();
-    let better = |best: (u16, f64), one: (u16, f64)| if one.1 > best.1 { one } else { best };
-    belief
-        .into_iter()
-        .reduce(better)
-        .map_or(u16::MAX, |best| best.0)
+    let belief = match frozen.knowledge().remembers() {
+        true => &json["tracker"]["belief"],
+        false => &json["belief"]["places"],
+    };
+    let belief: Vec<(Option<u16>, f64)> = serde_json::from_value(belief.clone()).unwrap();
+    let better = |best: (_, f64), one: (_, f64)| if one.1 > best.1 { one } else { best };
+    let best = belief.into_iter().reduce(better);
+    best.and_then(|best| best.0).unwrap_or(u16::MAX)
 }
 
 /// Drives straight and with random steps, and finds no difference.

@@ -1,7 +1,7 @@
 //! Exported policies with a memory are compiled or run as their users would, and drive through whole
 //! episodes as the learner does.
 
-mod driver;
+pub mod driver;
 mod programs;
 
 use std::fs;

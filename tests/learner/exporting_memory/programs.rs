@@ -8,8 +8,8 @@ use xcscr::export::Target;
 
 use crate::exporting::{compile_c, compile_rust};
 
-/// Commands of five bytes: `r` resets; `p`, two bytes of percept, bumped, rewarded asks for an action and
-/// the likeliest state; `a` and an action says that something else is done.
+/// Commands of eleven bytes: `r` resets; `p`, bumped, rewarded, eight bytes of percept asks for an action
+/// and the likeliest state; `a` and an action says that something else is done.
 pub const C_MAIN: &str = r#"
 #include "policy.h"
 #include <stdio.h>
@@ -17,15 +17,15 @@ pub const C_MAIN: &str = r#"
 int main(void)
 {
     static struct xcscr_tracker tracker;
-    uint8_t line[5];
+    uint8_t line[11];
     while (fread(line, 1, sizeof line, stdin) == sizeof line) {
         if (line[0] == 'r') {
             xcscr_reset(&tracker);
         } else if (line[0] == 'a') {
             tracker.action = (int8_t)line[1];
         } else {
-            const uint16_t percept = (uint16_t)(line[1] | line[2] << 8);
-            const int8_t action = xcscr_perceive(&tracker, percept, line[3], line[4]);
+            const uint16_t percept = (uint16_t)(line[3] | line[4] << 8);
+            const int8_t action = xcscr_perceive(&tracker, percept, line[1], line[2]);
             const uint16_t likeliest = xcscr_likeliest(&tracker);
             putchar((uint8_t)action);
             putchar((uint8_t)(likeliest & 255));
@@ -43,12 +43,12 @@ mod policy;
 
 pub fn main() {
     let mut tracker = policy::Tracker::new();
-    let mut line = [0; 5];
+    let mut line = [0; 11];
     while std::io::stdin().read_exact(&mut line).is_ok() {
         match line {
             [b'r', ..] => tracker = policy::Tracker::new(),
             [b'a', action, ..] => tracker.action = Some(action),
-            [_, low, high, bumped, rewarded] => {
+            [_, bumped, rewarded, low, high, ..] => {
                 let percept = u16::from_le_bytes([low, high]);
                 let action = tracker.perceive(percept, bumped > 0, rewarded > 0);
                 let [low, high] = tracker.likeliest().unwrap_or(policy::GOAL).to_le_bytes();
@@ -65,13 +65,13 @@ pub const PYTHON_MAIN: &str = r#"
 import sys
 import policy
 tracker = policy.Tracker()
-while line := sys.stdin.buffer.read(5):
+while line := sys.stdin.buffer.read(11):
     if line[0] == ord("r"):
         tracker = policy.Tracker()
     elif line[0] == ord("a"):
         tracker.action = line[1]
     else:
-        action = tracker.perceive(line[1] | line[2] << 8, line[3], line[4])
+        action = tracker.perceive(line[3] | line[4] << 8, line[1], line[2])
         likeliest = tracker.likeliest()
         action = 255 if action is None else action
         likeliest = 65535 if likeliest is None else likeliest
