@@ -16,7 +16,7 @@ mod memory;
 mod method;
 mod model;
 mod params;
-mod places;
+pub(crate) mod places;
 mod plus;
 mod recall;
 mod remembering;

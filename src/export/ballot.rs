@@ -85,6 +85,13 @@ pub enum ExportError {
          exported: train another method for export, such as xcscr-plus"
     )]
     Vast(usize),
+    /// The filter of misread percepts knows too many places.
+    #[error(
+        "the filter of misread percepts knows {0} places, more than the {most} that can be exported: \
+         train with a smaller `plus.doubts` or `tabular.doubts`",
+        most = MOST_STATES - 1
+    )]
+    Places(usize),
     /// They are too many.
     #[error("{0} rules are more than the {MOST_RULES} that can be exported: {CONDENSE}")]
     Many(usize),

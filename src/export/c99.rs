@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::comments::C as COMMENTS;
+use super::filter::Addition;
 use super::{Ballot, Origin, Vote};
 use xcs::Action;
 
@@ -68,14 +69,13 @@ static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
     }
     return best;
 }
-
-#endif
 "#;
 
 /// The header.
-pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
+pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String {
     let mut text = String::from("/*\n");
     text.push_str(&COMMENTS.head(ballot, origin));
+    text.push_str(&more.usage);
     text.push_str(&COMMENTS.bits_of_bytes(ballot, origin));
     text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
     let figures = [
@@ -92,6 +92,8 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
     text.push_str(&table(ballot));
     text.push_str(IS_GREATER);
     text.push_str(DECIDE);
+    text.push_str(&more.code);
+    text.push_str("\n#endif\n");
     text
 }
 

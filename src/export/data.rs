@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::filter::Filter;
 use super::memory::Charts;
 use super::origin::Facts;
 use super::{Ballot, Origin, Policy, Vote};
@@ -32,6 +33,9 @@ struct Document<'a> {
     /// The charts that rules with a memory go by.
     #[serde(skip_serializing_if = "Option::is_none")]
     charts: Option<&'a Charts>,
+    /// The filter of misread percepts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    filter: Option<&'a Filter>,
 }
 
 fn rows(ballot: &Ballot, origin: &Origin) -> impl Iterator<Item = Row> {
@@ -67,6 +71,7 @@ pub(super) fn json(policy: &Policy, origin: &Origin) -> String {
             .collect(),
         rules: rows(ballot, origin).collect(),
         charts: policy.charts(),
+        filter: policy.filter(),
     };
     let text = serde_json::to_string_pretty(&document).expect("texts and numbers");
     text + "\n"

@@ -3,13 +3,14 @@
 //! Rules keep voting as they do here, but in whole numbers, so that a microcontroller without
 //! floating point chooses the same action. [`Ballot`] finds the fewest bits with which it does.
 //! Rules with a memory come with their charts as a table, and with a tracker that follows the robot on
-//! them (`memory`).
+//! them (`memory`), and where percepts were misread with the filter of these (`filter`).
 
 mod ballot;
 mod c99;
 mod comments;
 mod data;
 mod dot;
+mod filter;
 mod memory;
 mod origin;
 mod policy;
@@ -17,6 +18,7 @@ mod python;
 mod rust;
 
 pub use ballot::{Ballot, ExportError, Vote};
+use filter::{Addition, Filter};
 pub use origin::Origin;
 pub use policy::Policy;
 use strum::{IntoStaticStr, VariantArray};
@@ -51,16 +53,28 @@ impl Target {
     /// The whole text of the file.
     pub fn text(self, policy: &Policy, origin: &Origin) -> String {
         let ballot = policy.ballot();
+        let more = policy.filter().map(|filter| self.addition(ballot, filter));
+        let more = more.unwrap_or_default();
         match (self, policy.charts()) {
-            (Self::C99, None) => c99::text(ballot, origin),
+            (Self::C99, None) => c99::text(ballot, origin, &more),
             (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, origin),
-            (Self::Rust, None) => rust::text(ballot, origin),
+            (Self::Rust, None) => rust::text(ballot, origin, &more),
             (Self::Rust, Some(charts)) => memory::rust::text(ballot, charts, origin),
-            (Self::Python, None) => python::text(ballot, origin),
+            (Self::Python, None) => python::text(ballot, origin, &more),
             (Self::Python, Some(charts)) => memory::python::text(ballot, charts, origin),
             (Self::Csv, _) => data::csv(ballot, origin),
             (Self::Json, _) => data::json(policy, origin),
             (Self::Dot, _) => dot::text(ballot, origin),
+        }
+    }
+
+    /// What a filter of misread percepts adds to source code.
+    fn addition(self, ballot: &Ballot, filter: &Filter) -> Addition {
+        match self {
+            Self::C99 => filter::c99::addition(ballot, filter),
+            Self::Rust => filter::rust::addition(ballot, filter),
+            Self::Python => filter::python::addition(filter),
+            Self::Csv | Self::Json | Self::Dot => Addition::default(),
         }
     }
 }

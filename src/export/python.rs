@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::comments::PYTHON as COMMENTS;
+use super::filter::Addition;
 use super::{Ballot, Origin, Vote};
 use xcs::Action;
 
@@ -24,8 +25,9 @@ def decide(percept):
 "##;
 
 /// The module.
-pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
+pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String {
     let mut text = COMMENTS.head(ballot, origin);
+    text.push_str(&more.usage);
     text.push_str("\n# What each bit of a percept says when it is 1.\n");
     text.push_str(&names(ballot, ballot.width(), origin));
     text.push_str("\n# Condition, action, weight, worth.\nRULES = [\n");
@@ -41,6 +43,7 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
     }
     text.push_str("]\n");
     text.push_str(DECIDE);
+    text.push_str(&more.code);
     text
 }
 

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::comments::RUST as COMMENTS;
+use super::filter::Addition;
 use super::{Ballot, Origin, Vote};
 use xcs::Action;
 
@@ -35,8 +36,9 @@ pub fn decide(percept: &[u8; PERCEPT_BYTES]) -> Option<u8> {
 ";
 
 /// The module.
-pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
+pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String {
     let mut text = COMMENTS.head(ballot, origin);
+    text.push_str(&more.usage);
     text.push_str(&COMMENTS.bits_of_bytes(ballot, origin));
     let _ = writeln!(
         text,
@@ -49,6 +51,7 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
     );
     text.push_str(&table(ballot));
     text.push_str(DECIDE);
+    text.push_str(&more.code);
     text
 }
 

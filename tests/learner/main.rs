@@ -9,6 +9,7 @@ mod auxiliary;
 mod ceilings;
 mod examples;
 mod exporting;
+mod exporting_filter;
 mod exporting_memory;
 mod knowledge;
 mod lidar;

@@ -6,7 +6,7 @@ use super::known::{Came, Places};
 use xcs::{Action, Percept};
 
 /// Beliefs below this share of the greatest are dropped.
-const NEGLIGIBLE: f64 = 1e-4;
+pub const NEGLIGIBLE: f64 = 1e-4;
 
 /// A belief over known places, step by step (Bayes); `None` among them is a place never met.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]

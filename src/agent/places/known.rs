@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use xcs::{Action, Percept};
 
 /// The weight of what was never seen to come of an action, in tries.
-const OPEN: f64 = 0.25;
+pub const OPEN: f64 = 0.25;
 /// Of an action of which nothing is known: the chance that it bumps, and that it ends in a goal.
 const BUMPS: f64 = 0.3;
 const ENDS: f64 = 0.05;
@@ -193,8 +193,12 @@ impl Places {
 
     /// How likely this is to be seen in a place, beside what looks like the place itself.
     pub fn look(&self, place: usize, seen: &Percept) -> f64 {
+        self.misreading(distance(self.percept(place), seen))
+    }
+
+    /// How likely it is that so many certain bits flip and no others, beside that none does.
+    pub fn misreading(&self, bits: u32) -> f64 {
         let rate = self.rate();
-        let bits = distance(self.percept(place), seen);
         (rate / (1.0 - rate)).powi(bits as i32)
     }
 
@@ -306,6 +310,11 @@ impl Places {
         }
     }
 
+    /// The weight of what comes of an action although it never did, in tries.
+    pub fn open(&self, came: Option<Came>) -> f64 {
+        OPEN * self.anyhow(came)
+    }
+
     fn anyhow(&self, came: Option<Came>) -> f64 {
         match came {
             Some(Came::Bumped) => BUMPS,
@@ -325,7 +334,7 @@ impl Places {
             }
             (None, _) => [0; 2],
         };
-        (f64::from(count) + OPEN * self.anyhow(came)) / (f64::from(tries) + OPEN)
+        (f64::from(count) + self.open(came)) / (f64::from(tries) + OPEN)
     }
 
     /// The chance that an episode begins in a place; `None`: in one that was never met.

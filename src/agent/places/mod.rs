@@ -4,5 +4,5 @@
 mod belief;
 mod known;
 
-pub use belief::Belief;
-pub use known::{Came, NEAR, Places, distance};
+pub use belief::{Belief, NEGLIGIBLE};
+pub use known::{Came, NEAR, OPEN, Places, distance};
