@@ -1,4 +1,4 @@
-//! Layouts for Foxglove and Lichtblick, fitted to a maze.
+//! Layouts for Foxglove and Lichtblick, which lie beside this file, fitted to a maze.
 
 use serde_json::{Value, json};
 
@@ -7,9 +7,9 @@ use super::json::json_tree;
 use crate::record::topics::{caption, legend};
 use crate::world::Maze;
 
-const EPISODE: &str = include_str!("../../assets/foxglove-layout.json");
-const RUN: &str = include_str!("../../assets/foxglove-layout-run.json");
-const COMPARISON: &str = include_str!("../../assets/foxglove-layout-compare.json");
+const EPISODE: &str = include_str!("episode.json");
+const RUN: &str = include_str!("run.json");
+const COMPARISON: &str = include_str!("comparison.json");
 
 /// What the sides of a comparison are called.
 pub(crate) const SIDES: [&str; 2] = ["a", "b"];
@@ -37,7 +37,7 @@ pub fn of_run(maze: &Maze) -> String {
 /// The layout for two stories side by side, as compact JSON: their mazes and headings.
 pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
     let mut layout: Value =
-        serde_json::from_str(COMPARISON).expect("the layouts in assets are JSON");
+        serde_json::from_str(COMPARISON).expect("the layouts beside this file are JSON");
     for (side, (maze, heading)) in SIDES.iter().zip(mazes.into_iter().zip(headings)) {
         let panel = &mut layout["configById"][format!("3D!{side}")];
         aim(&mut panel["cameraState"], maze);
@@ -54,7 +54,8 @@ pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
 
 /// Looks at the maze's middle from where all of it is seen, and has a curve for each action.
 fn fitted(layout: &str, maze: &Maze) -> String {
-    let mut layout: Value = serde_json::from_str(layout).expect("the layouts in assets are JSON");
+    let mut layout: Value =
+        serde_json::from_str(layout).expect("the layouts beside this file are JSON");
     for (id, panel) in layout["configById"].as_object_mut().into_iter().flatten() {
         if id.starts_with("3D!") {
             aim(&mut panel["cameraState"], maze);
