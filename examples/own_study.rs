@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use xcscr::study::{Overrides, Protocol, Report, Shard, StudyFile, run_study};
+use xcscr::study::{Overrides, Protocol, Report, Shard, StudyFile};
 
 const STUDY: &str = r#"
     name = "two-methods"
@@ -18,7 +18,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let protocol = Protocol::new(&file, &Overrides::default())?;
     let parent = tempfile::tempdir()?;
     let out = parent.path().join("study");
-    let folder = run_study(&protocol, &out, Shard::WHOLE, 1, &mut ())?;
+    let folder = protocol.run(&out, Shard::WHOLE, 1, &mut ())?;
     println!("{}", Report::new(&folder).terminal());
     assert_eq!(folder.records().count(), 20);
     Ok(())

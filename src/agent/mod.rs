@@ -34,7 +34,6 @@ pub use method::{Method, Setup};
 pub(crate) use model::pomdp;
 pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
-pub use places::Places;
 use plus::Plus;
 pub use plus::{Discovery, PlusParams};
 pub(crate) use recall::{

@@ -8,7 +8,7 @@ use xcscr::arena::ArenaKind;
 use xcscr::disk;
 use xcscr::run::RunFolder;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{MOST_TOML_BYTES, Resolved, Settings};
+use xcscr::trial::{Resolved, Settings};
 
 use super::failure::{Exit, Failure};
 
@@ -52,7 +52,7 @@ pub struct SettingsArgs {
 impl SettingsArgs {
     /// The settings laid over `base`.
     pub fn resolve(&self, base: &Settings) -> Result<Resolved, Failure> {
-        let read = |path: &Path| read_text(path, MOST_TOML_BYTES);
+        let read = |path: &Path| read_text(path, Settings::MOST_BYTES);
         let text = self.config.as_deref().map(read).transpose()?;
         let name = self.config.as_ref().map(|path| path.display().to_string());
         let file = name.as_deref().zip(text.as_deref());

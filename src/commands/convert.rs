@@ -4,8 +4,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use xcscr::picture::map_preview;
-use xcscr::world::{Gridded, Gridding, MapError, Maze, OccupancyMap, written};
+use xcscr::world::{Gridded, Gridding, MapError, Maze, OccupancyMap};
 
 use super::failure::{Exit, Failure};
 use super::output::OutputFile;
@@ -101,8 +100,9 @@ fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     print_map(&map, args.unknown, out)?;
     let gridded = gridding.of(&map)?;
     if let Some(file) = preview {
-        let png =
-            map_preview(&map, &gridded).map_err(|fault| Failure::new(Exit::BadData, fault))?;
+        let png = gridded
+            .preview(&map)
+            .map_err(|fault| Failure::new(Exit::BadData, fault))?;
         file.write(&png)?;
     }
     world.write(gridded.maze.to_json().as_bytes())?;
@@ -116,7 +116,7 @@ fn world_name(file: &Path) -> String {
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned();
-    xcscr::world::repaired_name(&stem)
+    Maze::repaired_name(&stem)
 }
 
 fn print_map(map: &OccupancyMap, unknown: Unknown, out: &mut impl Write) -> Result<(), Failure> {
@@ -176,7 +176,7 @@ fn to_map(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     let (image_file, map_file) = (image_file?, map_file?);
     let maze = Maze::load(&args.input)?;
     let name = image.file_name().unwrap_or_default().to_string_lossy();
-    let map = written(&maze, &name);
+    let map = maze.to_map(&name);
     image_file.write(&map.image)?;
     map_file.write(map.yaml.as_bytes())?;
     let (map, image) = (args.output.display(), image.display());

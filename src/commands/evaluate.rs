@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
-use xcscr::run::{clear_evaluation, record_evaluation};
 use xcscr::trial::{Evaluation, Plan};
 
 use super::choices::{self, SettingsArgs};
@@ -92,8 +91,8 @@ fn evaluate(
         return Ok((Evaluation::run(plan, knowledge, args.episodes)?, None));
     }
     let folder = args.out.clone().unwrap_or_else(|| args.learned.beside());
-    clear_evaluation(&folder, args.force)?;
-    let (evaluation, _) = record_evaluation(plan, knowledge, args.episodes, &folder)?;
+    Evaluation::clear(&folder, args.force)?;
+    let (evaluation, _) = Evaluation::record(plan, knowledge, args.episodes, &folder)?;
     Ok((evaluation, Some(folder)))
 }
 

@@ -1,7 +1,7 @@
 //! `xcscr man`: manual pages.
 
 use std::fs;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use xcscr::disk;
@@ -44,11 +44,9 @@ fn write_pages(args: &ManArgs, program: clap::Command) -> io::Result<()> {
             return Err(taken(file));
         }
     }
-    pages.iter().try_for_each(|(file, page)| {
-        let mut aside = disk::aside(file)?;
-        aside.write_all(page)?;
-        disk::persist(aside, file, true)
-    })
+    pages
+        .iter()
+        .try_for_each(|(file, page)| disk::write(file, page, true))
 }
 
 fn taken(file: &Path) -> io::Error {

@@ -1,6 +1,6 @@
 //! A file that the user asked for by name.
 
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind};
 use std::path::Path;
 
 use xcscr::disk;
@@ -25,14 +25,7 @@ impl<'a> OutputFile<'a> {
 
     /// Writes the file aside, and gives it its name when it is whole.
     pub fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
-        self.persist(bytes)
-            .map_err(|cause| unwritten(self.path, &cause))
-    }
-
-    fn persist(&self, bytes: &[u8]) -> io::Result<()> {
-        let mut aside = disk::aside(self.path)?;
-        aside.write_all(bytes)?;
-        disk::persist(aside, self.path, self.force)
+        disk::write(self.path, bytes, self.force).map_err(|cause| unwritten(self.path, &cause))
     }
 }
 

@@ -8,9 +8,8 @@ use xcscr::agent::{Chosen, Method, Odometry};
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
-use xcscr::sensor::alike;
 use xcscr::trial::{Condensed, Plan, Trial};
-use xcscr::world::{Cell, Facts, Maze, draw};
+use xcscr::world::{Cell, Facts, Maze};
 
 use super::failure::Failure;
 use super::sparkline::sparkline;
@@ -237,7 +236,7 @@ fn look_alike(trial: &Trial) -> Option<(String, String)> {
     let Plan { maze, config } = trial.plan();
     let groups = match maze.is_vast() || trial.method().remembers() {
         true => Vec::new(),
-        false => alike(config.sensor, maze),
+        false => config.sensor.alike(maze),
     };
     let named = |cell: &Cell| format!("{},{}", cell.col, cell.row);
     let cells = &groups.first()?.cells;
@@ -294,7 +293,7 @@ fn course(path: &[Cell], paid: usize, maze: &Maze) -> String {
 /// The best actions of a policy as arrows over the maze; `+` where several tie, `?` where nothing
 /// is known.
 fn picture(maze: &Maze, policy: &PolicyMap) -> String {
-    draw(maze, |cell| {
+    maze.drawn(|cell| {
         let mut best = policy.worth(cell)?.best_actions();
         let arrow = best.next().and_then(|action| maze.direction(action));
         let ties = best.next().is_some();

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use serde::Serialize;
-use xcscr::sensor::{Alike, Sensor, alike};
+use xcscr::sensor::{Alike, Sensor};
 use xcscr::trial::{Bounds, Estimate};
-use xcscr::world::{Cell, Facts, Maze, MazeKind, Recipe, draw};
+use xcscr::world::{Cell, Facts, Maze, MazeKind, Recipe};
 
 use super::choices;
 use super::convert::{self, ConvertArgs};
@@ -76,7 +76,7 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
         WorldCommand::Check { files } => check(&files, out),
         WorldCommand::Show { file } => {
             let maze = Maze::load(&file)?;
-            Ok(write!(out, "{}", draw(&maze, |_| None))?)
+            Ok(write!(out, "{}", maze.drawn(|_| None))?)
         }
         WorldCommand::Generate(GenerateArgs { kind, size, seed }) => {
             let maze = Recipe { kind, size, seed }.maze();
@@ -272,7 +272,7 @@ impl LookAlike {
     fn of(maze: &Maze) -> Vec<Self> {
         let one = |&sensor: &Sensor| Self {
             sensor,
-            groups: alike(sensor, maze),
+            groups: sensor.alike(maze),
         };
         Sensor::ALL.iter().map(one).collect()
     }

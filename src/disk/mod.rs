@@ -1,6 +1,7 @@
 //! Files that are there whole or not at all.
 
 mod lock;
+mod typed;
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufReader, BufWriter, Read, Write};
@@ -10,9 +11,10 @@ use tempfile::NamedTempFile;
 
 pub(crate) use lock::LockError;
 pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};
+pub use typed::{named, typed};
 
 /// The name under which a file is written until it is whole.
-pub fn part(path: &Path) -> PathBuf {
+pub(crate) fn part(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".part");
     name.into()
@@ -135,7 +137,7 @@ pub(crate) fn remove(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// Those of the file system; then the old file is untouched.
-pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     replace_with(path, |file| file.write_all(bytes))
 }
 
@@ -251,12 +253,22 @@ pub(crate) fn is_full(cause: &io::Error) -> bool {
     matches!(cause.kind(), StorageFull | QuotaExceeded | FileTooLarge)
 }
 
+/// Writes a file whole or not at all; `force` lets it take the place of an older file.
+///
+/// # Errors
+/// Those of the file system; then the old file is untouched.
+pub fn write(path: &Path, bytes: &[u8], force: bool) -> io::Result<()> {
+    let mut aside = aside(path)?;
+    aside.write_all(bytes)?;
+    persist(aside, path, force)
+}
+
 /// A file beside `path` with a name that nothing has; it vanishes unless it is
 /// [persisted](persist).
 ///
 /// # Errors
 /// Those of the file system.
-pub fn aside(path: &Path) -> io::Result<NamedTempFile> {
+pub(crate) fn aside(path: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".").suffix(".tmp");
     // As readable as other files: a temporary file is otherwise for its owner alone.
@@ -270,7 +282,7 @@ pub fn aside(path: &Path) -> io::Result<NamedTempFile> {
 ///
 /// # Errors
 /// Those of the file system; then the old file is untouched.
-pub fn persist(aside: NamedTempFile, path: &Path, force: bool) -> io::Result<()> {
+pub(crate) fn persist(aside: NamedTempFile, path: &Path, force: bool) -> io::Result<()> {
     aside.as_file().sync_all()?;
     let named = match force {
         true => aside.persist(path),
@@ -305,70 +317,9 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// A path as it can be typed in a shell: in quotes where it needs them, and never an option. What
-/// is no text, or commands a terminal, is written as bash, ksh and zsh read it.
-pub fn typed(path: &Path) -> String {
-    let path = match path.as_os_str().as_encoded_bytes().starts_with(b"-") {
-        true => &Path::new(".").join(path),
-        false => path,
-    };
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./+:,@%=".contains(c);
-    match path
-        .to_str()
-        .filter(|text| !text.contains(char::is_control))
-    {
-        Some(text) if !text.is_empty() && text.chars().all(is_plain) => text.to_owned(),
-        Some(text) => format!("'{}'", text.replace('\'', r"'\''")),
-        None => {
-            let bytes = path.as_os_str().as_encoded_bytes().iter();
-            let shown = bytes.map(|&byte| match byte {
-                b'\'' | b'\\' => format!("\\{}", char::from(byte)),
-                b' '..=b'~' => char::from(byte).to_string(),
-                _ => format!("\\x{byte:02x}"),
-            });
-            format!("$'{}'", shown.collect::<String>())
-        }
-    }
-}
-
-/// A path in a document: as it is, or as it can be typed where it is no text.
-pub fn named(path: &Path) -> String {
-    path.to_str().map_or_else(|| typed(path), str::to_owned)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_path_is_shown_as_it_can_be_typed() {
-        for (path, shown) in [
-            ("runs/maze4-s1", "runs/maze4-s1"),
-            ("my run", "'my run'"),
-            ("-x", "./-x"),
-            ("it's", r"'it'\''s'"),
-            ("$HOME", "'$HOME'"),
-            ("a\u{1b}[2J'\\", r"$'a\x1b[2J\'\\'"),
-        ] {
-            assert_eq!(typed(Path::new(path)), shown);
-        }
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_path_that_is_no_text_is_shown_as_a_shell_reads_it() {
-        use std::ffi::OsStr;
-        use std::os::unix::ffi::OsStrExt;
-        use std::process::Command;
-        let path = Path::new(OsStr::from_bytes(b"run \xff\xc3'1"));
-        assert_eq!(named(path), r"$'run \xff\xc3\'1'");
-        let script = format!("printf %s {}", typed(path));
-        let bash = Command::new("bash").args(["-c", &script]).output();
-        // Not every system has this shell.
-        if let Ok(read) = bash {
-            assert_eq!(read.stdout, path.as_os_str().as_bytes());
-        }
-    }
 
     #[test]
     fn a_file_beyond_its_limit_is_refused_before_it_is_read() {

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::agent::Knowledge;
-use crate::sensor::{Sensor, action_name};
-use crate::trial::{Plan, context_words};
+use crate::sensor::Sensor;
+use crate::trial::{Plan, words_of_memory};
 use crate::world::Maze;
 use xcs::{Action, Condition};
 
@@ -97,13 +97,13 @@ impl Origin {
 
     fn demanded(&self, allele: &dyn Fn(usize) -> Option<bool>) -> String {
         match self.remembers {
-            true => context_words(self.sensor, &self.maze, allele),
+            true => words_of_memory(self.sensor, &self.maze, allele),
             false => self.sensor.words(&self.maze, allele),
         }
     }
 
     /// The name of an action.
     pub(super) fn action(&self, action: Action) -> String {
-        action_name(&self.maze, action)
+        self.maze.action_name(action)
     }
 }

@@ -4,5 +4,6 @@
 mod blocks;
 mod html;
 
-pub use blocks::{Block, Picture, Table, markdown, terminal};
+pub use blocks::{Block, Picture, Table};
+pub(crate) use blocks::{markdown, terminal};
 pub use html::html;

@@ -12,4 +12,3 @@ mod shapes;
 mod svg;
 
 pub use film::{Film, FilmError, Moment, Scenes};
-pub use map_preview::map_preview;

@@ -21,12 +21,13 @@ pub use error::RecordError;
 pub use info::{Extent, RobotShape, RunInfo};
 pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
-pub use read::{Difference, Finding, FindingKind, check, check_recording, compare, reader};
+pub use read::{Difference, Finding, FindingKind, check, compare, reader};
 pub use repair::{Recovery, recover};
 pub(crate) use ros::RosBag;
 #[cfg(feature = "live")]
 pub use serve::live;
 pub use serve::server;
-pub(crate) use story::{Chapter, Comparison, Teller, chapters, compare_stories};
+pub use story::Comparison;
+pub(crate) use story::{Chapter, Teller, chapters, compare_stories};
 pub use topics::Topic;
 pub use write::{RecordSummary, Recorder, RecorderMemory, Tap};

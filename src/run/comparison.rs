@@ -9,28 +9,31 @@ use super::story::Material;
 use crate::record::reader::Recording;
 use crate::record::{self, Comparison, compare_stories, layout};
 
-/// Puts the stories of two runs side by side: chapter by chapter, each pair at the same time, then
-/// the drives of what was learned. A path is the folder of a run or a recording of it.
-///
-/// # Errors
-/// When a path is no finished run, or a recording is damaged.
-pub fn comparison_of(paths: [&Path; 2]) -> Result<Comparison, RunError> {
-    side_by_side([material(paths[0])?, material(paths[1])?])
-}
+impl Comparison {
+    /// Puts the stories of two runs side by side: chapter by chapter, each pair at the same time,
+    /// then the drives of what was learned. A path is the folder of a run or a recording of it.
+    ///
+    /// # Errors
+    /// When a path is no finished run, or a recording is damaged.
+    pub fn of(paths: [&Path; 2]) -> Result<Self, RunError> {
+        side_by_side([material(paths[0])?, material(paths[1])?])
+    }
 
-/// The first difference between a comparison and one of the same two runs, made again, in words.
-///
-/// # Errors
-/// When the recording does not say what it compares, or a run cannot be made again.
-pub fn comparison_differs(comparison: &Recording) -> Result<Option<String>, RunError> {
-    let again = |side: &str| {
-        let plan = attached_plan(comparison, &format!("{side}/"))?;
-        Material::again(&plan, recorded_mode(comparison, side)?)
-    };
-    let [a, b] = layout::SIDES;
-    let made = side_by_side([again(a)?, again(b)?])?;
-    let difference = record::compare(comparison.bytes(), &made.bytes)?;
-    Ok(difference.map(|difference| difference.to_string()))
+    /// The first difference between a recorded comparison and one of the same two runs, made again,
+    /// in words.
+    ///
+    /// # Errors
+    /// When the recording does not say what it compares, or a run cannot be made again.
+    pub fn difference(recorded: &Recording) -> Result<Option<String>, RunError> {
+        let again = |side: &str| {
+            let plan = attached_plan(recorded, &format!("{side}/"))?;
+            Material::again(&plan, recorded_mode(recorded, side)?)
+        };
+        let [a, b] = layout::SIDES;
+        let made = side_by_side([again(a)?, again(b)?])?;
+        let difference = record::compare(recorded.bytes(), &made.bytes)?;
+        Ok(difference.map(|difference| difference.to_string()))
+    }
 }
 
 fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, RunError> {

@@ -30,11 +30,8 @@ mod story;
 mod verify;
 mod way_on;
 
-pub use comparison::{comparison_differs, comparison_of};
 pub use error::{RunError, RunFolderError};
-pub use evaluation::{clear_evaluation, record_evaluation};
 pub use folder::RunFolder;
-pub use ros::ros_bag;
 pub use session::{Finished, Resumed, Session};
 pub use source::Source;
 pub use verify::Again;

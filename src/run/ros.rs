@@ -1,7 +1,5 @@
 //! A recording for ROS 2, made by running again what it shows.
 
-use std::path::Path;
-
 use super::error::RunError;
 use super::evaluation::evaluation_plan;
 use super::folder::RunFolder;
@@ -10,29 +8,37 @@ use crate::agent::Knowledge;
 use crate::record::{Extent, RosBag};
 use crate::trial::{Evaluation, Plan, Trial};
 
-/// What a recording shows, or a whole run, as an MCAP file for ROS 2: `/tf`, `/odom`, `/map`, and
-/// `/scan` of a robot that senses. The same recording gives the same bytes.
-///
-/// # Errors
-/// When the recording cannot be read or run again, or is a story, which shows parts of many episodes.
-pub fn ros_bag(recording: &Path) -> Result<Vec<u8>, RunError> {
-    if recording.is_dir() {
-        return bag(&RunFolder::open(recording).plan()?, None, None);
+impl RunFolder {
+    /// The run as an MCAP file for ROS 2: `/tf`, `/odom`, `/map`, and `/scan` of a robot that senses.
+    /// The same run gives the same bytes.
+    ///
+    /// # Errors
+    /// When the run cannot be read or run again.
+    pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
+        bag(&self.plan()?, None, None)
     }
-    let source = Source::of(recording)?;
-    let only = match source.extent {
-        Extent::Episode(episode) => Some(episode),
-        Extent::Run => None,
-        Extent::Story | Extent::Comparison => {
-            return Err(RunError::Recording {
-                file: recording.to_owned(),
-                fault: "a story shows parts of many episodes and cannot be written for ROS 2; give an episode, \
-                        run.mcap, or the folder of a run"
-                    .to_owned(),
-            });
-        }
-    };
-    bag(&source.plan, source.evaluated.as_ref(), only)
+}
+
+impl Source {
+    /// What the recording shows, in the same form.
+    ///
+    /// # Errors
+    /// When it cannot be run again, or is a story, which shows parts of many episodes.
+    pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
+        let only = match self.extent {
+            Extent::Episode(episode) => Some(episode),
+            Extent::Run => None,
+            Extent::Story | Extent::Comparison => {
+                return Err(RunError::Recording {
+                    file: self.file.clone(),
+                    fault: "a story shows parts of many episodes and cannot be written for ROS 2; give an episode, \
+                            run.mcap, or the folder of a run"
+                        .to_owned(),
+                });
+            }
+        };
+        bag(&self.plan, self.evaluated.as_ref(), only)
+    }
 }
 
 /// Drives again, and writes one episode or all.

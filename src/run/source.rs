@@ -1,6 +1,6 @@
 //! What run a recording comes from.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::error::RunError;
 use crate::agent::Knowledge;
@@ -11,6 +11,8 @@ use crate::world::Maze;
 
 /// Where a recording says that it comes from.
 pub struct Source {
+    /// The recording.
+    pub file: PathBuf,
     /// How to run it again.
     pub plan: Plan,
     /// Which episodes were kept.
@@ -39,6 +41,7 @@ impl Source {
         let plan = attached_plan(&recording, "")?;
         let mode = recorded_mode(&recording, "run")?;
         Ok(Self {
+            file: file.to_owned(),
             plan,
             mode,
             evaluated: match recording.is_evaluation() {

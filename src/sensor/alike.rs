@@ -24,9 +24,11 @@ pub struct Alike {
     shared: Vec<Action>,
 }
 
-/// The groups of cells that look alike, ordered by percept.
-pub fn alike(sensor: Sensor, maze: &Maze) -> Vec<Alike> {
-    alike_among(sensor, maze, &Paths::new(maze), maze.free_cells())
+impl Sensor {
+    /// The groups of cells that look alike, ordered by percept.
+    pub fn alike(self, maze: &Maze) -> Vec<Alike> {
+        alike_among(self, maze, &Paths::new(maze), maze.free_cells())
+    }
 }
 
 /// The groups of cells that look alike among some of a maze, which come in reading order.
@@ -85,10 +87,7 @@ mod tests {
 
     fn groups(sensor: Sensor, rows: [&str; 3]) -> Vec<Alike> {
         let text = format!(r#"{{"rows": {rows:?}}}"#);
-        alike(
-            sensor,
-            &Maze::from_json(text.as_bytes(), "test.json").unwrap(),
-        )
+        sensor.alike(&Maze::from_json(text.as_bytes(), "test.json").unwrap())
     }
 
     const CORRIDOR: [&str; 3] = ["#########", "#...G...#", "#########"];

@@ -15,13 +15,13 @@ mod words;
 
 use std::collections::HashSet;
 
+pub use alike::Alike;
 pub(crate) use alike::alike_among;
-pub use alike::{Alike, alike};
 use foldhash::fast::FixedState;
 pub use params::SensorParams;
 use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};
-pub use words::action_name;
+pub(crate) use words::Alleles;
 
 use crate::arena::{ArenaKind, Sensed, View};
 use crate::world::{Cell, Maze};

@@ -2,7 +2,6 @@
 
 use super::{Sensor, lidar, neighbours, position};
 use crate::world::{Direction, Maze};
-use xcs::Action;
 
 /// The value that a condition demands of an allele; `None` for a don't-care.
 pub type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;
@@ -55,14 +54,6 @@ impl Sensor {
             false => words.join(", "),
         }
     }
-}
-
-/// The name of the move that an action is; its number where it is none.
-pub fn action_name(maze: &Maze, action: Action) -> String {
-    maze.direction(action).map_or_else(
-        || format!("action {}", action.index()),
-        |direction| direction.name().to_owned(),
-    )
 }
 
 /// Two alleles for each cell: goal or not, and barred (wall or goal) or not.

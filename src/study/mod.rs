@@ -10,10 +10,10 @@ mod statistics;
 mod store;
 mod tuning;
 
-pub use cluster::{PlannedStudy, Queued, Slurm, Survey, TaskState, TaskSurvey, ranges};
+pub use cluster::{PlannedStudy, Queued, Slurm, Survey, TaskState, TaskSurvey};
 pub use error::StudyError;
 pub use protocol::{Arm, Overrides, Protocol, StudyFile, Variant};
 pub use report::Report;
-pub use runner::{StudyWatcher, merge_studies, run_study};
+pub use runner::StudyWatcher;
 pub use store::{Figures, Shard, StudyFolder, TrialRecord};
 pub use tuning::{Found, Rung, Stage, Standing, Tuning, Verdict};

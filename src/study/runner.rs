@@ -32,31 +32,35 @@ pub trait StudyWatcher {
 
 impl StudyWatcher for () {}
 
-/// Runs what is missing of one shard of a study in the folder `out`, on `jobs` threads (all
-/// cores when 0). The results do not depend on `jobs`.
-///
-/// # Errors
-/// When the folder holds another study, is in use, or cannot be written.
-pub fn run_study(
-    protocol: &Protocol,
-    out: &Path,
-    shard: Shard,
-    jobs: usize,
-    watcher: &mut dyn StudyWatcher,
-) -> Result<StudyFolder, StudyError> {
-    let mut open = OpenFolder::open(out, protocol)?;
-    let mut trials = open.folder().missing();
-    trials.retain(|trial| shard.holds(*trial));
-    run_trials(protocol, &trials, jobs, &mut open, watcher)?;
-    open.close()
+impl Protocol {
+    /// Runs what is missing of one shard of the study in the folder `out`, on `jobs` threads (all
+    /// cores when 0). The results do not depend on `jobs`.
+    ///
+    /// # Errors
+    /// When the folder holds another study, is in use, or cannot be written.
+    pub fn run(
+        &self,
+        out: &Path,
+        shard: Shard,
+        jobs: usize,
+        watcher: &mut dyn StudyWatcher,
+    ) -> Result<StudyFolder, StudyError> {
+        let mut open = OpenFolder::open(out, self)?;
+        let mut trials = open.folder().missing();
+        trials.retain(|trial| shard.holds(*trial));
+        run_trials(self, &trials, jobs, &mut open, watcher)?;
+        open.close()
+    }
 }
 
-/// Joins folders of one study, which must be complete together, into the folder `out`.
-///
-/// # Errors
-/// [`StudyError::Mixed`], [`StudyError::Incomplete`], or an error of a folder.
-pub fn merge_studies(folders: &[PathBuf], out: &Path) -> Result<StudyFolder, StudyError> {
-    put_together(&StudyFolder::join(folders)?, out)
+impl StudyFolder {
+    /// Joins folders of one study, which must be complete together, into the folder `out`.
+    ///
+    /// # Errors
+    /// [`StudyError::Mixed`], [`StudyError::Incomplete`], or an error of a folder.
+    pub fn merge(folders: &[PathBuf], out: &Path) -> Result<Self, StudyError> {
+        put_together(&Self::join(folders)?, out)
+    }
 }
 
 /// Puts a study that is complete into the folder `out`.

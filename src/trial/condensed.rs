@@ -6,10 +6,6 @@ use crate::sensor::Sensor;
 use crate::world::{Maze, Paths};
 use xcs::{Population, compact};
 
-/// Rules are condensed in worlds of at most this many different percepts; beyond, it would take
-/// minutes.
-pub const MOST_PERCEPTS: usize = 4096;
-
 /// The rules of a learner condensed for a maze, and put to the test there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Condensed {
@@ -24,14 +20,18 @@ pub struct Condensed {
 }
 
 impl Condensed {
+    /// Rules are condensed in worlds of at most this many different percepts; beyond, it would take
+    /// minutes.
+    pub const MOST_PERCEPTS: usize = 4096;
+
     /// Condenses what was learned; `None` for a table, which has no rules, for rules that look at
-    /// more than the percept, and in worlds with more than [`MOST_PERCEPTS`] different percepts.
+    /// more than the percept, and in worlds with more than [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) different percepts.
     pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze, paths: &Paths) -> Option<Self> {
         let actions = maze.action_count();
         if knowledge.remembers() {
             return None;
         }
-        let percepts = sensor.at_most_percepts(maze, MOST_PERCEPTS)?;
+        let percepts = sensor.at_most_percepts(maze, Self::MOST_PERCEPTS)?;
         let worth = |percept: &_| knowledge.worth(percept, actions);
         let learned = knowledge.rules()?;
         let condensed = compact(learned, &percepts, worth);

@@ -3,6 +3,7 @@
 mod bounds;
 mod checkpoint;
 mod condensed;
+mod demands;
 mod drive;
 mod evaluation;
 mod greedy;
@@ -15,7 +16,6 @@ mod settings_error;
 mod toml_text;
 mod warning;
 mod why;
-mod wording;
 
 use std::ops::{ControlFlow, RangeInclusive};
 
@@ -24,7 +24,8 @@ use serde::{Deserialize, Serialize};
 pub use bounds::{Bounds, Estimate};
 pub(crate) use checkpoint::is_sealed;
 pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};
-pub use condensed::{Condensed, MOST_PERCEPTS};
+pub use condensed::Condensed;
+pub(crate) use demands::words_of_memory;
 pub use evaluation::Evaluation;
 pub use greedy::GreedySteps;
 pub use history::{Lesson, RuleHistory};
@@ -34,12 +35,9 @@ pub use resolve::Resolved;
 pub(crate) use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar, value_of};
 pub use settings::Settings;
 pub use settings_error::{Origin, SettingsError};
-pub use toml_text::MOST_TOML_BYTES;
-pub(crate) use toml_text::shortened;
+pub(crate) use toml_text::{MOST_TOML_BYTES, shortened};
 pub use warning::Warning;
 pub use why::{Change, Vote, Why};
-pub use wording::context_words;
-pub(crate) use wording::recorded_context_words;
 
 use crate::agent::{Agent, Chosen, Explorer};
 use crate::arena::Arena;

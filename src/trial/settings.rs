@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::toml_text::MOST_TOML_BYTES;
 use crate::agent;
 use crate::arena::{ArenaParams, PhysicsParams};
 use crate::episode;
@@ -39,6 +40,9 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The largest file of settings, in bytes.
+    pub const MOST_BYTES: u64 = MOST_TOML_BYTES;
+
     /// The settings with what the maze decides filled in: the step-threshold, unless it was set.
     pub fn settled_in(mut self, maze: &Maze) -> Self {
         if self.reward.step_threshold_from_maze {

@@ -2,26 +2,28 @@
 
 use super::maze::{Cell, Maze};
 
-/// Draws a maze, two characters per cell and a line per row; walls are full blocks.
-///
-/// `glyph` gives the character of a cell, such as the arrow of a policy; where it gives none, and
-/// for walls, the maze shows itself: `S` start, `G` goal, `~` unusual floor, `*` a reward. Free cells are blank, and dots where
-/// the edges join and no border shows where the maze ends.
-pub fn draw(maze: &Maze, glyph: impl Fn(Cell) -> Option<char>) -> String {
-    let mut picture = String::new();
-    for cell in maze.cells() {
-        if maze.is_wall(cell) {
-            picture.push_str("██");
-        } else {
-            picture.push(glyph(cell).unwrap_or_else(|| letter(maze, cell)));
-            picture.push(' ');
+impl Maze {
+    /// The maze drawn, two characters per cell and a line per row; walls are full blocks.
+    ///
+    /// `glyph` gives the character of a cell, such as the arrow of a policy; where it gives none, and
+    /// for walls, the maze shows itself: `S` start, `G` goal, `~` unusual floor, `*` a reward. Free cells are blank, and dots where
+    /// the edges join and no border shows where the maze ends.
+    pub fn drawn(&self, glyph: impl Fn(Cell) -> Option<char>) -> String {
+        let mut picture = String::new();
+        for cell in self.cells() {
+            if self.is_wall(cell) {
+                picture.push_str("██");
+            } else {
+                picture.push(glyph(cell).unwrap_or_else(|| letter(self, cell)));
+                picture.push(' ');
+            }
+            if cell.col + 1 == self.width() {
+                picture.truncate(picture.trim_end_matches(' ').len());
+                picture.push('\n');
+            }
         }
-        if cell.col + 1 == maze.width() {
-            picture.truncate(picture.trim_end_matches(' ').len());
-            picture.push('\n');
-        }
+        picture
     }
-    picture
 }
 
 fn letter(maze: &Maze, cell: Cell) -> char {
@@ -48,19 +50,19 @@ mod tests {
     fn walls_are_blocks_and_each_cell_is_two_columns_wide() {
         let maze = maze(false, &["#####", "#S.G#", "#####"]);
         let expected = "██████████\n██S   G ██\n██████████\n";
-        assert_eq!(draw(&maze, |_| None), expected);
+        assert_eq!(maze.drawn(|_| None), expected);
     }
 
     #[test]
     fn a_glyph_replaces_the_letter_of_a_cell_but_not_of_a_wall() {
         let maze = maze(false, &["#####", "#S.G#", "#####"]);
-        let picture = draw(&maze, |cell| (!maze.is_goal(cell)).then_some('→'));
+        let picture = maze.drawn(|cell| (!maze.is_goal(cell)).then_some('→'));
         assert_eq!(picture, "██████████\n██→ → G ██\n██████████\n");
     }
 
     #[test]
     fn free_cells_show_where_the_edges_join() {
         let maze = maze(true, &["..", ".G"]);
-        assert_eq!(draw(&maze, |_| None), "· ·\n· G\n");
+        assert_eq!(maze.drawn(|_| None), "· ·\n· G\n");
     }
 }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::direction::{Direction, Moves};
 use super::kept::Kept;
+use super::name;
 use xcs::Action;
 
 /// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the worth of
@@ -105,6 +106,19 @@ impl Maze {
     /// The direction that an action means; `None` when this world has fewer moves.
     pub fn direction(&self, action: Action) -> Option<Direction> {
         self.moves.directions().get(action.index()).copied()
+    }
+
+    /// The nearest name that a world may have, for a text that may be none.
+    pub fn repaired_name(text: &str) -> String {
+        name::repaired(text)
+    }
+
+    /// The name of the move that an action is; its number where it is none.
+    pub fn action_name(&self, action: Action) -> String {
+        match self.direction(action) {
+            Some(direction) => direction.name().to_owned(),
+            None => format!("action {}", action.index()),
+        }
     }
 
     /// Is the cell a wall? Cells outside of the maze are.

@@ -26,14 +26,10 @@ mod starts;
 
 pub(crate) use around::Content;
 pub use direction::{Direction, Moves};
-pub use draw::draw;
 pub use error::{Diagnostic, WorldError};
 pub use facts::{Facts, FloorFacts};
 pub use generate::{MazeKind, Recipe};
 pub use maze::{Cell, Maze};
-pub use name::repaired as repaired_name;
-pub use occupancy::{
-    Gridded, Gridding, KeptWorld, MapError, Occupancy, OccupancyMap, Passage, WrittenMap, written,
-};
+pub use occupancy::{Gridded, Gridding, MapError, Occupancy, OccupancyMap, Passage, WrittenMap};
 pub use paths::Paths;
 pub(crate) use starts::Starts;

@@ -7,9 +7,9 @@ use std::path::Path;
 use crate::kit::trial::Trial;
 use mcap::Attachment;
 use mcap::records::{MessageHeader, Metadata};
+use xcscr::record::FindingKind;
 use xcscr::record::layout;
 use xcscr::record::reader::{Message, Recording};
-use xcscr::record::{FindingKind, check_recording};
 
 /// What a copy of a sound recording is made of.
 struct Parts {
@@ -52,7 +52,7 @@ impl Parts {
     fn faults(&self) -> Vec<FindingKind> {
         let bytes = self.copy().unwrap();
         let copy = Recording::from_bytes(Path::new("copy.mcap"), bytes).unwrap();
-        let found = check_recording(&copy);
+        let found = copy.check();
         found.into_iter().map(|finding| finding.kind).collect()
     }
 

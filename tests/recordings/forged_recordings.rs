@@ -9,7 +9,7 @@ use crate::kit::chance::{dice, rounds};
 use crate::kit::folder::replace;
 use mcap::records::{MessageHeader, Metadata};
 use xcscr::record::reader::Recording;
-use xcscr::record::{check, check_recording, recover};
+use xcscr::record::{check, recover};
 use xcscr::xcs::random::Stream;
 
 /// The opcodes of records that this knows by their parts.
@@ -210,7 +210,7 @@ fn forged_recordings() {
             taken += 1;
             let counted: u64 = recording.topics().iter().map(|topic| topic.messages).sum();
             assert!(counted <= 4096, "mutant {number} has {counted} messages");
-            let _ = check_recording(&recording);
+            let _ = recording.check();
         }
     }
     // Control: another time of a message is read as well as the right one.
@@ -239,7 +239,7 @@ fn what_the_index_claims_is_not_what_replay_shows() {
     let recording = Recording::from_bytes(Path::new("forged.mcap"), file(&records)).unwrap();
     let shown: u64 = recording.topics().iter().map(|topic| topic.messages).sum();
     assert_eq!(shown, 40);
-    let findings = check_recording(&recording);
+    let findings = recording.check();
     let claims = |what: &str| what.contains("the index says 18446744073709551615");
     assert!(findings.iter().any(|one| claims(&one.what)), "{findings:?}");
 }

@@ -14,7 +14,7 @@ use foxglove::messages::{FrameTransform, FrameTransforms, Log, SceneUpdate};
 use serde_json::Value;
 use xcscr::record::compare;
 use xcscr::record::reader::{Message, Recording};
-use xcscr::record::{Recorder, RunInfo, check_recording};
+use xcscr::record::{Recorder, RunInfo};
 use xcscr::world::Maze;
 
 #[test]
@@ -83,12 +83,7 @@ fn fresh() -> (tempfile::TempDir, Vec<Recording>) {
 #[test]
 fn a_fresh_recording_is_sound_and_its_layout_points_at_what_exists() {
     for recording in fresh().1 {
-        assert_eq!(
-            check_recording(&recording),
-            [],
-            "{}",
-            recording.path().display()
-        );
+        assert_eq!(recording.check(), [], "{}", recording.path().display());
     }
 }
 

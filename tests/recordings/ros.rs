@@ -1,7 +1,7 @@
 //! Recordings for ROS 2: its encoding byte by byte, and the same bytes again.
 
 use mcap::MessageStream;
-use xcscr::run::ros_bag;
+use xcscr::run::Source;
 
 use crate::kit::program::{ended, xcscr};
 
@@ -47,7 +47,10 @@ fn a_recording_for_ros_has_its_encoding_and_the_same_bytes_again() {
     ended(&xcscr(&ros).output().unwrap(), 73, "the file exists");
 
     let bytes = std::fs::read(&bag).unwrap();
-    assert!(bytes == ros_bag(second.as_ref()).unwrap(), "other bytes");
+    assert!(
+        bytes == Source::of(second.as_ref()).unwrap().ros_bag().unwrap(),
+        "other bytes"
+    );
     let messages: Vec<mcap::Message> = MessageStream::new(&bytes)
         .unwrap()
         .map(Result::unwrap)

@@ -12,9 +12,9 @@ use std::time::Duration;
 use crate::kit::chance::{dice, rounds};
 use crate::kit::folder::{assert_same, contents};
 use crate::kit::program::{ended, expect, output_of, signal, spawn, wait_until, xcscr};
-use xcscr::disk;
 use xcscr::record;
-use xcscr::trial::{seal, unseal};
+use xcscr::run::RunFolder;
+use xcscr::trial::seal;
 use xcscr::xcs::random::Stream;
 
 const WORLD: &str = "worlds/maze4.json";
@@ -434,12 +434,12 @@ fn a_disk_that_may_only_be_read_ends_in_code_73_and_is_left_as_it_is() {
 #[test]
 fn wherever_a_checkpoint_is_torn_the_old_one_or_the_new_one_is_there() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("checkpoint");
+    let run = RunFolder::create(folder.path(), false).unwrap();
     let mut dice = dice(6);
     let state =
         |dice: &mut Stream| -> Vec<u64> { (0..dice.below(40)).map(|_| dice.bits()).collect() };
     let mut old = state(&mut dice);
-    disk::replace(&path, &seal(&old)).unwrap();
+    run.save_checkpoint(&old).unwrap();
     for seed in 0..rounds(1_000, 10_000) {
         let new = state(&mut dice);
         let mut torn = seal(&new);
@@ -447,10 +447,10 @@ fn wherever_a_checkpoint_is_torn_the_old_one_or_the_new_one_is_there() {
         // Blocks that never reached the disk read as zeros.
         let lost = dice.below(torn.len() + 1);
         torn[lost..].fill(0);
-        fs::write(disk::part(&path), &torn).unwrap();
-        let read = || unseal::<Vec<u64>>(&fs::read(&path).unwrap()).unwrap();
+        fs::write(folder.path().join("checkpoint.part"), &torn).unwrap();
+        let read = || run.checkpoint::<Vec<u64>>().unwrap().unwrap();
         assert_eq!(read(), old, "seed {seed}: torn to {} bytes", torn.len());
-        disk::replace(&path, &seal(&new)).unwrap();
+        run.save_checkpoint(&new).unwrap();
         assert_eq!(read(), new, "seed {seed}: what was torn is in the way");
         old = new;
     }

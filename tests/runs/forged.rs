@@ -12,9 +12,7 @@ use crate::kit::folder::replace;
 use serde_json::{Value, json};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
-use xcscr::study::{
-    Overrides, PlannedStudy, Protocol, Report, Shard, StudyFile, StudyFolder, run_study,
-};
+use xcscr::study::{Overrides, PlannedStudy, Protocol, Report, Shard, StudyFile, StudyFolder};
 use xcscr::trial::{Config, Plan, Trial};
 use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
@@ -117,7 +115,7 @@ episodes = 12
 fn study(folder: &Path) {
     let file = StudyFile::parse(STUDY, "small.toml", Path::new("")).unwrap();
     let protocol = Protocol::new(&file, &Overrides::default()).unwrap();
-    run_study(&protocol, folder, Shard::WHOLE, 1, &mut ()).unwrap();
+    protocol.run(folder, Shard::WHOLE, 1, &mut ()).unwrap();
 }
 
 /// Reads a study and makes its report, if it can be read; says whether it could.

@@ -11,7 +11,6 @@ use tempfile::TempDir;
 use xcscr::streams::StreamName;
 use xcscr::study::{
     Overrides, PlannedStudy, Protocol, Shard, StudyError, StudyFile, StudyWatcher, TrialRecord,
-    run_study,
 };
 use xcscr::xcs::random::Stream;
 
@@ -84,14 +83,9 @@ impl StudyWatcher for Patience {
 #[test]
 fn whatever_the_machines_see_of_each_other_the_merge_is_that_of_one_process_or_none() {
     let whole = tempfile::tempdir().unwrap();
-    run_study(
-        &protocol(),
-        &whole.path().join("a"),
-        Shard::WHOLE,
-        1,
-        &mut (),
-    )
-    .unwrap();
+    let out = whole.path().join("a");
+    let done = protocol().run(&out, Shard::WHOLE, 1, &mut ());
+    done.unwrap();
     let mut chance = Stream::new(1, StreamName::World);
     let (mut twice, mut refused, mut torn) = (0, 0, 0);
     for round in 0..5 {

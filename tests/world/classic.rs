@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use xcscr::sensor::{Sensor, alike};
+use xcscr::sensor::Sensor;
 use xcscr::world::{Cell, Facts, Maze, Moves, Paths};
 
 /// Name, start cells, steps of the shortest ways from all of them together, and group: computed
@@ -61,7 +61,7 @@ fn maze(name: &str) -> Maze {
 /// The last group of which a maze has a pair of cells.
 fn group(maze: &Maze) -> Group {
     let paths = Paths::new(maze);
-    let groups = alike(Sensor::Neighbours, maze);
+    let groups = Sensor::Neighbours.alike(maze);
     let pairs = groups.iter().flat_map(|group| {
         let ordered = group
             .cells

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use xcscr::world::{Gridded, Gridding, MapError, Maze, Occupancy, OccupancyMap, written};
+use xcscr::world::{Gridded, Gridding, MapError, Maze, Occupancy, OccupancyMap};
 use xcscr::xcs::random::Stream;
 
 use crate::kit::folder::replace;
@@ -109,7 +109,7 @@ fn every_world_that_ships_comes_back_from_its_map_as_it_was() {
     for world in worlds {
         let maze = Maze::load(&world).unwrap();
         let map = Map(tempfile::tempdir().unwrap());
-        let files = written(&maze, "m.pgm");
+        let files = maze.to_map("m.pgm");
         map.keep("map.yaml", files.yaml.as_bytes());
         map.keep("m.pgm", &files.image);
         let back = plain().of(&map.load().unwrap()).unwrap();

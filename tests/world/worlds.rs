@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use xcscr::agent::Method;
 use xcscr::arena::{ArenaKind, View};
 use xcscr::episode::{Observer, Step};
-use xcscr::sensor::{Sensor, alike};
+use xcscr::sensor::Sensor;
 use xcscr::trial::{Plan, Trial};
 use xcscr::world::{Cell, Facts, Maze, Moves, Paths, WorldError};
 
@@ -59,13 +59,13 @@ fn woods1_is_a_torus_of_five_by_five_with_16_cells_and_1_7_steps_on_average() {
 #[test]
 fn no_two_cells_of_the_classic_worlds_look_alike() {
     for name in ["maze4-classic", "woods1"] {
-        assert_eq!(alike(Sensor::Neighbours, &shipped(name)), [], "{name}");
+        assert_eq!(Sensor::Neighbours.alike(&shipped(name)), [], "{name}");
     }
 }
 
 #[test]
 fn two_cells_of_maze4_look_alike_because_of_the_goal_in_the_corner() {
-    let groups = alike(Sensor::Neighbours, &shipped("maze4"));
+    let groups = Sensor::Neighbours.alike(&shipped("maze4"));
     let cells: Vec<_> = groups.iter().map(|group| group.cells.clone()).collect();
     let pair = vec![Cell { col: 5, row: 2 }, Cell { col: 4, row: 5 }];
     assert_eq!(cells, [pair], "{groups:?}");

@@ -13,8 +13,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use xcscr::record::Comparison;
 use xcscr::record::reader::{Recording, TopicInfo};
-use xcscr::run::{comparison_of, ros_bag};
+use xcscr::run::{RunError, RunFolder, Source};
 
 use super::failure::{Exit, Failure};
 use super::live::{LIVE_PORT, LiveArgs};
@@ -110,6 +111,14 @@ impl ReplayArgs {
     }
 }
 
+/// An episode or a whole run for ROS 2.
+fn ros_bag(recording: &Path) -> Result<Vec<u8>, RunError> {
+    match recording.is_dir() {
+        true => RunFolder::open(recording).ros_bag(),
+        false => Source::of(recording)?.ros_bag(),
+    }
+}
+
 /// Two runs side by side, into a file or to a viewer.
 fn compare(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let [a, b] = &args.recordings[..] else {
@@ -117,9 +126,9 @@ fn compare(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     };
     if let Some(output) = &args.output {
         let file = OutputFile::free(output, args.force)?;
-        return file.write(&comparison_of([a, b])?.bytes);
+        return file.write(&Comparison::of([a, b])?.bytes);
     }
-    let comparison = comparison_of([a, b])?;
+    let comparison = Comparison::of([a, b])?;
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("comparison.mcap");
     std::fs::write(&file, &comparison.bytes)?;

@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use xcscr::record::Extent;
 use xcscr::record::reader::Recording;
-use xcscr::run::{Again, Source, comparison_differs};
+use xcscr::record::{Comparison, Extent};
+use xcscr::run::{Again, Source};
 
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::progress::Progress;
@@ -43,7 +43,7 @@ pub fn run(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Fa
 fn difference(file: &Path, again: &mut Option<Again>) -> Result<Option<String>, Failure> {
     let recording = Recording::open(file)?;
     if recording.extent() == Some(Extent::Comparison) {
-        return Ok(comparison_differs(&recording)?);
+        return Ok(Comparison::difference(&recording)?);
     }
     let source = Source::of(file)?;
     let run = match again.take().filter(|run| run.serves(&source)) {

@@ -4,7 +4,6 @@ use std::io::Write;
 use std::path::Path;
 
 use xcscr::agent::Knowledge;
-use xcscr::sensor::action_name;
 use xcscr::trial::Plan;
 use xcscr::world::Cell;
 use xcscr::xcs::{Action, Classifier, Condition};
@@ -112,6 +111,6 @@ fn way(plan: &Plan, knowledge: &Knowledge, cell: Cell) -> String {
     }
     let best = worth
         .best_actions()
-        .map(|action| action_name(&plan.maze, action));
+        .map(|action| plan.maze.action_name(action));
     best.collect::<Vec<_>>().join(" or ")
 }

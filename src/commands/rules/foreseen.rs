@@ -1,7 +1,6 @@
 //! What a learner foresees, in words.
 
 use xcscr::agent::{CollisionRule, Knowledge, ReturnRule};
-use xcscr::sensor::action_name;
 use xcscr::trial::Plan;
 
 /// A line for each rule of the foresight; none without foresight.
@@ -38,10 +37,7 @@ fn collision(rule: &CollisionRule, plan: &Plan) -> String {
     let Plan { maze, config } = plan;
     let allele = |at| rule.condition.allele(at);
     let (who, when) = match rule.action {
-        Some(action) => (
-            action_name(maze, action),
-            config.sensor.words(maze, &allele),
-        ),
+        Some(action) => (maze.action_name(action), config.sensor.words(maze, &allele)),
         None => (
             "any action".to_owned(),
             config.sensor.words_facing(maze, &allele),

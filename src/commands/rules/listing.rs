@@ -5,8 +5,8 @@ use std::cmp::Reverse;
 use clap::ValueEnum;
 use serde::Serialize;
 use xcscr::agent::Knowledge;
-use xcscr::sensor::{Sensor, action_name};
-use xcscr::trial::{Plan, context_words};
+use xcscr::sensor::Sensor;
+use xcscr::trial::Plan;
 use xcscr::xcs::{Action, Classifier, Condition, Percept};
 
 /// By what rules are ordered.
@@ -72,7 +72,7 @@ pub fn rows(
         condition: rule.condition,
         action: rule.action,
         words: words(rule, plan, knowledge),
-        go: action_name(maze, rule.action),
+        go: maze.action_name(rule.action),
         covers: percepts
             .iter()
             .filter(|p| rule.condition.matches(p))
@@ -100,9 +100,9 @@ pub fn rows(
 /// What a rule demands; of one with a memory also of the place and of the last steps.
 pub fn words(rule: &Classifier, plan: &Plan, knowledge: &Knowledge) -> String {
     let Plan { maze, config } = plan;
-    let allele = |at| rule.condition.allele(at);
-    match knowledge.remembers() {
-        true => context_words(Sensor::Neighbours, maze, &allele),
-        false => config.sensor.words(maze, &allele),
-    }
+    let sensor = match knowledge.remembers() {
+        true => Sensor::Neighbours,
+        false => config.sensor,
+    };
+    knowledge.words(sensor, maze, &|at| rule.condition.allele(at))
 }

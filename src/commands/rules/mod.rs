@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use xcscr::agent::Knowledge;
-use xcscr::trial::{Condensed, MOST_PERCEPTS, Plan};
+use xcscr::trial::{Condensed, Plan};
 use xcscr::world::{Cell, Paths};
 use xcscr::xcs::{Percept, Population};
 
@@ -173,7 +173,8 @@ fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Condensed, Failure> {
                      `--compact` is the answer"
                 .to_owned(),
             false => format!(
-                "{name} has more than {MOST_PERCEPTS} percepts: too many to condense rules for"
+                "{name} has more than {} percepts: too many to condense rules for",
+                Condensed::MOST_PERCEPTS
             ),
         };
         Failure::new(Exit::BadData, message)

@@ -4,7 +4,6 @@ use std::io::Write;
 
 use xcscr::page::{Block, Picture, Table, html};
 use xcscr::picture::{Film, Scenes};
-use xcscr::sensor::action_name;
 use xcscr::trial::{Plan, Why};
 use xcscr::world::Cell;
 
@@ -94,7 +93,7 @@ fn row(shown: &Shown<'_>, cell: Cell) -> Vec<String> {
     let best: Vec<String> = why
         .worth
         .best_actions()
-        .map(|action| action_name(&plan.maze, action))
+        .map(|action| plan.maze.action_name(action))
         .collect();
     vec![
         format!("{},{}", cell.col, cell.row),

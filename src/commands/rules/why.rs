@@ -4,7 +4,6 @@ use std::io::Write;
 
 use xcscr::episode::Ending;
 use xcscr::page::Table;
-use xcscr::sensor::action_name;
 use xcscr::trial::{Change, Plan, RuleHistory, Vote, Why};
 use xcscr::world::Cell;
 use xcscr::xcs::{Action, Classifier};
@@ -53,7 +52,7 @@ pub fn print(
 
 /// Where it goes, and what that and all else is worth.
 fn choice(plan: &Plan, why: &Why) -> String {
-    let name = |action| action_name(&plan.maze, action);
+    let name = |action| plan.maze.action_name(action);
     let best: Vec<String> = why.worth.best_actions().map(name).collect();
     let all = Action::all(plan.maze.action_count());
     let mut known: Vec<(f64, Action)> = all
@@ -84,7 +83,7 @@ fn print_votes(
             .rows
             .extend(shown.iter().map(|vote| row(vote, plan, knowledge)));
         if let [vote, ..] = rest {
-            let name = action_name(&plan.maze, vote.rule.action);
+            let name = plan.maze.action_name(vote.rule.action);
             more.push(format!("{} for {name}", rest.len()));
         }
     }
@@ -110,7 +109,7 @@ fn row(vote: &Vote, plan: &Plan, knowledge: &Knowledge) -> Vec<String> {
     let rule = &vote.rule;
     vec![
         words(rule, plan, knowledge),
-        action_name(&plan.maze, rule.action),
+        plan.maze.action_name(rule.action),
         format!("{:.1}", rule.prediction),
         format!("{:.0} %", 100.0 * vote.share),
         format!("{:.1}", rule.error),
@@ -131,7 +130,7 @@ fn print_changes(why: &Why, plan: &Plan, out: &mut impl Write) -> Result<(), Fai
             Some(Cell { col, row }) => format!(" (as in cell {col},{row})"),
             None => " (nowhere in this world)".to_owned(),
         };
-        let name = action_name(&plan.maze, *action);
+        let name = plan.maze.action_name(*action);
         let line = format!("  {name:<11} with {}{place}", words.join(", "));
         write_words(out, &line)?;
     }
@@ -151,7 +150,7 @@ fn print_history(
     out: &mut impl Write,
 ) -> Result<(), Failure> {
     let words = words(rule, plan, knowledge);
-    let name = action_name(&plan.maze, rule.action);
+    let name = plan.maze.action_name(rule.action);
     let Some(history) = RuleHistory::of(plan, rule.condition, rule.action)? else {
         return Ok(());
     };

@@ -14,9 +14,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Subcommand, ValueEnum};
-use xcscr::study::{
-    PlannedStudy, Protocol, Report, Shard, StudyError, StudyFolder, merge_studies, run_study,
-};
+use xcscr::study::{PlannedStudy, Protocol, Report, Shard, StudyError, StudyFolder};
 
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::interrupt::Interrupt;
@@ -191,7 +189,7 @@ fn merge(folders: &[PathBuf], out: Option<&Path>, force: bool) -> Result<StudyFo
     if force {
         StudyFolder::replace_other(path, StudyFolder::join(folders)?.protocol())?;
     }
-    Ok(merge_studies(folders, path)?.replacing(force))
+    Ok(StudyFolder::merge(folders, path)?.replacing(force))
 }
 
 fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
@@ -203,14 +201,9 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     let farewell = "interrupted in a trial; run the same command again to resume it";
     let interrupt = Interrupt::watch(move || Failure::new(Exit::Interrupted, farewell))?;
     let mut progress = Progress::new(args.quiet, interrupt);
-    let folder = run_study(
-        &protocol,
-        &args.out,
-        args.shard,
-        args.jobs.into(),
-        &mut progress,
-    )?
-    .replacing(args.force);
+    let folder = protocol
+        .run(&args.out, args.shard, args.jobs.into(), &mut progress)?
+        .replacing(args.force);
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use serde::Serialize;
 use xcscr::disk::typed;
-use xcscr::study::{PlannedStudy, Slurm, TaskState, ranges};
+use xcscr::study::{PlannedStudy, Slurm, TaskState};
 
 use super::status::head;
 use crate::commands::failure::Failure;
@@ -52,7 +52,7 @@ impl PlannedStatus {
             waiting: tasks_that(&[TaskState::Waiting]),
             failed: tasks_that(&[TaskState::Failed]),
             missing: tasks_that(&[TaskState::Missing]),
-            array: ranges(&tasks_that(&[TaskState::Failed, TaskState::Missing])),
+            array: Slurm::ranges(&tasks_that(&[TaskState::Failed, TaskState::Missing])),
         })
     }
 
@@ -83,7 +83,7 @@ impl PlannedStatus {
             ("missing: not begun", &self.missing),
         ] {
             if !tasks.is_empty() {
-                writeln!(out, "  {name} ({}): {}", tasks.len(), ranges(tasks))?;
+                writeln!(out, "  {name} ({}): {}", tasks.len(), Slurm::ranges(tasks))?;
             }
         }
         if self.failed_trials > 0 {

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use serde::Serialize;
-use xcscr::study::{Arm, Shard, StudyFolder, ranges};
+use xcscr::study::{Arm, Shard, Slurm, StudyFolder};
 
 use crate::commands::failure::Failure;
 
@@ -36,7 +36,7 @@ impl Status {
         let (whole, part): (Vec<_>, Vec<_>) = arms.partition(|own| own.len() == *per_arm);
         let line = |own: &&[usize]| {
             let numbers: Vec<usize> = own.iter().map(|trial| trial % per_arm + 1).collect();
-            let numbers = ranges(&numbers).replace(',', " ");
+            let numbers = Slurm::ranges(&numbers).replace(',', " ");
             format!("{}: {numbers}", names[own[0] / per_arm])
         };
         let mut lines: Vec<String> = part.iter().map(line).collect();

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use xcscr::study::{PlannedStudy, Queued, Slurm, TaskState, ranges};
+use xcscr::study::{PlannedStudy, Queued, Slurm, TaskState};
 
 use super::choice::ChoiceArgs;
 use crate::commands::failure::Failure;
@@ -76,7 +76,7 @@ pub(super) fn run(args: &SubmitArgs, out: &mut impl Write) -> Result<(), Failure
         out,
         "submitted {count} of {} tasks as job {array} (--array={}), and their merge as job {merge}",
         planned.tasks(),
-        ranges(&tasks)
+        Slurm::ranges(&tasks)
     )?;
     Ok(writeln!(
         out,

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use crate::agent::Places;
-use crate::agent::places::{Came, NEAR, NEGLIGIBLE, OPEN};
+use crate::agent::places::{Came, NEAR, NEGLIGIBLE, OPEN, Places};
 use crate::export::ballot::{ExportError, MOST_STATES};
 use xcs::{Action, Percept};
 

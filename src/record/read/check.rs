@@ -65,7 +65,7 @@ impl fmt::Display for Finding {
 /// [`RecordError::Read`] when there is no such file. What is wrong *in* it is a finding.
 pub fn check(path: &Path) -> Result<Vec<Finding>, RecordError> {
     match Recording::open(path) {
-        Ok(recording) => Ok(check_recording(&recording)),
+        Ok(recording) => Ok(recording.check()),
         Err(error @ RecordError::Read { .. }) => Err(error),
         // This is the command that says more.
         Err(RecordError::Damaged { cause, .. }) => Ok(vec![finding(
@@ -76,14 +76,16 @@ pub fn check(path: &Path) -> Result<Vec<Finding>, RecordError> {
     }
 }
 
-/// Checks a recording that can be read.
-pub fn check_recording(recording: &Recording) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    check_facts(recording, &mut findings);
-    check_topics(recording, &mut findings);
-    check_messages(recording, &mut findings);
-    check_layout(recording, &mut findings);
-    findings
+impl Recording {
+    /// Checks the recording; an empty list means that it is sound.
+    pub fn check(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        check_facts(self, &mut findings);
+        check_topics(self, &mut findings);
+        check_messages(self, &mut findings);
+        check_layout(self, &mut findings);
+        findings
+    }
 }
 
 fn finding(kind: FindingKind, what: String) -> Finding {

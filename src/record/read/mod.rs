@@ -5,5 +5,5 @@ mod compare;
 pub(super) mod parse;
 pub mod reader;
 
-pub use check::{Finding, FindingKind, check, check_recording};
+pub use check::{Finding, FindingKind, check};
 pub use compare::{Difference, compare};

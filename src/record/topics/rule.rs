@@ -8,8 +8,8 @@ use super::scene::{ROBOT, color, entity, place, update};
 use super::schema::Object;
 use crate::agent::Chooser;
 use crate::episode::Step;
-use crate::sensor::{Sensor, action_name};
-use crate::trial::recorded_context_words;
+use crate::sensor::Sensor;
+use crate::trial::words_of_memory;
 use crate::world::Maze;
 use xcs::{Action, Condition, Percept};
 
@@ -59,7 +59,7 @@ impl RuleRecord {
     /// The reasons of a step; `sensor` is how the robot perceives, `goal` what a goal pays.
     pub fn new(step: &Step<'_>, sensor: Sensor, goal: f64) -> Self {
         let maze = step.view.maze;
-        let action = action_name(maze, step.action);
+        let action = maze.action_name(step.action);
         let because = because(step, sensor);
         Self {
             episode: step.episode,
@@ -146,13 +146,13 @@ fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
     let (maze, allele) = (step.view.maze, |at| condition.allele(at));
     match condition.width() == step.percept.width() {
         true => sensor.words(maze, &allele),
-        false => recorded_context_words(Sensor::Neighbours, maze, &allele),
+        false => words_of_memory(Sensor::Neighbours, maze, &allele),
     }
 }
 
 /// An action and its worth.
 fn worth(step: &Step<'_>, action: Action) -> String {
-    let name = action_name(step.view.maze, action);
+    let name = step.view.maze.action_name(action);
     let worth = step.worth.as_slice().get(action.index()).copied().flatten();
     worth.map_or_else(|| name.clone(), |worth| format!("{name}, worth {worth:.0}"))
 }

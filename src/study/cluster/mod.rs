@@ -11,5 +11,5 @@ mod survey;
 mod task;
 
 pub use planned::PlannedStudy;
-pub use slurm::{Queued, Slurm, TaskState, ranges};
+pub use slurm::{Queued, Slurm, TaskState};
 pub use survey::{Survey, TaskSurvey};

@@ -122,7 +122,7 @@ impl Slurm {
 
     fn array_script(&self, planned: &PlannedStudy, tasks: &[usize]) -> String {
         let limit = self.array_limit.map(|limit| format!("%{limit}"));
-        let array = ranges(tasks) + &limit.unwrap_or_default();
+        let array = Slurm::ranges(tasks) + &limit.unwrap_or_default();
         let lead = FAREWELL_SECS.min(60 * self.minutes / 2);
         let own = [
             format!("--array={array}"),
@@ -269,12 +269,14 @@ fn absolute(path: &Path) -> Result<PathBuf, StudyError> {
         .map_err(|cause| StudyError::io(path, cause))
 }
 
-/// Ascending numbers as the list of an array job, such as `1-3,7`.
-pub fn ranges(numbers: &[usize]) -> String {
-    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
-    let run = |run: &[usize]| match run {
-        [first, .., last] => format!("{first}-{last}"),
-        _ => run.iter().map(usize::to_string).collect(),
-    };
-    runs.map(run).collect::<Vec<_>>().join(",")
+impl Slurm {
+    /// Ascending numbers as the list of an array job, such as `1-3,7`.
+    pub fn ranges(numbers: &[usize]) -> String {
+        let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+        let run = |run: &[usize]| match run {
+            [first, .., last] => format!("{first}-{last}"),
+            _ => run.iter().map(usize::to_string).collect(),
+        };
+        runs.map(run).collect::<Vec<_>>().join(",")
+    }
 }

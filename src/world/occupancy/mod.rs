@@ -16,11 +16,10 @@ use std::path::Path;
 
 pub use error::MapError;
 pub use gridding::{Gridded, Gridding};
-pub use header::KeptWorld;
 pub use passage::Passage;
-pub use writing::{WrittenMap, written};
+pub use writing::WrittenMap;
 
-use header::Header;
+use header::{Header, KeptWorld};
 use image::Image;
 
 /// What is known of a pixel.
@@ -48,7 +47,7 @@ pub struct OccupancyMap {
     /// Row by row from the top.
     pixels: Vec<Occupancy>,
     /// What a maze that was written as a map had beside its walls.
-    pub kept: Option<KeptWorld>,
+    kept: Option<KeptWorld>,
     /// Grey levels so near to a threshold that rounding decides, and how many pixels have them.
     pub doubtful: Vec<(u8, usize)>,
 }
