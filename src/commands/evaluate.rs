@@ -113,39 +113,33 @@ fn print(
         true => ("only best actions ", "expected at best"),
         false => ("by a shortest path", "shortest"),
     };
-    let percent = |count: u32| 100.0 * f64::from(count) / f64::from(e.episodes);
+    let Evaluation {
+        world,
+        arena,
+        noise,
+        seed,
+        episodes,
+        successes,
+        optimal,
+        collisions,
+        ..
+    } = e;
+    let rules = knowledge.len();
     writeln!(
         out,
-        "{}: greedy policy of {} rules on {}, noise {}, seed {}, {} episodes",
-        e.world,
-        knowledge.len(),
-        e.arena,
-        e.noise,
-        e.seed,
-        e.episodes
+        "{world}: greedy policy of {rules} rules on {arena}, noise {noise}, seed {seed}, {episodes} episodes"
     )?;
+    let percent = |count: &u32| 100.0 * f64::from(*count) / f64::from(*episodes);
+    let (reached, best_ones) = (percent(successes), percent(optimal));
+    writeln!(out, "  reached the goal     {successes} ({reached:.1} %)")?;
+    writeln!(out, "  {optimally}   {optimal} ({best_ones:.1} %)")?;
+    let (steps, fewest) = (e.mean_steps, e.mean_optimal_steps);
     writeln!(
         out,
-        "  reached the goal     {} ({:.1} %)",
-        e.successes,
-        percent(e.successes)
+        "  steps per episode    {steps:.2} ({best} {fewest:.2})"
     )?;
-    writeln!(
-        out,
-        "  {optimally}   {} ({:.1} %)",
-        e.optimal,
-        percent(e.optimal)
-    )?;
-    let (steps, optimal) = (e.mean_steps, e.mean_optimal_steps);
-    writeln!(
-        out,
-        "  steps per episode    {steps:.2} ({best} {optimal:.2})"
-    )?;
-    writeln!(out, "  collisions           {}", e.collisions)?;
-    writeln!(
-        out,
-        "  time per episode     {:.2} s simulated",
-        e.mean_seconds
-    )?;
+    writeln!(out, "  collisions           {collisions}")?;
+    let seconds = e.mean_seconds;
+    writeln!(out, "  time per episode     {seconds:.2} s simulated")?;
     Ok(())
 }

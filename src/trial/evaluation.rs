@@ -88,36 +88,13 @@ impl Evaluation {
         episodes: u32,
         observer: &mut dyn Observer,
     ) -> Result<Self, PlanError> {
-        let Plan { maze, config } = &plan.clone().settled();
+        let plan = plan.clone().settled();
+        let Plan { maze, config } = &plan;
         knowledge.check(config.sensor.width(maze), maze.action_count())?;
-        let paths = Paths::with_slip(maze, config.settings.arena.slip);
         let began_ns = arena.view().now().time_ns;
         let limit = config.settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
-        let mut greedy = Explorer::new(0.0, Stream::new(config.seed, StreamName::Exploration));
-        let mut starts = Stream::new(config.seed, StreamName::Start);
-        let cells = Starts::new(maze);
-        let mut sums = Sums::default();
-        for number in 1..=episodes {
-            let start = cells
-                .nth(maze, starts.below(cells.count()))
-                .expect("a checked maze has a start cell");
-            let (arena, mut choices) = (&mut *arena, BestChoices::by(&paths));
-            let (episode, flow) = episode::run(
-                number,
-                start,
-                arena,
-                config.sensor,
-                &mut policy,
-                &mut greedy,
-                &mut (&mut choices, &mut *observer),
-            );
-            sums.add(&episode, choices.is_optimal(&episode));
-            sums.expected += paths.expected_steps(maze, start).unwrap_or(0.0);
-            if flow.is_break() {
-                break;
-            }
-        }
+        let sums = Sums::over(episodes, &plan, &mut *arena, &mut policy, observer);
         let mean = |sum: u64| sum as f64 / f64::from(episodes.max(1));
         Ok(Self {
             world: maze.name().to_owned(),
@@ -152,6 +129,42 @@ struct Sums {
 }
 
 impl Sums {
+    /// Those of so many episodes of a settled plan.
+    fn over(
+        episodes: u32,
+        Plan { maze, config }: &Plan,
+        arena: &mut dyn Arena,
+        policy: &mut Frozen,
+        observer: &mut dyn Observer,
+    ) -> Self {
+        let paths = Paths::with_slip(maze, config.settings.arena.slip);
+        let mut greedy = Explorer::new(0.0, Stream::new(config.seed, StreamName::Exploration));
+        let mut starts = Stream::new(config.seed, StreamName::Start);
+        let cells = Starts::new(maze);
+        let mut sums = Self::default();
+        for number in 1..=episodes {
+            let start = cells
+                .nth(maze, starts.below(cells.count()))
+                .expect("a checked maze has a start cell");
+            let mut choices = BestChoices::by(&paths);
+            let (episode, flow) = episode::run(
+                number,
+                start,
+                arena,
+                config.sensor,
+                policy,
+                &mut greedy,
+                &mut (&mut choices, &mut *observer),
+            );
+            sums.add(&episode, choices.is_optimal(&episode));
+            sums.expected += paths.expected_steps(maze, start).unwrap_or(0.0);
+            if flow.is_break() {
+                break;
+            }
+        }
+        sums
+    }
+
     fn add(&mut self, episode: &episode::Episode, was_optimal: bool) {
         let success = episode.ending == Ending::Goal;
         self.successes += u32::from(success);

@@ -188,31 +188,33 @@ fn of_png(bytes: &[u8]) -> Result<Image, String> {
     let frame = reader
         .next_frame(&mut samples)
         .map_err(|fault| fault.to_string())?;
-    let (channels, has_alpha) = match frame.color_type {
-        png::ColorType::Grayscale => (1, false),
-        png::ColorType::GrayscaleAlpha => (2, true),
-        png::ColorType::Rgb => (3, false),
-        png::ColorType::Rgba => (4, true),
-        png::ColorType::Indexed => return Err("its palette cannot be read".to_owned()),
-    };
-    let colours = channels - usize::from(has_alpha);
-    let pixels = || samples[..frame.buffer_size()].chunks_exact(channels);
-    let mean = |pixel: &[u8]| {
-        let sum: usize = pixel[..colours]
-            .iter()
-            .map(|&sample| usize::from(sample))
-            .sum();
-        ((sum + colours / 2) / colours) as u8
-    };
+    let (colours, has_alpha) = channels(frame.color_type)?;
+    let each = colours + usize::from(has_alpha);
+    let pixels = || samples[..frame.buffer_size()].chunks_exact(each);
     let opaque = match has_alpha {
         true => pixels().map(|pixel| pixel[colours] == u8::MAX).collect(),
         false => Vec::new(),
     };
-    let greys = pixels().map(mean).collect();
     Ok(Image {
         width,
         height,
-        greys,
+        greys: pixels().map(|pixel| mean(&pixel[..colours])).collect(),
         opaque,
     })
+}
+
+/// How many colours a pixel has, and whether it tells besides how opaque it is.
+fn channels(of: png::ColorType) -> Result<(usize, bool), String> {
+    match of {
+        png::ColorType::Grayscale => Ok((1, false)),
+        png::ColorType::GrayscaleAlpha => Ok((1, true)),
+        png::ColorType::Rgb => Ok((3, false)),
+        png::ColorType::Rgba => Ok((3, true)),
+        png::ColorType::Indexed => Err("its palette cannot be read".to_owned()),
+    }
+}
+
+fn mean(colours: &[u8]) -> u8 {
+    let sum: usize = colours.iter().map(|&colour| usize::from(colour)).sum();
+    ((sum + colours.len() / 2) / colours.len()) as u8
 }

@@ -153,14 +153,7 @@ impl Scribe {
         for (sent_ns, scan) in self.scans(view, true) {
             out.send(For::Episode, Topic::Scan, sent_ns, &scan)?;
         }
-        let maze = maze::scene(view.maze, time_ns);
-        let shown = std::mem::replace(&mut self.maze_shown, true);
-        let to = if shown { For::Episode } else { For::Both };
-        out.send(to, Topic::Maze, time_ns, &maze)?;
-        let drawn = [view.sensed.is_some(), self.beams];
-        let legend = legend::of_robot(view.maze, self.sensor, drawn, time_ns);
-        let robot = robot::scene(&self.robot, legend, time_ns);
-        out.send(For::Episode, Topic::Robot, time_ns, &robot)?;
+        self.show_maze_and_robot(out, view, time_ns)?;
         self.shown = Shown::default();
         self.show_learned(out, For::Episode, view.maze, time_ns)?;
         self.show_landscape(out, For::Episode, view.maze, time_ns)?;
@@ -180,6 +173,23 @@ impl Scribe {
         out.send(For::Both, Topic::Caption, time_ns, &caption)?;
         let begins = log::began(episode, time_ns);
         out.send(For::Both, Topic::Log, time_ns, &begins)
+    }
+
+    /// What stands still, and what the robot looks like.
+    fn show_maze_and_robot(
+        &mut self,
+        out: &mut Outbox,
+        view: &View<'_>,
+        time_ns: u64,
+    ) -> Result<(), RecordError> {
+        let maze = maze::scene(view.maze, time_ns);
+        let shown = std::mem::replace(&mut self.maze_shown, true);
+        let to = if shown { For::Episode } else { For::Both };
+        out.send(to, Topic::Maze, time_ns, &maze)?;
+        let drawn = [view.sensed.is_some(), self.beams];
+        let legend = legend::of_robot(view.maze, self.sensor, drawn, time_ns);
+        let robot = robot::scene(&self.robot, legend, time_ns);
+        out.send(For::Episode, Topic::Robot, time_ns, &robot)
     }
 
     /// An episode is over and learned.
