@@ -204,7 +204,7 @@ pub fn compile_rust(folder: &Path) {
     let rustc = || {
         let mut command = Command::new(std::env::var("RUSTC").unwrap_or("rustc".to_owned()));
         command
-            .args(["--edition", "2024", "-O", "-D", "warnings"])
+            .args(["--edition", "2024", "-D", "warnings"])
             .current_dir(folder);
         command
     };

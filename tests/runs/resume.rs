@@ -97,7 +97,7 @@ fn run_with_stops(plan: &Plan, folder: &Path, mode: RecordMode, times: usize) ->
 }
 
 fn stops_and_resumes(method: Method, arena: ArenaKind, mode: RecordMode, times: usize) {
-    let episodes = rounds(8, 24) as u32;
+    let episodes = rounds(12, 24) as u32;
     let plan = plan("maze4", method, arena, episodes);
     let folder = tempfile::tempdir().unwrap();
     let wanted = folder.path().join("wanted");

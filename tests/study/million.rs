@@ -94,7 +94,7 @@ fn peak(args: &[&str]) -> u64 {
 
 #[test]
 fn status_merge_and_report_of_a_million_trials_would_take_less_than_500_mb() {
-    let sizes = [1_000, 4_000];
+    let sizes = [2_000, 8_000];
     let peaks = sizes.map(|trials| {
         let folder = tempfile::tempdir().unwrap();
         let planned = planned(folder.path(), trials);
