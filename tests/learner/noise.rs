@@ -53,6 +53,27 @@ fn a_memory_tells_two_goals_apart_where_cells_are_misread() {
 }
 
 #[test]
+fn a_memory_does_not_hold_moves_that_never_slip_for_slipping_where_cells_are_misread() {
+    let slip = |world: &str, slip| {
+        let mut settings = Settings::default();
+        settings.reward.step_threshold = 100;
+        settings.sensor.flips = 0.02;
+        settings.arena.slip = slip;
+        let plan = on_the_grid(world, Method::XcscrMemory).episodes(40);
+        let trial = plan.seed(5502).settings(settings).run().unwrap();
+        match trial.method().knowledge() {
+            Knowledge::Remembering { map, .. } => map.pomdp.slip(),
+            _ => panic!("it remembers"),
+        }
+    };
+    for world in ["classic/mazef4", "classic/mazee2", "classic/woods14"] {
+        assert_eq!(slip(world, 0.0), 0.0, "{world}");
+    }
+    let slips = slip("classic/mazef4", 0.25);
+    assert!((0.15..0.35).contains(&slips), "control: {slips}");
+}
+
+#[test]
 fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
     for world in ["classic/mazef4", "classic/maze7"] {
         let steps = |method| {

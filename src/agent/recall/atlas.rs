@@ -1,5 +1,7 @@
 //! All charts, drawn from the episodes that reached a goal.
 
+mod doubting;
+mod drawing;
 mod redraw;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -8,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::align::{Alignment, Habits, Seen, align, differing, slips};
 use super::chart::Chart;
+use super::doubt::Tally;
 use super::headings::{DISPLACEMENTS, Headings};
 use super::likelihood::Likelihood;
 use super::map::{Charted, MOST_CHARTS, Map, Worth};
@@ -35,6 +38,8 @@ const BROUGHT_STEPS: f64 = 100.0;
 const SHOWN_AT_FIRST: f64 = 50.0;
 /// How many times likelier an episode must be on a blank chart, to open one for it.
 const BLANK_ADVANTAGE: f64 = 7.4;
+/// How often what is believed of slips and misread cells is improved after each episode.
+const ESTIMATED: usize = 3;
 /// A chart that fewer episodes than this share belong to is not planned on.
 const LEAST_SHARE: f64 = 0.05;
 
@@ -168,6 +173,9 @@ impl Atlas {
             self.episodes.pop_front();
         }
         self.settle_habits();
+        if self.doubts() && self.params.odometry == Odometry::Known {
+            self.estimate();
+        }
         let inexact = self.habits.slip >= EXACT || self.misread() > 0.0;
         let certain = self.habits.headings.all_certain();
         if certain != self.drawn_with || REDRAWN_AFTER.contains(&self.successes) && inexact {
@@ -184,10 +192,30 @@ impl Atlas {
         let fading = 0.99;
         let sums = self.misread.iter_mut().zip(differing);
         sums.for_each(|(sum, count)| *sum = *sum * fading + count);
+        self.settle_misread();
+    }
+
+    fn settle_misread(&mut self) {
         let [differing, all] = self.misread;
         // Either of the two percepts was wrong.
         let misread = differing / 2.0 / (all + SHOWN_AT_FIRST);
         self.habits.misread = misread.clamp(LEAST_MISREAD, 0.25);
+    }
+
+    /// Learns from all kept episodes together how often moves slip and cells are misread: each is
+    /// judged by how often the other is believed to happen.
+    fn estimate(&mut self) {
+        for _ in 0..ESTIMATED {
+            let tally = Tally::of(self.episodes.iter(), &self.habits);
+            (self.slips, self.misread) = (tally.slips, tally.differing);
+            self.settle_habits();
+            self.settle_misread();
+        }
+    }
+
+    /// Are cells misread of which the robot is told what they are?
+    fn doubts(&self) -> bool {
+        self.habits.vision == Vision::LookedUp && self.misread() > 0.0
     }
 
     /// How often cells are misread; 0 if that is so rare that percepts are taken for right, which those
@@ -203,7 +231,10 @@ impl Atlas {
 
     /// Takes an episode down on the chart that it fits best; tells how well displacements fit there.
     fn draw(&mut self, steps: &[Seen]) -> Vec<[f64; DISPLACEMENTS]> {
-        let (at, alignment) = self.lay(steps);
+        let (at, alignment) = match self.doubts() {
+            true => self.lay_doubting(steps),
+            false => self.lay(steps),
+        };
         if at == self.sheets.len() {
             self.sheets.push(Sheet::default());
         }

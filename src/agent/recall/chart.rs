@@ -50,6 +50,12 @@ impl Chart {
         }
     }
 
+    /// The cells that were seen, and how often each letter was: free, wall, goal.
+    pub fn seen(&self) -> impl Iterator<Item = (Place, [u8; 3])> + '_ {
+        let cells = self.places().zip(self.sightings.iter().copied());
+        cells.filter(|(_, seen)| *seen != [0; 3])
+    }
+
     /// How many cells were seen.
     pub fn cells(&self) -> usize {
         let seen = |sightings: &&[u8; 3]| sightings.iter().any(|count| *count > 0);

@@ -33,6 +33,7 @@ mod atlas;
 mod chart;
 mod context;
 mod demands;
+mod doubt;
 mod headings;
 mod induction;
 pub(super) mod learner;
@@ -44,6 +45,7 @@ mod payments;
 mod place;
 mod samples;
 mod sheet;
+mod sightings;
 mod wander;
 
 pub use context::{ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, PERCEPT_BITS, Tracker, words};

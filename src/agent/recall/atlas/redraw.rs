@@ -7,11 +7,15 @@ use super::{Atlas, Place};
 
 impl Atlas {
     /// Draws all charts anew from the kept episodes, the shortest first, and once more from how they
-    /// lie there; keeps what is likelier.
+    /// lie there; keeps what is likelier. Looked-up percepts that are misread have
+    /// [a way of their own](Self::redraw_doubting).
     pub(super) fn redraw(&mut self) {
         let mut order: Vec<&Vec<Seen>> = self.episodes.iter().collect();
         order.sort_by_key(|steps| steps.len());
         let order: Vec<Vec<Seen>> = order.into_iter().cloned().collect();
+        if self.doubts() {
+            return self.redraw_doubting(&order);
+        }
         let mut fresh = self.blank();
         for steps in &order {
             fresh.draw(steps);

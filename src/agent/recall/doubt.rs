@@ -1,0 +1,180 @@
+//! How often moves slip and how often cells are misread, where both may happen: learned from percepts
+//! that follow each other, without a chart. A cell that was misread looks as if the robot had gone another
+//! way; so all headings of a step are weighed by all that both percepts show (theorem of Bayes).
+
+use super::align::{Habits, Seen};
+use super::headings::DISPLACEMENTS;
+use super::place::{AROUND, Around, Letter, Place, offset};
+use xcs::Action;
+
+/// The letters that are read.
+const LETTERS: [Letter; 3] = [Letter::Free, Letter::Wall, Letter::Goal];
+
+/// What is counted in steps, each as often as it is likely.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tally {
+    /// Steps that slipped, and all of them.
+    pub slips: [f64; 2],
+    /// Cells in which two percepts differ, and all that both show.
+    pub differing: [f64; 2],
+}
+
+impl Tally {
+    /// Counts in all steps of episodes that reached the goal.
+    pub fn of<'a>(episodes: impl Iterator<Item = &'a Vec<Seen>> + Clone, habits: &Habits) -> Self {
+        let readings = Readings::of(episodes.clone().flatten(), habits);
+        let mut tally = Self::default();
+        for steps in episodes {
+            for (at, step) in steps.iter().enumerate() {
+                tally.count(&readings.ways(step, steps.get(at + 1).map(|next| &next.around)));
+            }
+        }
+        tally
+    }
+
+    fn count(&mut self, ways: &[Way]) {
+        let all: f64 = ways.iter().map(|way| way.weight).sum();
+        self.slips[1] += 1.0;
+        for way in ways {
+            let share = way.weight / all;
+            self.slips[0] += share * way.slipped;
+            let counts = self.differing.iter_mut().zip(way.differing);
+            counts.for_each(|(sum, count)| *sum += share * count);
+        }
+    }
+}
+
+/// A heading that a step may have had.
+struct Way {
+    /// How likely it is beside the others.
+    weight: f64,
+    /// How likely the step slipped if it had this heading.
+    slipped: f64,
+    /// Cells in which two percepts differ, and all that both show.
+    differing: [f64; 2],
+}
+
+/// How likely letters are read.
+struct Readings<'a> {
+    habits: &'a Habits,
+    /// In a cell of which nothing is known.
+    anywhere: [f64; 3],
+    /// After the first letter was read in the same cell, the second.
+    again: [[f64; 3]; 3],
+}
+
+/// What is known of a cell before it is read.
+enum Known {
+    Nothing,
+    /// It was read so, perhaps wrongly.
+    Read(Letter),
+    /// The robot stood there, or bumped against it.
+    Felt(Letter),
+}
+
+impl<'a> Readings<'a> {
+    fn of<'b>(steps: impl Iterator<Item = &'b Seen>, habits: &'a Habits) -> Self {
+        let mut anywhere = [1.0; 3];
+        let seen = steps.flat_map(|step| step.around);
+        seen.filter(|letter| *letter != Letter::Hidden)
+            .for_each(|letter| anywhere[letter as usize] += 1.0);
+        let all: f64 = anywhere.iter().sum();
+        let anywhere = anywhere.map(|count| count / all);
+        let read = |letter, is| felt(letter, is, habits.misread);
+        let again = LETTERS.map(|first| {
+            let both = LETTERS.map(|second| {
+                let of =
+                    LETTERS.map(|is| anywhere[is as usize] * read(first, is) * read(second, is));
+                of.iter().sum::<f64>()
+            });
+            let all: f64 = both.iter().sum();
+            both.map(|one| one / all)
+        });
+        Self {
+            habits,
+            anywhere,
+            again,
+        }
+    }
+
+    /// The headings that a step may have had, given what was seen after it (nothing at the goal).
+    fn ways(&self, step: &Seen, next: Option<&Around>) -> Vec<Way> {
+        let Habits { headings, slip, .. } = self.habits;
+        let mut likely = [[0.0; 2]; DISPLACEMENTS];
+        for action in Action::all(headings.actions()) {
+            for (heading, weight) in headings.of(action) {
+                let [meant, slipped] = &mut likely[heading];
+                *slipped += weight * slip / headings.actions() as f64;
+                if action == step.action {
+                    *meant += weight * (1.0 - slip);
+                }
+            }
+        }
+        let likely = likely.into_iter().enumerate();
+        let likely = likely.filter(|(_, [meant, slipped])| meant + slipped > 0.0);
+        let ways = likely.map(|(heading, [meant, slipped])| {
+            let (fits, differing) = self.follows(step, next, heading);
+            Way {
+                weight: (meant + slipped) * fits,
+                slipped: slipped / (meant + slipped),
+                differing,
+            }
+        });
+        ways.collect()
+    }
+
+    /// How likely what is seen before and after a step is if it had a heading; in how many cells the
+    /// two differ, and how many both show.
+    fn follows(&self, step: &Seen, next: Option<&Around>, heading: usize) -> (f64, [f64; 2]) {
+        let mut fits = self.ahead(step, next.is_none(), heading);
+        let mut differing = [0.0; 2];
+        let by = offset(if step.bumped { AROUND.len() } else { heading });
+        let seen = AROUND.iter().zip(next.into_iter().flatten());
+        for (place, &letter) in seen.filter(|(_, letter)| **letter != Letter::Hidden) {
+            fits *= match known(step, heading, place.plus(by)) {
+                Known::Nothing => self.anywhere[letter as usize],
+                Known::Felt(is) => felt(letter, is, self.habits.misread),
+                Known::Read(first) => {
+                    differing[0] += f64::from(u8::from(first != letter));
+                    differing[1] += 1.0;
+                    self.again[first as usize][letter as usize]
+                }
+            };
+        }
+        (fits, differing)
+    }
+
+    /// How much likelier than anywhere the cell ahead is read as it is: what the robot then felt of it.
+    fn ahead(&self, step: &Seen, at_goal: bool, heading: usize) -> f64 {
+        let Some(&letter) = step.around.get(heading) else {
+            return 1.0;
+        };
+        let is = match at_goal {
+            _ if letter == Letter::Hidden => return 1.0,
+            _ if step.bumped => Letter::Wall,
+            true => self.habits.vision.of_a_goal(),
+            false => Letter::Free,
+        };
+        felt(letter, is, self.habits.misread) / self.anywhere[letter as usize]
+    }
+}
+
+/// How likely a cell that is known to be this is read so: both wrong letters equally often.
+fn felt(letter: Letter, is: Letter, misread: f64) -> f64 {
+    if letter == is {
+        1.0 - misread
+    } else {
+        misread / 2.0
+    }
+}
+
+/// What a step with a heading tells of a cell, counted from where the step began.
+fn known(step: &Seen, heading: usize, cell: Place) -> Known {
+    let at = AROUND.iter().position(|place| *place == cell);
+    match at {
+        _ if cell == Place::ORIGIN => Known::Felt(Letter::Free),
+        Some(at) if step.bumped && at == heading => Known::Felt(Letter::Wall),
+        Some(at) if step.around[at] != Letter::Hidden => Known::Read(step.around[at]),
+        _ => Known::Nothing,
+    }
+}
