@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::Path;
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::kit::chance::{dice, rounds};
 use crate::kit::folder::{assert_same, contents};
@@ -227,9 +227,14 @@ fn assert_sound(folder: &Path, what: &str) -> usize {
     whole.iter().filter(|name| name.starts_with("ep-")).count()
 }
 
-/// Trains, and is stopped by signals at random moments until it ends by itself. Gives what it
-/// prints then.
-fn train_with_kills(out: &Path, begin: &[&str], dice: &mut Stream) -> (String, String) {
+/// Trains, and is stopped by signals at random moments of what an undisturbed run takes, until it ends
+/// by itself. Gives what it prints then.
+fn train_with_kills(
+    out: &Path,
+    begin: &[&str],
+    undisturbed: Duration,
+    dice: &mut Stream,
+) -> (String, String) {
     let dir = out.to_str().unwrap();
     let mut story = String::new();
     let mut before = 0;
@@ -241,7 +246,7 @@ fn train_with_kills(out: &Path, begin: &[&str], dice: &mut Stream) -> (String, S
             false => begin.to_vec(),
         };
         let mut child = spawn(&args);
-        let pause = Duration::from_millis(10 + dice.below(500) as u64);
+        let pause = undisturbed.mul_f64(dice.unit());
         let name = *dice
             .choose(&["KILL", "KILL", "TERM", "INT", "USR1"])
             .unwrap();
@@ -289,7 +294,9 @@ fn a_run_killed_at_random_moments_loses_no_finished_episode_and_ends_in_the_same
         dir,
         "--json",
     ];
+    let begun = Instant::now();
     let (wanted_json, _) = expect(0, &args);
+    let undisturbed = begun.elapsed();
     let wanted = folder.path().join("wanted");
     fs::rename(&out, &wanted).unwrap();
     let mut dice = dice(11);
@@ -297,7 +304,7 @@ fn a_run_killed_at_random_moments_loses_no_finished_episode_and_ends_in_the_same
     // A signal that comes too late proves nothing, and does not count.
     while kills < rounds(10, 200) {
         round += 1;
-        let (story, json) = train_with_kills(&out, &args, &mut dice);
+        let (story, json) = train_with_kills(&out, &args, undisturbed, &mut dice);
         let what = format!("round {round}: {story}");
         assert_same(&out, &wanted, &what);
         if !json.contains("\"finished\": true") {
