@@ -6,6 +6,7 @@ use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Bounds, GreedySteps, Plan, Settings, Trial};
 use xcscr::world::{Maze, Recipe};
+use xcscr::xcs::Classifier;
 
 fn finished(world: &str, method: Method, episodes: u32, slip: f64) -> Trial {
     let mut settings = Settings::default();
@@ -78,6 +79,32 @@ fn rules_are_induced_for_the_one_start_that_a_world_has_also_if_it_looks_like_no
         anywhere > 12,
         "control, with starts anywhere: {anywhere} rules"
     );
+}
+
+/// The rules that look at more than the sixteen bits of the percept, and all.
+fn rules_beyond_the_percept(world: &str) -> [usize; 2] {
+    let plan = on_the_grid(world, Method::XcscrMemory).episodes(40).seed(3);
+    let trial = plan.run().unwrap();
+    assert!(trial.progress().optimal, "{world}");
+    let knowledge = trial.method().knowledge();
+    let rules = knowledge.rules().unwrap().rules();
+    let beyond = |rule: &&Classifier| {
+        (16..rule.condition.width()).any(|bit| rule.condition.allele(bit).is_some())
+    };
+    [rules.iter().filter(beyond).count(), rules.len()]
+}
+
+#[test]
+fn rules_look_at_the_percept_alone_where_that_is_enough_and_at_the_place_where_it_is_not() {
+    for world in ["maze5", "maze6", "classic/maze5-classic", "classic/woods14"] {
+        let [beyond, all] = rules_beyond_the_percept(world);
+        assert!(beyond == 0 && all > 0, "{world}: {beyond} of {all} rules");
+    }
+    // In Maze4, too, two cells look alike in which different actions are best.
+    for world in ["maze4", "classic/woods101", "classic/maze10"] {
+        let [beyond, all] = rules_beyond_the_percept(world);
+        assert!(beyond > 0, "control, {world}: {beyond} of {all} rules");
+    }
 }
 
 #[test]

@@ -188,11 +188,31 @@ impl Tracker {
     }
 }
 
-/// A context of which the last two steps are forgotten.
-pub fn without_window(context: &Percept) -> Percept {
-    let window = CONTEXT_BITS - WINDOW * STEP_BITS;
-    let bits = (0..CONTEXT_BITS).map(|bit| bit < window && context.bit(bit));
-    Percept::from_bits(bits).expect("as many bits as before")
+/// How much of a context rules look at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum View {
+    /// The percept, as the rules of other methods.
+    Percept,
+    /// And the likeliest place, with what was found there.
+    Place,
+    /// And the last two steps.
+    Steps,
+}
+
+impl View {
+    /// The narrowest first.
+    pub const ALL: [Self; 3] = [Self::Percept, Self::Place, Self::Steps];
+
+    /// Of this context what rules look at, with zeros for all else.
+    pub fn of(self, context: &Percept) -> Percept {
+        let seen = match self {
+            Self::Percept => PERCEPT_BITS,
+            Self::Place => CONTEXT_BITS - WINDOW * STEP_BITS,
+            Self::Steps => return *context,
+        };
+        let bits = (0..CONTEXT_BITS).map(|bit| bit < seen && context.bit(bit));
+        Percept::from_bits(bits).expect("as many bits as before")
+    }
 }
 
 /// A coordinate in unary: as many ones as it is greater than the least one.

@@ -4,9 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::align::Seen;
 use super::atlas::Atlas;
-use super::context::{CONTEXT_BITS, Felt, Tracker, without_window};
-use super::induction::induce;
-use super::lessons::{Lessons, imagine};
+use super::context::{CONTEXT_BITS, Felt, Tracker, View};
+use super::course::Course;
 use super::map::{Map, Worth};
 use super::params::MemoryParams;
 use super::place::Vision;
@@ -29,20 +28,6 @@ const SWEEPS: usize = 8;
 const REVISED_AFTER: [u32; 14] = [
     25, 50, 75, 100, 150, 200, 250, 300, 400, 500, 600, 700, 800, 900,
 ];
-/// How often rules are put to the test on the map, and learn from what they met.
-const LESSONS: usize = 6;
-/// Where moves slip, an action is good if it costs at most so many steps more than the best, and a
-/// context counts if it came so often.
-const TOLERANCE: f64 = 0.1;
-const LEAST_OFTEN: f64 = 4.5;
-/// The last two steps are needed if without them it takes this much more.
-const NEEDED: f64 = 0.03;
-/// Imagined episodes of a test, if moves slip.
-const TESTS: u32 = 300;
-/// Imagined episodes of a test from each state, if they do not: chance decides between actions that
-/// the rules hold for equally good, as it does when they act.
-const TESTS_OF_TIES: u32 = 8;
-
 /// Charts, what was planned on them, and the rules that were induced.
 #[derive(Debug, Clone)]
 pub struct Learner {
@@ -294,100 +279,22 @@ impl Learner {
             .imagine(&self.map.pomdp, start, belief, &mut self.stream)
     }
 
-    /// Induces rules anew. Where moves slip, rules that look at the last two steps are many; they
-    /// are taken only if those that do not need more steps.
+    /// Induces rules anew. They look at no more than is needed: at the percept alone if that is enough,
+    /// at the place if not, and at the last two steps only if they must.
     fn induce(&mut self) {
-        let (rules, steps) = self.induced(true);
-        self.rules = rules;
-        if self.map.pomdp.slip() > 0.0 {
-            let (fewer, others) = self.induced(false);
-            if others as f64 <= (1.0 + NEEDED) * steps as f64 {
-                self.rules = fewer;
+        let mut least_lost = f64::INFINITY;
+        for view in View::ALL {
+            let course = Course::on(&self.map, view);
+            let (rules, test) = course.induced(&mut self.planner, &mut self.stream);
+            // All rules are rehearsed with the same luck.
+            let rehearsal = course.rehearsed(&rules, &self.planner, self.stream.clone());
+            let lost = test.share_lost() + rehearsal.share_lost();
+            if lost < least_lost {
+                (self.rules, least_lost) = (rules, lost);
             }
-        }
-    }
-
-    /// Rules induced from imagined episodes, put to the test, and improved by what they met; and the
-    /// steps of the last test.
-    fn induced(&mut self, windowed: bool) -> (Population, u64) {
-        let course = Course::on(&self.map, windowed);
-        let mut lessons = Lessons::new();
-        self.imagine_all(&course, course.planned, |_, _| None, &mut lessons);
-        let (mut best, mut least_steps) = (Population::default(), u64::MAX);
-        for _ in 0..LESSONS {
-            let induced = induce(&lessons, self.actions, course.tolerance, course.least_often);
-            let rules: Population = induced.try_into().expect("induced rules are sound");
-            let before = lessons.len();
-            let actions = self.actions;
-            let chosen = |context: &Percept, stream: &mut Stream| {
-                let worth = rules.sums(context).array(actions, false);
-                let mut best = worth.best_actions();
-                match course.slips {
-                    true => best.next(),
-                    false => stream.choose(&best.collect::<Vec<_>>()).copied(),
-                }
-            };
-            let steps = self.imagine_all(&course, course.tests, chosen, &mut lessons);
-            // Where moves slip a test is a matter of luck, and the last rules have learned most.
-            if course.slips || steps <= least_steps {
-                (best, least_steps) = (rules, steps);
+            if course.tolerates(test, rehearsal) {
+                return;
             }
-            if lessons.len() == before {
-                break;
-            }
-        }
-        (best, least_steps)
-    }
-
-    /// Imagines so many episodes from each state, with actions that are `chosen`, or else as planned;
-    /// their steps.
-    fn imagine_all(
-        &mut self,
-        course: &Course,
-        rounds: u32,
-        chosen: impl Fn(&Percept, &mut Stream) -> Option<Action>,
-        lessons: &mut Lessons,
-    ) -> u64 {
-        let (map, planner, stream) = (&self.map, &mut self.planner, &mut self.stream);
-        let starts = (0..rounds).flat_map(|_| 0..map.starts());
-        let look = |context: Percept| match course.windowed {
-            true => context,
-            false => without_window(&context),
-        };
-        imagine(map, planner, starts, chosen, look, stream, lessons)
-    }
-}
-
-/// How rules are induced on a map, and put to the test.
-struct Course {
-    slips: bool,
-    /// Do rules look at the last two steps?
-    windowed: bool,
-    /// Imagined episodes from each state: as planned, and in a test.
-    planned: u32,
-    tests: u32,
-    tolerance: f64,
-    least_often: f64,
-}
-
-impl Course {
-    fn on(map: &Map, windowed: bool) -> Self {
-        let slips = map.pomdp.slip() > 0.0;
-        let (planned, tests) = match slips {
-            true => [TESTS.div_ceil(map.starts()); 2].into(),
-            false => (1, TESTS_OF_TIES),
-        };
-        let (tolerance, least_often) = match slips {
-            true => (TOLERANCE, LEAST_OFTEN),
-            false => (1e-6, 0.0),
-        };
-        Self {
-            slips,
-            windowed,
-            planned,
-            tests,
-            tolerance,
-            least_often,
         }
     }
 }

@@ -9,7 +9,7 @@ use xcs::random::Stream;
 use xcs::{Action, ByAction, Percept};
 
 /// The most steps of an imagined episode.
-const MOST_STEPS: u32 = 100;
+pub const MOST_STEPS: u32 = 100;
 
 /// What is known of a context: how often it came, and what each action cost there, added up.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -32,13 +32,29 @@ impl Lesson {
     }
 }
 
+/// What imagined episodes took.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Taken {
+    /// Their steps.
+    pub steps: u64,
+    /// How many more than planned, by what the plan expects of each action that was chosen.
+    pub lost: f64,
+}
+
+impl Taken {
+    /// The share of the steps that was lost.
+    pub fn share_lost(&self) -> f64 {
+        self.lost / self.steps.max(1) as f64
+    }
+}
+
 /// Lessons by context, in order.
 pub type Lessons = BTreeMap<Percept, Lesson>;
 
 /// Imagines episodes from the given states, acting as `choose` says in a context (or as planned,
 /// where that says nothing), and adds what it met to the lessons, as far as
 /// `look` lets it see of a context. Where moves are exact, what was met is planned for until that
-/// changes nothing any more: rules that err lead to where no plan has been. Returns the steps taken.
+/// changes nothing any more: rules that err lead to where no plan has been.
 pub fn imagine(
     map: &Map,
     planner: &mut BeliefPlanner,
@@ -47,9 +63,9 @@ pub fn imagine(
     look: impl Fn(Percept) -> Percept,
     stream: &mut Stream,
     lessons: &mut Lessons,
-) -> u64 {
+) -> Taken {
     let mut known = BTreeMap::new();
-    let mut steps = 0;
+    let mut taken = Taken::default();
     for start in starts {
         let (mut state, mut tracker) = (start, Tracker::begun(map.first_belief(start)));
         for _ in 0..MOST_STEPS {
@@ -63,7 +79,8 @@ pub fn imagine(
             let sums = lesson.costs.iter_mut().zip(costs.in_steps(&map.pomdp));
             sums.for_each(|(sum, cost)| *sum += cost);
             let action = choose(&context, stream).unwrap_or_else(|| costs.best());
-            steps += 1;
+            taken.steps += 1;
+            taken.lost += costs.regret(action, &map.pomdp);
             let before = state;
             state = moved(&map.pomdp, state, action, stream);
             if state == GOAL {
@@ -76,5 +93,5 @@ pub fn imagine(
             tracker.act(action, felt);
         }
     }
-    steps
+    taken
 }

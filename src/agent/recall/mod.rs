@@ -3,9 +3,9 @@
 //! The robot keeps charts of the world, one around each goal that it can tell from the others
 //! ([`atlas`]), drawn from episodes that reached it ([`align`]). On them it tracks where it may be
 //! ([`context`]), plans ([`crate::agent::model::pomdp`]), imagines episodes ([`lessons`]), and induces from
-//! these a few general rules that never err in them ([`induction`]). **The rules act**: what they look
-//! at is the percept, the likeliest place on the charts, what was found there in this episode, and the
-//! last two steps. Charts and plan teach them, and say what to explore ([`wander`]).
+//! these a few general rules that never err in them ([`induction`], [`course`]). **The rules act**: they look at the
+//! percept and, only where that is not enough, at the likeliest place on the charts with what was found there
+//! in this episode, and at the last two steps ([`context::View`]). Charts and plan teach them, and say what to explore ([`wander`]).
 //!
 //! Cells that pay by themselves are remembered ([`payments`]), and that they pay once in an episode is
 //! part of the state ([`map`]). While none is known the plan is the one of the fewest steps; with them
@@ -25,13 +25,15 @@
 //! how each episode lies on its chart. Exploration tries an action of which nobody can tell what will come of it.
 //!
 //! Cells may be misread. How often is learned from what two percepts show that follow each other;
-//! where it is more than a trifle, belief and charts weigh what is seen by it, and the rules look at
-//! what should be seen in the likeliest place instead.
+//! where it is more than a trifle, belief and charts weigh what is seen by it, the rules look at
+//! what should be seen in the likeliest place instead, and how much they look at is also put to the test
+//! in imagined episodes with misread cells ([`rehearsal`]).
 
 mod align;
 mod atlas;
 mod chart;
 mod context;
+mod course;
 mod demands;
 mod doubt;
 mod headings;
@@ -43,6 +45,7 @@ mod map;
 mod params;
 mod payments;
 mod place;
+mod rehearsal;
 mod samples;
 mod sheet;
 mod sightings;

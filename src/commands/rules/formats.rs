@@ -19,7 +19,7 @@ pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
         writeln!(out, "  where the percept is {percept}")?;
     }
     writeln!(out, "\n{}", table(&shown.rows).text().trim_end())?;
-    if shown.knowledge.remembers() {
+    if shown.rows.iter().any(names_a_place) {
         writeln!(
             out,
             "x and y: cells to the east and to the north of the goal."
@@ -30,6 +30,12 @@ pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
         write_words(out, &format!("\nForeseen:\n  {}", foreseen.join("\n  ")))?;
     }
     Ok(())
+}
+
+/// Does a rule with a memory look at where the robot is?
+fn names_a_place(row: &Row) -> bool {
+    let limits = ["x >", "x <=", "y >", "y <="];
+    limits.iter().any(|limit| row.words.contains(limit))
 }
 
 /// A rules.json file.

@@ -147,7 +147,7 @@ fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() 
         let mut plan = plan
             .arena(ArenaKind::Grid)
             .sensor(Sensor::Lidar)
-            .episodes(20);
+            .episodes(32);
         plan.config.settings.sensor.flips = flips;
         let learned = checked(&format!("rooms, flips {flips}"), plan);
         assert!(learned.charted().begins_in_one_place, "flips {flips}");

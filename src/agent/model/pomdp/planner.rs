@@ -53,6 +53,11 @@ impl Costs {
         costs.map(|&cost| pomdp.in_steps(cost))
     }
 
+    /// How many steps more an action costs than the best.
+    pub fn regret(&self, action: Action, pomdp: &Pomdp) -> f64 {
+        pomdp.in_steps(self.costs[action.index()]) - pomdp.in_steps(self.least())
+    }
+
     /// The least.
     pub fn least(&self) -> f64 {
         self.as_slice()

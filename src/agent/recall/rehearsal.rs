@@ -1,0 +1,62 @@
+//! Rules put to the test in imagined episodes in which cells are misread as often as they are.
+
+use super::context::{Felt, Tracker};
+use super::lessons::{MOST_STEPS, Taken};
+use super::map::Map;
+use super::place::{Letter, around, percept_of};
+use crate::agent::model::pomdp::{BeliefPlanner, GOAL, moved};
+use xcs::random::Stream;
+use xcs::{Percept, Population};
+
+/// What so many episodes take in which the rules choose, and the plan where none matches.
+pub fn rehearse(
+    map: &Map,
+    planner: &BeliefPlanner,
+    rules: &Population,
+    episodes: u32,
+    stream: &mut Stream,
+) -> Taken {
+    let mut taken = Taken::default();
+    for episode in 0..episodes {
+        let mut state = map.begin.unwrap_or(episode % map.starts());
+        let mut tracker = Tracker::default();
+        for _ in 0..MOST_STEPS {
+            tracker.perceive(map, &misread(map, state, stream));
+            let costs = planner.costs(&map.pomdp, tracker.belief());
+            let worth = rules.sums(&tracker.context(map));
+            let worth = worth.array(map.pomdp.actions(), false);
+            let best: Vec<_> = worth.best_actions().collect();
+            let action = stream.choose(&best).copied();
+            let action = action.unwrap_or_else(|| costs.best());
+            taken.steps += 1;
+            taken.lost += costs.regret(action, &map.pomdp);
+            let before = state;
+            state = moved(&map.pomdp, before, action, stream);
+            if state == GOAL {
+                break;
+            }
+            let felt = Felt {
+                bumped: before == state,
+                rewarded: map.pays(before, state),
+            };
+            tracker.act(action, felt);
+        }
+    }
+    taken
+}
+
+/// What is perceived in a state, if each cell may be misread for one of the other two letters.
+fn misread(map: &Map, state: u32, stream: &mut Stream) -> Percept {
+    let letters = around(map.pomdp.percept(state)).map(|letter| {
+        let others = match letter {
+            Letter::Free => [Letter::Wall, Letter::Goal],
+            Letter::Goal => [Letter::Free, Letter::Wall],
+            Letter::Wall | Letter::Hidden => [Letter::Free, Letter::Goal],
+        };
+        match stream.chance(map.misread) {
+            true => others[stream.below(others.len())],
+            false => letter,
+        }
+    });
+    percept_of(&letters)
+}
