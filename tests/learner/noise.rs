@@ -74,6 +74,25 @@ fn a_memory_does_not_hold_moves_that_never_slip_for_slipping_where_cells_are_mis
 }
 
 #[test]
+fn a_memory_that_feels_no_bumps_needs_more_steps_to_learn_only_where_cells_are_misread() {
+    let learned = |bumps, flips| {
+        let mut settings = Settings::default();
+        settings.reward.step_threshold = 100;
+        settings.sensor.flips = flips;
+        settings.memory.bumps = bumps;
+        let plan = on_the_grid("classic/mazef4", Method::XcscrMemory).episodes(40);
+        let trial = plan.seed(5503).settings(settings).run().unwrap();
+        let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
+        let ratio = greedy.ratio(trial.plan()).unwrap();
+        assert!(ratio < 1.1, "bumps {bumps}, flips {flips}: {ratio}");
+        trial.progress().steps
+    };
+    assert_eq!(learned(false, 0.0), learned(true, 0.0), "control");
+    let (unfelt, felt) = (learned(false, 0.02), learned(true, 0.02));
+    assert!(unfelt > felt, "{unfelt} and {felt} steps");
+}
+
+#[test]
 fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
     for world in ["classic/mazef4", "classic/maze7"] {
         let steps = |method| {

@@ -1,6 +1,7 @@
 //! Where an episode that ended at the goal must have led: forward and backward over its steps
 //! (Baum and Welch), from the goal of a chart outward.
 
+use super::bumped::Bumped;
 use super::chart::{Chart, FURTHEST};
 use super::headings::{DISPLACEMENTS, Headings};
 use super::likelihood::Likelihood;
@@ -24,7 +25,7 @@ pub struct Seen {
     /// The auxiliary reward that it found by it, or 0.
     pub found: f64,
     /// Did it bump, and stay where it was?
-    pub bumped: bool,
+    pub bumped: Bumped,
 }
 
 /// What is believed of the moves and of the percepts.
@@ -53,30 +54,43 @@ impl Habits {
                 0.0
             };
             for (heading, weight) in self.headings.of(action) {
-                let (to, fits) = self.leads(step, heading);
-                likely[to] += weight * fits * (chosen + self.slip / actions as f64);
+                for (to, fits) in self.leads(step, heading) {
+                    likely[to] += weight * fits * (chosen + self.slip / actions as f64);
+                }
             }
         }
         likely
     }
 
-    /// The displacement of a robot that heads for one, and how well what was perceived fits to
-    /// that it bumped, or did not.
-    fn leads(&self, step: &Seen, heading: usize) -> (usize, f64) {
-        let fits = match step.around.get(heading) {
-            Some(Letter::Hidden) => 1.0,
-            letter if (letter == Some(&Letter::Wall)) == step.bumped => 1.0,
+    /// The displacements that a robot may have that heads for one, and how well what was perceived
+    /// fits to that it bumped, or did not.
+    fn leads(&self, step: &Seen, heading: usize) -> impl Iterator<Item = (usize, f64)> {
+        step.bumped.possible().map(move |bumped| {
+            let fits = self.fits_ahead(step, heading, bumped);
+            (if bumped { NOWHERE } else { heading }, fits)
+        })
+    }
+
+    /// How well the cell ahead, as it was perceived, fits to that the robot bumped, or did not.
+    fn fits_ahead(&self, step: &Seen, heading: usize, bumped: bool) -> f64 {
+        let is_felt = step.bumped != Bumped::Unfelt;
+        match step.around.get(heading) {
+            Some(Letter::Hidden) if is_felt => 1.0,
+            Some(Letter::Hidden) => 0.5,
+            letter if (letter == Some(&Letter::Wall)) == bumped => 1.0,
+            // What comes next tells whether the robot has gone there ([`Self::fit`]).
+            _ if !is_felt && !bumped => 1.0,
             _ => self.misread,
-        };
-        (if step.bumped { NOWHERE } else { heading }, fits)
+        }
     }
 
     /// By displacement, how likely a step was a slip if it displaced the robot so.
     fn slipped(&self, step: &Seen) -> [f64; DISPLACEMENTS] {
         let mut chosen = [0.0; DISPLACEMENTS];
         for (heading, weight) in self.headings.of(step.action) {
-            let (to, fits) = self.leads(step, heading);
-            chosen[to] += weight * fits * (1.0 - self.slip);
+            for (to, fits) in self.leads(step, heading) {
+                chosen[to] += weight * fits * (1.0 - self.slip);
+            }
         }
         let all = self.displacements(step);
         std::array::from_fn(|to| match all[to] > 0.0 {
@@ -110,15 +124,22 @@ impl Habits {
 
     /// Learns what an action aims at, from how well displacements fit to the rest of the episode.
     pub fn learn_in_context(&mut self, step: &Seen, fits: &[f64; DISPLACEMENTS]) {
-        let fits = std::array::from_fn(|heading| fits[self.leads(step, heading).0]);
+        let fits = std::array::from_fn(|heading| match step.bumped {
+            Bumped::No => fits[heading],
+            Bumped::Yes => fits[NOWHERE],
+            Bumped::Unfelt => self
+                .leads(step, heading)
+                .map(|(to, fit)| fit * fits[to])
+                .sum(),
+        });
         self.headings.learn(step.action, &fits, self.slip);
     }
 
     /// Learns what an action aims at, from what was seen before and after it.
     pub fn learn_heading(&mut self, step: &Seen, next: Option<&Around>) {
         let fits = std::array::from_fn(|heading| {
-            let (to, fits) = self.leads(step, heading);
-            fits * self.fit(step, next, to)
+            let ways = self.leads(step, heading);
+            ways.map(|(to, fits)| fits * self.fit(step, next, to)).sum()
         });
         self.headings.learn(step.action, &fits, self.slip);
     }
@@ -360,4 +381,42 @@ fn likeliest(step: &Seen, next: &Around, habits: &Habits) -> usize {
     let better = |best: (usize, f64), one: (usize, f64)| if one.1 > best.1 { one } else { best };
     let likeliest = moves.into_iter().reduce(better);
     likeliest.map_or(NOWHERE, |(displacement, _)| displacement)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EAST: usize = 2;
+
+    /// How a robot in a corridor from west to east has most likely moved that headed for the east, and saw
+    /// this there before and after.
+    fn moved(ahead: Letter, bumped: Bumped) -> usize {
+        let habits = Habits {
+            headings: Headings::known(8),
+            vision: Vision::LookedUp,
+            slip: 1e-4,
+            misread: 0.02,
+        };
+        let mut around = [Letter::Wall; 8];
+        around[EAST] = ahead;
+        around[EAST + 4] = Letter::Free;
+        let step = Seen {
+            around,
+            action: Action::new(EAST).unwrap(),
+            found: 0.0,
+            bumped,
+        };
+        likeliest(&step, &around, &habits)
+    }
+
+    #[test]
+    fn who_feels_bumps_goes_by_them_and_who_does_not_by_what_it_sees() {
+        for ahead in [Letter::Free, Letter::Wall] {
+            assert_eq!(moved(ahead, Bumped::No), EAST, "{ahead:?}");
+            assert_eq!(moved(ahead, Bumped::Yes), NOWHERE, "{ahead:?}");
+        }
+        assert_eq!(moved(Letter::Free, Bumped::Unfelt), EAST);
+        assert_eq!(moved(Letter::Wall, Bumped::Unfelt), NOWHERE);
+    }
 }

@@ -9,7 +9,9 @@ use std::collections::{BTreeMap, VecDeque};
 use serde::{Deserialize, Serialize};
 
 use super::align::{Alignment, Habits, Seen, align, differing, slips};
+use super::bumped::Bumped;
 use super::chart::Chart;
+use super::context::Felt;
 use super::doubt::Tally;
 use super::headings::{DISPLACEMENTS, Headings};
 use super::likelihood::Likelihood;
@@ -146,6 +148,15 @@ impl Atlas {
     /// What is believed of moves and percepts.
     pub fn habits(&self) -> &Habits {
         &self.habits
+    }
+
+    /// What the robot feels of a wall that barred its way.
+    pub fn bumped(&self, felt: Felt) -> Bumped {
+        match felt.bumped {
+            _ if !self.params.bumps => Bumped::Unfelt,
+            true => Bumped::Yes,
+            false => Bumped::No,
+        }
     }
 
     /// Learns from a step and what was seen after it (nothing at the goal) what its action aims at, if
@@ -338,6 +349,7 @@ impl Atlas {
         let map = Map::drawn(&charted, &self.drawn_with, self.planned_slip, worth);
         Map {
             misread: self.misread(),
+            unfelt: !self.params.bumps,
             ..map.begun_in(always_in(used))
         }
     }

@@ -105,7 +105,8 @@ impl Tracker {
         self.found += u32::from(acted.is_some_and(|(_, felt)| felt.rewarded));
         let (expected, astray) = match acted {
             Some((action, felt)) => {
-                let expected = self.belief.expected(&map.pomdp, action, felt.bumped);
+                let stayed = (!map.unfelt).then_some(felt.bumped);
+                let expected = self.belief.expected(&map.pomdp, action, stayed);
                 (expected, ASTRAY)
             }
             None => (std::mem::take(&mut self.belief), BEGUN_ELSEWHERE),
@@ -300,4 +301,49 @@ fn coordinate_words(
         .min()
         .map(|bit| format!("{name} <= {}", limit(bit)));
     least.into_iter().chain(most).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::map::Spot;
+    use super::super::place::Place;
+    use super::*;
+    use crate::agent::model::pomdp::Pomdp;
+
+    /// Three places that look alike: the action bumps in the first, and leads from the second to the third.
+    fn alike(unfelt: bool) -> Map {
+        let seen = [sight(&Percept::from_word(0, PERCEPT_BITS), 0); 3];
+        let spot = |east| Spot {
+            place: Place::new(east, 1),
+            ..Spot::default()
+        };
+        Map {
+            pomdp: Pomdp::new(1, 0.0, &seen, |state, _| [0, 2, 2][state]),
+            spots: [0, 1, 2].map(spot).into(),
+            misread: 0.02,
+            begin: None,
+            unfelt,
+        }
+    }
+
+    /// Where a robot may be that was in the first or in the second place, and bumped or did not.
+    fn likely(map: &Map, bumped: bool) -> Vec<u32> {
+        let mut tracker = Tracker::begun(Belief::even([0, 1]));
+        tracker.perceive(map, &Percept::from_word(0, PERCEPT_BITS));
+        let rewarded = false;
+        tracker.act(Action::new(0).unwrap(), Felt { bumped, rewarded });
+        tracker.perceive(map, &Percept::from_word(0, PERCEPT_BITS));
+        let states = tracker.belief().states().iter();
+        let likely = states.filter(|(_, weight)| *weight > 0.1);
+        likely.map(|(state, _)| *state).collect()
+    }
+
+    #[test]
+    fn a_bump_tells_two_places_apart_that_look_alike_unless_it_is_not_felt() {
+        let map = alike(false);
+        assert_eq!([likely(&map, true), likely(&map, false)], [[0], [2]]);
+        let map = alike(true);
+        assert_eq!(likely(&map, true), [0, 2]);
+        assert_eq!(likely(&map, false), [0, 2]);
+    }
 }

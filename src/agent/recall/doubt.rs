@@ -3,6 +3,7 @@
 //! way; so all headings of a step are weighed by all that both percepts show (theorem of Bayes).
 
 use super::align::{Habits, Seen};
+use super::bumped::Bumped;
 use super::headings::DISPLACEMENTS;
 use super::place::{AROUND, Around, Letter, Place, offset};
 use xcs::Action;
@@ -44,11 +45,11 @@ impl Tally {
     }
 }
 
-/// A heading that a step may have had.
+/// A heading that a step may have had, and whether it bumped.
 struct Way {
     /// How likely it is beside the others.
     weight: f64,
-    /// How likely the step slipped if it had this heading.
+    /// How likely the step slipped if so.
     slipped: f64,
     /// Cells in which two percepts differ, and all that both show.
     differing: [f64; 2],
@@ -112,26 +113,40 @@ impl<'a> Readings<'a> {
         }
         let likely = likely.into_iter().enumerate();
         let likely = likely.filter(|(_, [meant, slipped])| meant + slipped > 0.0);
-        let ways = likely.map(|(heading, [meant, slipped])| {
-            let (fits, differing) = self.follows(step, next, heading);
-            Way {
-                weight: (meant + slipped) * fits,
-                slipped: slipped / (meant + slipped),
-                differing,
-            }
+        let ways = likely.flat_map(|(heading, [meant, slipped])| {
+            self.ends(step, next).map(move |bumped| {
+                let (fits, differing) = self.follows(step, next, (heading, bumped));
+                Way {
+                    weight: (meant + slipped) * fits,
+                    slipped: slipped / (meant + slipped),
+                    differing,
+                }
+            })
         });
         ways.collect()
     }
 
-    /// How likely what is seen before and after a step is if it had a heading; in how many cells the
-    /// two differ, and how many both show.
-    fn follows(&self, step: &Seen, next: Option<&Around>, heading: usize) -> (f64, [f64; 2]) {
-        let mut fits = self.ahead(step, next.is_none(), heading);
+    /// May a step have bumped, and may it not have? Who is at the goal has not.
+    fn ends(&self, step: &Seen, next: Option<&Around>) -> impl Iterator<Item = bool> {
+        let at_goal = next.is_none();
+        let possible = step.bumped.possible();
+        possible.filter(move |bumped| !(at_goal && *bumped))
+    }
+
+    /// How likely what is seen before and after a step is if it had a heading and bumped, or did not; in how
+    /// many cells the two differ, and how many both show.
+    fn follows(
+        &self,
+        step: &Seen,
+        next: Option<&Around>,
+        (heading, bumped): (usize, bool),
+    ) -> (f64, [f64; 2]) {
+        let mut fits = self.ahead(step, next.is_none(), (heading, bumped));
         let mut differing = [0.0; 2];
-        let by = offset(if step.bumped { AROUND.len() } else { heading });
+        let by = offset(if bumped { AROUND.len() } else { heading });
         let seen = AROUND.iter().zip(next.into_iter().flatten());
         for (place, &letter) in seen.filter(|(_, letter)| **letter != Letter::Hidden) {
-            fits *= match known(step, heading, place.plus(by)) {
+            fits *= match known(step, (heading, bumped), place.plus(by)) {
                 Known::Nothing => self.anywhere[letter as usize],
                 Known::Felt(is) => felt(letter, is, self.habits.misread),
                 Known::Read(first) => {
@@ -144,18 +159,23 @@ impl<'a> Readings<'a> {
         (fits, differing)
     }
 
-    /// How much likelier than anywhere the cell ahead is read as it is: what the robot then felt of it.
-    fn ahead(&self, step: &Seen, at_goal: bool, heading: usize) -> f64 {
+    /// How much likelier than anywhere the cell ahead is read as it is: what the robot then felt of it. Of
+    /// one that felt nothing, how likely the cell is like that, too.
+    fn ahead(&self, step: &Seen, at_goal: bool, (heading, bumped): (usize, bool)) -> f64 {
         let Some(&letter) = step.around.get(heading) else {
             return 1.0;
         };
         let is = match at_goal {
             _ if letter == Letter::Hidden => return 1.0,
-            _ if step.bumped => Letter::Wall,
+            _ if bumped => Letter::Wall,
             true => self.habits.vision.of_a_goal(),
             false => Letter::Free,
         };
-        felt(letter, is, self.habits.misread) / self.anywhere[letter as usize]
+        let likelier = felt(letter, is, self.habits.misread) / self.anywhere[letter as usize];
+        match step.bumped {
+            Bumped::Unfelt => likelier * self.anywhere[is as usize],
+            _ => likelier,
+        }
     }
 }
 
@@ -168,12 +188,12 @@ fn felt(letter: Letter, is: Letter, misread: f64) -> f64 {
     }
 }
 
-/// What a step with a heading tells of a cell, counted from where the step began.
-fn known(step: &Seen, heading: usize, cell: Place) -> Known {
+/// What a step that had a heading and bumped, or did not, tells of a cell, counted from where it began.
+fn known(step: &Seen, (heading, bumped): (usize, bool), cell: Place) -> Known {
     let at = AROUND.iter().position(|place| *place == cell);
     match at {
         _ if cell == Place::ORIGIN => Known::Felt(Letter::Free),
-        Some(at) if step.bumped && at == heading => Known::Felt(Letter::Wall),
+        Some(at) if bumped && at == heading => Known::Felt(Letter::Wall),
         Some(at) if step.around[at] != Letter::Hidden => Known::Read(step.around[at]),
         _ => Known::Nothing,
     }

@@ -204,7 +204,7 @@ impl Learner {
             around,
             action,
             found,
-            bumped: felt.bumped,
+            bumped: self.atlas.bumped(felt),
         });
     }
 

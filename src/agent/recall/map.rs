@@ -1,6 +1,7 @@
 //! Charts as a world to plan in.
 
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::chart::{Chart, FURTHEST};
 use super::payments::Payments;
@@ -40,7 +41,7 @@ pub struct Spot {
 }
 
 /// Spots as states to plan on.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(try_from = "ReadMap")]
 pub struct Map {
     /// What moves do, and what is perceived.
@@ -51,6 +52,8 @@ pub struct Map {
     pub misread: f64,
     /// The state in which all episodes begin, if there is one.
     pub begin: Option<u32>,
+    /// Can the robot not feel whether it bumped?
+    pub unfelt: bool,
 }
 
 /// A map as it stands in a file, which nobody has looked at.
@@ -62,6 +65,24 @@ struct ReadMap {
     misread: f64,
     #[serde(default)]
     begin: Option<u32>,
+    #[serde(default)]
+    unfelt: bool,
+}
+
+impl Serialize for Map {
+    /// What files for people say of bumps is only that they are not felt.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let says = self.unfelt || !serializer.is_human_readable();
+        let mut map = serializer.serialize_struct("Map", 4 + usize::from(says))?;
+        map.serialize_field("pomdp", &self.pomdp)?;
+        map.serialize_field("spots", &self.spots)?;
+        map.serialize_field("misread", &self.misread)?;
+        map.serialize_field("begin", &self.begin)?;
+        if says {
+            map.serialize_field("unfelt", &self.unfelt)?;
+        }
+        map.end()
+    }
 }
 
 impl TryFrom<ReadMap> for Map {
@@ -73,12 +94,14 @@ impl TryFrom<ReadMap> for Map {
             spots,
             misread,
             begin,
+            unfelt,
         } = read;
         let map = Self {
             pomdp,
             spots,
             misread,
             begin,
+            unfelt,
         };
         match map.is_sound(map.pomdp.actions()) {
             true => Ok(map),
@@ -183,6 +206,7 @@ impl Map {
             spots,
             misread: 0.0,
             begin: None,
+            unfelt: false,
         }
     }
 

@@ -18,7 +18,8 @@
 //! Built in are that the first sixteen bits of a percept are the eight cells around the robot, what
 //! the letters mean (free, wall, goal), that a move goes one cell its way unless there is a wall, that
 //! cells pay once, and that the world stands still. Learned are charts, slips and rules. Whether a move slipped is not
-//! perceived but inferred from the percepts; that the robot bumped, and stands where it was, is felt.
+//! perceived but inferred from the percepts; that the robot bumped, and stands where it was, is felt and
+//! never misread, unless `memory.bumps` is off: then that is inferred, too ([`bumped`]).
 //!
 //! Which way each action goes is built in, too, unless `memory.odometry` is `none`: then it is learned
 //! ([`headings`]), by the theorem of Bayes, from what two percepts share that follow each other, and from
@@ -31,6 +32,7 @@
 
 mod align;
 mod atlas;
+mod bumped;
 mod chart;
 mod context;
 mod course;

@@ -25,6 +25,9 @@ settings! {
         /// What the robot knows of how its actions displace it: `known`, the direction of each, or
         /// `none`, so that it learns them from what successive percepts share.
         odometry: Odometry = Odometry::Known;
+        /// Does the robot feel whether it bumped, and so stands where it was? That is never misread. If
+        /// not, only what it perceives tells.
+        bumps: bool = true;
         /// Is it learned how often cells are misread, and what is perceived weighed by that? If not,
         /// what is looked up is taken for right, and of what is sensed one cell in 500 for misread.
         doubts: bool = true;

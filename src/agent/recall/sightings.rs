@@ -104,6 +104,7 @@ fn bits(counts: &[u32; 3], misread: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::bumped::Bumped;
     use super::*;
     use xcs::Action;
 
@@ -118,7 +119,7 @@ mod tests {
             around,
             action: Action::new(0).unwrap(),
             found: 0.0,
-            bumped: false,
+            bumped: Bumped::No,
         };
         Sightings::of(&[step], &[Some(Place::new(0, -1))], Letter::Goal)
     }

@@ -15,6 +15,9 @@ pub struct Charts {
     pub slip: f64,
     /// The probability that a cell is misread.
     pub misread: f64,
+    /// Does the tracker not look at whether the robot bumped?
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub unfelt: bool,
     states: Vec<State>,
 }
 
@@ -53,6 +56,7 @@ impl Charts {
             begin: map.begin.and_then(number),
             slip: map.pomdp.slip(),
             misread: map.misread,
+            unfelt: map.unfelt,
         })
     }
 

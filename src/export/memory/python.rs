@@ -157,7 +157,7 @@ class Tracker:
             expected, astray = self.belief, {BEGUN_ELSEWHERE}
         else:
             self.found += rewarded
-            expected, astray = self.follow(lambda state, to: (to == state) == bumped), {ASTRAY}
+            expected, astray = self.follow({MAY_LEAD}), {ASTRAY}
         if not expected:
             astray = 1.0
         weights = {}
@@ -175,14 +175,19 @@ class Tracker:
 /// The module.
 pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
     let mut text = COMMENTS.head(ballot, origin);
-    text.push_str(&COMMENTS.of(&usage(&CALLS)));
+    text.push_str(&COMMENTS.of(&usage(&CALLS, charts)));
     text.push_str("\n# What each bit of a percept says when it is 1, the lowest first.\n");
     text.push_str(&names(ballot, PERCEPT_BITS, origin));
     text.push('\n');
     text.push_str(&states(charts));
     text.push_str(&rules(ballot, origin));
+    let may_lead = match charts.unfelt {
+        true => "lambda *_: True",
+        false => "lambda state, to: (to == state) == bumped",
+    };
     text.push_str(
         &TRACKER
+            .replace("{MAY_LEAD}", may_lead)
             .replace("{NEGLIGIBLE}", &format!("{NEGLIGIBLE:?}"))
             .replace("{ASTRAY}", &format!("{ASTRAY:?}"))
             .replace("{BEGUN_ELSEWHERE}", &format!("{BEGUN_ELSEWHERE:?}")),

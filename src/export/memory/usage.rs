@@ -1,5 +1,6 @@
 //! How to use a tracker.
 
+use super::charts::Charts;
 use crate::agent::PERCEPT_BITS;
 use crate::export::Origin;
 use crate::export::comments::Comments;
@@ -17,20 +18,24 @@ pub struct Calls {
 }
 
 /// What the program of a robot must do, as lines for a comment.
-pub fn usage(calls: &Calls) -> String {
+pub fn usage(calls: &Calls, charts: &Charts) -> String {
     let Calls {
         begin,
         step,
         percept,
         none,
     } = calls;
+    let bumped = match charts.unfelt {
+        true => "is not looked at: it was learned without",
+        false => "did the last action end at a wall, so that the robot stands where it was?",
+    };
     format!(
         "
 The rules go by charts of the world: a tracker follows the robot on them. At the beginning of an
 episode {begin}, then in each step
     {step}
 percept   the eight cells around the robot{percept}
-bumped    did the last action end at a wall, so that the robot stands where it was?
+bumped    {bumped}
 rewarded  did it find a reward other than the goal?
 In the first step of an episode the last two mean nothing. Where no rule matches, the action is{none}any. \
 Whoever does another action than this one writes it into tracker.action.

@@ -7,7 +7,7 @@ mod programs;
 use std::fs;
 use std::process::Command;
 
-use xcscr::agent::Method;
+use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::export::{ExportError, Target};
 use xcscr::sensor::Sensor;
@@ -85,6 +85,30 @@ fn it_drives_so_where_moves_slip_percepts_are_misread_and_both() {
         assert!(header.contains("XCSCR_SLIP") || slip == 0.0, "{world}");
         assert!(header.contains("XCSCR_MISREAD") || flips == 0.0, "{world}");
     }
+}
+
+#[test]
+fn it_drives_so_where_bumps_are_not_felt_and_does_not_look_at_them() {
+    let mut plan = classic("mazef4").episodes(30);
+    plan.config.settings.arena.slip = 0.1;
+    plan.config.settings.sensor.flips = 0.02;
+    plan.config.settings.memory.bumps = false;
+    let mut learned = checked("mazef4 without bumps", plan);
+    let (folder, header) = (folder(), learned.text(Target::C99));
+    assert!(header.contains("is not looked at"), "{header}");
+    let Knowledge::Remembering { map, .. } = &mut learned.knowledge else {
+        panic!("it remembers");
+    };
+    map.unfelt = false;
+    let tally = learned.driven(&mut compiled(folder.path(), &header), 8, 0.3);
+    assert!(
+        tally.elsewhere > 0,
+        "control, who feels them believes something else: {tally:?}"
+    );
+    assert!(
+        !learned.text(Target::C99).contains("is not looked at"),
+        "control"
+    );
 }
 
 /// Learns, exports to all languages and drives, and returns what was learned.

@@ -86,12 +86,13 @@ impl Belief {
         }
     }
 
-    /// What is believed after an action of which is known whether the robot stayed where it was,
-    /// before anything is perceived.
-    pub fn expected(&self, pomdp: &Pomdp, action: Action, stayed: bool) -> Self {
+    /// What is believed after an action, before anything is perceived; of which may be known whether the
+    /// robot stayed where it was.
+    pub fn expected(&self, pomdp: &Pomdp, action: Action, stayed: Option<bool>) -> Self {
         let mut reached = Vec::with_capacity(self.0.len());
         self.each_move(pomdp, action, |state, next, weight| {
-            if next != GOAL && weight > 0.0 && (next == state) == stayed {
+            if next != GOAL && weight > 0.0 && stayed.is_none_or(|stayed| (next == state) == stayed)
+            {
                 reached.push((0, next, weight));
             }
         });

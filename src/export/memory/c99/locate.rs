@@ -87,13 +87,13 @@ static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept,
 /// What is believed when percepts may be misread.
 pub const LOCATE_DOUBTINGLY: &str = r"
 /* What is expected before anything is perceived, if anything is. */
-static inline int xcscr_expect(struct xcscr_tracker *tracker, int bumped)
+static inline int xcscr_expect(struct xcscr_tracker *tracker{FELT_TYPES})
 {
     int any = 0;
     uint16_t at;
 
     if (tracker->action != XCSCR_NO_ACTION) {
-        return xcscr_follow(tracker, bumped);
+        return xcscr_follow(tracker{FELT});
     }
     for (at = 0; at < XCSCR_STATES; at++) {
         tracker->next[at] = tracker->belief[at];
@@ -121,7 +121,7 @@ static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept,
     double astray = tracker->action == XCSCR_NO_ACTION ? {BEGUN_ELSEWHERE} : {ASTRAY};
     uint16_t at;
 
-    if (!xcscr_expect(tracker, bumped)) {
+{IGNORED}    if (!xcscr_expect(tracker{FELT})) {
         astray = 1.0;
     }
     if (tracker->action != XCSCR_NO_ACTION && rewarded && tracker->found < 255) {
@@ -150,20 +150,33 @@ pub struct Felt {
     pub names: &'static str,
     /// Does the state `to` fit?
     pub fits: &'static str,
+    /// A statement without which the compiler warns that something is not looked at.
+    pub ignored: &'static str,
 }
 
 /// What is perceived there.
 pub const PERCEIVED: Felt = Felt {
     words: "Where executing an action in a state leads, if it looks like this there after so many rewards.",
-    types: "uint16_t percept, uint8_t found",
-    names: "percept, found",
-    fits: "xcscr_looks(to, percept, found)",
+    types: ", uint16_t percept, uint8_t found",
+    names: ", percept, found",
+    fits: " && xcscr_looks(to, percept, found)",
+    ignored: "",
 };
 
 /// Only whether the robot stands where it was.
 pub const BUMPED: Felt = Felt {
     words: "Where executing an action in a state leads: elsewhere, or nowhere if the robot bumped.",
-    types: "int bumped",
-    names: "bumped",
-    fits: "(to == from) == bumped",
+    types: ", int bumped",
+    names: ", bumped",
+    fits: " && (to == from) == bumped",
+    ignored: "",
+};
+
+/// Nothing.
+pub const NOTHING: Felt = Felt {
+    words: "Where executing an action in a state leads.",
+    types: "",
+    names: "",
+    fits: "",
+    ignored: "    (void)bumped;\n",
 };

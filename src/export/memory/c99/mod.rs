@@ -5,7 +5,7 @@ mod parts;
 
 use std::fmt::Write;
 
-use locate::{BUMPED, LOCATE_DOUBTINGLY, LOCATE_RIGHTLY, LOOKS, PERCEIVED};
+use locate::{BUMPED, LOCATE_DOUBTINGLY, LOCATE_RIGHTLY, LOOKS, NOTHING, PERCEIVED};
 use parts::{
     COMMON, DOUBLE_WEIGHT, EXACT_MOVES, FOLLOW, PERCEIVE, SETTLE_DOUBLE, SETTLE_WHOLE,
     SLIPPING_MOVES, TYPES, WHOLE_WEIGHT,
@@ -81,7 +81,7 @@ pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
     let mut text = String::from("/*\n");
     text.push_str(&COMMENTS.head(ballot, origin));
     let costs = costs(ballot, charts);
-    text.push_str(&COMMENTS.of(&[&usage(&CALLS), CONTEXT, &costs].concat()));
+    text.push_str(&COMMENTS.of(&[&usage(&CALLS, charts), CONTEXT, &costs].concat()));
     text.push_str(&bits(&COMMENTS, origin));
     text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
     text.push_str(&figures(ballot, charts));
@@ -210,6 +210,7 @@ fn tracker(charts: &Charts) -> String {
         (false, true) => (SETTLE_DOUBLE, SLIPPING_MOVES),
     };
     let (felt, looks, locate) = match charts.misread > 0.0 {
+        true if charts.unfelt => (&NOTHING, "", LOCATE_DOUBTINGLY),
         true => (&BUMPED, "", LOCATE_DOUBTINGLY),
         false => (&PERCEIVED, LOOKS, LOCATE_RIGHTLY),
     };
@@ -224,6 +225,7 @@ fn tracker(charts: &Charts) -> String {
         .replace("{FELT_TYPES}", felt.types)
         .replace("{FELT_FITS}", felt.fits)
         .replace("{FELT}", felt.names)
+        .replace("{IGNORED}", felt.ignored)
         .replace("{BEGIN}", &begin)
         .replace("{NEGLIGIBLE}", &format!("{NEGLIGIBLE:?}"))
         .replace("{ASTRAY}", &format!("{ASTRAY:?}"))

@@ -166,16 +166,16 @@ static inline struct xcscr_context xcscr_context(const struct xcscr_tracker *tra
 pub const FOLLOW: &str = r"
 /* {FELT_WORDS} */
 static inline void xcscr_move(struct xcscr_tracker *tracker, uint16_t from, int8_t executed,
-                              xcscr_weight weight, {FELT_TYPES})
+                              xcscr_weight weight{FELT_TYPES})
 {
     const uint16_t to = xcscr_state(from).next[executed];
-    if (to != XCSCR_GOAL && {FELT_FITS}) {
+    if (to != XCSCR_GOAL{FELT_FITS}) {
         tracker->next[to] = (xcscr_weight)(tracker->next[to] + weight);
     }
 }
 
 /* The same for the last action and all that is believed; can anything come of it? */
-static inline int xcscr_follow(struct xcscr_tracker *tracker, {FELT_TYPES})
+static inline int xcscr_follow(struct xcscr_tracker *tracker{FELT_TYPES})
 {
     uint16_t from;
 
@@ -194,13 +194,13 @@ static inline int xcscr_follow(struct xcscr_tracker *tracker, {FELT_TYPES})
 
 /// The action that was chosen is executed.
 pub const EXACT_MOVES: &str =
-    "            xcscr_move(tracker, from, tracker->action, weight, {FELT});";
+    "            xcscr_move(tracker, from, tracker->action, weight{FELT});";
 
 /// It is, or one drawn from all.
 pub const SLIPPING_MOVES: &str = "            int8_t executed;
-            xcscr_move(tracker, from, tracker->action, weight * (1.0 - XCSCR_SLIP), {FELT});
+            xcscr_move(tracker, from, tracker->action, weight * (1.0 - XCSCR_SLIP){FELT});
             for (executed = 0; executed < XCSCR_ACTIONS; executed++) {
-                xcscr_move(tracker, from, executed, weight * (XCSCR_SLIP / XCSCR_ACTIONS), {FELT});
+                xcscr_move(tracker, from, executed, weight * (XCSCR_SLIP / XCSCR_ACTIONS){FELT});
             }";
 
 /// What the robot's program calls.

@@ -35,7 +35,7 @@ const CALLS: Calls = Calls {
 pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
     let mut text = COMMENTS.head(ballot, origin);
     let costs = charts.costs(ballot.actions(), 13);
-    text.push_str(&COMMENTS.of(&[&usage(&CALLS), "\n", &costs].concat()));
+    text.push_str(&COMMENTS.of(&[&usage(&CALLS, charts), "\n", &costs].concat()));
     text.push_str(&bits(&COMMENTS, origin));
     text.push_str(&figures(ballot, charts, origin));
     text.push_str(TYPES);
@@ -136,6 +136,13 @@ fn tracker(charts: &Charts) -> String {
         true => LOCATE_DOUBTINGLY,
         false => LOCATE_RIGHTLY,
     };
+    let (bumped, may_lead) = match charts.unfelt {
+        true => ("_bumped", "|_, _, _| true"),
+        false => (
+            "bumped",
+            "|from, _, to| (from == usize::from(to)) == bumped",
+        ),
+    };
     let begin = match charts.begin {
         Some(begin) => {
             format!("core::array::from_fn(|at| if at == {begin} {{ {one} }} else {{ {zero} }})")
@@ -145,6 +152,8 @@ fn tracker(charts: &Charts) -> String {
     [settle, TRACKER, locate]
         .concat()
         .replace("{MOVES}", moves)
+        .replace("{BUMPED}", bumped)
+        .replace("{MAY_LEAD}", may_lead)
         .replace("{BEGIN}", &begin)
         .replace("{ZERO}", zero)
         .replace("{NEGLIGIBLE}", &format!("{NEGLIGIBLE:?}"))

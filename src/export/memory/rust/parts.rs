@@ -265,11 +265,11 @@ pub const LOCATE_RIGHTLY: &str = r"
 pub const LOCATE_DOUBTINGLY: &str = r"
     /// Where the robot may be: all states weighed by what was expected, and by how much of what is
     /// perceived would be misread there. With a small probability it is anywhere.
-    fn locate(&mut self, percept: u16, bumped: bool, rewarded: bool) {
+    fn locate(&mut self, percept: u16, {BUMPED}: bool, rewarded: bool) {
         let (expects, astray) = match self.action {
             Some(action) => {
                 self.found = self.found.saturating_add(u8::from(rewarded));
-                let expects = self.follow(action, |from, _, to| (from == usize::from(to)) == bumped);
+                let expects = self.follow(action, {MAY_LEAD});
                 (expects, {ASTRAY})
             }
             None => {
