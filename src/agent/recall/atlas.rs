@@ -150,6 +150,11 @@ impl Atlas {
         &self.habits
     }
 
+    /// Does the robot feel whether it bumped?
+    pub fn feels_bumps(&self) -> bool {
+        self.params.bumps
+    }
+
     /// What the robot feels of a wall that barred its way.
     pub fn bumped(&self, felt: Felt) -> Bumped {
         match felt.bumped {

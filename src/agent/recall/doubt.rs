@@ -114,7 +114,7 @@ impl<'a> Readings<'a> {
         let likely = likely.into_iter().enumerate();
         let likely = likely.filter(|(_, [meant, slipped])| meant + slipped > 0.0);
         let ways = likely.flat_map(|(heading, [meant, slipped])| {
-            self.ends(step, next).map(move |bumped| {
+            ends(step, next.is_none()).map(move |bumped| {
                 let (fits, differing) = self.follows(step, next, (heading, bumped));
                 Way {
                     weight: (meant + slipped) * fits,
@@ -124,13 +124,6 @@ impl<'a> Readings<'a> {
             })
         });
         ways.collect()
-    }
-
-    /// May a step have bumped, and may it not have? Who is at the goal has not.
-    fn ends(&self, step: &Seen, next: Option<&Around>) -> impl Iterator<Item = bool> {
-        let at_goal = next.is_none();
-        let possible = step.bumped.possible();
-        possible.filter(move |bumped| !(at_goal && *bumped))
     }
 
     /// How likely what is seen before and after a step is if it had a heading and bumped, or did not; in how
@@ -177,6 +170,12 @@ impl<'a> Readings<'a> {
             _ => likelier,
         }
     }
+}
+
+/// May a step have bumped, and may it not have? Who is at the goal has not.
+fn ends(step: &Seen, at_goal: bool) -> impl Iterator<Item = bool> {
+    let possible = step.bumped.possible();
+    possible.filter(move |bumped| !(at_goal && *bumped))
 }
 
 /// How likely a cell that is known to be this is read so: both wrong letters equally often.

@@ -72,12 +72,14 @@ impl Headings {
 
     /// Can nobody tell what will come of an action among these cells: a bump, or into which of the
     /// others it leads? A hidden corner counts as a wall: a bump does not tell the two apart, and to try
-    /// again would teach nothing.
-    pub fn leave_open(&self, action: Action, around: &Around) -> bool {
-        let is_wall =
-            |heading: usize| matches!(around.get(heading), Some(Letter::Wall | Letter::Hidden));
-        let bumps = self.of(action).filter(|one| is_wall(one.0));
-        let moves = self.of(action).filter(|one| !is_wall(one.0));
+    /// again would teach nothing; nor does it teach who feels no bumps whether it aims at a wall or at nothing.
+    pub fn leave_open(&self, action: Action, around: &Around, feels_bumps: bool) -> bool {
+        let bars = |heading: usize| match around.get(heading) {
+            Some(letter) => matches!(letter, Letter::Wall | Letter::Hidden),
+            None => !feels_bumps,
+        };
+        let bumps = self.of(action).filter(|one| bars(one.0));
+        let moves = self.of(action).filter(|one| !bars(one.0));
         let bump: f64 = bumps.map(|one| one.1).sum();
         moves.map(|one| one.1).fold(bump, f64::max) < CERTAIN
     }
@@ -149,13 +151,27 @@ mod tests {
     fn what_comes_of_an_action_is_open_only_where_its_headings_lead_to_different_ends() {
         let (mut headings, action) = after(6, 0);
         let mut around = [Letter::Wall; 8];
-        assert!(!headings.leave_open(action, &around));
+        assert!(!headings.leave_open(action, &around, true));
         let other = Action::new(0).unwrap();
-        assert!(headings.leave_open(other, &[Letter::Free; 8]));
+        assert!(headings.leave_open(other, &[Letter::Free; 8], true));
         headings = Headings::unknown(8);
         headings.learn(other, &[1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0);
-        assert!(!headings.leave_open(other, &around), "it bumps");
+        assert!(!headings.leave_open(other, &around, true), "it bumps");
         around[1] = Letter::Free;
-        assert!(headings.leave_open(other, &around));
+        assert!(headings.leave_open(other, &around, true));
+    }
+
+    #[test]
+    fn who_feels_no_bumps_does_not_try_again_whether_an_action_aims_at_a_wall_or_at_nothing() {
+        let (mut headings, action) = (Headings::unknown(8), Action::new(0).unwrap());
+        let fits = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        headings.learn(action, &fits, 0.0);
+        let walls = [Letter::Wall; 8];
+        assert!(!headings.leave_open(action, &walls, false));
+        assert!(headings.leave_open(action, &walls, true));
+        assert!(
+            headings.leave_open(action, &[Letter::Free; 8], false),
+            "control"
+        );
     }
 }

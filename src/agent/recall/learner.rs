@@ -193,7 +193,8 @@ impl Learner {
     /// The action that leads to what is not yet known in this episode.
     pub fn explore(&mut self) -> Action {
         let headings = &self.atlas.habits().headings;
-        self.sketch.explore(headings, &mut self.stream)
+        let feels_bumps = self.atlas.feels_bumps();
+        self.sketch.explore(headings, feels_bumps, &mut self.stream)
     }
 
     /// Acts on what was perceived, and bumps or does not, and finds an auxiliary reward or none, 0.

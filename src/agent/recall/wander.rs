@@ -33,11 +33,11 @@ impl Sketch {
     /// An action of which nobody can tell what comes of it here; if there is none, the one that leads
     /// toward the nearest goal or free cell in which the robot has not been; any action if there is
     /// none either. Chance decides between several.
-    pub fn explore(&self, headings: &Headings, stream: &mut Stream) -> Action {
+    pub fn explore(&self, headings: &Headings, feels_bumps: bool, stream: &mut Stream) -> Action {
         let mut likely: Vec<Action> = Action::all(headings.actions()).collect();
         let is_open = |action: &Action| {
             self.around
-                .is_some_and(|around| headings.leave_open(*action, &around))
+                .is_some_and(|around| headings.leave_open(*action, &around, feels_bumps))
         };
         let open = likely.iter().copied().filter(is_open).collect::<Vec<_>>();
         let news = if open.is_empty() {
