@@ -93,6 +93,26 @@ fn a_memory_that_feels_no_bumps_needs_more_steps_to_learn_only_where_cells_are_m
 }
 
 #[test]
+fn rules_and_checkpoints_tell_that_bumps_are_not_felt() {
+    for bumps in [true, false] {
+        let plan = || {
+            let mut plan = on_the_grid("maze4", Method::XcscrMemory).episodes(6);
+            plan.config.settings.memory.bumps = bumps;
+            plan
+        };
+        let learned = plan().run().unwrap().method().knowledge();
+        let json = serde_json::to_string(&learned).unwrap();
+        assert_eq!(json.contains("unfelt"), !bumps);
+        assert_eq!(serde_json::from_str::<Knowledge>(&json).unwrap(), learned);
+        let mut brings = plan();
+        brings.config.initial = Some(learned);
+        let begun = Trial::new(brings).unwrap();
+        let saved: Checkpoint = unseal(&seal(&begun.checkpoint())).unwrap();
+        assert_eq!(saved, begun.checkpoint());
+    }
+}
+
+#[test]
 fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
     for world in ["classic/mazef4", "classic/maze7"] {
         let steps = |method| {

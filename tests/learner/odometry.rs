@@ -10,7 +10,7 @@ use xcscr::world::{Cell, Maze};
 use xcscr::xcs::Action;
 use xcscr::xcs::random::Stream;
 
-use crate::kit::trial::maze;
+use crate::kit::trial::{maze, on_the_grid};
 
 /// A grid on which other moves than usual belong to the actions, of which some slip.
 struct Relabelled {
@@ -176,4 +176,16 @@ fn what_actions_do_is_learned_where_they_slip_too() {
     // Who knows the maze takes 7.18 steps, by an estimate, and not the 5.06 without slips.
     let ratio = ratio("maze10", told, 200) * 5.06 / 7.18;
     assert!(ratio < 1.2, "{ratio} times the bound");
+}
+
+#[test]
+fn who_neither_knows_its_moves_nor_feels_bumps_finds_the_shortest_way() {
+    for seed in 1..=3 {
+        let mut plan = on_the_grid("maze4", Method::XcscrMemory).episodes(30);
+        plan.config.settings.memory.odometry = Odometry::None;
+        plan.config.settings.memory.bumps = false;
+        let trial = plan.seed(seed).run().unwrap();
+        let progress = trial.progress();
+        assert!(progress.optimal, "seed {seed}: {progress:?}");
+    }
 }
