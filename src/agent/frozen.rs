@@ -72,7 +72,7 @@ impl Frozen {
 
 impl Agent for Frozen {
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
-        let Knowledge::Remembering { map, .. } = &self.knowledge else {
+        let Some(map) = self.knowledge.map() else {
             let believed = self.knowledge.believed(&mut self.belief, percept);
             self.percept = Some(believed);
             return self.worth(&believed);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::model::Foresight;
 use super::places::{Belief, Places};
-use super::recall::{CONTEXT_BITS, Map, PERCEPT_BITS, Tracker};
+use super::recall::{CONTEXT_BITS, ChartedPlan, Map, PERCEPT_BITS, Tracker};
 use xcs::{Action, Percept};
 use xcs::{Population, PredictionArray, Xcs};
 
@@ -33,6 +33,8 @@ pub enum Knowledge {
         /// The places that contexts speak of.
         map: Map,
     },
+    /// The plan of a tabular method with a memory, and its charts.
+    Planned(ChartedPlan),
     /// The table of a tabular method: the worth of each action in each percept.
     Table(BTreeMap<Percept, Vec<Option<f64>>>),
     /// What was learned from filtered percepts, and the places that the filter knows.
@@ -67,7 +69,8 @@ impl Knowledge {
                 rules.sums(percept).array(actions, false)
             }
             Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
-            Self::Remembering { .. } => self.worth_in(&self.looked_at(percept), actions),
+            Self::Remembering { map, .. } => self.remembered_worth(&begun(map, percept), actions),
+            Self::Planned(plan) => plan.worth(&begun(plan.map(), percept), actions),
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);
@@ -114,6 +117,7 @@ impl Knowledge {
     pub(super) fn remembered_worth(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
         match self {
             Self::Remembering { map, .. } => self.worth_in(&tracker.context(map), actions),
+            Self::Planned(plan) => plan.worth(tracker, actions),
             _ => PredictionArray::new(actions),
         }
     }
@@ -137,28 +141,33 @@ impl Knowledge {
     /// What its rules look at when an episode begins with a percept.
     pub fn looked_at(&self, percept: &Percept) -> Percept {
         match self {
-            Self::Remembering { map, .. } => {
-                let mut begun = Tracker::default();
-                begun.perceive(map, percept);
-                begun.context(map)
-            }
+            Self::Remembering { map, .. } => begun(map, percept).context(map),
             _ => *percept,
         }
     }
 
-    /// Do its rules look at more than the percept?
+    /// Does what is chosen depend on more than the percept?
     pub fn remembers(&self) -> bool {
-        matches!(self, Self::Remembering { .. })
+        self.map().is_some()
     }
 
-    /// The rules that say what actions are worth; `None` for a table.
+    /// The charts of those that remember.
+    pub(super) fn map(&self) -> Option<&Map> {
+        match self {
+            Self::Remembering { map, .. } => Some(map),
+            Self::Planned(plan) => Some(plan.map()),
+            _ => None,
+        }
+    }
+
+    /// The rules that say what actions are worth; `None` for a table or a plan.
     pub fn rules(&self) -> Option<&Population> {
         match self {
             Self::Rules(rules)
             | Self::RulesOverMatchSet(rules)
             | Self::Foresighted { rules, .. }
             | Self::Remembering { rules, .. } => Some(rules),
-            Self::Table(_) => None,
+            Self::Table(_) | Self::Planned(_) => None,
             Self::Doubting { of, .. } => of.rules(),
         }
     }
@@ -183,7 +192,7 @@ impl Knowledge {
                 false => Err(Misfit::Places),
             };
         }
-        if let Self::Remembering { map, .. } = self
+        if let Some(map) = self.map()
             && !(map.is_sound(actions) && width >= PERCEPT_BITS)
         {
             return Err(Misfit::Map);
@@ -210,13 +219,14 @@ impl Knowledge {
 
     /// Only what looks at percepts is learned from filtered ones, and only once.
     fn may_be_doubted(&self) -> bool {
-        !matches!(self, Self::Doubting { .. } | Self::Remembering { .. })
+        !(self.remembers() || matches!(self, Self::Doubting { .. }))
     }
 
-    /// The number of rules, or of pairs in the table.
+    /// The number of rules, of pairs in the table, or of beliefs that were planned for.
     pub fn len(&self) -> usize {
         match self {
             Self::Table(table) => table.values().flatten().flatten().count(),
+            Self::Planned(plan) => plan.beliefs(),
             Self::Doubting { of, .. } => of.len(),
             _ => self.rules().map_or(0, Population::len),
         }
@@ -226,6 +236,13 @@ impl Knowledge {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+/// What is remembered when an episode begins with a percept.
+fn begun(map: &Map, percept: &Percept) -> Tracker {
+    let mut begun = Tracker::default();
+    begun.perceive(map, percept);
+    begun
 }
 
 /// Knowledge of another world.

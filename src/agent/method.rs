@@ -78,9 +78,10 @@ impl Method {
         }
     }
 
-    /// Does it need percepts that begin with the eight cells around the robot?
-    pub fn needs_surroundings(self) -> bool {
-        self == Self::XcscrMemory
+    /// Does it draw charts, with these settings, and tell places apart that look alike? Then it needs
+    /// percepts that begin with the eight cells around the robot.
+    pub fn draws_charts(self, tabular: &TabularParams) -> bool {
+        self == Self::XcscrMemory || self == Self::RMax && tabular.memory
     }
 
     /// A learner that knows nothing yet, for `actions` actions and percepts whose first `ring` bits
@@ -96,6 +97,7 @@ impl Method {
     /// Steps that are remembered in order to filter what is perceived; 0 if nothing is filtered.
     fn doubts(self, setup: &Setup) -> u32 {
         match self {
+            _ if self.draws_charts(&setup.tabular) => 0,
             Self::XcscrPlus => setup.plus.doubts,
             Self::QLearning | Self::SarsaLambda | Self::DynaQ | Self::RMax => setup.tabular.doubts,
             _ => 0,
@@ -117,6 +119,13 @@ impl Method {
         let combined = |reward| -> Box<dyn Agent> {
             let imprinting = stream(StreamName::Imprinting);
             Box::new(Combined::new(learner(), reward, imprinting))
+        };
+        let recall = |reward| {
+            let vision = match sensed {
+                true => Vision::Lidar,
+                false => Vision::LookedUp,
+            };
+            Recall::new((actions, vision), reward, memory, stream(StreamName::Replay))
         };
         let (foresight, certainty) = (tabular.foresight, plus.certainty);
         let rival = |tabular: Tabular| -> Box<dyn Agent> {
@@ -140,20 +149,14 @@ impl Method {
                 let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
                 Box::new(Plus::new(xcs, [actions, ring], reward, plus, streams))
             }
-            Self::XcscrMemory => {
-                let stream = stream(StreamName::Replay);
-                let vision = match sensed {
-                    true => Vision::Lidar,
-                    false => Vision::LookedUp,
-                };
-                Box::new(Recall::new((actions, vision), reward, memory, stream))
-            }
+            Self::XcscrMemory => Box::new(recall(reward)),
             Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
             Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
             Self::DynaQ => {
                 let replay = stream(StreamName::Replay);
                 rival(Tabular::dyna_q(actions, reward, tabular, replay))
             }
+            Self::RMax if tabular.memory => Box::new(recall(reward).by_plan()),
             Self::RMax => rival(Tabular::r_max(actions, reward, tabular)),
         }
     }
@@ -171,7 +174,7 @@ pub struct Setup {
     pub tabular: TabularParams,
     /// The repairs of `xcscr-plus`.
     pub plus: PlusParams,
-    /// `xcscr-memory`.
+    /// `xcscr-memory`, and `r-max` with `tabular.memory`.
     pub memory: MemoryParams,
     /// Is the percept what a robot senses, which shows neither goals nor hidden corners?
     pub sensed: bool,

@@ -1,9 +1,9 @@
-//! The method `xcscr-memory`, around what it recalls.
+//! The method `xcscr-memory`, and its rival without rules, around what they recall.
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::memory::{self, MemoryError};
-use super::recall::learner::Learner;
+use super::recall::learner::{Decider, Learner};
 use super::recall::{MemoryParams, Vision, Worth};
 use super::{Agent, Choice, Chooser, EndCredit, Params, StepCredit};
 use crate::arena::Outcome;
@@ -11,7 +11,7 @@ use xcs::PredictionArray;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
 
-/// The method `xcscr-memory`.
+/// The method `xcscr-memory`, or `r-max` with `tabular.memory`.
 #[derive(Debug, Clone)]
 pub struct Recall {
     learner: Learner,
@@ -34,6 +34,12 @@ impl Recall {
             percept: None,
         }
     }
+
+    /// The same without rules: its plan acts.
+    pub fn by_plan(self) -> Self {
+        let learner = self.learner.by_plan();
+        Self { learner, ..self }
+    }
 }
 
 impl Agent for Recall {
@@ -43,12 +49,16 @@ impl Agent for Recall {
     }
 
     /// Explores in whole episodes, fewer and fewer of them; in all others the rules choose, where
-    /// any matches.
+    /// any matches, or the plan.
     fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        match self.learner.explores() || worth.greatest().is_none() {
-            true => Choice::new(self.learner.explore(), Chooser::Planner),
-            false => Choice::new(explorer.exploit(worth), Chooser::Rules),
+        if self.learner.explores() || worth.greatest().is_none() {
+            return Choice::new(self.learner.explore(), Chooser::Planner);
         }
+        let chooser = match self.learner.decider() {
+            Decider::Rules => Chooser::Rules,
+            Decider::Plan => Chooser::Table,
+        };
+        Choice::new(explorer.exploit(worth), chooser)
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
@@ -84,18 +94,24 @@ impl Agent for Recall {
     }
 
     fn knowledge(&self) -> Knowledge {
-        Knowledge::Remembering {
-            rules: self.learner.rules().clone(),
-            map: self.learner.map().clone(),
+        match self.learner.decider() {
+            Decider::Rules => Knowledge::Remembering {
+                rules: self.learner.rules().clone(),
+                map: self.learner.map().clone(),
+            },
+            Decider::Plan => Knowledge::Planned(self.learner.planned()),
         }
     }
 
+    /// Only rules are brought along.
     fn bring(&mut self, knowledge: &Knowledge) -> bool {
-        let Knowledge::Remembering { rules, map } = knowledge else {
-            return false;
-        };
-        self.learner.bring(rules, map);
-        true
+        match (self.learner.decider(), knowledge) {
+            (Decider::Rules, Knowledge::Remembering { rules, map }) => {
+                self.learner.bring(rules, map);
+                true
+            }
+            _ => false,
+        }
     }
 
     fn remembers(&self) -> bool {
@@ -103,7 +119,7 @@ impl Agent for Recall {
     }
 
     fn rule_count(&self) -> usize {
-        self.learner.rules().len()
+        self.learner.size()
     }
 
     fn memory(&self) -> Vec<u8> {

@@ -251,15 +251,16 @@ fn way_out(trial: &Trial) -> String {
         true => "--sensor lidar-position",
         false => "--sensor neighbours-position",
     };
+    let draws_charts = config.method.draws_charts(&config.settings.tabular);
     let other = match config.method {
         Method::XcscrPlus => position.to_owned(),
         // It was chosen because places look alike.
-        Method::XcscrMemory => format!("--method xcscr-plus {position}"),
+        _ if draws_charts => format!("--method xcscr-plus {position}"),
         _ => "--method xcscr-plus".to_owned(),
     };
     // Which way actions go is either known, or takes episodes to learn.
     let known = match config.settings.memory.odometry {
-        Odometry::None if config.method == Method::XcscrMemory => "--set memory.odometry=known, ",
+        Odometry::None if draws_charts => "--set memory.odometry=known, ",
         _ => "",
     };
     format!("{known}{other}, another --seed, or --episodes {more}")

@@ -110,6 +110,12 @@ pub enum ExportError {
     /// Eq. 6 as it is printed.
     #[error("rules learned with `xcs.worth_over_match_set` cannot be exported: {CONDENSE}")]
     OverMatchSet,
+    /// A plan on charts.
+    #[error(
+        "what was learned is a plan on charts (`tabular.memory`), which chooses without rules and \
+         cannot be exported: train xcscr-memory, which learns rules from such a plan"
+    )]
+    Planned,
 }
 
 /// The way out.
@@ -257,6 +263,7 @@ fn agrees(action: Option<Action>, worth: &PredictionArray) -> bool {
 fn rules(knowledge: &Knowledge, actions: usize) -> Result<Vec<Classifier>, ExportError> {
     let rules: Vec<Classifier> = match knowledge.undoubting() {
         Knowledge::RulesOverMatchSet(_) => return Err(ExportError::OverMatchSet),
+        Knowledge::Planned(_) => return Err(ExportError::Planned),
         Knowledge::Table(table) => table
             .keys()
             .flat_map(|percept| best_of_row(percept, &knowledge.worth(percept, actions)))

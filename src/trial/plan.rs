@@ -204,7 +204,7 @@ impl Plan {
         } = &self.config;
         within("episodes", self.config.episodes, 1..=1_000_000)?;
         settings.check()?;
-        if method.needs_surroundings() && !sensor.begins_with_neighbours() {
+        if method.draws_charts(&settings.tabular) && !sensor.begins_with_neighbours() {
             return Err(PlanError::NoSurroundings {
                 method: method.name(),
                 sensor: sensor.name(),

@@ -25,7 +25,7 @@ pub struct Settings {
     pub reward: agent::Params,
     /// The repairs of `xcscr-plus`.
     pub plus: agent::PlusParams,
-    /// `xcscr-memory`.
+    /// `xcscr-memory`, and `r-max` with `tabular.memory`.
     pub memory: agent::MemoryParams,
     /// Tabular methods.
     pub tabular: agent::TabularParams,

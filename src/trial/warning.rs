@@ -82,7 +82,7 @@ fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
 
 /// Only cells that an optimal policy comes through matter, and only to who forgets how it got there.
 fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
-    if config.method == Method::XcscrMemory {
+    if config.method.draws_charts(&config.settings.tabular) {
         return None;
     }
     let sensor = config.sensor;

@@ -9,6 +9,7 @@ use super::course::Course;
 use super::map::{Map, Worth};
 use super::params::MemoryParams;
 use super::place::Vision;
+use super::planned::{ChartedPlan, planned_worth};
 use super::wander::Sketch;
 use crate::agent::model::pomdp::{BeliefPlanner, Effort};
 use xcs::random::Stream;
@@ -28,9 +29,19 @@ const SWEEPS: usize = 8;
 const REVISED_AFTER: [u32; 14] = [
     25, 50, 75, 100, 150, 200, 250, 300, 400, 500, 600, 700, 800, 900,
 ];
+/// What acts in episodes in which nothing is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Decider {
+    /// Rules that are induced from the plan.
+    Rules,
+    /// The plan itself; no rules are induced.
+    Plan,
+}
+
 /// Charts, what was planned on them, and the rules that were induced.
 #[derive(Debug, Clone)]
 pub struct Learner {
+    decider: Decider,
     actions: usize,
     worth: Worth,
     atlas: Atlas,
@@ -80,6 +91,7 @@ impl Learner {
         stream: Stream,
     ) -> Self {
         Self {
+            decider: Decider::Rules,
             actions,
             worth,
             atlas: Atlas::new(actions, vision, params),
@@ -93,6 +105,17 @@ impl Learner {
             sketch: Sketch::default(),
             steps: Vec::new(),
         }
+    }
+
+    /// The same whose plan acts.
+    pub fn by_plan(self) -> Self {
+        let decider = Decider::Plan;
+        Self { decider, ..self }
+    }
+
+    /// What acts.
+    pub fn decider(&self) -> Decider {
+        self.decider
     }
 
     /// What learning has changed so far.
@@ -112,7 +135,8 @@ impl Learner {
         let fits = |rule: &Classifier| {
             rule.condition.width() == CONTEXT_BITS && rule.action.index() < self.actions
         };
-        if !kept.atlas.is_sound(self.actions) || !kept.rules.rules().iter().all(fits) {
+        let decides = self.decider == Decider::Rules || kept.rules.is_empty();
+        if !(decides && kept.atlas.is_sound(self.actions) && kept.rules.rules().iter().all(fits)) {
             return false;
         }
         self.atlas = kept.atlas.with_settings_of(&self.atlas);
@@ -147,7 +171,20 @@ impl Learner {
         &self.rules
     }
 
-    /// Perceives, and tells what the rules make of it.
+    /// What was planned.
+    pub fn planned(&self) -> ChartedPlan {
+        ChartedPlan::new(self.map.clone(), self.planner.clone())
+    }
+
+    /// The number of rules or, if the plan acts, of beliefs that were planned for.
+    pub fn size(&self) -> usize {
+        match self.decider {
+            Decider::Rules => self.rules.len(),
+            Decider::Plan => self.planner.beliefs(),
+        }
+    }
+
+    /// Perceives, and tells what is made of it.
     pub fn perceive(&mut self, percept: &Percept) -> PredictionArray {
         self.tracker.perceive(&self.map, percept);
         let around = self.atlas.habits().vision.around(percept);
@@ -156,17 +193,23 @@ impl Learner {
             self.atlas.follow(last, Some(&around));
         }
         self.sketch.perceive(last, &around, self.atlas.habits());
-        let context = self.tracker.context(&self.map);
-        self.rules.sums(&context).array(self.actions, false)
+        self.worth(&self.tracker)
     }
 
-    /// What the rules make of a percept when an episode begins with it.
+    /// What is made of a percept when an episode begins with it.
     pub fn worth_at_first(&self, percept: &Percept) -> PredictionArray {
         let mut begun = Tracker::default();
         begun.perceive(&self.map, percept);
-        self.rules
-            .sums(&begun.context(&self.map))
-            .array(self.actions, false)
+        self.worth(&begun)
+    }
+
+    /// What is made of what is remembered.
+    fn worth(&self, tracker: &Tracker) -> PredictionArray {
+        let (map, actions) = (&self.map, self.actions);
+        match self.decider {
+            Decider::Rules => self.rules.sums(&tracker.context(map)).array(actions, false),
+            Decider::Plan => planned_worth(&self.planner, map, tracker, actions),
+        }
     }
 
     /// Counts the rules that match, and looks for the fittest of those that advocate an action.
@@ -187,7 +230,7 @@ impl Learner {
     /// Is this an episode in which to look for what is not yet known?
     pub fn explores(&self) -> bool {
         let number = self.episodes;
-        self.rules.is_empty() || number < 5 || (number < 200 && number % 2 == 1) || number % 10 == 9
+        self.size() == 0 || number < 5 || (number < 200 && number % 2 == 1) || number % 10 == 9
     }
 
     /// The action that leads to what is not yet known in this episode.
@@ -230,7 +273,19 @@ impl Learner {
         }
         self.stale |= self.plan();
         if std::mem::take(&mut self.stale) {
-            self.induce();
+            match self.decider {
+                Decider::Rules => self.induce(),
+                Decider::Plan => self.settle(),
+            }
+        }
+    }
+
+    /// Plans on where moves are exact, until nothing changes any more, as is done for what rules are
+    /// induced from.
+    fn settle(&mut self) {
+        let (pomdp, planner) = (&self.map.pomdp, &mut self.planner);
+        for start in 0..self.map.starts() {
+            planner.settled_costs(pomdp, &self.map.first_belief(start), &mut self.stream);
         }
     }
 

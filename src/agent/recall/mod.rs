@@ -15,6 +15,9 @@
 //! are hidden from it, and count neither for nor against a place ([`Vision`]). If episodes always begin in
 //! one place, the robot learns that ([`Map::begin`]).
 //!
+//! Its rival has the same charts, belief and plan, but no rules: the plan acts ([`Decider::Plan`], `r-max`
+//! with `tabular.memory`).
+//!
 //! Built in are that the first sixteen bits of a percept are the eight cells around the robot, what
 //! the letters mean (free, wall, goal), that a move goes one cell its way unless there is a wall, that
 //! cells pay once, and that the world stands still. Learned are charts, slips and rules. Whether a move slipped is not
@@ -47,6 +50,7 @@ mod map;
 mod params;
 mod payments;
 mod place;
+mod planned;
 mod rehearsal;
 mod samples;
 mod sheet;
@@ -58,4 +62,5 @@ pub use demands::{Demand, Part, demands};
 pub use map::{Map, Worth};
 pub use params::{MemoryParams, Odometry};
 pub use place::Vision;
+pub use planned::ChartedPlan;
 pub use samples::contexts;

@@ -154,13 +154,12 @@ fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
     knowledge
         .check(config.sensor.width(maze), maze.action_count())
         .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
-    match knowledge.rules() {
-        Some(_) => Ok(()),
-        None => {
-            let message = "what was learned is a table of a tabular method; it has no rules";
-            Err(Failure::new(Exit::BadData, message))
-        }
-    }
+    let message = match knowledge {
+        _ if knowledge.rules().is_some() => return Ok(()),
+        Knowledge::Planned(_) => "what was learned is a plan on charts; it has no rules",
+        _ => "what was learned is a table of a tabular method; it has no rules",
+    };
+    Err(Failure::new(Exit::BadData, message))
 }
 
 fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Condensed, Failure> {

@@ -8,7 +8,7 @@ use super::belief::{Belief, Branch};
 use super::prizes::MOST_STEPS;
 use super::{GOAL, Pomdp};
 use xcs::random::Stream;
-use xcs::{Action, MAX_ACTIONS};
+use xcs::{Action, MAX_ACTIONS, PredictionArray};
 
 /// The most beliefs of which costs are kept; then all are forgotten.
 const MOST_BELIEFS: usize = 50_000;
@@ -133,6 +133,26 @@ impl BeliefPlanner {
             }
         }
         self.costs(pomdp, belief)
+    }
+
+    /// The worth of each action in a belief: less by 1 for each step from the goal. Of actions that cost
+    /// the same, the first is worth most: beyond the others may be beliefs that no imagined episode
+    /// came to, and that cost more than is known.
+    pub fn worth(&self, pomdp: &Pomdp, belief: &Belief) -> PredictionArray {
+        let mut worth = PredictionArray::new(pomdp.actions());
+        let costs = self.costs(pomdp, belief);
+        let best = costs.best();
+        let greatest = -pomdp.in_steps(costs.least());
+        for (action, steps) in Action::all(pomdp.actions()).zip(costs.in_steps(pomdp)) {
+            let of_another = greatest.next_down().min(-steps);
+            worth.set(action, if action == best { greatest } else { of_another });
+        }
+        worth
+    }
+
+    /// The number of beliefs of which costs are kept.
+    pub fn beliefs(&self) -> usize {
+        self.costs.len()
     }
 
     /// The costs of the actions, and what the best of them may lead to.

@@ -1,0 +1,71 @@
+//! A plan in place of rules.
+
+use serde::{Deserialize, Serialize};
+
+use super::context::Tracker;
+use super::map::Map;
+use crate::agent::model::pomdp::BeliefPlanner;
+use xcs::PredictionArray;
+
+/// Charts, and what was planned on them: enough to choose without rules.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "ReadPlan")]
+pub struct ChartedPlan {
+    map: Map,
+    planner: BeliefPlanner,
+}
+
+/// A plan as it stands in a file, which nobody has looked at.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReadPlan {
+    map: Map,
+    planner: BeliefPlanner,
+}
+
+impl TryFrom<ReadPlan> for ChartedPlan {
+    type Error = &'static str;
+
+    fn try_from(read: ReadPlan) -> Result<Self, Self::Error> {
+        let ReadPlan { map, planner } = read;
+        match planner.belongs_to(&map.pomdp) {
+            true => Ok(Self { map, planner }),
+            false => Err("the plan is not one for its charts"),
+        }
+    }
+}
+
+impl ChartedPlan {
+    /// What was planned on a map.
+    pub fn new(map: Map, planner: BeliefPlanner) -> Self {
+        Self { map, planner }
+    }
+
+    /// The charted places.
+    pub fn map(&self) -> &Map {
+        &self.map
+    }
+
+    /// The number of beliefs that were planned for.
+    pub fn beliefs(&self) -> usize {
+        self.planner.beliefs()
+    }
+
+    /// What the plan makes of what is remembered.
+    pub fn worth(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
+        planned_worth(&self.planner, &self.map, tracker, actions)
+    }
+}
+
+/// What a plan makes of what is remembered: no action has a worth where nothing is believed.
+pub fn planned_worth(
+    planner: &BeliefPlanner,
+    map: &Map,
+    tracker: &Tracker,
+    actions: usize,
+) -> PredictionArray {
+    match tracker.belief().is_empty() {
+        true => PredictionArray::new(actions),
+        false => planner.worth(&map.pomdp, tracker.belief()),
+    }
+}
