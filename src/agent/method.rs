@@ -125,7 +125,12 @@ impl Method {
                 true => Vision::Lidar,
                 false => Vision::LookedUp,
             };
-            Recall::new((actions, vision), reward, memory, stream(StreamName::Replay))
+            Recall::new(
+                (actions, vision),
+                reward,
+                memory,
+                stream(StreamName::Replay),
+            )
         };
         let (foresight, certainty) = (tabular.foresight, plus.certainty);
         let rival = |tabular: Tabular| -> Box<dyn Agent> {

@@ -243,7 +243,7 @@ pub enum PlanError {
     Knowledge(#[from] Misfit),
     /// The method needs another percept.
     #[error(
-        "`{method}` needs a percept that begins with the eight cells around the robot, which `{sensor}` does not; choose `neighbours` or `neighbours-position`"
+        "`{method}` draws charts, and needs a percept that begins with the eight cells around the robot, which `{sensor}` does not; choose `neighbours` or `neighbours-position`"
     )]
     NoSurroundings {
         /// The method.

@@ -19,6 +19,7 @@ mod odometry;
 mod paper;
 mod readings;
 mod readme;
+mod rival;
 mod rules;
 mod rules_decide;
 mod slips;

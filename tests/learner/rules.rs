@@ -355,6 +355,29 @@ fn diff_shows_the_rules_that_only_one_has_and_where_they_part() {
 }
 
 #[test]
+fn a_plan_on_charts_is_driven_by_and_drawn_but_has_no_rules_to_print_or_to_export() {
+    let desk = Desk::new("xcscr-plus");
+    let memory = ["--set", "tabular.memory=true", "--sensor", "neighbours"];
+    desk.fine(&[&train("r-max", "maze4", "planned")[..], &memory].concat());
+    desk.fine(&["evaluate", "planned", "--require-optimal"]);
+    desk.fine(&["map", "planned", "--output", "map.svg"]);
+    for (args, words) in [
+        (
+            &["rules", "planned"][..],
+            "a plan on charts; it has no rules",
+        ),
+        (
+            &["export", "planned", "--target", "c99"],
+            "train xcscr-memory",
+        ),
+    ] {
+        let (code, message) = desk.refused(args);
+        assert!(code == Some(65) && message.contains(words), "{message}");
+    }
+    desk.fine(&["export", "run", "--target", "c99"]);
+}
+
+#[test]
 fn a_page_shows_the_policy_the_rules_and_where_they_lead_in_each_cell() {
     let desk = Desk::new("xcscr-plus");
     let page = desk.fine(&["rules", "run", "--format", "html"]);

@@ -153,10 +153,13 @@ fn every_method_resumes_after_episodes_of_one_step() {
 /// Between successes it learns which way its actions go, but plans with what it knew at the last one.
 #[test]
 fn a_memory_that_learns_its_moves_resumes_after_any_episode_on_any_percept() {
-    for (seed, sensor) in [(8, Sensor::Neighbours), (9, Sensor::Lidar)] {
-        let mut plan = plan("classic/maze10", Method::XcscrMemory, ArenaKind::Grid, 8);
+    let sensors = [(8, Sensor::Neighbours), (9, Sensor::Lidar)];
+    let of = |method| sensors.map(|(seed, sensor)| (method, seed, sensor));
+    for (method, seed, sensor) in [Method::XcscrMemory, Method::RMax].map(of).concat() {
+        let mut plan = plan("classic/maze10", method, ArenaKind::Grid, 8);
         plan = plan.seed(seed).sensor(sensor);
         let settings = &mut plan.config.settings;
+        settings.tabular.memory = true;
         settings.memory.odometry = Odometry::None;
         (settings.arena.slip, settings.sensor.flips) = (0.4, 0.02);
         settings.reward.step_threshold_from_maze = false;

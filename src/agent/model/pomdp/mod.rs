@@ -125,8 +125,8 @@ impl Pomdp {
     /// Does every number in it mean something?
     pub fn is_sound(&self) -> bool {
         let (states, looks) = (self.states(), self.percepts.len());
-        self.next.len() == states * self.actions
-            && (1..=MAX_ACTIONS).contains(&self.actions)
+        (1..=MAX_ACTIONS).contains(&self.actions)
+            && self.next.len() == states * self.actions
             && (0.0..=1.0).contains(&self.slip)
             && self
                 .next

@@ -1,0 +1,133 @@
+//! `r-max` with the memory of `xcscr-memory`: the same charts, belief and plan, but no rules.
+
+use crate::kit::trial::on_the_grid;
+use serde_json::Value;
+use xcscr::agent::{Knowledge, Method};
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Bounds, GreedySteps, Plan, Trial};
+
+fn plan(world: &str, method: Method, memory: bool) -> Plan {
+    let mut plan = on_the_grid(&format!("classic/{world}"), method).seed(5);
+    plan.config.settings.reward.step_threshold = 100;
+    plan.config.settings.tabular.memory = memory;
+    plan
+}
+
+fn greedy(trial: &Trial) -> f64 {
+    GreedySteps::of(trial.plan(), &trial.method().knowledge()).mean
+}
+
+fn as_json(trial: &Trial) -> Value {
+    serde_json::to_value(trial.method().knowledge()).unwrap()
+}
+
+#[test]
+fn by_its_plan_alone_it_reaches_the_belief_bound_and_without_a_memory_it_stays_far_from_it() {
+    for world in ["woods101", "maze10", "mazef4"] {
+        let run = |memory| {
+            let plan = plan(world, Method::RMax, memory);
+            plan.episodes(50).run().unwrap()
+        };
+        let trial = run(true);
+        let bound = Bounds::of_belief(&trial.plan().maze, Sensor::Neighbours).unwrap();
+        let steps = greedy(&trial);
+        assert!(
+            steps <= bound + 1e-9,
+            "{world}: {steps} steps, bound {bound}"
+        );
+        assert!(trial.progress().optimal, "{world}");
+        assert!(
+            trial.method().knowledge().rules().is_none(),
+            "{world}: rules"
+        );
+        let chosen = trial.progress().chosen;
+        assert!(chosen.rules == 0 && chosen.chance == 0, "{world}: {chosen}");
+        assert!(chosen.table > 0 && chosen.planner > 0, "{world}: {chosen}");
+        let without = greedy(&run(false));
+        assert!(
+            without > 2.0 * bound,
+            "control, {world}: {without} steps without a memory, bound {bound}"
+        );
+    }
+}
+
+#[test]
+fn it_draws_the_same_charts_as_the_learner_of_rules() {
+    let charts = |method, kind, episodes| {
+        let plan = plan("maze10", method, true).episodes(episodes);
+        as_json(&plan.run().unwrap())[kind]["map"].clone()
+    };
+    let own = |episodes| charts(Method::RMax, "planned", episodes);
+    assert!(own(60)["spots"].is_array());
+    assert_eq!(
+        own(60),
+        charts(Method::XcscrMemory, "remembering", 60),
+        "once all is seen"
+    );
+    assert_ne!(own(60), own(1), "control");
+}
+
+#[test]
+fn what_is_chosen_is_what_is_planned() {
+    let trial = plan("mazef4", Method::RMax, true).episodes(60).run();
+    let trial = trial.unwrap();
+    let before = greedy(&trial);
+    // The same charts; every belief that was planned for is said to cost more than any way.
+    let mut spoilt = as_json(&trial);
+    let costs = spoilt["planned"]["planner"]["costs"].as_object_mut();
+    for cost in costs.unwrap().values_mut() {
+        *cost = 1e4.into();
+    }
+    let spoilt: Knowledge = serde_json::from_value(spoilt).unwrap();
+    let after = GreedySteps::of(trial.plan(), &spoilt).mean;
+    assert!(before < 5.0 && after > 5.0, "{before} and {after} steps");
+}
+
+#[test]
+fn where_moves_slip_it_plans_too() {
+    let mut plan = plan("woods101", Method::RMax, true).episodes(60);
+    plan.config.settings.arena.slip = 0.21875;
+    let steps = greedy(&plan.run().unwrap());
+    // As for the rules: the estimate of the belief bound is 4.06.
+    assert!(steps < 4.8, "{steps} steps");
+}
+
+#[test]
+fn foresight_and_filter_of_tables_count_for_nothing_beside_charts_and_dyna_q_has_no_memory() {
+    let learned = |method, memory, extras| {
+        let mut plan = plan("woods101", method, memory).episodes(8);
+        let settings = &mut plan.config.settings;
+        settings.tabular.foresight = extras;
+        settings.tabular.doubts = if extras { 1_000 } else { 0 };
+        settings.sensor.flips = 0.02;
+        plan.run().unwrap().method().memory()
+    };
+    let r_max = |memory, extras| learned(Method::RMax, memory, extras);
+    assert!(r_max(true, false) == r_max(true, true));
+    assert!(r_max(false, false) != r_max(false, true), "control");
+    assert!(learned(Method::DynaQ, true, false) == learned(Method::DynaQ, false, false));
+    assert!(r_max(true, false) != r_max(false, false), "control");
+}
+
+#[test]
+fn it_needs_to_perceive_the_eight_cells_around_and_is_then_not_misled_where_cells_look_alike() {
+    let on = |sensor, memory| plan("woods101", Method::RMax, memory).sensor(sensor);
+    let refused = on(Sensor::Position, true).check().unwrap_err().to_string();
+    assert!(refused.contains("choose `neighbours`"), "{refused}");
+    assert!(on(Sensor::Position, false).check().is_ok(), "control");
+    let warned = |memory| on(Sensor::Neighbours, memory).warnings().len();
+    assert_eq!((warned(true), warned(false)), (0, 1));
+}
+
+#[test]
+fn a_plan_that_is_not_one_for_its_charts_is_refused() {
+    let trial = plan("woods101", Method::RMax, true).episodes(20).run();
+    let sound = as_json(&trial.unwrap());
+    let read = |json: &Value| serde_json::from_value::<Knowledge>(json.clone());
+    let mut forged = sound.clone();
+    let seen = forged["planned"]["planner"]["seen"].as_array_mut().unwrap();
+    seen.pop();
+    let error = read(&forged).unwrap_err().to_string();
+    assert!(error.contains("not one for its charts"), "{error}");
+    assert!(read(&sound).is_ok(), "control");
+}
