@@ -4,6 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
+use crate::agent::pomdp::MOST_BELIEFS;
 use crate::study::protocol::Protocol;
 use crate::trial::{Condensed, Config, Evaluation, GreedySteps, Plan, Progress, Trial};
 use crate::world::Maze;
@@ -76,10 +77,15 @@ impl Figures {
             config.episodes..=config.episodes,
         )?;
         self.progress.check(config)?;
-        // A table has a row for each cell at most; a population is over its limit but for a moment.
+        // A table has a row for each cell at most; a population is over its limit but for a moment; the
+        // beliefs of a plan on charts are bounded.
         let cells = usize::from(maze.width()) * usize::from(maze.height());
         let most =
             (cells * maze.action_count()).max(2 * config.settings.xcs.population_size as usize);
+        let most = match config.method.draws_charts(&config.settings.tabular) {
+            true => most.max(MOST_BELIEFS),
+            false => most,
+        };
         within("rules", self.rules, 0..=most)?;
         let limit = f64::from(config.settings.reward.step_threshold);
         within(
@@ -182,4 +188,36 @@ fn words(panic: &(dyn std::any::Any + Send)) -> String {
         "internal error: {}",
         text.unwrap_or("a panic without a message")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::Method;
+
+    #[test]
+    fn a_plan_on_charts_may_hold_more_beliefs_than_a_table_has_pairs() {
+        let world = r######"{ "rows": ["####", "#.G#", "####"] }"######;
+        let maze = Maze::from_json(world.as_bytes(), "short.json").unwrap();
+        let is_accepted = |memory, rules| {
+            let mut config = Plan::new(maze.clone()).method(Method::RMax).config;
+            config.episodes = 1;
+            config.settings.tabular.memory = memory;
+            let figures = Figures {
+                progress: Progress {
+                    episodes: 1,
+                    steps: 1,
+                    ..Progress::default()
+                },
+                rules,
+                condensed_rules: None,
+                greedy_steps: None,
+                greedy_ratio: None,
+                driven: None,
+            };
+            figures.check(&maze, &config).is_ok()
+        };
+        assert!(is_accepted(true, MOST_BELIEFS) && !is_accepted(true, MOST_BELIEFS + 1));
+        assert!(is_accepted(false, 10) && !is_accepted(false, MOST_BELIEFS));
+    }
 }
