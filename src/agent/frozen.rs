@@ -79,6 +79,7 @@ impl Agent for Frozen {
         };
         self.percept = Some(*percept);
         self.tracker.perceive(map, percept);
+        self.knowledge.plan_for(&self.tracker);
         self.knowledge.remembered_worth(&self.tracker, self.actions)
     }
 

@@ -113,6 +113,13 @@ impl Knowledge {
         }
     }
 
+    /// Plans on for one who remembers an episode, where a plan chooses.
+    pub(super) fn plan_for(&mut self, tracker: &Tracker) {
+        if let Self::Planned(plan) = self {
+            plan.plan_for(tracker);
+        }
+    }
+
     /// The worth of each action for one who remembers an episode; none without a memory.
     pub(super) fn remembered_worth(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
         match self {

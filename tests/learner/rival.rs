@@ -4,7 +4,7 @@ use crate::kit::trial::on_the_grid;
 use serde_json::Value;
 use xcscr::agent::{Knowledge, Method};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Bounds, GreedySteps, Plan, Trial};
+use xcscr::trial::{Bounds, GreedySteps, Plan, Trial, seal};
 
 fn plan(world: &str, method: Method, memory: bool) -> Plan {
     let mut plan = on_the_grid(&format!("classic/{world}"), method).seed(5);
@@ -130,4 +130,25 @@ fn a_plan_that_is_not_one_for_its_charts_is_refused() {
     let error = read(&forged).unwrap_err().to_string();
     assert!(error.contains("not one for its charts"), "{error}");
     assert!(read(&sound).is_ok(), "control");
+}
+
+#[test]
+fn where_cells_are_misread_it_plans_on_in_each_step_and_resumes_to_the_same_bytes() {
+    let mut plan = plan("woods101", Method::RMax, true).episodes(30);
+    plan.config.settings.sensor.flips = 0.02;
+    let mut whole = Trial::new(plan).unwrap();
+    let mut stopped = Trial::resume(&whole.checkpoint()).unwrap();
+    for episode in 1..=30 {
+        let _ = (whole.run_episode(&mut ()), stopped.run_episode(&mut ()));
+        if episode % 5 == 0 {
+            stopped = Trial::resume(&stopped.checkpoint()).unwrap();
+            let same = seal(&whole.checkpoint()) == seal(&stopped.checkpoint());
+            assert!(same, "after episode {episode}");
+        }
+    }
+    let misread = as_json(&whole)["planned"]["map"]["misread"].as_f64();
+    assert!(misread.unwrap() > 0.01, "control: {misread:?}");
+    let bound = Bounds::of_belief(&whole.plan().maze, Sensor::Neighbours).unwrap();
+    let steps = greedy(&whole);
+    assert!(steps < 1.1 * bound, "{steps} steps, bound {bound}");
 }

@@ -9,7 +9,7 @@ use super::course::Course;
 use super::map::{Map, Worth};
 use super::params::MemoryParams;
 use super::place::Vision;
-use super::planned::{ChartedPlan, planned_worth};
+use super::planned::{ChartedPlan, plan_for, planned_worth};
 use super::wander::Sketch;
 use crate::agent::model::pomdp::{BeliefPlanner, Effort};
 use xcs::random::Stream;
@@ -193,6 +193,9 @@ impl Learner {
             self.atlas.follow(last, Some(&around));
         }
         self.sketch.perceive(last, &around, self.atlas.habits());
+        if self.decider == Decider::Plan {
+            plan_for(&mut self.planner, &self.map, &self.tracker);
+        }
         self.worth(&self.tracker)
     }
 

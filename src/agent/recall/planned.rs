@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::context::Tracker;
 use super::map::Map;
 use crate::agent::model::pomdp::BeliefPlanner;
+use crate::streams::StreamName;
 use xcs::PredictionArray;
+use xcs::random::Stream;
 
 /// Charts, and what was planned on them: enough to choose without rules.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,9 +53,24 @@ impl ChartedPlan {
         self.planner.beliefs()
     }
 
+    /// Plans on for what is remembered.
+    pub fn plan_for(&mut self, tracker: &Tracker) {
+        plan_for(&mut self.planner, &self.map, tracker);
+    }
+
     /// What the plan makes of what is remembered.
     pub fn worth(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
         planned_worth(&self.planner, &self.map, tracker, actions)
+    }
+}
+
+/// Plans on for what is believed, until nothing changes any more, where cells are misread and moves are
+/// exact: what is misread leads to beliefs that no imagined episode comes to.
+pub fn plan_for(planner: &mut BeliefPlanner, map: &Map, tracker: &Tracker) {
+    if map.misread > 0.0 && map.pomdp.slip() == 0.0 {
+        // Nothing is drawn from it where moves are exact.
+        let mut unused = Stream::new(0, StreamName::Replay);
+        planner.settled_costs(&map.pomdp, tracker.belief(), &mut unused);
     }
 }
 
