@@ -1,5 +1,9 @@
 //! The learner itself: charts, belief and rules.
 
+mod deciding;
+
+pub use deciding::Decider;
+
 use serde::{Deserialize, Serialize};
 
 use super::align::Seen;
@@ -9,7 +13,7 @@ use super::course::Course;
 use super::map::{Map, Worth};
 use super::params::MemoryParams;
 use super::place::Vision;
-use super::planned::{ChartedPlan, plan_for, planned_worth};
+use super::planned::plan_for;
 use super::wander::Sketch;
 use crate::agent::model::pomdp::{BeliefPlanner, Effort};
 use xcs::random::Stream;
@@ -29,14 +33,6 @@ const SWEEPS: usize = 8;
 const REVISED_AFTER: [u32; 14] = [
     25, 50, 75, 100, 150, 200, 250, 300, 400, 500, 600, 700, 800, 900,
 ];
-/// What acts in episodes in which nothing is looked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Decider {
-    /// Rules that are induced from the plan.
-    Rules,
-    /// The plan itself; no rules are induced.
-    Plan,
-}
 
 /// Charts, what was planned on them, and the rules that were induced.
 #[derive(Debug, Clone)]
@@ -71,17 +67,6 @@ pub struct Kept {
     stale: bool,
 }
 
-/// The rules that match what is perceived and remembered now.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Matching {
-    /// Micro-classifiers in \[M\].
-    pub match_set: u32,
-    /// Those that advocate the action.
-    pub action_set: u32,
-    /// The fittest that advocates it.
-    pub fittest: Option<Classifier>,
-}
-
 impl Learner {
     /// A learner that knows nothing, for so many actions and who sees like this, and what it is to seek.
     pub fn new(
@@ -105,17 +90,6 @@ impl Learner {
             sketch: Sketch::default(),
             steps: Vec::new(),
         }
-    }
-
-    /// The same whose plan acts.
-    pub fn by_plan(self) -> Self {
-        let decider = Decider::Plan;
-        Self { decider, ..self }
-    }
-
-    /// What acts.
-    pub fn decider(&self) -> Decider {
-        self.decider
     }
 
     /// What learning has changed so far.
@@ -171,19 +145,6 @@ impl Learner {
         &self.rules
     }
 
-    /// What was planned.
-    pub fn planned(&self) -> ChartedPlan {
-        ChartedPlan::new(self.map.clone(), self.planner.clone())
-    }
-
-    /// The number of rules or, if the plan acts, of beliefs that were planned for.
-    pub fn size(&self) -> usize {
-        match self.decider {
-            Decider::Rules => self.rules.len(),
-            Decider::Plan => self.planner.beliefs(),
-        }
-    }
-
     /// Perceives, and tells what is made of it.
     pub fn perceive(&mut self, percept: &Percept) -> PredictionArray {
         self.tracker.perceive(&self.map, percept);
@@ -197,37 +158,6 @@ impl Learner {
             plan_for(&mut self.planner, &self.map, &self.tracker);
         }
         self.worth(&self.tracker)
-    }
-
-    /// What is made of a percept when an episode begins with it.
-    pub fn worth_at_first(&self, percept: &Percept) -> PredictionArray {
-        let mut begun = Tracker::default();
-        begun.perceive(&self.map, percept);
-        self.worth(&begun)
-    }
-
-    /// What is made of what is remembered.
-    fn worth(&self, tracker: &Tracker) -> PredictionArray {
-        let (map, actions) = (&self.map, self.actions);
-        match self.decider {
-            Decider::Rules => self.rules.sums(&tracker.context(map)).array(actions, false),
-            Decider::Plan => planned_worth(&self.planner, map, tracker, actions),
-        }
-    }
-
-    /// Counts the rules that match, and looks for the fittest of those that advocate an action.
-    pub fn matching(&self, action: Action) -> Matching {
-        let mut found = Matching::default();
-        let context = self.tracker.context(&self.map);
-        self.rules.for_each_match(&context, |_, rule| {
-            found.match_set += rule.numerosity;
-            if rule.action == action {
-                found.action_set += rule.numerosity;
-                let fitter = found.fittest.is_none_or(|best| rule.fitness > best.fitness);
-                found.fittest = if fitter { Some(*rule) } else { found.fittest };
-            }
-        });
-        found
     }
 
     /// Is this an episode in which to look for what is not yet known?
@@ -280,15 +210,6 @@ impl Learner {
                 Decider::Rules => self.induce(),
                 Decider::Plan => self.settle(),
             }
-        }
-    }
-
-    /// Plans on where moves are exact, until nothing changes any more, as is done for what rules are
-    /// induced from.
-    fn settle(&mut self) {
-        let (pomdp, planner) = (&self.map.pomdp, &mut self.planner);
-        for start in 0..self.map.starts() {
-            planner.settled_costs(pomdp, &self.map.first_belief(start), &mut self.stream);
         }
     }
 
