@@ -73,23 +73,31 @@ fn a_memory_does_not_hold_moves_that_never_slip_for_slipping_where_cells_are_mis
     assert!((0.15..0.35).contains(&slips), "control: {slips}");
 }
 
+/// The steps of eight trials in MazeF4, and how far the median of them is from the bound at the end.
+fn learned_in_mazef4(bumps: bool, flips: f64) -> (u64, f64) {
+    let mut settings = Settings::default();
+    settings.reward.step_threshold = 100;
+    settings.sensor.flips = flips;
+    settings.memory.bumps = bumps;
+    let (mut steps, mut ratios) = (0, Vec::new());
+    for seed in 1..=8 {
+        let plan = on_the_grid("classic/mazef4", Method::XcscrMemory).episodes(40);
+        let trial = plan.seed(seed).settings(settings.clone()).run().unwrap();
+        let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
+        steps += trial.progress().steps;
+        ratios.push(greedy.ratio(trial.plan()).unwrap());
+    }
+    ratios.sort_by(f64::total_cmp);
+    (steps, ratios[4])
+}
+
 #[test]
 fn a_memory_that_feels_no_bumps_needs_more_steps_to_learn_only_where_cells_are_misread() {
-    let learned = |bumps, flips| {
-        let mut settings = Settings::default();
-        settings.reward.step_threshold = 100;
-        settings.sensor.flips = flips;
-        settings.memory.bumps = bumps;
-        let plan = on_the_grid("classic/mazef4", Method::XcscrMemory).episodes(40);
-        let trial = plan.seed(5503).settings(settings).run().unwrap();
-        let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
-        let ratio = greedy.ratio(trial.plan()).unwrap();
-        assert!(ratio < 1.1, "bumps {bumps}, flips {flips}: {ratio}");
-        trial.progress().steps
-    };
-    assert_eq!(learned(false, 0.0), learned(true, 0.0), "control");
-    let (unfelt, felt) = (learned(false, 0.02), learned(true, 0.02));
-    assert!(unfelt > felt, "{unfelt} and {felt} steps");
+    let [felt, unfelt] = [true, false].map(|bumps| learned_in_mazef4(bumps, 0.0));
+    assert_eq!(unfelt, felt, "control: steps, and times the bound");
+    let [felt, unfelt] = [true, false].map(|bumps| learned_in_mazef4(bumps, 0.02));
+    assert!(unfelt.0 > felt.0, "{unfelt:?} and {felt:?}");
+    assert!(felt.1 < 1.1 && unfelt.1 < 1.1, "{unfelt:?} and {felt:?}");
 }
 
 #[test]
