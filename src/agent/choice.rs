@@ -47,7 +47,7 @@ impl Choice {
         Self { action, chooser }
     }
 
-    /// A choice of rules, unless it was left to chance in order to explore.
+    /// A choice of rules, unless it was left to chance: in order to explore, or because none matched.
     pub fn of_rules(action: Action, explores: bool) -> Self {
         let chooser = if explores {
             Chooser::Chance
@@ -57,7 +57,7 @@ impl Choice {
         Self { action, chooser }
     }
 
-    /// A choice of a table, unless it was left to chance in order to explore.
+    /// A choice of a table, unless it was left to chance: in order to explore, or for want of a row.
     pub fn of_a_table(action: Action, explores: bool) -> Self {
         let chooser = if explores {
             Chooser::Chance

@@ -85,9 +85,10 @@ impl Agent for Frozen {
 
     fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose(worth);
+        let by_chance = explores || worth.greatest().is_none();
         match self.knowledge.rules() {
-            Some(_) => Choice::of_rules(action, explores),
-            None => Choice::of_a_table(action, explores),
+            Some(_) => Choice::of_rules(action, by_chance),
+            None => Choice::of_a_table(action, by_chance),
         }
     }
 

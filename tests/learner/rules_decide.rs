@@ -3,11 +3,13 @@
 use std::ops::ControlFlow;
 
 use crate::kit::trial::on_the_grid;
+use xcs::random::Stream;
 use xcs::{Action, Condition, Percept, Population};
-use xcscr::agent::{Agent, Chooser, Discovery, Frozen, Knowledge, Method};
+use xcscr::agent::{Agent, Chooser, Discovery, Explorer, Frozen, Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::sensor::Sensor;
+use xcscr::streams::StreamName;
 use xcscr::trial::{Evaluation, Plan, Settings, Trial};
 use xcscr::world::{MazeKind, Recipe};
 
@@ -49,6 +51,21 @@ fn rules(trial: &Trial) -> Population {
 fn best(rules: &Population, percept: &Percept) -> Vec<Action> {
     let frozen = Frozen::new(Knowledge::Rules(rules.clone()), 4, 1);
     frozen.worth(percept).best_actions().collect()
+}
+
+#[test]
+fn what_no_rule_covers_is_left_to_chance_and_counted_so() {
+    let (trial, _) = trained("maze5", 1, &Settings::default());
+    let plan = trial.plan();
+    let percept = plan.config.sensor.percepts(&plan.maze)[0];
+    let chooser = |rules: Population| {
+        let mut frozen = Frozen::new(Knowledge::Rules(rules), 4, 1);
+        let worth = frozen.consider(&percept);
+        let mut greedy = Explorer::new(0.0, Stream::new(1, StreamName::Exploration));
+        frozen.choose(&worth, &mut greedy).chooser
+    };
+    assert_eq!(chooser(rules(&trial)), Chooser::Rules, "control");
+    assert_eq!(chooser(Population::default()), Chooser::Chance);
 }
 
 #[test]

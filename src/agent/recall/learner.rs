@@ -266,7 +266,7 @@ impl Learner {
         for view in View::ALL {
             let course = Course::on(&self.map, view);
             let (rules, test) = course.induced(&mut self.planner, &mut self.stream);
-            // All rules are rehearsed with the same luck.
+            // Rehearsals draw nothing from what is drawn for learning.
             let rehearsal = course.rehearsed(&rules, &self.planner, self.stream.clone());
             let lost = test.share_lost() + rehearsal.share_lost();
             if lost < least_lost {
