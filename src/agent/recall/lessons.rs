@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::context::{Felt, Tracker};
 use super::map::Map;
-use crate::agent::model::pomdp::{BeliefPlanner, GOAL, moved};
+use crate::agent::model::pomdp::{BeliefPlanner, Costs, GOAL, moved};
 use xcs::random::Stream;
 use xcs::{Action, ByAction, Percept};
 
@@ -42,9 +42,40 @@ pub struct Taken {
 }
 
 impl Taken {
+    /// Counts a step with an action, where actions cost this.
+    pub fn count(&mut self, costs: &Costs, action: Action, map: &Map) {
+        self.steps += 1;
+        self.lost += costs.regret(action, &map.pomdp);
+    }
+
     /// The share of the steps that was lost.
     pub fn share_lost(&self) -> f64 {
         self.lost / self.steps.max(1) as f64
+    }
+}
+
+/// A robot in an imagined episode: where it is, and what it remembers.
+pub struct Walker {
+    /// Its state on the map.
+    pub state: u32,
+    /// What it remembers and believes.
+    pub tracker: Tracker,
+}
+
+impl Walker {
+    /// Acts, and tells whether that leads to the goal.
+    pub fn arrives(&mut self, map: &Map, action: Action, stream: &mut Stream) -> bool {
+        let before = self.state;
+        self.state = moved(&map.pomdp, before, action, stream);
+        if self.state == GOAL {
+            return true;
+        }
+        let felt = Felt {
+            bumped: before == self.state,
+            rewarded: map.pays(before, self.state),
+        };
+        self.tracker.act(action, felt);
+        false
     }
 }
 
@@ -67,9 +98,13 @@ pub fn imagine(
     let mut known = BTreeMap::new();
     let mut taken = Taken::default();
     for start in starts {
-        let (mut state, mut tracker) = (start, Tracker::begun(map.first_belief(start)));
+        let mut walker = Walker {
+            state: start,
+            tracker: Tracker::begun(map.first_belief(start)),
+        };
         for _ in 0..MOST_STEPS {
-            tracker.perceive_rightly(map, map.pomdp.percept(state));
+            let Walker { state, tracker } = &mut walker;
+            tracker.perceive_rightly(map, map.pomdp.percept(*state));
             let context = look(tracker.context(map));
             let costs = *known
                 .entry(tracker.belief().key())
@@ -79,18 +114,10 @@ pub fn imagine(
             let sums = lesson.costs.iter_mut().zip(costs.in_steps(&map.pomdp));
             sums.for_each(|(sum, cost)| *sum += cost);
             let action = choose(&context, stream).unwrap_or_else(|| costs.best());
-            taken.steps += 1;
-            taken.lost += costs.regret(action, &map.pomdp);
-            let before = state;
-            state = moved(&map.pomdp, state, action, stream);
-            if state == GOAL {
+            taken.count(&costs, action, map);
+            if walker.arrives(map, action, stream) {
                 break;
             }
-            let felt = Felt {
-                bumped: before == state,
-                rewarded: map.pays(before, state),
-            };
-            tracker.act(action, felt);
         }
     }
     taken

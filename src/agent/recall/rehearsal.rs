@@ -1,10 +1,10 @@
 //! Rules put to the test in imagined episodes in which cells are misread as often as they are.
 
-use super::context::{Felt, Tracker};
-use super::lessons::{MOST_STEPS, Taken};
+use super::context::Tracker;
+use super::lessons::{MOST_STEPS, Taken, Walker};
 use super::map::Map;
 use super::place::{Letter, around, percept_of};
-use crate::agent::model::pomdp::{BeliefPlanner, GOAL, moved};
+use crate::agent::model::pomdp::BeliefPlanner;
 use xcs::random::Stream;
 use xcs::{Percept, Population};
 
@@ -18,28 +18,23 @@ pub fn rehearse(
 ) -> Taken {
     let mut taken = Taken::default();
     for episode in 0..episodes {
-        let mut state = map.begin.unwrap_or(episode % map.starts());
-        let mut tracker = Tracker::default();
+        let mut walker = Walker {
+            state: map.begin.unwrap_or(episode % map.starts()),
+            tracker: Tracker::default(),
+        };
         for _ in 0..MOST_STEPS {
-            tracker.perceive(map, &misread(map, state, stream));
+            let Walker { state, tracker } = &mut walker;
+            tracker.perceive(map, &misread(map, *state, stream));
             let costs = planner.costs(&map.pomdp, tracker.belief());
             let worth = rules.sums(&tracker.context(map));
             let worth = worth.array(map.pomdp.actions(), false);
             let best: Vec<_> = worth.best_actions().collect();
             let action = stream.choose(&best).copied();
             let action = action.unwrap_or_else(|| costs.best());
-            taken.steps += 1;
-            taken.lost += costs.regret(action, &map.pomdp);
-            let before = state;
-            state = moved(&map.pomdp, before, action, stream);
-            if state == GOAL {
+            taken.count(&costs, action, map);
+            if walker.arrives(map, action, stream) {
                 break;
             }
-            let felt = Felt {
-                bumped: before == state,
-                rewarded: map.pays(before, state),
-            };
-            tracker.act(action, felt);
         }
     }
     taken

@@ -9,7 +9,7 @@ mod planner;
 mod prizes;
 
 pub use belief::{Belief, NEGLIGIBLE};
-pub use planner::{BeliefPlanner, Effort, MOST_BELIEFS, moved};
+pub use planner::{BeliefPlanner, Costs, Effort, MOST_BELIEFS, moved};
 pub use prizes::Prizes;
 
 use serde::{Deserialize, Serialize};
