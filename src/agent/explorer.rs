@@ -63,19 +63,27 @@ impl Explorer {
 
     /// One of the best actions, or any where nothing is known. Ties are broken by chance.
     pub fn exploit(&mut self, worth: &PredictionArray) -> Action {
-        if worth.greatest().is_some() {
-            self.among(worth.best_actions())
-        } else {
-            self.among(Action::all(worth.as_slice().len()))
-        }
+        exploit(worth, &mut self.stream)
     }
 
     /// One of some actions, each with the same chance.
     pub fn among(&mut self, actions: impl Iterator<Item = Action> + Clone) -> Action {
-        let chosen = self.stream.below(actions.clone().count().max(1));
-        let action = actions.clone().nth(chosen);
-        action.expect("there is at least one action to choose from")
+        among(actions, &mut self.stream)
     }
+}
+
+/// One of the best actions, or any where nothing is known. Ties are broken by chance.
+pub(super) fn exploit(worth: &PredictionArray, stream: &mut Stream) -> Action {
+    match worth.greatest() {
+        Some(_) => among(worth.best_actions(), stream),
+        None => among(Action::all(worth.as_slice().len()), stream),
+    }
+}
+
+fn among(actions: impl Iterator<Item = Action> + Clone, stream: &mut Stream) -> Action {
+    let chosen = stream.below(actions.clone().count().max(1));
+    let action = actions.clone().nth(chosen);
+    action.expect("there is at least one action to choose from")
 }
 
 #[cfg(test)]

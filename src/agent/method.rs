@@ -127,6 +127,7 @@ impl Method {
             };
             Recall::new(
                 (actions, vision),
+                xcs.clone(),
                 reward,
                 memory,
                 stream(StreamName::Replay),

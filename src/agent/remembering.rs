@@ -23,13 +23,19 @@ pub struct Recall {
 impl Recall {
     /// A learner for a body of so many actions, which sees like this; `stream` draws what is imagined
     /// and explored. The parameters must have been checked.
-    pub fn new(body: (usize, Vision), params: Params, own: MemoryParams, stream: Stream) -> Self {
+    pub fn new(
+        body: (usize, Vision),
+        xcs: xcs::Params,
+        params: Params,
+        own: MemoryParams,
+        stream: Stream,
+    ) -> Self {
         let Params {
             goal, step, gamma, ..
         } = params;
         let worth = Worth { goal, step, gamma };
         Self {
-            learner: Learner::new(body, worth, own, stream),
+            learner: Learner::new(body, xcs, worth, own, stream),
             params,
             percept: None,
         }

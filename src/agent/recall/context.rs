@@ -8,7 +8,7 @@ use super::map::{MOST_PAYING, Map, sight};
 use super::place::{AROUND, Around, around};
 use crate::agent::model::pomdp::Belief;
 use crate::arena::Outcome;
-use xcs::{Action, Percept};
+use xcs::{Action, Classifier, Percept, Population};
 
 /// The bits of the percept that come first.
 pub const PERCEPT_BITS: usize = 16;
@@ -204,13 +204,28 @@ impl View {
     /// The narrowest first.
     pub const ALL: [Self; 3] = [Self::Percept, Self::Place, Self::Steps];
 
-    /// Of this context what rules look at, with zeros for all else.
-    pub fn of(self, context: &Percept) -> Percept {
-        let seen = match self {
+    /// How many bits of a context it is.
+    fn bits(self) -> usize {
+        match self {
             Self::Percept => PERCEPT_BITS,
             Self::Place => CONTEXT_BITS - WINDOW * STEP_BITS,
-            Self::Steps => return *context,
+            Self::Steps => CONTEXT_BITS,
+        }
+    }
+
+    /// The rules that look at no more than this.
+    pub fn part_of(self, rules: &Population) -> Population {
+        let beyond = |rule: &Classifier| {
+            (self.bits()..CONTEXT_BITS).any(|bit| rule.condition.allele(bit).is_some())
         };
+        let part = rules.rules().iter().filter(|rule| !beyond(rule)).copied();
+        let part = part.collect::<Vec<_>>().try_into();
+        part.expect("part of a sound population is sound")
+    }
+
+    /// Of this context what rules look at, with zeros for all else.
+    pub fn of(self, context: &Percept) -> Percept {
+        let seen = self.bits();
         let bits = (0..CONTEXT_BITS).map(|bit| bit < seen && context.bit(bit));
         Percept::from_bits(bits).expect("as many bits as before")
     }

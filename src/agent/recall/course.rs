@@ -1,17 +1,16 @@
-//! How rules are taught on a map: what they may look at, what they are to cover, and how they are put to
-//! the test.
+//! How rules are taught on a map: what they may look at, what is right, and how they are put to the test.
 
 use super::context::View;
-use super::induction::induce;
-use super::lessons::{Lessons, Taken, imagine};
+use super::lessons::{Cases, Taken, imagine, lessons};
 use super::map::Map;
 use super::rehearsal::rehearse;
+use crate::agent::explorer::exploit;
 use crate::agent::model::pomdp::BeliefPlanner;
 use xcs::random::Stream;
-use xcs::{Action, Percept, Population};
+use xcs::{Action, Induction, Params, Percept, Population};
 
 /// How often rules are put to the test on the map, and learn from what they met.
-const LESSONS: usize = 6;
+const ROUNDS: usize = 6;
 /// Where moves slip, an action is good if it costs at most so many steps more than the best, and a
 /// context counts if it came so often.
 const TOLERANCE: f64 = 0.1;
@@ -27,10 +26,11 @@ const TESTS: u32 = 300;
 /// the rules hold for equally good, as it does when they act.
 const TESTS_OF_TIES: u32 = 8;
 
-/// How rules that look at so much are induced on a map, and put to the test.
+/// How rules that look at so much are taught on a map, and put to the test.
 pub struct Course<'a> {
     map: &'a Map,
     view: View,
+    params: &'a Params,
     slips: bool,
     /// Imagined episodes from each state: as planned, and in a test.
     planned: u32,
@@ -43,8 +43,8 @@ pub struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    /// The course on this map.
-    pub fn on(map: &'a Map, view: View) -> Self {
+    /// The course on this map, for a population with these parameters.
+    pub fn on(map: &'a Map, view: View, params: &'a Params) -> Self {
         let slips = map.pomdp.slip() > 0.0;
         let (planned, tests) = match slips {
             true => [TESTS.div_ceil(map.starts()); 2].into(),
@@ -57,6 +57,7 @@ impl<'a> Course<'a> {
         Self {
             map,
             view,
+            params,
             slips,
             planned,
             tests,
@@ -66,28 +67,40 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// Rules induced from imagined episodes, put to the test, and improved by what they met; and the
-    /// last test, or the best if moves are exact.
-    pub fn induced(&self, planner: &mut BeliefPlanner, stream: &mut Stream) -> (Population, Taken) {
-        let mut lessons = Lessons::new();
-        self.plan(planner, stream, &mut lessons);
+    /// The rules of a population that look at no more than this, made to agree with imagined episodes, put
+    /// to the test, and corrected by what they met; and the last test, or the best if moves are exact.
+    pub fn taken(
+        &self,
+        before: &Population,
+        planner: &mut BeliefPlanner,
+        stream: &mut Stream,
+    ) -> (Population, Taken) {
+        let mut rules = self.view.part_of(before);
+        let mut cases = Cases::new();
+        self.plan(planner, stream, &mut cases);
         let mut best: Option<(Population, Taken)> = None;
-        for _ in 0..LESSONS {
-            let actions = self.map.pomdp.actions();
-            let induced = induce(&lessons, actions, self.tolerance, self.least_often);
-            let rules: Population = induced.try_into().expect("induced rules are sound");
-            let before = lessons.len();
-            let test = self.test(&rules, planner, stream, &mut lessons);
+        for _ in 0..ROUNDS {
+            self.teach(&mut rules, &cases);
+            let before = cases.len();
+            let test = self.test(&rules, planner, stream, &mut cases);
             // Where moves slip a test is a matter of luck, and the last rules have learned most.
             let better = |(_, least): &(_, Taken)| test.lost <= least.lost;
             if self.slips || best.as_ref().is_none_or(better) {
-                best = Some((rules, test));
+                best = Some((rules.clone(), test));
             }
-            if lessons.len() == before {
+            if cases.len() == before {
                 break;
             }
         }
         best.unwrap_or_default()
+    }
+
+    /// Corrects the rules that are wrong in a case, covers those that none covers, and removes what is
+    /// superfluous.
+    fn teach(&self, rules: &mut Population, cases: &Cases) {
+        let actions = self.map.pomdp.actions();
+        let mut lessons = lessons(cases, actions, self.tolerance, self.least_often);
+        Induction::default().learn(rules, &mut lessons, self.params);
     }
 
     /// What rules take where cells are misread as often as they are; nothing, if they never are.
@@ -95,10 +108,10 @@ impl<'a> Course<'a> {
         &self,
         rules: &Population,
         planner: &BeliefPlanner,
-        mut stream: Stream,
+        stream: &mut Stream,
     ) -> Taken {
         match self.map.misread > 0.0 {
-            true => rehearse(self.map, planner, rules, TESTS, &mut stream),
+            true => rehearse(self.map, planner, rules, TESTS, stream),
             false => Taken::default(),
         }
     }
@@ -109,9 +122,9 @@ impl<'a> Course<'a> {
     }
 
     /// Imagines episodes from each state, as planned.
-    fn plan(&self, planner: &mut BeliefPlanner, stream: &mut Stream, lessons: &mut Lessons) {
+    fn plan(&self, planner: &mut BeliefPlanner, stream: &mut Stream, cases: &mut Cases) {
         let rounds = self.planned;
-        self.imagine(rounds, |_, _| None, planner, stream, lessons);
+        self.imagine(rounds, |_, _| None, planner, stream, cases);
     }
 
     /// Imagines episodes from each state, with actions that the rules choose.
@@ -120,17 +133,14 @@ impl<'a> Course<'a> {
         rules: &Population,
         planner: &mut BeliefPlanner,
         stream: &mut Stream,
-        lessons: &mut Lessons,
+        cases: &mut Cases,
     ) -> Taken {
+        let actions = self.map.pomdp.actions();
         let chosen = |context: &Percept, stream: &mut Stream| {
-            let worth = rules.sums(context).array(self.map.pomdp.actions(), false);
-            let mut best = worth.best_actions();
-            match self.slips {
-                true => best.next(),
-                false => stream.choose(&best.collect::<Vec<_>>()).copied(),
-            }
+            let worth = rules.sums(context).array(actions, false);
+            Some(exploit(&worth, stream))
         };
-        self.imagine(self.tests, chosen, planner, stream, lessons)
+        self.imagine(self.tests, chosen, planner, stream, cases)
     }
 
     fn imagine(
@@ -139,10 +149,10 @@ impl<'a> Course<'a> {
         chosen: impl Fn(&Percept, &mut Stream) -> Option<Action>,
         planner: &mut BeliefPlanner,
         stream: &mut Stream,
-        lessons: &mut Lessons,
+        cases: &mut Cases,
     ) -> Taken {
         let starts = (0..rounds).flat_map(|_| 0..self.map.starts());
         let look = |context: Percept| self.view.of(&context);
-        imagine(self.map, planner, starts, chosen, look, stream, lessons)
+        imagine(self.map, planner, starts, chosen, look, stream, cases)
     }
 }

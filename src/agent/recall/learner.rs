@@ -18,7 +18,7 @@ use super::wander::Sketch;
 use crate::agent::model::pomdp::{BeliefPlanner, Effort};
 use xcs::random::Stream;
 use xcs::{Action, Percept};
-use xcs::{Classifier, Population, PredictionArray};
+use xcs::{Classifier, Params, Population, PredictionArray};
 
 /// Imagined episodes after each real one, at most, and the states that may be weighed in them.
 const IMAGINED: usize = 32;
@@ -29,7 +29,7 @@ const EARLY: u32 = 100;
 const EXPERIENCED: u32 = 6;
 /// Imagined episodes from every state after each real one, at most, if moves are exact.
 const SWEEPS: usize = 8;
-/// If moves slip, plans never settle; rules are induced anew after so many episodes.
+/// If moves slip, plans never settle; rules are taught anew after so many episodes.
 const REVISED_AFTER: [u32; 14] = [
     25, 50, 75, 100, 150, 200, 250, 300, 400, 500, 600, 700, 800, 900,
 ];
@@ -38,6 +38,7 @@ const REVISED_AFTER: [u32; 14] = [
 #[derive(Debug, Clone)]
 pub struct Learner {
     decider: Decider,
+    xcs: Params,
     actions: usize,
     worth: Worth,
     atlas: Atlas,
@@ -48,7 +49,7 @@ pub struct Learner {
     stream: Stream,
     /// Finished episodes; more for one who brought rules along.
     episodes: u32,
-    /// Has the plan changed since the rules were induced?
+    /// Has the plan changed since the rules were taught?
     stale: bool,
     tracker: Tracker,
     sketch: Sketch,
@@ -68,14 +69,17 @@ pub struct Kept {
 }
 
 impl Learner {
-    /// A learner that knows nothing, for so many actions and who sees like this, and what it is to seek.
+    /// A learner that knows nothing, for so many actions and who sees like this, the parameters of its
+    /// population, and what it is to seek.
     pub fn new(
         (actions, vision): (usize, Vision),
+        xcs: Params,
         worth: Worth,
         params: MemoryParams,
         stream: Stream,
     ) -> Self {
         Self {
+            xcs,
             decider: Decider::Rules,
             actions,
             worth,
@@ -199,6 +203,7 @@ impl Learner {
                 self.planner = BeliefPlanner::new(&map.pomdp);
                 self.stale = true;
             }
+            self.stale |= (map.misread > 0.0) != (self.map.misread > 0.0);
             self.map = map;
         }
         if self.map.spots.is_empty() {
@@ -207,7 +212,7 @@ impl Learner {
         self.stale |= self.plan();
         if std::mem::take(&mut self.stale) {
             match self.decider {
-                Decider::Rules => self.induce(),
+                Decider::Rules => self.teach(),
                 Decider::Plan => self.settle(),
             }
         }
@@ -259,15 +264,17 @@ impl Learner {
             .imagine(&self.map.pomdp, start, belief, &mut self.stream)
     }
 
-    /// Induces rules anew. They look at no more than is needed: at the percept alone if that is enough,
-    /// at the place if not, and at the last two steps only if they must.
-    fn induce(&mut self) {
+    /// Corrects the rules by what was planned. They look at no more than is needed: at the percept alone if
+    /// that is enough, at the place if not, and at the last two steps only if they must.
+    fn teach(&mut self) {
         let mut least_lost = f64::INFINITY;
+        let before = std::mem::take(&mut self.rules);
+        // Rehearsals draw nothing from what is drawn for learning, and all the same.
+        let luck = self.stream.clone();
         for view in View::ALL {
-            let course = Course::on(&self.map, view);
-            let (rules, test) = course.induced(&mut self.planner, &mut self.stream);
-            // Rehearsals draw nothing from what is drawn for learning.
-            let rehearsal = course.rehearsed(&rules, &self.planner, self.stream.clone());
+            let course = Course::on(&self.map, view, &self.xcs);
+            let (rules, test) = course.taken(&before, &mut self.planner, &mut self.stream);
+            let rehearsal = course.rehearsed(&rules, &self.planner, &mut luck.clone());
             let lost = test.share_lost() + rehearsal.share_lost();
             if lost < least_lost {
                 (self.rules, least_lost) = (rules, lost);

@@ -1,4 +1,6 @@
 //! What rules are to be learned from: imagined episodes on the map.
+//!
+//! What they met makes a case for each context, and cases make lessons: this context, these actions.
 
 use std::collections::BTreeMap;
 
@@ -6,20 +8,20 @@ use super::context::{Felt, Tracker};
 use super::map::Map;
 use crate::agent::model::pomdp::{BeliefPlanner, Costs, GOAL, moved};
 use xcs::random::Stream;
-use xcs::{Action, ByAction, Percept};
+use xcs::{Action, ByAction, Lesson, Lessons, Percept};
 
 /// The most steps of an imagined episode.
 pub const MOST_STEPS: u32 = 100;
 
 /// What is known of a context: how often it came, and what each action cost there, added up.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Lesson {
+pub struct Case {
     /// How often it came.
     pub weight: f64,
     costs: ByAction<f64>,
 }
 
-impl Lesson {
+impl Case {
     /// The mean cost of the best action.
     pub fn least(&self, actions: usize) -> f64 {
         let costs = self.costs[..actions].iter();
@@ -79,11 +81,33 @@ impl Walker {
     }
 }
 
-/// Lessons by context, in order.
-pub type Lessons = BTreeMap<Percept, Lesson>;
+/// Cases by context, in order.
+pub type Cases = BTreeMap<Percept, Case>;
+
+/// The lessons of cases that came at least `least_often`, the most frequent first: best are the actions
+/// that cost at most `tolerance` more than the best.
+pub fn lessons(cases: &Cases, actions: usize, tolerance: f64, least_often: f64) -> Lessons {
+    let mut often: Vec<_> = cases.iter().collect();
+    often.retain(|(_, case)| case.weight >= least_often);
+    often.sort_by(|a, b| b.1.weight.total_cmp(&a.1.weight));
+    let mut lessons = Lessons::default();
+    for (number, (context, case)) in often.into_iter().enumerate() {
+        let mut best = ByAction::default();
+        for action in Action::all(actions) {
+            best[action.index()] = case.regret(action, actions) <= tolerance;
+        }
+        let lesson = Lesson {
+            percept: *context,
+            best,
+            value: -case.least(actions),
+        };
+        lessons.give(number, lesson);
+    }
+    lessons
+}
 
 /// Imagines episodes from the given states, acting as `choose` says in a context (or as planned,
-/// where that says nothing), and adds what it met to the lessons, as far as
+/// where that says nothing), and adds what it met to the cases, as far as
 /// `look` lets it see of a context. Where moves are exact, what was met is planned for until that
 /// changes nothing any more: rules that err lead to where no plan has been.
 pub fn imagine(
@@ -93,7 +117,7 @@ pub fn imagine(
     choose: impl Fn(&Percept, &mut Stream) -> Option<Action>,
     look: impl Fn(Percept) -> Percept,
     stream: &mut Stream,
-    lessons: &mut Lessons,
+    cases: &mut Cases,
 ) -> Taken {
     let mut known = BTreeMap::new();
     let mut taken = Taken::default();
@@ -109,9 +133,9 @@ pub fn imagine(
             let costs = *known
                 .entry(tracker.belief().key())
                 .or_insert_with(|| planner.settled_costs(&map.pomdp, tracker.belief(), stream));
-            let lesson = lessons.entry(context).or_default();
-            lesson.weight += 1.0;
-            let sums = lesson.costs.iter_mut().zip(costs.in_steps(&map.pomdp));
+            let case = cases.entry(context).or_default();
+            case.weight += 1.0;
+            let sums = case.costs.iter_mut().zip(costs.in_steps(&map.pomdp));
             sums.for_each(|(sum, cost)| *sum += cost);
             let action = choose(&context, stream).unwrap_or_else(|| costs.best());
             taken.count(&costs, action, map);

@@ -42,7 +42,6 @@ mod course;
 mod demands;
 mod doubt;
 mod headings;
-mod induction;
 pub(super) mod learner;
 mod lessons;
 mod likelihood;

@@ -4,11 +4,12 @@ use super::context::Tracker;
 use super::lessons::{MOST_STEPS, Taken, Walker};
 use super::map::Map;
 use super::place::{Letter, around, percept_of};
+use crate::agent::explorer::exploit;
 use crate::agent::model::pomdp::BeliefPlanner;
 use xcs::random::Stream;
 use xcs::{Percept, Population};
 
-/// What so many episodes take in which the rules choose, and the plan where none matches.
+/// What so many episodes take in which the rules choose, and chance where none matches.
 pub fn rehearse(
     map: &Map,
     planner: &BeliefPlanner,
@@ -28,9 +29,7 @@ pub fn rehearse(
             let costs = planner.costs(&map.pomdp, tracker.belief());
             let worth = rules.sums(&tracker.context(map));
             let worth = worth.array(map.pomdp.actions(), false);
-            let best: Vec<_> = worth.best_actions().collect();
-            let action = stream.choose(&best).copied();
-            let action = action.unwrap_or_else(|| costs.best());
+            let action = exploit(&worth, stream);
             taken.count(&costs, action, map);
             if walker.arrives(map, action, stream) {
                 break;
