@@ -2,18 +2,12 @@
 //! (Baum and Welch), from the goal of a chart outward.
 
 use super::bumped::Bumped;
-use super::chart::{Chart, FURTHEST};
+use super::chart::Chart;
 use super::headings::{DISPLACEMENTS, Headings};
+use super::layer::{Adder, Layer};
 use super::likelihood::Likelihood;
 use super::place::{AROUND, Around, Letter, NOWHERE, Place, Vision, offset};
 use xcs::Action;
-
-/// Likelihoods below this share of the greatest are dropped.
-const NEGLIGIBLE: f64 = 1e-6;
-/// A place in which the robot was at least so likely is where it was.
-const CERTAIN: f64 = 0.6;
-/// Cells on each side of a square that holds all places of a chart.
-const SIDE: usize = 2 * FURTHEST as usize + 1;
 
 /// A step: what was perceived, and what was chosen.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -183,61 +177,6 @@ pub fn differing(steps: &[Seen], habits: &Habits) -> [f64; 2] {
     counts
 }
 
-/// Likelihoods of places, in order; those of all others are zero.
-struct Layer {
-    places: Vec<(Place, f64)>,
-}
-
-/// Adds likelihoods by place.
-struct Adder {
-    sums: Vec<f64>,
-    touched: Vec<Place>,
-}
-
-impl Adder {
-    fn new() -> Self {
-        Self {
-            sums: vec![0.0; SIDE * SIDE],
-            touched: Vec::new(),
-        }
-    }
-
-    fn at(place: Place) -> usize {
-        let along = |cells: i16| (cells + FURTHEST as i16) as usize;
-        along(place.north) * SIDE + along(place.east)
-    }
-
-    fn add(&mut self, place: Place, weight: f64) {
-        if weight <= 0.0 || place.reach() > FURTHEST {
-            return;
-        }
-        let sum = &mut self.sums[Self::at(place)];
-        if *sum == 0.0 {
-            self.touched.push(place);
-        }
-        *sum += weight;
-    }
-
-    /// The sums, the greatest of them made 1, and what it was.
-    fn layer(&mut self) -> (Layer, f64) {
-        let mut touched = std::mem::take(&mut self.touched);
-        touched.sort_unstable();
-        let sum = |sums: &[f64], place: &Place| sums[Self::at(*place)];
-        let greatest = touched
-            .iter()
-            .map(|place| sum(&self.sums, place))
-            .fold(0.0, f64::max);
-        let mut places = Vec::with_capacity(touched.len());
-        for place in touched {
-            let weight = std::mem::take(&mut self.sums[Self::at(place)]);
-            if weight > NEGLIGIBLE * greatest {
-                places.push((place, weight / greatest));
-            }
-        }
-        (Layer { places }, greatest)
-    }
-}
-
 /// How an episode lies on a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alignment {
@@ -268,9 +207,7 @@ fn backward(
     habits: &Habits,
     adder: &mut Adder,
 ) -> (Vec<Layer>, Likelihood) {
-    let mut later = Layer {
-        places: vec![(Place::ORIGIN, 1.0)],
-    };
+    let mut later = Layer::only(Place::ORIGIN);
     let mut likelihood = Likelihood::ONE;
     let mut layers = Vec::with_capacity(steps.len());
     for (at, step) in steps.iter().enumerate().rev() {
@@ -280,15 +217,11 @@ fn backward(
                 adder.add(place.minus(offset(displacement)), weight * likely);
             }
         }
-        for place in std::mem::take(&mut adder.touched) {
-            let sum = &mut adder.sums[Adder::at(place)];
-            *sum *= match place {
-                // The episode would have ended there.
-                Place::ORIGIN => 0.0,
-                _ => chart.likelihood(place, &step.around, habits.misread),
-            };
-            adder.touched.push(place);
-        }
+        adder.weigh(|place| match place {
+            // The episode would have ended there.
+            Place::ORIGIN => 0.0,
+            _ => chart.likelihood(place, &step.around, habits.misread),
+        });
         let (layer, greatest) = adder.layer();
         likelihood = likelihood.times(greatest);
         layers.push(std::mem::replace(&mut later, layer));
@@ -321,7 +254,7 @@ fn likely_moves(step: &Seen, next: Option<&Around>, habits: &Habits) -> Vec<(usi
 /// Where the robot was at each step, where that is certain, how often it slipped, and how well
 /// displacements fit.
 fn forward(steps: &[Seen], layers: &[Layer], habits: &Habits, adder: &mut Adder) -> Alignment {
-    let mut now = shares(&layers[0].places);
+    let mut now = layers[0].shares();
     let mut forward = Alignment {
         likelihood: Likelihood::ONE,
         places: Vec::with_capacity(steps.len()),
@@ -329,18 +262,17 @@ fn forward(steps: &[Seen], layers: &[Layer], habits: &Habits, adder: &mut Adder)
         fits: Vec::with_capacity(steps.len()),
     };
     for (at, step) in steps.iter().enumerate() {
-        forward.places.push(certain(&now));
+        forward.places.push(now.certain());
         let mut fits = [0.0; DISPLACEMENTS];
         let moves = likely_moves(step, steps.get(at + 1).map(|next| &next.around), habits);
-        let later = &layers[at + 1].places;
+        let later = &layers[at + 1];
         let slipped = habits.slipped(step);
-        for &(place, weight) in &now {
+        for &(place, weight) in &now.places {
             let ways: Vec<(usize, Place, f64, f64)> = moves
                 .iter()
                 .filter_map(|&(displacement, likely)| {
                     let to = place.plus(offset(displacement));
-                    let found = later.binary_search_by_key(&to, |one| one.0).ok()?;
-                    Some((displacement, to, likely, later[found].1))
+                    Some((displacement, to, likely, later.of(to)?))
                 })
                 .collect();
             let all: f64 = ways.iter().map(|way| way.2 * way.3).sum();
@@ -352,23 +284,9 @@ fn forward(steps: &[Seen], layers: &[Layer], habits: &Habits, adder: &mut Adder)
             }
         }
         forward.fits.push(fits);
-        now = shares(&adder.layer().0.places);
+        now = adder.layer().0.shares();
     }
     forward
-}
-
-/// Weights that add up to 1.
-fn shares(places: &[(Place, f64)]) -> Vec<(Place, f64)> {
-    let sum: f64 = places.iter().map(|one| one.1).sum();
-    places
-        .iter()
-        .map(|&(place, weight)| (place, weight / sum))
-        .collect()
-}
-
-fn certain(places: &[(Place, f64)]) -> Option<Place> {
-    let likely = places.iter().find(|one| one.1 >= CERTAIN);
-    likely.map(|one| one.0)
 }
 
 /// The displacement that a step most likely had, given what was seen after it.

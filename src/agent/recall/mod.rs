@@ -42,6 +42,7 @@ mod course;
 mod demands;
 mod doubt;
 mod headings;
+mod layer;
 pub(super) mod learner;
 mod lessons;
 mod likelihood;
