@@ -18,6 +18,7 @@ mod model;
 mod params;
 pub(crate) mod places;
 mod plus;
+mod power;
 mod recall;
 mod remembering;
 mod tabular;
@@ -36,6 +37,7 @@ pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 use plus::Plus;
 pub use plus::{Discovery, PlusParams};
+pub(crate) use power::power;
 pub(crate) use recall::{
     ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Demand, Map, PERCEPT_BITS, Part, contexts, demands,
     words as memory_words,

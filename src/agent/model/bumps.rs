@@ -6,11 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use super::coverage::Coverage;
 use super::tally::{Tally, verdict};
+use crate::agent::power;
 use xcs::Condition;
 use xcs::Percept;
 
 /// The power with which weight grows with the share of bumps that were foretold.
-const EMPHASIS: i32 = 8;
+const EMPHASIS: u32 = 8;
 
 /// A condition that may foretell a collision.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -107,7 +108,7 @@ impl Bumps {
     pub fn votes(&self, percept: &Percept, best: u32) -> [f64; 2] {
         let mut votes = [0.0; 2];
         for candidate in &self.candidates {
-            let weight = (f64::from(candidate.tally.hits) / f64::from(best)).powi(EMPHASIS);
+            let weight = power(f64::from(candidate.tally.hits) / f64::from(best), EMPHASIS);
             votes[1] += weight;
             if candidate.condition.matches(percept) {
                 votes[0] += weight;

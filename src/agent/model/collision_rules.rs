@@ -15,6 +15,7 @@
 use super::CollisionRule;
 use super::bumps::Bumps;
 use super::tally::Tally;
+use crate::agent::power;
 use xcs::{Action, ByAction, Percept};
 
 /// A collision that is foretold with more certainty than this is believed outright: far from the
@@ -88,7 +89,7 @@ impl CollisionRules {
 
     /// How firmly it is believed that an action bumps in a percept, 0 to 1.
     pub fn belief(&self, percept: &Percept, action: Action) -> f64 {
-        let bump = self.forecast(percept, action).powi(self.certainty as i32);
+        let bump = power(self.forecast(percept, action), self.certainty);
         if bump > BELIEVED { 1.0 } else { bump }
     }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::agent::power;
 use xcs::{Action, Percept};
 
 /// The weight of what was never seen to come of an action, in tries.
@@ -199,7 +200,7 @@ impl Places {
     /// How likely it is that so many certain bits flip and no others, beside that none does.
     pub fn misreading(&self, bits: u32) -> f64 {
         let rate = self.rate();
-        (rate / (1.0 - rate)).powi(bits as i32)
+        power(rate / (1.0 - rate), bits)
     }
 
     /// Counts a visit in which this was seen, or takes it back.

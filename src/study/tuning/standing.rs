@@ -74,7 +74,8 @@ fn mean(numbers: &[f64]) -> f64 {
 fn difference(a: &[f64], b: &[f64]) -> (f64, f64) {
     let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let (mean, count) = (mean(&differences), differences.len() as f64);
-    let squares: f64 = differences.iter().map(|one| (one - mean).powi(2)).sum();
+    let square = |one: &f64| (one - mean) * (one - mean);
+    let squares: f64 = differences.iter().map(square).sum();
     (mean, (squares / (count - 1.0).max(1.0) / count).sqrt())
 }
 

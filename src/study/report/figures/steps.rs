@@ -6,6 +6,7 @@ use plotters::prelude::*;
 use super::canvas::{Drawing, Drawn, Size};
 use super::panels::Panels;
 use super::theme::{BLUE, CENTRED, FAINT, FROM_LEFT, FROM_RIGHT, INK, RED, Theme, colour, widest};
+use crate::agent::power;
 use crate::study::analysis::summary::ArmSummary;
 use crate::study::statistics::{Interval, Proportion};
 
@@ -58,8 +59,8 @@ pub struct Steps<'a> {
     /// By place.
     costs: Vec<Vec<Cost>>,
     /// The exponents of 10 at which axes begin and end.
-    from: i32,
-    to: i32,
+    from: u32,
+    to: u32,
 }
 
 impl<'a> Steps<'a> {
@@ -80,8 +81,8 @@ impl<'a> Steps<'a> {
         Some(Self {
             panels,
             costs,
-            from: exponent(low.min(high)).floor() as i32,
-            to: exponent(high * 1.01).ceil() as i32,
+            from: exponent(low.min(high)).floor() as u32,
+            to: exponent(high * 1.01).ceil() as u32,
         })
     }
 
@@ -168,8 +169,8 @@ impl Steps<'_> {
         place: usize,
     ) -> Drawn<DB> {
         let last = self.panels.series.len();
-        for power in self.from..=self.to {
-            let steps = 10_f64.powi(power);
+        for exponent in self.from..=self.to {
+            let steps = power(10.0, exponent);
             let (x, top) = self.at(theme, place, steps, 0);
             let (_, bottom) = self.at(theme, place, steps, last);
             let line = [(x, top - theme.ipx(ROW as i32 / 2)), (x, bottom)];
@@ -177,8 +178,8 @@ impl Steps<'_> {
             let below = (x, bottom + theme.ipx(10));
             root.draw_text(&steps.to_string(), &theme.text(11).pos(CENTRED), below)?;
         }
-        let (left, bottom) = self.at(theme, place, 10_f64.powi(self.from), last);
-        let (right, _) = self.at(theme, place, 10_f64.powi(self.to), last);
+        let (left, bottom) = self.at(theme, place, power(10.0, self.from), last);
+        let (right, _) = self.at(theme, place, power(10.0, self.to), last);
         let middle = (i32::midpoint(left, right), bottom + theme.ipx(26));
         let unit = "environment steps (logarithmic)";
         root.draw_text(unit, &theme.text(11).pos(CENTRED), middle)?;
@@ -213,7 +214,7 @@ impl Steps<'_> {
         place: usize,
         cost: &Cost,
     ) -> Drawn<DB> {
-        let (x, y) = self.at(theme, place, 10_f64.powi(self.to), cost.series);
+        let (x, y) = self.at(theme, place, power(10.0, self.to), cost.series);
         let figure = theme.text(11).pos(FROM_RIGHT);
         let steps = format!("{:.0}", cost.steps.value);
         root.draw_text(&steps, &figure, (x + theme.ipx(46), y))?;
