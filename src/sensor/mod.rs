@@ -94,15 +94,16 @@ impl Sensor {
     }
 
     /// How many bits, the first of the percept, lie in a ring around the robot, clockwise from
-    /// the way of the first action; 0 if none do.
-    pub fn ring(self) -> usize {
-        match self {
-            Self::Neighbours | Self::NeighboursPosition => neighbours::WIDTH,
-            Self::Lidar | Self::LidarPosition => lidar::AROUND,
-            Self::LidarRanges => lidar::RANGES,
-            Self::LidarBeams => lidar::BEAMS,
-            Self::Position => 0,
-        }
+    /// the way of the first of so many moves; 0 if none do, or if the ring has no equal part for each move.
+    pub fn ring(self, moves: usize) -> usize {
+        let [parts, bits] = match self {
+            Self::Neighbours | Self::NeighboursPosition => [8, neighbours::WIDTH],
+            Self::Lidar | Self::LidarPosition => [8, lidar::AROUND],
+            Self::LidarRanges => [4, lidar::RANGES],
+            Self::LidarBeams => [16, lidar::BEAMS],
+            Self::Position => return 0,
+        };
+        if parts % moves == 0 { bits } else { 0 }
     }
 
     /// Does the percept begin with the eight cells around the robot, two bits each?
@@ -203,6 +204,7 @@ impl Sensor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::world::Direction;
 
     fn maze(name: &str) -> Maze {
         let file = format!("{}/worlds/{name}.json", env!("CARGO_MANIFEST_DIR"));
@@ -242,8 +244,8 @@ mod tests {
         };
         let (upright, turned) = (room.map(str::to_owned), turned(room));
         let mut checked = 0;
-        for &sensor in Sensor::ALL.iter().filter(|sensor| sensor.ring() > 0) {
-            let ring = sensor.ring();
+        for &sensor in Sensor::ALL.iter().filter(|sensor| sensor.ring(4) > 0) {
+            let ring = sensor.ring(4);
             let [before, after] = [&upright, &turned].map(|rows| at_middle(sensor, rows));
             let bits = |percept: Percept| (0..ring).map(|at| percept.bit(at)).collect::<Vec<_>>();
             let east_ahead = after.turned(ring / 4, ring);
@@ -252,5 +254,42 @@ mod tests {
             checked += 1;
         }
         assert!(checked >= 6, "{checked}");
+    }
+
+    /// Whether the way ahead looks the same to each of so many moves whose percept is turned, where the only
+    /// obstacle is a wall in its way.
+    fn shows_what_is_ahead(sensor: Sensor, moves: &[Direction], ring: usize) -> bool {
+        let cell = Cell { col: 4, row: 4 };
+        let ahead = |(action, way): (usize, &Direction)| {
+            let (east, south) = way.offset();
+            let mut rows = [*b"#########"; 9];
+            rows[1..8].iter_mut().for_each(|row| *row = *b"#.......#");
+            (rows[1][1], rows[7][7]) = (b'S', b'G');
+            rows[(4 + south) as usize][(4 + east) as usize] = b'#';
+            let rows = rows.map(|row| row.map(char::from).iter().collect::<String>());
+            let text = format!(r#"{{ "rows": {rows:?} }}"#);
+            let maze = Maze::from_json(text.as_bytes(), "room.json").unwrap();
+            let percept = sensor.perceive_at(&maze, cell);
+            let turned = percept.turned(action * ring / moves.len(), ring);
+            [0, 1].map(|bit| turned.bit(bit))
+        };
+        let mut all = moves.iter().enumerate().map(ahead);
+        let first = all.next().unwrap();
+        all.all(|one| one == first)
+    }
+
+    #[test]
+    fn a_ring_is_turned_only_where_it_has_a_part_for_each_move() {
+        for moves in [&Direction::MAIN[..], &Direction::CLOCKWISE] {
+            for &sensor in Sensor::ALL {
+                let ring = sensor.ring(moves.len());
+                let fits = shows_what_is_ahead(sensor, moves, ring);
+                assert!(fits || ring == 0, "{sensor:?}, {}", moves.len());
+            }
+        }
+        let (ranges, eight) = (Sensor::LidarRanges, Direction::CLOCKWISE);
+        assert_eq!([4, 8].map(|moves| ranges.ring(moves)), [lidar::RANGES, 0]);
+        let fits = shows_what_is_ahead(ranges, &eight, lidar::RANGES);
+        assert!(!fits, "control: its quarters are no eighths");
     }
 }

@@ -105,7 +105,8 @@ impl Config {
             memory,
             sensed: self.sensor.is_sensed(),
         };
-        let (actions, ring) = (maze.action_count(), self.sensor.ring());
+        let actions = maze.action_count();
+        let ring = self.sensor.ring(actions);
         let mut method = self.method.build(actions, ring, setup, self.seed);
         if let Some(knowledge) = &self.initial {
             knowledge.check(self.sensor.width(maze), actions)?;
