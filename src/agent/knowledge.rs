@@ -239,6 +239,16 @@ impl Knowledge {
         }
     }
 
+    /// What [`len`](Self::len) counts: `rules`, `pairs` or `beliefs`.
+    pub fn counts(&self) -> &'static str {
+        match self {
+            Self::Table(_) => "pairs",
+            Self::Planned(_) => "beliefs",
+            Self::Doubting { of, .. } => of.counts(),
+            _ => "rules",
+        }
+    }
+
     /// Is nothing known?
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -124,10 +124,10 @@ fn print(
         collisions,
         ..
     } = e;
-    let rules = knowledge.len();
+    let (count, counted) = (knowledge.len(), knowledge.counts());
     writeln!(
         out,
-        "{world}: greedy policy of {rules} rules on {arena}, noise {noise}, seed {seed}, {episodes} episodes"
+        "{world}: greedy policy of {count} {counted} on {arena}, noise {noise}, seed {seed}, {episodes} episodes"
     )?;
     let percent = |count: &u32| 100.0 * f64::from(*count) / f64::from(*episodes);
     let (reached, best_ones) = (percent(successes), percent(optimal));

@@ -48,6 +48,9 @@ pub struct TrainReport {
     /// Who chose those until the greedy policy was first globally optimal.
     chosen_before: Chosen,
     rules: usize,
+    /// What these are: `rules`, or the pairs of a table, or the beliefs of a plan.
+    #[serde(skip)]
+    counted: &'static str,
     /// How many are left of them when they are condensed; `null` for a table.
     condensed_rules: Option<usize>,
     run_dir: String,
@@ -62,12 +65,8 @@ impl TrainReport {
         let (maze, config) = (&plan.maze, &plan.config);
         let facts = Facts::new(maze);
         let path = trial.greedy_path();
-        let condensed = Condensed::new(
-            &trial.method().knowledge(),
-            config.sensor,
-            maze,
-            trial.paths(),
-        );
+        let knowledge = trial.method().knowledge();
+        let condensed = Condensed::new(&knowledge, config.sensor, maze, trial.paths());
         Self {
             world: facts.world,
             method: config.method.name(),
@@ -89,6 +88,7 @@ impl TrainReport {
             chosen: progress.chosen,
             chosen_before: progress.chosen_before,
             rules: trial.method().rule_count(),
+            counted: knowledge.counts(),
             condensed_rules: condensed.map(|condensed| condensed.rules.len()),
             run_dir: disk::named(folder),
             folder: folder.to_owned(),
@@ -111,7 +111,7 @@ impl TrainReport {
         let (steps, collisions) = (self.steps, self.collisions);
         writeln!(out, "  steps, collisions    {steps}, {collisions}")?;
         writeln!(out, "  chosen by            {}", self.chosen)?;
-        writeln!(out, "  rules                {}", self.rules())?;
+        writeln!(out, "  {:<20} {}", self.counted, self.rules())?;
         let curve = sparkline(steps_per_episode);
         writeln!(out, "  steps per episode    {curve}")?;
         let maze = &trial.plan().maze;

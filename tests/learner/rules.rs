@@ -358,8 +358,15 @@ fn diff_shows_the_rules_that_only_one_has_and_where_they_part() {
 fn a_plan_on_charts_is_driven_by_and_drawn_but_has_no_rules_to_print_or_to_export() {
     let desk = Desk::new("xcscr-plus");
     let memory = ["--set", "tabular.memory=true", "--sensor", "neighbours"];
-    desk.fine(&[&train("r-max", "maze4", "planned")[..], &memory].concat());
-    desk.fine(&["evaluate", "planned", "--require-optimal"]);
+    let said = desk.fine(&[&train("r-max", "maze4", "planned")[..], &memory].concat());
+    assert!(
+        said.contains("\n  beliefs  ") && !said.contains("\n  rules"),
+        "{said}"
+    );
+    let said = desk.fine(&["evaluate", "planned", "--require-optimal"]);
+    assert!(said.contains(" beliefs on grid"), "{said}");
+    let said = desk.fine(&["evaluate", "run"]);
+    assert!(said.contains(" rules on grid"), "control: {said}");
     desk.fine(&["map", "planned", "--output", "map.svg"]);
     for (args, words) in [
         (
