@@ -4,8 +4,8 @@ use strum::{IntoStaticStr, VariantArray};
 
 use super::recall::Vision;
 use super::{
-    Agent, Combined, Filtered, MemoryParams, Params, Plus, PlusParams, Recall, Sharing, Standard,
-    Tabular, TabularParams,
+    Agent, Combined, Filtered, Knowledge, MemoryParams, Params, Plus, PlusParams, Recall, Sharing,
+    Standard, Tabular, TabularParams,
 };
 use crate::streams::StreamName;
 use xcs::Xcs;
@@ -59,6 +59,18 @@ impl Method {
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
         self.into()
+    }
+
+    /// The method that has learned this, where that can be told: more than one learns rules, or a table,
+    /// that only look at percepts.
+    pub fn of(knowledge: &Knowledge) -> Option<Self> {
+        match knowledge {
+            Knowledge::Foresighted { .. } => Some(Self::XcscrPlus),
+            Knowledge::Remembering { .. } => Some(Self::XcscrMemory),
+            Knowledge::Planned(_) => Some(Self::RMax),
+            Knowledge::Doubting { of, .. } => Self::of(of),
+            Knowledge::Rules(_) | Knowledge::RulesOverMatchSet(_) | Knowledge::Table(_) => None,
+        }
     }
 
     /// Is it one of those that the paper compares?

@@ -1,6 +1,6 @@
 //! What was learned, from the folder of a run or a lone file of rules.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
@@ -44,7 +44,7 @@ impl LearnedArgs {
         let (mut plan, knowledge) = if is_file {
             let knowledge = choices::read_rules(&self.run)?;
             let arena = arena.unwrap_or(ArenaKind::Physics);
-            (self.plan_of_rules(&self.run, arena)?, knowledge)
+            (self.plan_of_rules(&knowledge, arena)?, knowledge)
         } else {
             let folder = RunFolder::open(&self.run);
             (folder.plan()?, folder.knowledge()?)
@@ -67,17 +67,17 @@ impl LearnedArgs {
     }
 
     /// A plan around a lone file of rules.
-    fn plan_of_rules(&self, path: &Path, arena: ArenaKind) -> Result<Plan, Failure> {
+    fn plan_of_rules(&self, knowledge: &Knowledge, arena: ArenaKind) -> Result<Plan, Failure> {
         let world = self.world.as_ref().ok_or_else(|| {
             let message = format!(
                 "{} does not say in which world it was learned: add `--world FILE`",
-                path.display()
+                self.run.display()
             );
             Failure::new(Exit::Usage, message)
         })?;
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            method: Method::Xcscr,
+            method: Method::of(knowledge).unwrap_or(Method::Xcscr),
             arena,
             sensor: Sensor::usual_in(arena),
             episodes: 1,

@@ -354,6 +354,38 @@ fn evaluate_takes_a_lone_file_of_rules_with_a_world() {
 }
 
 #[test]
+fn a_recorded_evaluation_of_a_lone_file_names_the_method_that_it_is_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let world = [
+        "--world",
+        "worlds/maze4.json",
+        "--arena",
+        "grid",
+        "--record",
+    ];
+    for (method, named) in [
+        ("xcscr-memory", "xcscr-memory"),
+        ("xcscr-plus", "xcscr-plus"),
+        ("xcs", "xcscr"), // Its rules are like those of `xcscr`.
+    ] {
+        let (run, out) = (path(method), path(&format!("{method}-drives")));
+        let more = ["--arena", "grid", "--record", "none", "--method", method];
+        train(Path::new(&run), "maze4", &more);
+        let lone = format!("{run}/rules.json");
+        let evaluate = ["evaluate", &lone, "--episodes", "1", "--out", &out];
+        expect(0, &[&evaluate[..], &world].concat());
+        let (summary, _) = expect(0, &["replay", &out]);
+        assert!(
+            summary.starts_with(&format!("maze4: {named} on ")),
+            "{summary}"
+        );
+        let (verified, _) = expect(0, &["replay", &out, "--verify"]);
+        assert!(verified.starts_with("2 of 2 "), "{verified}");
+    }
+}
+
+#[test]
 fn replay_verify_accepts_a_run_and_notices_one_changed_byte() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");
