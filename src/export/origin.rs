@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::agent::Knowledge;
-use crate::sensor::Sensor;
+use crate::sensor::{ANYTHING, Sensor};
 use crate::trial::{Plan, words_of_memory};
 use crate::world::Maze;
 use xcs::{Action, Condition};
@@ -85,7 +85,7 @@ impl Origin {
     pub(super) fn bit(&self, bit: usize) -> String {
         let words = self.demanded(&|at| (at == bit).then_some(true));
         match words.as_str() {
-            "anything" => "always 0".to_owned(),
+            ANYTHING => "always 0".to_owned(),
             _ => words,
         }
     }

@@ -21,7 +21,7 @@ use foldhash::fast::FixedState;
 pub use params::SensorParams;
 use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};
-pub(crate) use words::Alleles;
+pub(crate) use words::{ANYTHING, Alleles};
 
 use crate::arena::{ArenaKind, Sensed, View};
 use crate::world::{Cell, Maze};

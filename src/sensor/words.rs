@@ -6,6 +6,9 @@ use crate::world::{Direction, Maze};
 /// The value that a condition demands of an allele; `None` for a don't-care.
 pub type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;
 
+/// What a condition demands that demands nothing.
+pub const ANYTHING: &str = "anything";
+
 /// Names of the eight neighbours of a robot that faces the way of its action.
 const FACING: [&str; 8] = [
     "ahead",
@@ -50,7 +53,7 @@ impl Sensor {
             }
         };
         match words.is_empty() {
-            true => "anything".to_owned(),
+            true => ANYTHING.to_owned(),
             false => words.join(", "),
         }
     }

@@ -275,8 +275,12 @@ fn strange(map: &Map, state: u32, seen: &Around) -> usize {
         .count()
 }
 
-/// What a condition on a context demands beside the percept, such as `east of the goal at least 2`.
-pub fn words(alleles: &dyn Fn(usize) -> Option<bool>) -> Vec<String> {
+/// The value that a condition demands of an allele; `None` for a don't-care.
+type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;
+
+/// What a condition on a context demands beside the percept, such as `x > 2`; `seen` has the words for
+/// a percept, and none where nothing is demanded of it.
+pub fn words(alleles: Alleles<'_>, seen: &dyn Fn(Alleles<'_>) -> Option<String>) -> Vec<String> {
     let east = PERCEPT_BITS;
     let north = east + COORDINATE_BITS;
     let chart = north + COORDINATE_BITS;
@@ -295,17 +299,14 @@ pub fn words(alleles: &dyn Fn(usize) -> Option<bool>) -> Vec<String> {
         let from = window + step * STEP_BITS;
         words.extend(part(&format!("{ago} taken"), from..from + 1));
         words.extend(part(&format!("{ago} action"), from + 1..from + 4));
-        words.extend(part(&format!("{ago} percept"), from + 4..from + STEP_BITS));
+        let demands = seen(&|at| alleles(from + 4 + at));
+        words.extend(demands.map(|words| format!("{ago} saw {}", words.replace(", ", " and "))));
     }
     words
 }
 
 /// The limits of a coordinate, counted from the goal: bit k demands more than `k - FURTHEST`, or not.
-fn coordinate_words(
-    name: &str,
-    from: usize,
-    alleles: &dyn Fn(usize) -> Option<bool>,
-) -> Vec<String> {
+fn coordinate_words(name: &str, from: usize, alleles: Alleles<'_>) -> Vec<String> {
     let limit = |bit: usize| bit as i16 - FURTHEST as i16;
     let demands =
         |value| (0..COORDINATE_BITS).filter(move |&bit| alleles(from + bit) == Some(value));

@@ -5,7 +5,6 @@ use std::cmp::Reverse;
 use clap::ValueEnum;
 use serde::Serialize;
 use xcscr::agent::Knowledge;
-use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
 use xcscr::xcs::{Action, Classifier, Condition, Percept};
 
@@ -100,9 +99,5 @@ pub fn rows(
 /// What a rule demands; of one with a memory also of the place and of the last steps.
 pub fn words(rule: &Classifier, plan: &Plan, knowledge: &Knowledge) -> String {
     let Plan { maze, config } = plan;
-    let sensor = match knowledge.remembers() {
-        true => Sensor::Neighbours,
-        false => config.sensor,
-    };
-    knowledge.words(sensor, maze, &|at| rule.condition.allele(at))
+    knowledge.words(config.sensor, maze, &|at| rule.condition.allele(at))
 }

@@ -146,7 +146,7 @@ fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
     let (maze, allele) = (step.view.maze, |at| condition.allele(at));
     match condition.width() == step.percept.width() {
         true => sensor.words(maze, &allele),
-        false => words_of_memory(Sensor::Neighbours, maze, &allele),
+        false => words_of_memory(sensor, maze, &allele),
     }
 }
 
