@@ -74,6 +74,11 @@ impl Clock {
     }
 }
 
+/// What viewers without animation show: the last moment.
+fn still(values: &[String]) -> &str {
+    values.last().map_or("", String::as_str)
+}
+
 /// One shape over all moments; nothing if it is never there.
 fn element(text: &mut String, track: &[&Shape], clock: &Clock) {
     // A string takes everything.
@@ -105,7 +110,7 @@ fn rect(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result 
     write!(
         text,
         "<rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"{}\">",
-        fills[0]
+        still(&fills)
     )?;
     clock.animate(text, "animate", "fill", &fills);
     text.write_str("</rect>\n")
@@ -125,7 +130,7 @@ fn line(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result 
         text,
         "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" \
          stroke-linecap=\"round\" stroke-linejoin=\"round\">",
-        ways[0],
+        still(&ways),
         hex(*colour),
         short(*width)
     )?;
@@ -162,8 +167,8 @@ fn arrow(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result
         short(tail.0),
         short(tail.1),
         heading.degrees(),
-        lengths[0],
-        fills[0]
+        still(&lengths),
+        still(&fills)
     )?;
     let kind = "animateTransform type=\"scale\"";
     clock.animate(text, kind, "transform", &lengths);
@@ -190,7 +195,7 @@ fn words(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result
             short(*size),
             hex(*colour)
         )?;
-        // Viewers without animation show the last.
+        // See [`still`].
         let shown = |at: usize| if at == number { "inline" } else { "none" };
         let now = shown(track.len() - 1);
         let hidden = if now == "none" {
@@ -232,7 +237,9 @@ fn escaped(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::arrow::Heading;
     use super::*;
+    use crate::world::Direction;
 
     #[test]
     fn numbers_are_as_short_as_they_can_be() {
@@ -246,5 +253,72 @@ mod tests {
     #[test]
     fn text_of_a_world_cannot_become_markup() {
         assert_eq!(escaped("<b>&"), "&lt;b&gt;&amp;");
+    }
+
+    /// A moment with each kind of shape that changes.
+    fn moment(fill: Colour, length: f64, said: &str) -> Vec<Shape> {
+        let (left, top, width, height) = (0.0, 0.0, 8.0, 8.0);
+        let heading = Heading::new(Direction::East);
+        let (at, tail, text) = ((0.0, 9.0), (1.0, 1.0), said.to_owned());
+        let points = vec![(0.0, 0.0), (length, 0.0)];
+        vec![
+            Shape::Rect {
+                left,
+                top,
+                width,
+                height,
+                fill,
+            },
+            Shape::Line {
+                points,
+                width,
+                colour: Colour(0, 0, 0),
+            },
+            Shape::Arrow {
+                tail,
+                heading,
+                length,
+                fill,
+            },
+            Shape::Text {
+                at,
+                size: 9.0,
+                colour: Colour(0, 0, 0),
+                text,
+            },
+        ]
+    }
+
+    /// What a viewer shows that knows nothing of animations.
+    fn without_animation(svg: &str) -> String {
+        let lines = svg
+            .lines()
+            .filter(|line| !line.contains(" display=\"none\""));
+        let mut shown = lines.collect::<Vec<_>>().join("\n");
+        while let Some(from) = shown.find("<animate") {
+            let to = from + shown[from..].find("/>").unwrap() + 2;
+            shown.replace_range(from..to, "");
+        }
+        shown + "\n"
+    }
+
+    #[test]
+    fn viewers_without_animation_show_the_last_moment_in_all_its_parts() {
+        let first = moment(Colour(200, 0, 0), 2.0, "one");
+        let last = moment(Colour(0, 200, 0), 5.0, "two");
+        let svg = |frames| {
+            document(&Drawing {
+                width: 9,
+                height: 9,
+                title: String::new(),
+                ground: vec![],
+                frames,
+                labels: vec![],
+            })
+        };
+        let moving = svg(vec![first.clone(), last.clone()]);
+        assert_eq!(moving.matches("<animate").count(), 6, "{moving}");
+        assert_eq!(without_animation(&moving), svg(vec![last]));
+        assert_ne!(without_animation(&moving), svg(vec![first]), "control");
     }
 }
