@@ -25,6 +25,11 @@ const IMAGINED: usize = 32;
 const WEIGHED: [usize; 2] = [1600, 500];
 /// Episodes up to which the greater of these holds.
 const EARLY: u32 = 100;
+/// The first episodes all explore: one by itself charts but a way or two to a goal.
+const ALL_EXPLORE: u32 = 5;
+/// Up to here every second one does, since most charts still miss something, and what acts in the others tells
+/// early what they are worth; then one in ten for good, because a place that is seldom come by may be missing yet.
+const MANY_EXPLORE: u32 = 200;
 /// Who brings rules along explores as after so many episodes.
 const EXPERIENCED: u32 = 6;
 /// Imagined episodes from every state after each real one, at most, if moves are exact.
@@ -166,15 +171,27 @@ impl Learner {
 
     /// Is this an episode in which to look for what is not yet known?
     pub fn explores(&self) -> bool {
-        let number = self.episodes;
-        self.size() == 0 || number < 5 || (number < 200 && number % 2 == 1) || number % 10 == 9
+        let every = match self.episodes {
+            ..ALL_EXPLORE => 1,
+            ..MANY_EXPLORE => 2,
+            _ => 10,
+        };
+        self.size() == 0 || self.episodes % every == every - 1
     }
 
     /// The action that leads to what is not yet known in this episode.
     pub fn explore(&mut self) -> Action {
         let headings = &self.atlas.habits().headings;
-        let feels_bumps = self.atlas.feels_bumps();
-        self.sketch.explore(headings, feels_bumps, &mut self.stream)
+        let (feels_bumps, passes_goals) = (self.atlas.feels_bumps(), self.passes_goals());
+        self.sketch
+            .explore(headings, feels_bumps, passes_goals, &mut self.stream)
+    }
+
+    /// Is this an exploring episode in which to walk past goals? Charts are drawn around the goal that was
+    /// reached, and what lies beside another would stay missing there. Of those that explore every second.
+    fn passes_goals(&self) -> bool {
+        let several = self.map.spots.last().is_some_and(|spot| spot.chart > 0);
+        several && self.episodes / 2 % 2 == 1
     }
 
     /// Acts on what was perceived, and bumps or does not, and finds an auxiliary reward or none, 0.

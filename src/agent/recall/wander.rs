@@ -32,27 +32,38 @@ impl Sketch {
 
     /// An action of which nobody can tell what comes of it here; if there is none, the one that leads
     /// toward the nearest goal or free cell in which the robot has not been; any action if there is
-    /// none either. Chance decides between several.
-    pub fn explore(&self, headings: &Headings, feels_bumps: bool, stream: &mut Stream) -> Action {
+    /// none either. Chance decides between several. If `passes_goals`, no goal counts while anything else can be
+    /// reached.
+    pub fn explore(
+        &self,
+        headings: &Headings,
+        feels_bumps: bool,
+        passes_goals: bool,
+        stream: &mut Stream,
+    ) -> Action {
         let mut likely: Vec<Action> = Action::all(headings.actions()).collect();
         let is_open = |action: &Action| {
             self.around
                 .is_some_and(|around| headings.leave_open(*action, &around, feels_bumps))
         };
         let open = likely.iter().copied().filter(is_open).collect::<Vec<_>>();
-        let news = if open.is_empty() {
-            self.nearest_news(headings)
-        } else {
-            open
-        };
+        let is_new = |place| !self.visits.contains_key(&place);
+        let is_open = |place| is_new(place) && self.chart.letter(place) != Some(Letter::Goal);
+        let mut news = open;
+        if news.is_empty() && passes_goals {
+            news = self.nearest(headings, is_open);
+        }
+        if news.is_empty() {
+            news = self.nearest(headings, is_new);
+        }
         if !news.is_empty() {
             likely = news;
         }
         *stream.choose(&likely).expect("there is an action")
     }
 
-    /// The first actions of the shortest ways to what is nearest.
-    fn nearest_news(&self, headings: &Headings) -> Vec<Action> {
+    /// The first actions of the shortest ways to the nearest places that are sought.
+    fn nearest(&self, headings: &Headings, is_sought: impl Fn(Place) -> bool) -> Vec<Action> {
         let certain = |action| Some((action, offset(headings.certain(action)?)));
         let moves: Vec<_> = Action::all(headings.actions())
             .filter_map(certain)
@@ -66,13 +77,19 @@ impl Sketch {
             if steps > found {
                 break;
             }
-            if self.is_news(place) {
+            if is_sought(place) {
                 (found, firsts) = (steps, firsts | first);
                 continue;
             }
             for &(action, by) in &moves {
                 let to = place.plus(by);
-                if !matches!(self.chart.letter(to), Some(Letter::Free | Letter::Goal)) {
+                let leads_on = match self.chart.letter(to) {
+                    Some(Letter::Free) => true,
+                    // There the episode ends.
+                    Some(Letter::Goal) => is_sought(to),
+                    _ => false,
+                };
+                if !leads_on {
                     continue;
                 }
                 let first = if steps == 0 {
@@ -93,8 +110,50 @@ impl Sketch {
         let is_first = |action: &Action| firsts >> action.index() & 1 == 1;
         moves.iter().map(|one| one.0).filter(is_first).collect()
     }
+}
 
-    fn is_news(&self, place: Place) -> bool {
-        !self.visits.contains_key(&place)
+#[cfg(test)]
+mod tests {
+    use super::super::bumped::Bumped;
+    use super::*;
+    use crate::agent::recall::place::Vision;
+
+    const EAST: usize = 2;
+    const WEST: usize = 6;
+
+    /// Where a robot heads in a corridor, of so many cells and with a goal at its western end, that has gone from
+    /// beside the goal to the third cell and back.
+    fn heads(cells: i32, passes_goals: bool) -> usize {
+        let headings = Headings::known(8);
+        let habits = Habits {
+            headings,
+            vision: Vision::LookedUp,
+            slip: 1e-4,
+            misread: 1e-4,
+        };
+        let mut sketch = Sketch::default();
+        let mut last: Option<Seen> = None;
+        for (at, action) in [(0, EAST), (1, EAST), (2, WEST), (1, WEST), (0, WEST)] {
+            let mut around = [Letter::Wall; 8];
+            around[WEST] = [Letter::Goal, Letter::Free][usize::from(at > 0)];
+            around[EAST] = [Letter::Free, Letter::Wall][usize::from(at == cells - 1)];
+            sketch.perceive(last.as_ref(), &around, &habits);
+            last = Some(Seen {
+                around,
+                action: Action::new(action).unwrap(),
+                found: 0.0,
+                bumped: Bumped::No,
+            });
+        }
+        let mut stream = Stream::new(1, 0_u64);
+        let action = sketch.explore(&headings, true, passes_goals, &mut stream);
+        action.index()
+    }
+
+    #[test]
+    fn a_goal_is_walked_past_while_anything_else_is_new() {
+        assert_eq!(heads(4, true), EAST);
+        assert_eq!(heads(3, true), WEST, "nothing else is new");
+        assert_eq!(heads(4, false), WEST, "control");
     }
 }
