@@ -61,7 +61,7 @@ fn a_trial_with_a_memory_counts_as_optimal_when_it_reaches_the_belief_bound() {
 }
 
 #[test]
-fn rules_are_induced_for_the_one_start_that_a_world_has_also_if_it_looks_like_no_other() {
+fn rules_are_taught_for_the_one_start_that_a_world_has_also_if_it_looks_like_no_other() {
     let recipe: Recipe = "rooms-16-31".parse().unwrap();
     let trained = |starts: &str| {
         let json = recipe.maze().unwrap().to_json().replace("#S.", starts);
@@ -132,6 +132,38 @@ fn the_rules_are_the_cause_of_what_is_done() {
     let rules = turned.try_into().unwrap();
     let after = GreedySteps::of(trial.plan(), &Knowledge::Remembering { rules, map }).mean;
     assert!(before < 5.0 && after > 20.0, "{before} and {after} steps");
+}
+
+#[test]
+fn a_rule_that_is_wrong_is_corrected_and_the_others_stay() {
+    let finished = finished("mazef4", Method::XcscrMemory, 60, 0.0);
+    let Knowledge::Remembering { rules, map } = finished.method().knowledge() else {
+        panic!("the method remembers");
+    };
+    for wrong in 0..rules.len() {
+        let mut turned = rules.rules().to_vec();
+        let opposite = (turned[wrong].action.index() + 4) % 8;
+        turned[wrong].action = xcscr::xcs::Action::new(opposite).unwrap();
+        let what = |rule: &Classifier| (rule.condition, rule.action);
+        let brought: Vec<_> = turned.iter().map(what).collect();
+        let mut plan = on_the_grid("classic/mazef4", Method::XcscrMemory);
+        plan.config.initial = Some(Knowledge::Remembering {
+            rules: turned.try_into().unwrap(),
+            map: map.clone(),
+        });
+        let trial = plan.episodes(1).seed(2).run().unwrap();
+        let after = trial.method().knowledge();
+        let after: Vec<_> = after.rules().unwrap().rules().iter().map(what).collect();
+        for (number, rule) in brought.iter().enumerate() {
+            let kept = after.contains(rule);
+            assert_eq!(
+                kept,
+                number != wrong,
+                "rule {number} of {after:?}, {wrong} wrong"
+            );
+        }
+        assert!(trial.progress().optimal, "rule {wrong} wrong: {after:?}");
+    }
 }
 
 /// The steps until a policy was optimal, in so many episodes that start from what was learned in

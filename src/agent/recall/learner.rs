@@ -39,7 +39,7 @@ const REVISED_AFTER: [u32; 14] = [
     25, 50, 75, 100, 150, 200, 250, 300, 400, 500, 600, 700, 800, 900,
 ];
 
-/// Charts, what was planned on them, and the rules that were induced.
+/// Charts, what was planned on them, and the rules that learn from it.
 #[derive(Debug, Clone)]
 pub struct Learner {
     decider: Decider,

@@ -2,10 +2,12 @@
 //!
 //! The robot keeps charts of the world, one around each goal that it can tell from the others
 //! ([`atlas`]), drawn from episodes that reached it ([`align`]). On them it tracks where it may be
-//! ([`context`]), plans ([`crate::agent::model::pomdp`]), imagines episodes ([`lessons`]), and induces from
-//! these a few general rules that never err in them ([`induction`], [`course`]). **The rules act**: they look at the
-//! percept and, only where that is not enough, at the likeliest place on the charts with what was found there
-//! in this episode, and at the last two steps ([`context::View`]). Charts and plan teach them, and say what to explore ([`wander`]).
+//! ([`context`]), plans ([`crate::agent::model::pomdp`]) and imagines episodes, which make lessons
+//! ([`lessons`]). From these \[P\] learns as it does in `xcscr-plus`, by [`xcs::Induction`]: a rule that is wrong in a
+//! lesson demands more or goes, a lesson that no rule covers gets one, and rules that others make superfluous go; all others
+//! stay ([`course`]). **The rules act**: they look at the percept and, only where that is not enough, at the
+//! likeliest place on the charts with what was found there in this episode, and at the last two steps
+//! ([`context::View`]). Charts and plan teach them, and say what to explore ([`wander`]).
 //!
 //! Cells that pay by themselves are remembered ([`payments`]), and that they pay once in an episode is
 //! part of the state ([`map`]). While none is known the plan is the one of the fewest steps; with them

@@ -8,9 +8,9 @@ use xcs::{Action, Classifier, Percept, PredictionArray};
 /// What acts in episodes in which nothing is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Decider {
-    /// Rules that are induced from the plan.
+    /// Rules, which the plan teaches.
     Rules,
-    /// The plan itself; no rules are induced.
+    /// The plan itself; there are no rules.
     Plan,
 }
 
