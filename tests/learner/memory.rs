@@ -81,6 +81,17 @@ fn rules_are_taught_for_the_one_start_that_a_world_has_also_if_it_looks_like_no_
     );
 }
 
+#[test]
+fn what_is_far_is_looked_for_on_from_where_the_episode_before_had_to_give_up() {
+    for (world, shortest) in [("corridors-30-2", 141.0), ("rooms-30-1", 90.0)] {
+        let recipe: Recipe = world.parse().unwrap();
+        let plan = Plan::new(recipe.maze().unwrap()).method(Method::XcscrMemory);
+        let plan = plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours);
+        let trial = plan.episodes(12).seed(3).run().unwrap();
+        assert_eq!(greedy(&trial), shortest, "{world}");
+    }
+}
+
 /// The rules that look at more than the sixteen bits of the percept, and all.
 fn rules_beyond_the_percept(world: &str) -> [usize; 2] {
     let plan = on_the_grid(world, Method::XcscrMemory).episodes(40).seed(3);

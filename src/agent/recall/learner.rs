@@ -71,6 +71,7 @@ pub struct Kept {
     stream: Stream,
     episodes: u32,
     stale: bool,
+    sketch: Sketch,
 }
 
 impl Learner {
@@ -110,6 +111,7 @@ impl Learner {
             stream: self.stream.clone(),
             episodes: self.episodes,
             stale: self.stale,
+            sketch: self.sketch.clone(),
         }
     }
 
@@ -118,8 +120,9 @@ impl Learner {
         let fits = |rule: &Classifier| {
             rule.condition.width() == CONTEXT_BITS && rule.action.index() < self.actions
         };
+        let drawn = kept.atlas.is_sound(self.actions) && kept.sketch.is_sound();
         let decides = self.decider == Decider::Rules || kept.rules.is_empty();
-        if !(decides && kept.atlas.is_sound(self.actions) && kept.rules.rules().iter().all(fits)) {
+        if !(decides && drawn && kept.rules.rules().iter().all(fits)) {
             return false;
         }
         self.atlas = kept.atlas.with_settings_of(&self.atlas);
@@ -129,6 +132,7 @@ impl Learner {
         self.stream = kept.stream;
         self.episodes = kept.episodes;
         self.stale = kept.stale;
+        self.sketch = kept.sketch;
         self.planner.belongs_to(&self.map.pomdp)
     }
 
@@ -211,7 +215,7 @@ impl Learner {
         self.episodes = self.episodes.saturating_add(1);
         let steps = std::mem::take(&mut self.steps);
         self.tracker = Tracker::default();
-        self.sketch = Sketch::default();
+        self.sketch.end();
         if let Some(last) = steps.last().filter(|_| reached_goal) {
             self.atlas.follow(last, None);
             self.atlas.learn(steps);

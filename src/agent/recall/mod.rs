@@ -7,7 +7,8 @@
 //! lesson demands more or goes, a lesson that no rule covers gets one, and rules that others make superfluous go; all others
 //! stay ([`course`]). **The rules act**: they look at the percept and, only where that is not enough, at the
 //! likeliest place on the charts with what was found there in this episode, and at the last two steps
-//! ([`context::View`]). Charts and plan teach them, and say what to explore ([`wander`]).
+//! ([`context::View`]). Charts and plan teach them, and say what to explore ([`wander`]): what is new in a sketch of
+//! where the robot has been in this episode or, as long as all seem to begin in one place, in any.
 //!
 //! Cells that pay by themselves are remembered ([`payments`]), and that they pay once in an episode is
 //! part of the state ([`map`]). While none is known the plan is the one of the fewest steps; with them

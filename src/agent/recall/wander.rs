@@ -1,21 +1,30 @@
-//! Finding the goal, and what is not yet known: the robot's own sketch of an episode.
+//! Finding the goal, and what is not yet known: the robot's own sketch of where it has been.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use serde::{Deserialize, Serialize};
 
 use super::align::{Habits, Seen, likeliest_move};
-use super::chart::Chart;
+use super::chart::{Chart, FURTHEST};
 use super::headings::Headings;
 use super::place::{Around, Letter, Place, offset};
 use xcs::Action;
 use xcs::random::Stream;
 
-/// Where the robot has been in this episode, counted from where it began.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// Where the robot has been, counted from where episodes begin. As long as what is perceived agrees, all are
+/// taken to begin in one place, and share a sketch; once it does not, each is sketched by itself.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Sketch {
     chart: Chart,
-    visits: BTreeMap<Place, u32>,
+    visited: BTreeSet<Place>,
+    /// Does it hold episodes before this one, too?
+    shared: bool,
+    /// Was anything perceived that did not agree?
+    doubted: bool,
+    #[serde(skip)]
     here: Place,
     /// What is perceived here.
+    #[serde(skip)]
     around: Option<Around>,
 }
 
@@ -25,9 +34,45 @@ impl Sketch {
         if let Some(last) = last {
             self.here = self.here.plus(likeliest_move(last, around, habits));
         }
+        if !self.doubted && self.contradicts(around) {
+            self.doubt();
+        }
         self.around = Some(*around);
         self.chart.take_down(self.here, around);
-        *self.visits.entry(self.here).or_default() += 1;
+        if self.here.reach() <= FURTHEST {
+            self.visited.insert(self.here);
+        }
+    }
+
+    /// Was any of this seen otherwise before?
+    fn contradicts(&self, around: &Around) -> bool {
+        let mut cells = self.chart.compare(self.here, around);
+        self.chart.letter(self.here) == Some(Letter::Wall) || cells.any(|(_, agrees)| !agrees)
+    }
+
+    /// Episodes begin here and there, or moves slip, or cells are misread: of what is sketched nothing is left but
+    /// what only this episode has drawn.
+    fn doubt(&mut self) {
+        if self.shared {
+            *self = Self::default();
+        }
+        self.doubted = true;
+    }
+
+    /// The episode ends.
+    pub fn end(&mut self) {
+        let doubted = self.doubted;
+        if doubted {
+            *self = Self::default();
+        }
+        (self.doubted, self.shared) = (doubted, !doubted);
+        (self.here, self.around) = (Place::ORIGIN, None);
+    }
+
+    /// Can a sketch look like this?
+    pub fn is_sound(&self) -> bool {
+        let mut visited = self.visited.iter();
+        self.chart.is_sound() && visited.all(|place| place.reach() <= FURTHEST)
     }
 
     /// An action of which nobody can tell what comes of it here; if there is none, the one that leads
@@ -47,7 +92,7 @@ impl Sketch {
                 .is_some_and(|around| headings.leave_open(*action, &around, feels_bumps))
         };
         let open = likely.iter().copied().filter(is_open).collect::<Vec<_>>();
-        let is_new = |place| !self.visits.contains_key(&place);
+        let is_new = |place| !self.visited.contains(&place);
         let is_open = |place| is_new(place) && self.chart.letter(place) != Some(Letter::Goal);
         let mut news = open;
         if news.is_empty() && passes_goals {
@@ -121,39 +166,79 @@ mod tests {
     const EAST: usize = 2;
     const WEST: usize = 6;
 
-    /// Where a robot heads in a corridor, of so many cells and with a goal at its western end, that has gone from
-    /// beside the goal to the third cell and back.
-    fn heads(cells: i32, passes_goals: bool) -> usize {
-        let headings = Headings::known(8);
-        let habits = Habits {
-            headings,
-            vision: Vision::LookedUp,
-            slip: 1e-4,
-            misread: 1e-4,
-        };
-        let mut sketch = Sketch::default();
-        let mut last: Option<Seen> = None;
-        for (at, action) in [(0, EAST), (1, EAST), (2, WEST), (1, WEST), (0, WEST)] {
+    /// A corridor from west to east, of so many cells and with a goal at its western end.
+    struct Corridor(usize);
+
+    impl Corridor {
+        fn around(&self, at: usize) -> Around {
             let mut around = [Letter::Wall; 8];
             around[WEST] = [Letter::Goal, Letter::Free][usize::from(at > 0)];
-            around[EAST] = [Letter::Free, Letter::Wall][usize::from(at == cells - 1)];
-            sketch.perceive(last.as_ref(), &around, &habits);
-            last = Some(Seen {
-                around,
+            around[EAST] = [Letter::Free, Letter::Wall][usize::from(at + 1 == self.0)];
+            around
+        }
+
+        /// Takes down an episode that comes by these cells.
+        fn walk(&self, sketch: &mut Sketch, cells: &[usize]) {
+            let ways = cells
+                .windows(2)
+                .map(|way| if way[1] > way[0] { EAST } else { WEST });
+            let steps = cells.iter().zip(ways).map(|(at, action)| Seen {
+                around: self.around(*at),
                 action: Action::new(action).unwrap(),
                 found: 0.0,
                 bumped: Bumped::No,
             });
+            let lasts = std::iter::once(None).chain(steps.map(Some));
+            for (at, last) in cells.iter().zip(lasts) {
+                sketch.perceive(last.as_ref(), &self.around(*at), &habits());
+            }
         }
+    }
+
+    fn habits() -> Habits {
+        Habits {
+            headings: Headings::known(8),
+            vision: Vision::LookedUp,
+            slip: 1e-4,
+            misread: 1e-4,
+        }
+    }
+
+    fn heads(sketch: &Sketch, passes_goals: bool) -> usize {
         let mut stream = Stream::new(1, 0_u64);
+        let headings = Headings::known(8);
         let action = sketch.explore(&headings, true, passes_goals, &mut stream);
         action.index()
     }
 
     #[test]
     fn a_goal_is_walked_past_while_anything_else_is_new() {
+        let heads = |cells, passes_goals| {
+            let mut sketch = Sketch::default();
+            Corridor(cells).walk(&mut sketch, &[0, 1, 2, 1, 0]);
+            heads(&sketch, passes_goals)
+        };
         assert_eq!(heads(4, true), EAST);
         assert_eq!(heads(3, true), WEST, "nothing else is new");
         assert_eq!(heads(4, false), WEST, "control");
+    }
+
+    /// Where a robot heads from the third cell, if its last episode began in this one and came as far as to the
+    /// fifth.
+    fn heads_after(begun: usize) -> (usize, Sketch) {
+        let (corridor, mut sketch) = (Corridor(9), Sketch::default());
+        corridor.walk(&mut sketch, &(begun..5).collect::<Vec<_>>());
+        sketch.end();
+        corridor.walk(&mut sketch, &[2]);
+        (heads(&sketch, false), sketch)
+    }
+
+    #[test]
+    fn what_an_episode_has_seen_is_not_new_in_the_next_if_both_begin_in_the_same_place() {
+        let (heads, sketch) = heads_after(2);
+        assert_eq!(heads, WEST);
+        assert!(sketch.visited.len() == 3 && !sketch.doubted);
+        let (_, sketch) = heads_after(0);
+        assert!(sketch.visited.len() == 1 && sketch.doubted, "control");
     }
 }

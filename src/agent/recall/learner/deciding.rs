@@ -81,8 +81,7 @@ impl Learner {
         found
     }
 
-    /// Plans on where moves are exact, until nothing changes any more, as is done for what rules are
-    /// induced from.
+    /// Plans on where moves are exact, until nothing changes any more, as is done for what rules learn from.
     pub(super) fn settle(&mut self) {
         let (pomdp, planner) = (&self.map.pomdp, &mut self.planner);
         for start in 0..self.map.starts() {
