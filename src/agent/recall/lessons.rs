@@ -132,7 +132,7 @@ pub fn imagine(
             let context = look(tracker.context(map));
             let costs = *known
                 .entry(tracker.belief().key())
-                .or_insert_with(|| planner.settled_costs(&map.pomdp, tracker.belief(), stream));
+                .or_insert_with(|| planner.settled_costs(&map.pomdp, tracker.belief()));
             let case = cases.entry(context).or_default();
             case.weight += 1.0;
             let sums = case.costs.iter_mut().zip(costs.in_steps(&map.pomdp));

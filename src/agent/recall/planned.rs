@@ -5,9 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::context::Tracker;
 use super::map::Map;
 use crate::agent::model::pomdp::BeliefPlanner;
-use crate::streams::StreamName;
 use xcs::PredictionArray;
-use xcs::random::Stream;
 
 /// Charts, and what was planned on them: enough to choose without rules.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -68,9 +66,7 @@ impl ChartedPlan {
 /// exact: what is misread leads to beliefs that no imagined episode comes to.
 pub fn plan_for(planner: &mut BeliefPlanner, map: &Map, tracker: &Tracker) {
     if map.misread > 0.0 && map.pomdp.slip() == 0.0 {
-        // Nothing is drawn from it where moves are exact.
-        let mut unused = Stream::new(0, StreamName::Replay);
-        planner.settled_costs(&map.pomdp, tracker.belief(), &mut unused);
+        planner.settle(&map.pomdp, tracker.belief());
     }
 }
 

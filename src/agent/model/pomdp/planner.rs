@@ -120,19 +120,26 @@ impl BeliefPlanner {
     }
 
     /// The same, where moves are exact after imagining until nothing changes any more.
-    pub fn settled_costs(&mut self, pomdp: &Pomdp, belief: &Belief, stream: &mut Stream) -> Costs {
-        let sweeps = if pomdp.slip() > 0.0 { 0 } else { MOST_SWEEPS };
-        for _ in 0..sweeps {
+    pub fn settled_costs(&mut self, pomdp: &Pomdp, belief: &Belief) -> Costs {
+        if pomdp.slip() == 0.0 {
+            self.settle(pomdp, belief);
+        }
+        self.costs(pomdp, belief)
+    }
+
+    /// Imagines exact moves from each state of a belief, until no cost changes any more.
+    pub fn settle(&mut self, pomdp: &Pomdp, belief: &Belief) {
+        for _ in 0..MOST_SWEEPS {
             let mut change = 0.0_f64;
             for &(state, _) in belief.states() {
-                let effort = self.imagine(pomdp, state, belief.clone(), stream);
+                let next = |state, action| pomdp.next(state, action);
+                let effort = self.follow(pomdp, state, belief.clone(), next);
                 change = change.max(effort.change);
             }
             if change < 1e-9 {
                 break;
             }
         }
-        self.costs(pomdp, belief)
     }
 
     /// The worth of each action in a belief: less by 1 for each step from the goal. Of actions that cost
@@ -181,15 +188,27 @@ impl BeliefPlanner {
         &mut self,
         pomdp: &Pomdp,
         start: u32,
-        mut belief: Belief,
+        belief: Belief,
         stream: &mut Stream,
+    ) -> Effort {
+        let next = |state, action| moved(pomdp, state, action, stream);
+        self.follow(pomdp, start, belief, next)
+    }
+
+    /// The same, where `next` gives the state after an action, or [`GOAL`].
+    fn follow(
+        &mut self,
+        pomdp: &Pomdp,
+        start: u32,
+        mut belief: Belief,
+        mut next: impl FnMut(u32, Action) -> u32,
     ) -> Effort {
         let (mut state, mut effort) = (start, Effort::default());
         for _ in 0..MOST_IMAGINED_STEPS {
             let (costs, branches) = self.look_ahead(pomdp, &belief);
             effort.weighed += belief.states().len();
             effort.change = effort.change.max(self.keep(&belief, costs.least()));
-            state = moved(pomdp, state, costs.best(), stream);
+            state = next(state, costs.best());
             if state == GOAL {
                 break;
             }

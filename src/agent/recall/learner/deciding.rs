@@ -85,7 +85,7 @@ impl Learner {
     pub(super) fn settle(&mut self) {
         let (pomdp, planner) = (&self.map.pomdp, &mut self.planner);
         for start in 0..self.map.starts() {
-            planner.settled_costs(pomdp, &self.map.first_belief(start), &mut self.stream);
+            planner.settled_costs(pomdp, &self.map.first_belief(start));
         }
     }
 }
