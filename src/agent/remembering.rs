@@ -54,8 +54,8 @@ impl Agent for Recall {
         self.learner.perceive(percept)
     }
 
-    /// Explores in whole episodes, fewer and fewer of them; in all others the rules choose, where
-    /// any matches, or the plan.
+    /// Explores in whole episodes, fewer and fewer of them, and where no rule matches; else the rules choose, or
+    /// the plan of one who has no rules.
     fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
         if self.learner.explores() || worth.greatest().is_none() {
             return Choice::new(self.learner.explore(), Chooser::Planner);

@@ -145,19 +145,23 @@ fn the_rules_are_the_cause_of_what_is_done() {
     assert!(before < 5.0 && after > 20.0, "{before} and {after} steps");
 }
 
-#[test]
-fn a_rule_that_is_wrong_is_corrected_and_the_others_stay() {
-    let finished = finished("mazef4", Method::XcscrMemory, 60, 0.0);
+/// Turns each rule that was learned in a world round, one by one, and brings all along for an episode there: the
+/// wrong one must go. How many of the others go with it, at most.
+fn most_lost_with_a_wrong_rule(world: &str, episodes: u32) -> usize {
+    let mut most = 0;
+    let plan = on_the_grid(world, Method::XcscrMemory).seed(5);
+    let finished = plan.clone().episodes(episodes).run().unwrap();
     let Knowledge::Remembering { rules, map } = finished.method().knowledge() else {
         panic!("the method remembers");
     };
+    let opposite = finished.plan().maze.action_count() / 2;
     for wrong in 0..rules.len() {
         let mut turned = rules.rules().to_vec();
-        let opposite = (turned[wrong].action.index() + 4) % 8;
-        turned[wrong].action = xcscr::xcs::Action::new(opposite).unwrap();
+        let action = (turned[wrong].action.index() + opposite) % (2 * opposite);
+        turned[wrong].action = xcscr::xcs::Action::new(action).unwrap();
         let what = |rule: &Classifier| (rule.condition, rule.action);
         let brought: Vec<_> = turned.iter().map(what).collect();
-        let mut plan = on_the_grid("classic/mazef4", Method::XcscrMemory);
+        let mut plan = plan.clone();
         plan.config.initial = Some(Knowledge::Remembering {
             rules: turned.try_into().unwrap(),
             map: map.clone(),
@@ -165,16 +169,22 @@ fn a_rule_that_is_wrong_is_corrected_and_the_others_stay() {
         let trial = plan.episodes(1).seed(2).run().unwrap();
         let after = trial.method().knowledge();
         let after: Vec<_> = after.rules().unwrap().rules().iter().map(what).collect();
-        for (number, rule) in brought.iter().enumerate() {
-            let kept = after.contains(rule);
-            assert_eq!(
-                kept,
-                number != wrong,
-                "rule {number} of {after:?}, {wrong} wrong"
-            );
-        }
-        assert!(trial.progress().optimal, "rule {wrong} wrong: {after:?}");
+        let lost = brought.iter().filter(|rule| !after.contains(rule)).count();
+        let corrected = !after.contains(&brought[wrong]) && trial.progress().optimal;
+        assert!(corrected, "{world}, rule {wrong} wrong: {after:?}");
+        most = most.max(lost - 1);
     }
+    most
+}
+
+#[test]
+fn a_rule_that_is_wrong_is_corrected_and_the_others_stay() {
+    assert_eq!(most_lost_with_a_wrong_rule("classic/mazef4", 60), 0);
+    // Where places look different, the plan of a map that was brought along does not change any more.
+    assert_eq!(most_lost_with_a_wrong_rule("classic/mazed", 40), 0);
+    // Here what covers the lessons of the wrong one makes some others superfluous.
+    let lost = most_lost_with_a_wrong_rule("maze5", 40);
+    assert!(lost <= 2, "{lost}");
 }
 
 /// The steps until a policy was optimal, in so many episodes that start from what was learned in

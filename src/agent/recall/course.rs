@@ -16,7 +16,7 @@ const ROUNDS: usize = 6;
 const TOLERANCE: f64 = 0.1;
 const LEAST_OFTEN: f64 = 4.5;
 /// Where they do not, costs that differ by less are equal.
-const EXACT: f64 = 1e-6;
+pub const EXACT: f64 = 1e-6;
 /// Rules look at more if more than this share of their steps is lost without it, where moves slip or
 /// cells are misread.
 const NEEDED: f64 = 0.03;

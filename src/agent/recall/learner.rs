@@ -54,7 +54,7 @@ pub struct Learner {
     stream: Stream,
     /// Finished episodes; more for one who brought rules along.
     episodes: u32,
-    /// Has the plan changed since the rules were taught?
+    /// Has the plan changed since the rules were taught, or have they erred?
     stale: bool,
     tracker: Tracker,
     sketch: Sketch,
@@ -145,6 +145,8 @@ impl Learner {
         if self.atlas.habits().headings.are_certain() {
             self.rules = rules.clone();
             self.episodes = EXPERIENCED;
+            // They may be wrong here.
+            self.stale = true;
         }
     }
 
@@ -198,8 +200,10 @@ impl Learner {
         several && self.episodes / 2 % 2 == 1
     }
 
-    /// Acts on what was perceived, and bumps or does not, and finds an auxiliary reward or none, 0.
+    /// Acts on what was perceived, and bumps or does not, and finds an auxiliary reward or none, 0. Rules that
+    /// were wrong are corrected when the episode ends.
     pub fn act(&mut self, percept: &Percept, action: Action, felt: Felt, found: f64) {
+        self.stale |= self.errs(action);
         self.tracker.act(action, felt);
         let around = self.atlas.habits().vision.around(percept);
         self.steps.push(Seen {

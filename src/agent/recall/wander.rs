@@ -87,16 +87,15 @@ impl Sketch {
         stream: &mut Stream,
     ) -> Action {
         let mut likely: Vec<Action> = Action::all(headings.actions()).collect();
-        let is_open = |action: &Action| {
+        let is_untold = |action: &Action| {
             self.around
                 .is_some_and(|around| headings.leave_open(*action, &around, feels_bumps))
         };
-        let open = likely.iter().copied().filter(is_open).collect::<Vec<_>>();
         let is_new = |place| !self.visited.contains(&place);
-        let is_open = |place| is_new(place) && self.chart.letter(place) != Some(Letter::Goal);
-        let mut news = open;
+        let is_no_goal = |place| is_new(place) && self.chart.letter(place) != Some(Letter::Goal);
+        let mut news: Vec<Action> = likely.iter().copied().filter(is_untold).collect();
         if news.is_empty() && passes_goals {
-            news = self.nearest(headings, is_open);
+            news = self.nearest(headings, is_no_goal);
         }
         if news.is_empty() {
             news = self.nearest(headings, is_new);

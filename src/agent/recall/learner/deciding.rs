@@ -2,6 +2,7 @@
 
 use super::Learner;
 use crate::agent::recall::context::Tracker;
+use crate::agent::recall::course::EXACT;
 use crate::agent::recall::planned::{ChartedPlan, planned_worth};
 use xcs::{Action, Classifier, Percept, PredictionArray};
 
@@ -79,6 +80,18 @@ impl Learner {
             }
         });
         found
+    }
+
+    /// Have rules chosen an action that costs more than the best, where moves are exact and percepts right?
+    /// Elsewhere an action may cost more in what is believed now, and be the best on average.
+    pub(super) fn errs(&self, action: Action) -> bool {
+        let pomdp = &self.map.pomdp;
+        if self.decider == Decider::Plan || pomdp.slip() > 0.0 || self.map.misread > 0.0 {
+            return false;
+        }
+        let belief = self.tracker.belief();
+        let chosen = !self.explores() && !belief.is_empty();
+        chosen && self.planner.costs(pomdp, belief).regret(action, pomdp) > EXACT
     }
 
     /// Plans on where moves are exact, until nothing changes any more, as is done for what rules learn from.
