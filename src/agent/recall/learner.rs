@@ -178,8 +178,8 @@ impl Learner {
     /// Is this an episode in which to look for what is not yet known?
     pub fn explores(&self) -> bool {
         let every = match self.episodes {
-            ..ALL_EXPLORE => 1,
-            ..MANY_EXPLORE => 2,
+            0..ALL_EXPLORE => 1,
+            ALL_EXPLORE..MANY_EXPLORE => 2,
             _ => 10,
         };
         self.size() == 0 || self.episodes % every == every - 1
