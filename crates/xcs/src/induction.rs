@@ -2,7 +2,7 @@
 //!
 //! Each rule says "wherever my condition matches, my action is one of the best". Which action is
 //! best generalises further than what actions are worth, so a few rules suffice. They are kept
-//! consistent with all lessons, and complete:
+//! consistent with all lessons, and complete as long as \[P\] has room:
 //! 1. a rule that covers a lesson in which its action is not among the best demands more alleles,
 //!    until it covers none, or goes when nothing good is left;
 //! 2. for a lesson that no rule covers, a rule is grown from the most general condition, and
@@ -11,7 +11,8 @@
 //!
 //! A rule's prediction is the mean worth of its lessons, its error the mean deviation from that,
 //! its experience their number, and so is its fitness: in the prediction array (Eq. 6) general
-//! rules weigh more.
+//! rules weigh more. Or its experience and fitness are its own record of the steps in which it acted
+//! ([`Record::Steps`]).
 
 use std::collections::BTreeSet;
 
@@ -24,9 +25,22 @@ use super::params::Params;
 use super::population::Population;
 use super::signal::{Action, Percept};
 
+/// What the experience and the fitness of a rule tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Record {
+    /// How many lessons it covers.
+    #[default]
+    Lessons,
+    /// In how many steps it acted, and in which share it was right: see [`Population::record`].
+    Steps,
+}
+
 /// Which lessons the rules of a population cover.
 #[derive(Debug, Clone, Default)]
 pub struct Induction {
+    /// Where parts of a percept end, if rules look at later ones only where earlier ones do not suffice.
+    parts: &'static [usize],
+    record: Record,
     /// By the position of a rule in \[P\]: the lessons that it covers.
     covers: Vec<FixedBitSet>,
     /// By the position of a rule in \[P\]: are its figures those of other lessons than it covers?
@@ -38,6 +52,7 @@ pub struct Induction {
 }
 
 /// A rule that may join \[P\], and the lessons that it covers.
+#[derive(Clone)]
 struct Candidate {
     condition: Condition,
     action: Action,
@@ -45,6 +60,16 @@ struct Candidate {
 }
 
 impl Induction {
+    /// Of rules that look at what comes after the first of these positions only where what is before it does
+    /// not suffice, and so on, and that keep such a record.
+    pub fn in_parts(parts: &'static [usize], record: Record) -> Self {
+        Self {
+            parts,
+            record,
+            ..Self::default()
+        }
+    }
+
     /// Makes the rules of a population agree with all lessons; it holds at most
     /// `params.population_size` of them. What changed in `lessons` counts as learned then.
     pub fn learn(&mut self, population: &mut Population, lessons: &mut Lessons, params: &Params) {
@@ -63,7 +88,7 @@ impl Induction {
 
     /// Looks up from scratch which lessons the rules cover, for a population from a file.
     fn survey(&mut self, population: &Population, lessons: &Lessons) {
-        *self = Self::default();
+        *self = Self::in_parts(self.parts, self.record);
         for rule in population.rules() {
             let numbers = lessons
                 .iter()
@@ -145,7 +170,7 @@ impl Induction {
                 action: rule.action,
                 covers,
             };
-            if let Some(special) = right(lessons, general, None) {
+            if let Some(special) = right_in_part(lessons, &general, None, self.parts) {
                 self.insert(population, special, params);
             }
         }
@@ -172,7 +197,7 @@ impl Induction {
     fn most_general(&self, lessons: &Lessons, lesson: &Lesson) -> Option<Candidate> {
         let candidates = lesson
             .best_actions()
-            .filter_map(|action| covering(lessons, lesson, action));
+            .filter_map(|action| covering(lessons, lesson, action, self.parts));
         let gain = |one: &Candidate| {
             let new = one
                 .covers
@@ -206,13 +231,14 @@ impl Induction {
 
     /// Sets the figures of the rules of which they are outdated.
     fn rate(&mut self, population: &mut Population, lessons: &Lessons) {
+        let record = self.record;
         let rules = self.covers.iter().zip(&mut self.outdated);
         for (at, (covers, outdated)) in rules.enumerate() {
-            if !std::mem::take(outdated) {
+            let number = covers.count_ones(..) as f64;
+            if !std::mem::take(outdated) || number == 0.0 {
                 continue;
             }
             let value = |number| lessons.get(number).map_or(0.0, |lesson| lesson.value);
-            let number = covers.count_ones(..).max(1) as f64;
             let prediction = covers.ones().map(value).sum::<f64>() / number;
             let deviations = covers
                 .ones()
@@ -221,15 +247,20 @@ impl Induction {
             population.modify(population.id_at(at), |rule| {
                 rule.prediction = prediction;
                 rule.error = error;
-                rule.experience = number as u32;
-                rule.fitness = number;
+                if record == Record::Lessons {
+                    rule.experience = number as u32;
+                    rule.fitness = number;
+                }
             });
         }
     }
 
     fn insert(&mut self, population: &mut Population, one: Candidate, params: &Params) {
         let before = population.len();
-        let rule = Classifier::new(one.condition, one.action, 0, params);
+        let mut rule = Classifier::new(one.condition, one.action, 0, params);
+        if self.record == Record::Steps {
+            rule.fitness = 1.0;
+        }
         let id = population.insert(rule);
         if population.len() == before {
             // It was there already: still one rule.
@@ -252,13 +283,18 @@ impl Induction {
 
 /// The most general rule for a lesson that is found step by step; `None` if another lesson with
 /// the same percept contradicts it.
-fn covering(lessons: &Lessons, lesson: &Lesson, action: Action) -> Option<Candidate> {
+fn covering(
+    lessons: &Lessons,
+    lesson: &Lesson,
+    action: Action,
+    parts: &[usize],
+) -> Option<Candidate> {
     let general = Candidate {
         condition: Condition::of_alleles(&lesson.percept, []),
         action,
         covers: lessons.given().clone(),
     };
-    let found = right(lessons, general, Some(&lesson.percept))?;
+    let found = right_in_part(lessons, &general, Some(&lesson.percept), parts)?;
     let mut alleles: Vec<usize> = demanded(&found.condition).collect();
     for allele in demanded(&found.condition) {
         let fewer: Vec<usize> = alleles.iter().copied().filter(|&a| a != allele).collect();
@@ -286,10 +322,27 @@ fn with_alleles(lessons: &Lessons, percept: &Percept, alleles: &[usize]) -> Fixe
     alleles.iter().fold(given, narrow)
 }
 
+/// The same with alleles of as few parts as will do.
+fn right_in_part(
+    lessons: &Lessons,
+    rule: &Candidate,
+    like: Option<&Percept>,
+    parts: &[usize],
+) -> Option<Candidate> {
+    let ends = parts.iter().copied().chain([rule.condition.width()]);
+    ends.into_iter()
+        .find_map(|end| right(lessons, rule.clone(), like, end))
+}
+
 /// Demands more alleles, those of a percept if one is given, until the rule covers only lessons in
 /// which its action is among the best: each time the allele that leaves the highest share of
 /// these, (good + 1) / (all + 2). `None` when no good one would be left.
-fn right(lessons: &Lessons, mut rule: Candidate, like: Option<&Percept>) -> Option<Candidate> {
+fn right(
+    lessons: &Lessons,
+    mut rule: Candidate,
+    like: Option<&Percept>,
+    end: usize,
+) -> Option<Candidate> {
     loop {
         let [good, bad] = lessons.verdicts(&rule.covers, rule.action);
         match (good, bad) {
@@ -298,7 +351,7 @@ fn right(lessons: &Lessons, mut rule: Candidate, like: Option<&Percept>) -> Opti
             _ => {}
         }
         let mut best: Option<((usize, bool), [u64; 2])> = None;
-        let free = (0..rule.condition.width()).filter(|&bit| rule.condition.allele(bit).is_none());
+        let free = (0..end).filter(|&bit| rule.condition.allele(bit).is_none());
         for bit in free {
             for value in [false, true] {
                 if like.is_some_and(|percept| percept.bit(bit) != value) {
@@ -315,5 +368,97 @@ fn right(lessons: &Lessons, mut rule: Candidate, like: Option<&Percept>) -> Opti
         let ((bit, value), _) = best?;
         rule.condition = rule.condition.demanding(bit, value);
         rule.covers = lessons.with_allele(&rule.covers, bit, value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rules for percepts of which the last bit tells what the first two tell together: is one of them set?
+    fn learned(induction: Induction) -> Population {
+        let mut lessons = Lessons::default();
+        for (number, percept) in ["000", "110", "011", "101"].iter().enumerate() {
+            let mut best = crate::ByAction::default();
+            best[usize::from(percept.ends_with('1'))] = true;
+            let lesson = Lesson {
+                percept: percept.parse().unwrap(),
+                best,
+                value: 5.0,
+            };
+            lessons.give(number, lesson);
+        }
+        let mut population = Population::default();
+        let mut induction = induction;
+        induction.learn(&mut population, &mut lessons, &Params::default());
+        population
+    }
+
+    fn looks_at_the_last_bit(rule: &Classifier) -> bool {
+        rule.condition.allele(2).is_some()
+    }
+
+    #[test]
+    fn a_rule_looks_at_a_later_part_only_where_the_earlier_does_not_suffice() {
+        let in_one = learned(Induction::default());
+        assert_eq!(in_one.len(), 2);
+        assert!(in_one.rules().iter().all(looks_at_the_last_bit));
+
+        let in_two = learned(Induction::in_parts(&[2], Record::Lessons));
+        assert_eq!(in_two.len(), 4);
+        assert!(!in_two.rules().iter().any(looks_at_the_last_bit));
+
+        // The first bit alone tells nothing; what is left may look at all.
+        let in_halves = learned(Induction::in_parts(&[1], Record::Lessons));
+        assert_eq!(in_halves.len(), 2);
+        assert!(in_halves.rules().iter().all(looks_at_the_last_bit));
+    }
+
+    #[test]
+    fn figures_are_those_of_the_lessons_or_a_record_of_steps() {
+        let figures = |rule: &Classifier| (rule.prediction, rule.experience, rule.fitness);
+        let of_lessons = learned(Induction::in_parts(&[1], Record::Lessons));
+        assert!(
+            of_lessons
+                .rules()
+                .iter()
+                .all(|rule| figures(rule) == (5.0, 2, 2.0))
+        );
+        let of_steps = learned(Induction::in_parts(&[1], Record::Steps));
+        assert!(
+            of_steps
+                .rules()
+                .iter()
+                .all(|rule| figures(rule) == (5.0, 0, 1.0))
+        );
+    }
+    #[test]
+    fn a_rule_that_covers_no_lesson_keeps_its_figures() {
+        let mut best = crate::ByAction::default();
+        best[0] = true;
+        let percept = "00".parse().unwrap();
+        let value = -3.0;
+        let mut lessons = Lessons::default();
+        lessons.give(
+            0,
+            Lesson {
+                percept,
+                best,
+                value,
+            },
+        );
+        let params = Params::default();
+        let mut population = Population::default();
+        let [inside, elsewhere] = ["0#", "11"].map(|condition| {
+            let action = Action::new(0).unwrap();
+            population.insert(Classifier {
+                prediction: -7.0,
+                ..Classifier::new(condition.parse().unwrap(), action, 0, &params)
+            })
+        });
+        Induction::default().learn(&mut population, &mut lessons, &params);
+        let prediction = |id| population.get(id).map(|rule| rule.prediction);
+        assert_eq!(prediction(inside), Some(value));
+        assert_eq!(prediction(elsewhere), Some(-7.0));
     }
 }

@@ -75,7 +75,7 @@ pub use classifier::Classifier;
 pub use compaction::compact;
 pub use condition::{Condition, ConditionError};
 pub use handles::ClassifierId;
-pub use induction::Induction;
+pub use induction::{Induction, Record};
 pub use learner::{Learned, Xcs};
 pub use lessons::{Lesson, Lessons};
 pub use params::{GaClock, Params, SubsumerTies, UpdateOrder};

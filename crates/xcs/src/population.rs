@@ -149,6 +149,37 @@ impl Population {
         sums
     }
 
+    /// The same rules, whose records begin anew.
+    pub fn without_records(&self) -> Self {
+        let mut fresh = self.clone();
+        for at in 0..fresh.len() {
+            fresh.modify(fresh.id_at(at), |rule| {
+                (rule.experience, rule.fitness) = (0, 1.0);
+            });
+        }
+        fresh
+    }
+
+    /// Notes in the rules of \[A\] that they acted once more, and whether that was right. Experience counts
+    /// the steps; fitness is the share that was right, with one right step to begin with, as the accuracy of
+    /// UCS (Bernadó-Mansilla and Garrell, 2003). Tells whether there are any.
+    pub fn record(&mut self, percept: &Percept, action: Action, right: bool) -> bool {
+        let mut acted = Vec::new();
+        self.for_each_match(percept, |id, rule| {
+            if rule.action == action {
+                acted.push(id);
+            }
+        });
+        for &id in &acted {
+            self.modify(id, |rule| {
+                rule.experience = rule.experience.saturating_add(1);
+                let steps = f64::from(rule.experience) + 1.0;
+                rule.fitness += (f64::from(u8::from(right)) - rule.fitness) / steps;
+            });
+        }
+        !acted.is_empty()
+    }
+
     /// The same rules, all with the time stamp `time` and the effect of mapping `eam`.
     pub(super) fn stamped(&self, time: u64, eam: f32) -> Self {
         let mut stamped = Self::default();
@@ -273,6 +304,35 @@ mod tests {
         assert_eq!(population.insert(rule("01#", 3)), first);
         assert_eq!((population.len(), population.micro()), (1, 5));
         assert_eq!(population.get(first).unwrap().numerosity, 5);
+    }
+
+    #[test]
+    fn a_record_is_kept_by_the_rules_that_match_and_have_the_action() {
+        let params = Params::default();
+        let new = |condition: &str, action| Classifier {
+            fitness: 1.0,
+            ..Classifier::new(
+                condition.parse().unwrap(),
+                Action::new(action).unwrap(),
+                0,
+                &params,
+            )
+        };
+        let mut population = Population::default();
+        let acting = population.insert(new("01#", 0));
+        let others = [new("01#", 1), new("1##", 0)].map(|rule| population.insert(rule));
+        let (percept, action) = ("010".parse().unwrap(), Action::new(0).unwrap());
+        for right in [true, false, true] {
+            population.record(&percept, action, right);
+        }
+        let record = |id| {
+            population
+                .get(id)
+                .map(|rule| (rule.experience, rule.fitness))
+        };
+        // One right step to begin with, and two of three.
+        assert_eq!(record(acting), Some((3, 0.75)));
+        assert_eq!(others.map(record), [Some((0, 1.0)); 2]);
     }
 
     #[test]

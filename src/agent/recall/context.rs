@@ -28,6 +28,11 @@ const WINDOW: usize = 2;
 pub const CONTEXT_BITS: usize =
     PERCEPT_BITS + 2 * COORDINATE_BITS + CHART_BITS + MOST_PAYING + WINDOW * STEP_BITS;
 
+/// Where the percept and the place end: rules look at what comes after only where that does not suffice.
+pub const PARTS: &[usize] = &[PERCEPT_BITS, PLACE_END];
+/// Where the place ends, with what was found there.
+const PLACE_END: usize = CONTEXT_BITS - WINDOW * STEP_BITS;
+
 const _: () = assert!(CONTEXT_BITS <= xcs::MAX_PERCEPT_BITS);
 
 /// What came of an action, beside what is perceived after it.
@@ -189,26 +194,28 @@ impl Tracker {
     }
 }
 
-/// How much of a context rules look at.
+/// How much of a context rules may look at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum View {
-    /// The percept, as the rules of other methods.
-    Percept,
-    /// And the likeliest place, with what was found there.
+    /// The percept and the likeliest place, with what was found there.
     Place,
     /// And the last two steps.
     Steps,
 }
 
 impl View {
-    /// The narrowest first.
-    pub const ALL: [Self; 3] = [Self::Percept, Self::Place, Self::Steps];
+    /// Those that rules on a map may have, the narrowest first.
+    pub fn fit_for(map: &Map) -> &'static [Self] {
+        match map.misread > 0.0 {
+            true => &[Self::Place, Self::Steps],
+            false => &[Self::Steps],
+        }
+    }
 
     /// How many bits of a context it is.
     fn bits(self) -> usize {
         match self {
-            Self::Percept => PERCEPT_BITS,
-            Self::Place => CONTEXT_BITS - WINDOW * STEP_BITS,
+            Self::Place => PLACE_END,
             Self::Steps => CONTEXT_BITS,
         }
     }

@@ -1,146 +1,149 @@
-//! How rules are taught on a map: what they may look at, what is right, and how they are put to the test.
+//! How rules are corrected on a map: by what was planned, by what they met in imagined episodes and by
+//! what they met when they drove.
 
-use super::context::View;
-use super::lessons::{Cases, Taken, imagine, lessons};
+use super::context::{PARTS, View};
+use super::lessons::{Case, Cases, imagine, lessons};
 use super::map::Map;
 use super::rehearsal::rehearse;
 use crate::agent::explorer::exploit;
 use crate::agent::model::pomdp::BeliefPlanner;
 use xcs::random::Stream;
-use xcs::{Action, Induction, Params, Percept, Population};
+use xcs::{
+    Action, Induction, Lesson, Lessons, Params, Percept, Population, PredictionArray, Record,
+};
 
-/// How often rules are put to the test on the map, and learn from what they met.
+/// How often rules act on the map, at most, and learn from what they met there, if moves slip and if they do not.
 const ROUNDS: usize = 6;
+const ROUNDS_OF_EXACT: usize = 20;
 /// Where moves slip, an action is good if it costs at most so many steps more than the best, and a
-/// context counts if it came so often.
+/// context counts if it came so often; where cells are misread, the same when driving.
 const TOLERANCE: f64 = 0.1;
 const LEAST_OFTEN: f64 = 4.5;
 /// Where they do not, costs that differ by less are equal.
-pub const EXACT: f64 = 1e-6;
-/// Rules look at more if more than this share of their steps is lost without it, where moves slip or
-/// cells are misread.
-const NEEDED: f64 = 0.03;
-/// Imagined episodes of a test, if moves slip or cells are misread.
-const TESTS: u32 = 300;
-/// Imagined episodes of a test from each state, if they do not: chance decides between actions that
-/// the rules hold for equally good, as it does when they act.
-const TESTS_OF_TIES: u32 = 8;
+const EXACT: f64 = 1e-6;
+/// Imagined episodes, if moves slip or cells are misread.
+const IMAGINED: u32 = 300;
+/// Imagined episodes from each state in which rules act, if they do not: chance decides between
+/// actions that the rules hold for equally good, as it does when they drive.
+const IMAGINED_OF_TIES: u32 = 8;
 
-/// How rules that look at so much are taught on a map, and put to the test.
+/// How rules are corrected on a map.
 pub struct Course<'a> {
     map: &'a Map,
     view: View,
     params: &'a Params,
-    slips: bool,
-    /// Imagined episodes from each state: as planned, and in a test.
+    misread: bool,
+    rounds: usize,
+    /// Imagined episodes from each state: as planned, and in which rules act.
     planned: u32,
-    tests: u32,
-    /// By how many steps an action may be worse than the best.
+    acted: u32,
+    /// By how many steps an action of a lesson may be worse than the best, and how often its context must come.
     tolerance: f64,
     least_often: f64,
-    /// The share of the steps that rules may lose.
-    tolerated: f64,
+    /// The same when driving.
+    allowed: f64,
+    least_met: f64,
 }
 
 impl<'a> Course<'a> {
-    /// The course on this map, for a population with these parameters.
+    /// The course on this map, for a population with these parameters whose rules look at no more than this.
     pub fn on(map: &'a Map, view: View, params: &'a Params) -> Self {
         let slips = map.pomdp.slip() > 0.0;
-        let (planned, tests) = match slips {
-            true => [TESTS.div_ceil(map.starts()); 2].into(),
-            false => (1, TESTS_OF_TIES),
+        let (rounds, planned, acted) = match slips {
+            true => {
+                let episodes = IMAGINED.div_ceil(map.starts());
+                (ROUNDS, episodes, episodes)
+            }
+            false => (ROUNDS_OF_EXACT, 1, IMAGINED_OF_TIES),
         };
-        let (tolerance, least_often, tolerated) = match slips {
-            true => (TOLERANCE, LEAST_OFTEN, NEEDED),
-            false => (EXACT, 0.0, EXACT),
+        let misread = map.misread > 0.0;
+        let (tolerance, least_often) = match slips {
+            true => (TOLERANCE, LEAST_OFTEN),
+            false => (EXACT, 0.0),
+        };
+        let (allowed, least_met) = match slips || misread {
+            true => (TOLERANCE, LEAST_OFTEN),
+            false => (EXACT, 0.0),
         };
         Self {
             map,
             view,
             params,
-            slips,
+            misread,
+            rounds,
             planned,
-            tests,
+            acted,
             tolerance,
             least_often,
-            tolerated,
+            allowed,
+            least_met,
         }
     }
 
-    /// The rules of a population that look at no more than this, made to agree with imagined episodes, put
-    /// to the test, and corrected by what they met; and the last test, or the best if moves are exact.
-    pub fn taken(
+    /// Did a context come often enough when driving to learn from it?
+    pub fn counts(&self, met: &Case) -> bool {
+        met.weight >= self.least_met
+    }
+
+    /// Is an action right that costs so many steps more than the best?
+    pub fn approves(&self, regret: f64) -> bool {
+        regret <= self.allowed
+    }
+
+    /// Makes rules agree with what was met when driving and with imagined episodes, first as planned, then such
+    /// in which they act, until they meet nothing new and agree with all.
+    pub fn correct(
         &self,
-        before: &Population,
+        rules: &mut Population,
+        met: &Cases,
         planner: &mut BeliefPlanner,
         stream: &mut Stream,
-    ) -> (Population, Taken) {
-        let mut rules = self.view.part_of(before);
+    ) {
         let mut cases = Cases::new();
-        self.plan(planner, stream, &mut cases);
-        let mut best: Option<(Population, Taken)> = None;
-        for _ in 0..ROUNDS {
-            self.teach(&mut rules, &cases);
-            let before = cases.len();
-            let test = self.test(&rules, planner, stream, &mut cases);
-            // Where moves slip a test is a matter of luck, and the last rules have learned most.
-            let better = |(_, least): &(_, Taken)| test.lost <= least.lost;
-            if self.slips || best.as_ref().is_none_or(better) {
-                best = Some((rules.clone(), test));
-            }
-            if cases.len() == before {
+        *rules = self.view.part_of(rules);
+        self.imagine(self.planned, |_, _| None, planner, stream, &mut cases);
+        let mut lessons = self.lessons(&cases, met);
+        for _ in 0..self.rounds {
+            Induction::in_parts(PARTS, Record::Steps).learn(rules, &mut lessons, self.params);
+            let chosen = |context: &Percept, stream: &mut Stream| {
+                Some(exploit(&self.worth(rules, context), stream))
+            };
+            let known = cases.len();
+            self.imagine(self.acted, chosen, planner, stream, &mut cases);
+            lessons = self.lessons(&cases, met);
+            let agrees = |lesson: &Lesson| lesson.agrees_with(&self.worth(rules, &lesson.percept));
+            if cases.len() == known && lessons.iter().all(|(_, lesson)| agrees(lesson)) {
                 break;
             }
         }
-        best.unwrap_or_default()
     }
 
-    /// Corrects the rules that are wrong in a case, covers those that none covers, and removes what is
-    /// superfluous.
-    fn teach(&self, rules: &mut Population, cases: &Cases) {
-        let actions = self.map.pomdp.actions();
-        let mut lessons = lessons(cases, actions, self.tolerance, self.least_often);
-        Induction::default().learn(rules, &mut lessons, self.params);
-    }
-
-    /// What rules take where cells are misread as often as they are; nothing, if they never are.
-    pub fn rehearsed(
-        &self,
-        rules: &Population,
-        planner: &BeliefPlanner,
-        stream: &mut Stream,
-    ) -> Taken {
-        match self.map.misread > 0.0 {
-            true => rehearse(self.map, planner, rules, TESTS, stream),
-            false => Taken::default(),
+    /// The share of their steps that rules lose where cells are misread as often as they are; nothing, if they
+    /// never are.
+    pub fn lost(&self, rules: &Population, planner: &BeliefPlanner, stream: &mut Stream) -> f64 {
+        match self.misread {
+            true => rehearse(self.map, planner, rules, IMAGINED, stream),
+            false => 0.0,
         }
     }
 
-    /// Are rules good enough that lost so much?
-    pub fn tolerates(&self, test: Taken, rehearsal: Taken) -> bool {
-        test.share_lost() <= self.tolerated && rehearsal.share_lost() <= NEEDED
+    fn worth(&self, rules: &Population, context: &Percept) -> PredictionArray {
+        rules.sums(context).array(self.map.pomdp.actions(), false)
     }
 
-    /// Imagines episodes from each state, as planned.
-    fn plan(&self, planner: &mut BeliefPlanner, stream: &mut Stream, cases: &mut Cases) {
-        let rounds = self.planned;
-        self.imagine(rounds, |_, _| None, planner, stream, cases);
-    }
-
-    /// Imagines episodes from each state, with actions that the rules choose.
-    fn test(
-        &self,
-        rules: &Population,
-        planner: &mut BeliefPlanner,
-        stream: &mut Stream,
-        cases: &mut Cases,
-    ) -> Taken {
-        let actions = self.map.pomdp.actions();
-        let chosen = |context: &Percept, stream: &mut Stream| {
-            let worth = rules.sums(context).array(actions, false);
-            Some(exploit(&worth, stream))
-        };
-        self.imagine(self.tests, chosen, planner, stream, cases)
+    /// The lessons of what was imagined and met.
+    fn lessons(&self, imagined: &Cases, met: &Cases) -> Lessons {
+        let mut cases = imagined.clone();
+        for (context, met) in met.iter().filter(|(_, met)| self.counts(met)) {
+            let case = cases.entry(self.view.of(context)).or_default();
+            *case = case.with(met);
+        }
+        lessons(
+            &cases,
+            self.map.pomdp.actions(),
+            self.tolerance,
+            self.least_often,
+        )
     }
 
     fn imagine(
@@ -150,9 +153,78 @@ impl<'a> Course<'a> {
         planner: &mut BeliefPlanner,
         stream: &mut Stream,
         cases: &mut Cases,
-    ) -> Taken {
+    ) {
         let starts = (0..rounds).flat_map(|_| 0..self.map.starts());
-        let look = |context: Percept| self.view.of(&context);
-        imagine(self.map, planner, starts, chosen, look, stream, cases)
+        imagine(
+            self.map,
+            planner,
+            starts,
+            chosen,
+            |context| self.view.of(&context),
+            stream,
+            cases,
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::context::{CONTEXT_BITS, Felt, PERCEPT_BITS, Tracker};
+    use super::super::map::{Spot, sight};
+    use super::*;
+    use crate::agent::model::pomdp::{Belief, GOAL, Pomdp};
+
+    /// Two places that look different: from the first the one action leads to the goal, from the second the other.
+    fn two_places(slip: f64) -> Map {
+        let seen = [0, 1].map(|bits| sight(&Percept::from_word(bits, PERCEPT_BITS), 0));
+        let next = |state: usize, action: Action| match action.index() == state {
+            true => GOAL,
+            false => state as u32,
+        };
+        Map {
+            pomdp: Pomdp::new(2, slip, &seen, next),
+            spots: [Spot::default(); 2].into(),
+            misread: 0.0,
+            begin: None,
+            unfelt: false,
+        }
+    }
+
+    /// What rules choose that learn from imagined episodes and from one context that was met when driving,
+    /// so often, and looks like the first place, but is the second.
+    fn chosen_after(met_times: u32, slip: f64) -> Vec<usize> {
+        let map = two_places(slip);
+        let params = Params::default();
+        let (mut planner, mut stream) = (BeliefPlanner::new(&map.pomdp), Stream::new(1, 1_u64));
+        let costs = planner.settled_costs(&map.pomdp, &Belief::even([1]));
+        let mut odd = Tracker::standing(&map, 0);
+        let felt = Felt {
+            bumped: true,
+            rewarded: false,
+        };
+        odd.act(Action::new(1).unwrap(), felt);
+        odd.perceive(&map, &Percept::from_word(0, PERCEPT_BITS));
+        let odd = odd.context(&map);
+        assert_eq!(odd.width(), CONTEXT_BITS);
+        let mut met = Cases::new();
+        for _ in 0..met_times {
+            met.entry(odd).or_default().add(&costs, &map);
+        }
+        let mut rules = Population::default();
+        Course::on(&map, View::Steps, &params).correct(&mut rules, &met, &mut planner, &mut stream);
+        let worth = rules.sums(&odd).array(2, false);
+        worth.best_actions().map(|action| action.index()).collect()
+    }
+
+    #[test]
+    fn what_was_met_when_driving_teaches_what_no_imagined_episode_does() {
+        assert_eq!(chosen_after(0, 0.0), [0]);
+        assert_eq!(chosen_after(1, 0.0), [1]);
+    }
+
+    #[test]
+    fn where_moves_slip_it_teaches_from_the_fifth_time_on() {
+        assert_eq!(chosen_after(4, 0.1), [0]);
+        assert_eq!(chosen_after(5, 0.1), [1]);
     }
 }

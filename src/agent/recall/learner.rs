@@ -10,6 +10,7 @@ use super::align::Seen;
 use super::atlas::Atlas;
 use super::context::{CONTEXT_BITS, Felt, Tracker, View};
 use super::course::Course;
+use super::lessons::Cases;
 use super::map::{Map, Worth};
 use super::params::MemoryParams;
 use super::place::Vision;
@@ -34,6 +35,8 @@ const MANY_EXPLORE: u32 = 200;
 const EXPERIENCED: u32 = 6;
 /// Imagined episodes from every state after each real one, at most, if moves are exact.
 const SWEEPS: usize = 8;
+/// Rules may lose this share of their steps where cells are misread, without looking at more.
+const TOLERATED: f64 = 0.03;
 /// If moves slip, plans never settle; rules are taught anew after so many episodes.
 const REVISED_AFTER: [u32; 14] = [
     25, 50, 75, 100, 150, 200, 250, 300, 400, 500, 600, 700, 800, 900,
@@ -54,7 +57,9 @@ pub struct Learner {
     stream: Stream,
     /// Finished episodes; more for one who brought rules along.
     episodes: u32,
-    /// Has the plan changed since the rules were taught, or have they erred?
+    /// What was met when nothing was explored, since the charts or, where moves are exact, the plan changed last.
+    met: Cases,
+    /// Has the plan changed since the rules were corrected, or have they erred?
     stale: bool,
     tracker: Tracker,
     sketch: Sketch,
@@ -68,6 +73,7 @@ pub struct Kept {
     atlas: Atlas,
     planner: BeliefPlanner,
     rules: Population,
+    met: Cases,
     stream: Stream,
     episodes: u32,
     stale: bool,
@@ -93,6 +99,7 @@ impl Learner {
             map: Map::default(),
             planner: BeliefPlanner::default(),
             rules: Population::default(),
+            met: Cases::new(),
             stream,
             episodes: 0,
             stale: false,
@@ -108,6 +115,7 @@ impl Learner {
             atlas: self.atlas.clone(),
             planner: self.planner.clone(),
             rules: self.rules.clone(),
+            met: self.met.clone(),
             stream: self.stream.clone(),
             episodes: self.episodes,
             stale: self.stale,
@@ -129,6 +137,7 @@ impl Learner {
         self.map = self.atlas.map(&self.worth);
         self.planner = kept.planner;
         self.rules = kept.rules;
+        self.met = kept.met;
         self.stream = kept.stream;
         self.episodes = kept.episodes;
         self.stale = kept.stale;
@@ -143,7 +152,7 @@ impl Learner {
         self.map = self.atlas.map(&self.worth);
         self.planner = BeliefPlanner::new(&self.map.pomdp);
         if self.atlas.habits().headings.are_certain() {
-            self.rules = rules.clone();
+            self.rules = rules.without_records();
             self.episodes = EXPERIENCED;
             // They may be wrong here.
             self.stale = true;
@@ -203,7 +212,7 @@ impl Learner {
     /// Acts on what was perceived, and bumps or does not, and finds an auxiliary reward or none, 0. Rules that
     /// were wrong are corrected when the episode ends.
     pub fn act(&mut self, percept: &Percept, action: Action, felt: Felt, found: f64) {
-        self.stale |= self.errs(action);
+        self.stale |= self.meet(action);
         self.tracker.act(action, felt);
         let around = self.atlas.habits().vision.around(percept);
         self.steps.push(Seen {
@@ -226,6 +235,7 @@ impl Learner {
             let map = self.atlas.map(&self.worth);
             if !map.is_of_the_same(&self.map) {
                 self.planner = BeliefPlanner::new(&map.pomdp);
+                self.met.clear();
                 self.stale = true;
             }
             self.stale |= (map.misread > 0.0) != (self.map.misread > 0.0);
@@ -263,6 +273,7 @@ impl Learner {
             if change < 1e-9 {
                 break;
             }
+            self.met.clear();
             changed = true;
         }
         changed
@@ -289,22 +300,23 @@ impl Learner {
             .imagine(&self.map.pomdp, start, belief, &mut self.stream)
     }
 
-    /// Corrects the rules by what was planned. They look at no more than is needed: at the percept alone if
-    /// that is enough, at the place if not, and at the last two steps only if they must.
+    /// Corrects the rules by what was planned and by what they met. Where cells are misread, steps of the window
+    /// may come that no imagined episode had: rules look at them only if they lose too much without.
     fn teach(&mut self) {
-        let mut least_lost = f64::INFINITY;
         let before = std::mem::take(&mut self.rules);
         // Rehearsals draw nothing from what is drawn for learning, and all the same.
         let luck = self.stream.clone();
-        for view in View::ALL {
+        let mut least_lost = f64::INFINITY;
+        for &view in View::fit_for(&self.map) {
             let course = Course::on(&self.map, view, &self.xcs);
-            let (rules, test) = course.taken(&before, &mut self.planner, &mut self.stream);
-            let rehearsal = course.rehearsed(&rules, &self.planner, &mut luck.clone());
-            let lost = test.share_lost() + rehearsal.share_lost();
+            let mut rules = before.clone();
+            let (planner, stream) = (&mut self.planner, &mut self.stream);
+            course.correct(&mut rules, &self.met, planner, stream);
+            let lost = course.lost(&rules, planner, &mut luck.clone());
             if lost < least_lost {
                 (self.rules, least_lost) = (rules, lost);
             }
-            if course.tolerates(test, rehearsal) {
+            if lost <= TOLERATED {
                 return;
             }
         }

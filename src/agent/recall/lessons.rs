@@ -1,8 +1,10 @@
-//! What rules are to be learned from: imagined episodes on the map.
+//! What rules are to be learned from: imagined episodes on the map, and what they met when they drove.
 //!
-//! What they met makes a case for each context, and cases make lessons: this context, these actions.
+//! What was met makes a case for each context, and cases make lessons: this context, these actions.
 
 use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
 
 use super::context::{Felt, Tracker};
 use super::map::Map;
@@ -14,7 +16,7 @@ use xcs::{Action, ByAction, Lesson, Lessons, Percept};
 pub const MOST_STEPS: u32 = 100;
 
 /// What is known of a context: how often it came, and what each action cost there, added up.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// How often it came.
     pub weight: f64,
@@ -22,6 +24,22 @@ pub struct Case {
 }
 
 impl Case {
+    /// Adds that the context came once more, and what actions cost.
+    pub fn add(&mut self, costs: &Costs, map: &Map) {
+        self.weight += 1.0;
+        let sums = self.costs.iter_mut().zip(costs.in_steps(&map.pomdp));
+        sums.for_each(|(sum, cost)| *sum += cost);
+    }
+
+    /// Both together.
+    pub fn with(&self, other: &Self) -> Self {
+        let mut both = *self;
+        both.weight += other.weight;
+        let sums = both.costs.iter_mut().zip(other.costs.iter());
+        sums.for_each(|(sum, cost)| *sum += cost);
+        both
+    }
+
     /// The mean cost of the best action.
     pub fn least(&self, actions: usize) -> f64 {
         let costs = self.costs[..actions].iter();
@@ -31,28 +49,6 @@ impl Case {
     /// How much more an action costs than the best.
     pub fn regret(&self, action: Action, actions: usize) -> f64 {
         self.costs[action.index()] / self.weight - self.least(actions)
-    }
-}
-
-/// What imagined episodes took.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Taken {
-    /// Their steps.
-    pub steps: u64,
-    /// How many more than planned, by what the plan expects of each action that was chosen.
-    pub lost: f64,
-}
-
-impl Taken {
-    /// Counts a step with an action, where actions cost this.
-    pub fn count(&mut self, costs: &Costs, action: Action, map: &Map) {
-        self.steps += 1;
-        self.lost += costs.regret(action, &map.pomdp);
-    }
-
-    /// The share of the steps that was lost.
-    pub fn share_lost(&self) -> f64 {
-        self.lost / self.steps.max(1) as f64
     }
 }
 
@@ -107,8 +103,7 @@ pub fn lessons(cases: &Cases, actions: usize, tolerance: f64, least_often: f64) 
 }
 
 /// Imagines episodes from the given states, acting as `choose` says in a context (or as planned,
-/// where that says nothing), and adds what it met to the cases, as far as
-/// `look` lets it see of a context. Where moves are exact, what was met is planned for until that
+/// where that says nothing), and adds what it met to the cases. Where moves are exact, what was met is planned for until that
 /// changes nothing any more: rules that err lead to where no plan has been.
 pub fn imagine(
     map: &Map,
@@ -118,9 +113,8 @@ pub fn imagine(
     look: impl Fn(Percept) -> Percept,
     stream: &mut Stream,
     cases: &mut Cases,
-) -> Taken {
+) {
     let mut known = BTreeMap::new();
-    let mut taken = Taken::default();
     for start in starts {
         let mut walker = Walker {
             state: start,
@@ -133,16 +127,11 @@ pub fn imagine(
             let costs = *known
                 .entry(tracker.belief().key())
                 .or_insert_with(|| planner.settled_costs(&map.pomdp, tracker.belief()));
-            let case = cases.entry(context).or_default();
-            case.weight += 1.0;
-            let sums = case.costs.iter_mut().zip(costs.in_steps(&map.pomdp));
-            sums.for_each(|(sum, cost)| *sum += cost);
+            cases.entry(context).or_default().add(&costs, map);
             let action = choose(&context, stream).unwrap_or_else(|| costs.best());
-            taken.count(&costs, action, map);
             if walker.arrives(map, action, stream) {
                 break;
             }
         }
     }
-    taken
 }

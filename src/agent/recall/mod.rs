@@ -5,9 +5,10 @@
 //! ([`context`]), plans ([`crate::agent::model::pomdp`]) and imagines episodes, which make lessons
 //! ([`lessons`]). From these \[P\] learns as it does in `xcscr-plus`, by [`xcs::Induction`]: a rule that is wrong in a
 //! lesson demands more or goes, a lesson that no rule covers gets one, and rules that others make superfluous go; all others
-//! stay ([`course`]). **The rules act**: they look at the percept and, only where that is not enough, at the
+//! stay ([`course`]). What rules meet when they drive makes lessons, too, and each keeps a record of how often it acted and was
+//! right. **The rules act**: they look at the percept and, each only where that is not enough, at the
 //! likeliest place on the charts with what was found there in this episode, and at the last two steps
-//! ([`context::View`]). Charts and plan teach them, and say what to explore ([`wander`]): what is new in a sketch of
+//! ([`context::PARTS`]). Charts and plan teach them, and say what to explore ([`wander`]): what is new in a sketch of
 //! where the robot has been in this episode or, as long as all seem to begin in one place, in any.
 //!
 //! Cells that pay by themselves are remembered ([`payments`]), and that they pay once in an episode is
@@ -33,8 +34,7 @@
 //!
 //! Cells may be misread. How often is learned from what two percepts show that follow each other;
 //! where it is more than a trifle, belief and charts weigh what is seen by it, the rules look at
-//! what should be seen in the likeliest place instead, and how much they look at is also put to the test
-//! in imagined episodes with misread cells ([`rehearsal`]).
+//! what should be seen in the likeliest place instead.
 
 mod align;
 mod atlas;

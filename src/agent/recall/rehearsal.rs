@@ -1,7 +1,7 @@
 //! Rules put to the test in imagined episodes in which cells are misread as often as they are.
 
 use super::context::Tracker;
-use super::lessons::{MOST_STEPS, Taken, Walker};
+use super::lessons::{MOST_STEPS, Walker};
 use super::map::Map;
 use super::place::{Letter, around, percept_of};
 use crate::agent::explorer::exploit;
@@ -9,15 +9,16 @@ use crate::agent::model::pomdp::BeliefPlanner;
 use xcs::random::Stream;
 use xcs::{Percept, Population};
 
-/// What so many episodes take in which the rules choose, and chance where none matches.
+/// The share of the steps that is lost in so many episodes in which the rules choose, and chance where none
+/// matches, by what the plan expects of each action.
 pub fn rehearse(
     map: &Map,
     planner: &BeliefPlanner,
     rules: &Population,
     episodes: u32,
     stream: &mut Stream,
-) -> Taken {
-    let mut taken = Taken::default();
+) -> f64 {
+    let (mut steps, mut lost) = (0_u32, 0.0);
     for episode in 0..episodes {
         let mut walker = Walker {
             state: map.begin.unwrap_or(episode % map.starts()),
@@ -30,13 +31,14 @@ pub fn rehearse(
             let worth = rules.sums(&tracker.context(map));
             let worth = worth.array(map.pomdp.actions(), false);
             let action = exploit(&worth, stream);
-            taken.count(&costs, action, map);
+            steps += 1;
+            lost += costs.regret(action, &map.pomdp);
             if walker.arrives(map, action, stream) {
                 break;
             }
         }
     }
-    taken
+    lost / f64::from(steps.max(1))
 }
 
 /// What is perceived in a state, if each cell may be misread for one of the other two letters.

@@ -1,8 +1,8 @@
 //! What acts: the rules that the plan teaches, or the plan itself.
 
 use super::Learner;
-use crate::agent::recall::context::Tracker;
-use crate::agent::recall::course::EXACT;
+use crate::agent::recall::context::{Tracker, View};
+use crate::agent::recall::course::Course;
 use crate::agent::recall::planned::{ChartedPlan, planned_worth};
 use xcs::{Action, Classifier, Percept, PredictionArray};
 
@@ -82,16 +82,26 @@ impl Learner {
         found
     }
 
-    /// Have rules chosen an action that costs more than the best, where moves are exact and percepts right?
-    /// Elsewhere an action may cost more in what is believed now, and be the best on average.
-    pub(super) fn errs(&self, action: Action) -> bool {
-        let pomdp = &self.map.pomdp;
-        if self.decider == Decider::Plan || pomdp.slip() > 0.0 || self.map.misread > 0.0 {
+    /// Notes what was met when nothing was explored, and in the records of the rules that chose the action whether
+    /// it was right; tells whether they are to be corrected: in such a context it mostly was not, or none matched.
+    pub(super) fn meet(&mut self, action: Action) -> bool {
+        if self.decider == Decider::Plan || self.explores() || self.tracker.belief().is_empty() {
             return false;
         }
-        let belief = self.tracker.belief();
-        let chosen = !self.explores() && !belief.is_empty();
-        chosen && self.planner.costs(pomdp, belief).regret(action, pomdp) > EXACT
+        let (belief, pomdp) = (self.tracker.belief(), &self.map.pomdp);
+        let course = Course::on(&self.map, View::Steps, &self.xcs);
+        let context = self.tracker.context(&self.map);
+        let mut costs = self.planner.costs(pomdp, belief);
+        if !course.approves(costs.regret(action, pomdp)) {
+            // Before an action is held for wrong, all is planned for that may follow.
+            costs = self.planner.settled_costs(pomdp, belief);
+        }
+        let right = course.approves(costs.regret(action, pomdp));
+        let acted = self.rules.record(&context, action, right);
+        let met = self.met.entry(context).or_default();
+        met.add(&costs, &self.map);
+        let wrong = !course.approves(met.regret(action, self.actions));
+        course.counts(met) && (wrong || !acted)
     }
 
     /// Plans on where moves are exact, until nothing changes any more, as is done for what rules learn from.
