@@ -129,8 +129,10 @@ impl Learner {
             rule.condition.width() == CONTEXT_BITS && rule.action.index() < self.actions
         };
         let drawn = kept.atlas.is_sound(self.actions) && kept.sketch.is_sound();
+        let mut met = kept.met.iter();
+        let remembers = met.all(|(context, met)| context.width() == CONTEXT_BITS && met.is_sound());
         let decides = self.decider == Decider::Rules || kept.rules.is_empty();
-        if !(decides && drawn && kept.rules.rules().iter().all(fits)) {
+        if !(decides && drawn && remembers && kept.rules.rules().iter().all(fits)) {
             return false;
         }
         self.atlas = kept.atlas.with_settings_of(&self.atlas);

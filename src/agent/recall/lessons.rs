@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::context::{Felt, Tracker};
 use super::map::Map;
+use super::sheet::is_count;
 use crate::agent::model::pomdp::{BeliefPlanner, Costs, GOAL, moved};
 use xcs::random::Stream;
 use xcs::{Action, ByAction, Lesson, Lessons, Percept};
@@ -24,6 +25,11 @@ pub struct Case {
 }
 
 impl Case {
+    /// Can a case look like this?
+    pub fn is_sound(&self) -> bool {
+        self.weight >= 1.0 && is_count(&self.weight) && !self.costs.iter().any(|cost| cost.is_nan())
+    }
+
     /// Adds that the context came once more, and what actions cost.
     pub fn add(&mut self, costs: &Costs, map: &Map) {
         self.weight += 1.0;

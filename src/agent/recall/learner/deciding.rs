@@ -6,6 +6,9 @@ use crate::agent::recall::course::Course;
 use crate::agent::recall::planned::{ChartedPlan, planned_worth};
 use xcs::{Action, Classifier, Percept, PredictionArray};
 
+/// The most contexts that are remembered as met when driving.
+const MOST_MET: usize = 4096;
+
 /// What acts in episodes in which nothing is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Decider {
@@ -98,6 +101,9 @@ impl Learner {
         }
         let right = course.approves(costs.regret(action, pomdp));
         let acted = self.rules.record(&context, action, right);
+        if self.met.len() >= MOST_MET && !self.met.contains_key(&context) {
+            return false;
+        }
         let met = self.met.entry(context).or_default();
         met.add(&costs, &self.map);
         let wrong = !course.approves(met.regret(action, self.actions));

@@ -1,0 +1,88 @@
+use super::*;
+
+/// The rules for percepts of which the last bit tells what the first two tell together: is one of them set?
+fn learned(induction: Induction) -> Population {
+    let mut lessons = Lessons::default();
+    for (number, percept) in ["000", "110", "011", "101"].iter().enumerate() {
+        let mut best = crate::ByAction::default();
+        best[usize::from(percept.ends_with('1'))] = true;
+        let lesson = Lesson {
+            percept: percept.parse().unwrap(),
+            best,
+            value: 5.0,
+        };
+        lessons.give(number, lesson);
+    }
+    let mut population = Population::default();
+    let mut induction = induction;
+    induction.learn(&mut population, &mut lessons, &Params::default());
+    population
+}
+
+fn looks_at_the_last_bit(rule: &Classifier) -> bool {
+    rule.condition.allele(2).is_some()
+}
+
+#[test]
+fn a_rule_looks_at_a_later_part_only_where_the_earlier_does_not_suffice() {
+    let in_one = learned(Induction::default());
+    assert_eq!(in_one.len(), 2);
+    assert!(in_one.rules().iter().all(looks_at_the_last_bit));
+
+    let in_two = learned(Induction::in_parts(&[2], Record::Lessons));
+    assert_eq!(in_two.len(), 4);
+    assert!(!in_two.rules().iter().any(looks_at_the_last_bit));
+
+    // The first bit alone tells nothing; what is left may look at all.
+    let in_halves = learned(Induction::in_parts(&[1], Record::Lessons));
+    assert_eq!(in_halves.len(), 2);
+    assert!(in_halves.rules().iter().all(looks_at_the_last_bit));
+}
+
+#[test]
+fn figures_are_those_of_the_lessons_or_a_record_of_steps() {
+    let figures = |rule: &Classifier| (rule.prediction, rule.experience, rule.fitness);
+    let of_lessons = learned(Induction::in_parts(&[1], Record::Lessons));
+    assert!(
+        of_lessons
+            .rules()
+            .iter()
+            .all(|rule| figures(rule) == (5.0, 2, 2.0))
+    );
+    let of_steps = learned(Induction::in_parts(&[1], Record::Steps));
+    assert!(
+        of_steps
+            .rules()
+            .iter()
+            .all(|rule| figures(rule) == (5.0, 0, 1.0))
+    );
+}
+#[test]
+fn a_rule_that_covers_no_lesson_keeps_its_figures() {
+    let mut best = crate::ByAction::default();
+    best[0] = true;
+    let percept = "00".parse().unwrap();
+    let value = -3.0;
+    let mut lessons = Lessons::default();
+    lessons.give(
+        0,
+        Lesson {
+            percept,
+            best,
+            value,
+        },
+    );
+    let params = Params::default();
+    let mut population = Population::default();
+    let [inside, elsewhere] = ["0#", "11"].map(|condition| {
+        let action = Action::new(0).unwrap();
+        population.insert(Classifier {
+            prediction: -7.0,
+            ..Classifier::new(condition.parse().unwrap(), action, 0, &params)
+        })
+    });
+    Induction::default().learn(&mut population, &mut lessons, &params);
+    let prediction = |id| population.get(id).map(|rule| rule.prediction);
+    assert_eq!(prediction(inside), Some(value));
+    assert_eq!(prediction(elsewhere), Some(-7.0));
+}
