@@ -59,22 +59,22 @@ fn read_reward(source: Source<'_>, raw: &str) -> Result<f64, WorldError> {
 /// The cells that pay, but into which no episode can come: no way leads there from a start that
 /// does not end at a goal before.
 pub(super) fn out_of_reach(maze: &Maze) -> Vec<Cell> {
-    let mut left = maze.rewarding_cells().to_vec();
-    if left.is_empty() {
-        return left;
+    let paying = maze.rewarding_cells();
+    if paying.is_empty() {
+        return Vec::new();
     }
     let mut entered = vec![false; usize::from(maze.width()) * usize::from(maze.height())];
     let mut open: Vec<Cell> = maze.starts().collect();
-    while let Some(cell) = open.pop().filter(|_| !left.is_empty()) {
+    while let Some(cell) = open.pop() {
         let around = maze.moves().directions().iter();
         for next in around.filter_map(|&along| maze.step(cell, along)) {
             if !maze.is_goal(next) && !std::mem::replace(&mut entered[maze.index(next)], true) {
-                left.retain(|&other| other != next);
                 open.push(next);
             }
         }
     }
-    left
+    let missed = paying.iter().filter(|&&cell| !entered[maze.index(cell)]);
+    missed.copied().collect()
 }
 
 #[cfg(test)]
@@ -114,6 +114,24 @@ mod tests {
             let maze = maze(["######", row, "######"], reward).unwrap();
             assert_eq!(out_of_reach(&maze), cells, "{row}");
         }
+    }
+
+    #[test]
+    fn a_field_of_a_million_rewards_is_searched_once() {
+        const SIDE: usize = 1024;
+        let mut rows = vec!["#".to_owned() + &"*".repeat(SIDE - 2) + "#"; SIDE];
+        (rows[0], rows[SIDE - 1]) = ("#".repeat(SIDE), "#".repeat(SIDE));
+        rows[1].replace_range(1..4, "SG#");
+        rows[2].replace_range(2..4, "*#");
+        rows[3].replace_range(1..4, "###");
+        let text = format!(r#"{{ "rows": {rows:?}, "reward": 1 }}"#);
+        let maze = Maze::from_json(text.as_bytes(), "paid.json").unwrap();
+        // Two cells are inside of the walls with the start.
+        let within = 2;
+        assert_eq!(
+            out_of_reach(&maze).len(),
+            maze.rewarding_cells().len() - within
+        );
     }
 
     #[test]

@@ -289,6 +289,81 @@ fn what_is_wrong_in_a_header_or_an_image_is_named() {
     }
 }
 
+#[test]
+fn start_and_goal_in_the_only_free_cell_are_refused() {
+    for rows in [&[" "][..], &["###", "# #", "###"]] {
+        let map = Map::drawn(rows);
+        let middle = [0.05 * rows.len() as f64; 2];
+        let both = map.gridded(0.1, Some(middle), middle).unwrap_err();
+        assert!(
+            both.to_string().contains("in the cell of the goal"),
+            "{both}"
+        );
+        let alone = map.gridded(0.1, None, middle).unwrap_err();
+        assert!(
+            matches!(alone, MapError::CutOff(ref found) if found.is_empty()),
+            "{alone}"
+        );
+    }
+    let map = Map::drawn(&["   "]);
+    let same = map
+        .gridded(0.1, Some([0.05, 0.05]), [0.06, 0.06])
+        .unwrap_err();
+    assert!(
+        same.to_string().contains("in the cell of the goal"),
+        "{same}"
+    );
+    assert!(
+        map.gridded(0.1, Some([0.05, 0.05]), [0.15, 0.05]).is_ok(),
+        "control"
+    );
+}
+
+/// A map of square cells, `cell` pixels wide, each with a black pixel in its upper left corner
+/// unless `is_free` says otherwise of its column and row.
+fn spotted(side: usize, cell: usize, is_free: impl Fn(usize, usize) -> bool) -> Map {
+    let pixels = side * cell;
+    let mut pgm = format!("P5 {pixels} {pixels} 255\n").into_bytes();
+    for (row, col) in (0..pixels).flat_map(|row| (0..pixels).map(move |col| (row, col))) {
+        let is_spot = row % cell == 0 && col % cell == 0 && !is_free(col / cell, row / cell);
+        pgm.push(if is_spot { 0 } else { 254 });
+    }
+    let map = Map(tempfile::tempdir().unwrap());
+    map.keep("map.pgm", &pgm);
+    map.yaml("");
+    map
+}
+
+#[test]
+fn a_checkerboard_of_a_hundred_thousand_rooms_is_searched_once() {
+    // Rooms meet in the pixels of the cells between them, in none of which a cell fits.
+    const SIDE: usize = 480;
+    let map = spotted(SIDE, 2, |col, row| (col + row) % 2 == 0);
+    let far = 0.2 * SIDE as f64 - 0.1;
+    let cut = map.gridded(0.2, Some([far, 0.1]), [0.1, far]).unwrap_err();
+    let MapError::CutOff(passages) = &cut else {
+        panic!("{cut}")
+    };
+    assert!(passages.len() >= SIDE - 1, "{} passages", passages.len());
+    assert!(cut.to_string().len() < 500, "{cut}");
+}
+
+#[test]
+fn paths_that_meet_along_a_front_of_thousands_of_pixels_are_measured_once() {
+    const SIDE: usize = 100;
+    let map = spotted(SIDE, 20, |col, row| {
+        (col, row) == (1, 1) || (col, row) == (98, 98)
+    });
+    let [near, far] = [1.5 * 2.0, 98.5 * 2.0];
+    let cut = map
+        .gridded(2.0, Some([near, far]), [far, near])
+        .unwrap_err();
+    let MapError::CutOff(passages) = cut else {
+        panic!("{cut}")
+    };
+    assert_eq!(passages.len(), 1);
+}
+
 /// What headers of maps and images like to hold in a wrong place.
 const PIECES: [&str; 12] = [
     "0",

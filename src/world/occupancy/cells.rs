@@ -1,6 +1,6 @@
 //! The cells of a map, before they are a maze.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::ops::Range;
 
 use super::{KeptWorld, MapError, Occupancy, OccupancyMap};
@@ -108,11 +108,6 @@ impl<'a> Cells<'a> {
             false => height - below.end..height - below.start,
         };
         (range(col), rows)
-    }
-
-    /// So many pixels on each side of one are more than a cell takes.
-    pub fn longest_run(&self) -> isize {
-        2 * self.cell_px.ceil() as isize
     }
 
     pub fn is_pixel_by_pixel(&self) -> bool {
@@ -245,15 +240,20 @@ impl<'a> Cells<'a> {
         goals: &[usize],
         window: Window,
     ) -> Result<Maze, MapError> {
+        let mut letters: Vec<char> = self
+            .free
+            .iter()
+            .map(|&free| if free { '.' } else { '#' })
+            .collect();
+        start.into_iter().for_each(|at| letters[at] = 'S');
+        goals.iter().for_each(|&at| letters[at] = 'G');
         let letter = |col: isize, row: isize| {
             let inside =
                 (0..self.cols as isize).contains(&col) && (0..self.rows as isize).contains(&row);
             let at = row * self.cols as isize + col;
             match usize::try_from(at).ok().filter(|_| inside) {
-                Some(at) if goals.contains(&at) => 'G',
-                Some(at) if start == Some(at) => 'S',
-                Some(at) if self.free[at] => '.',
-                _ => '#',
+                Some(at) => letters[at],
+                None => '#',
             }
         };
         let [left, right] = window.cols;
@@ -282,19 +282,16 @@ fn furnished(maze: &Maze, kept: &KeptWorld) -> Result<Maze, MapError> {
     }
     if let Some(reward) = kept.reward {
         world["reward"] = reward.into();
-        let is_paying = |col: usize, row: usize| {
-            let at = |cell: &[u16; 2]| cell.map(usize::from) == [col, row];
-            kept.rewarding.iter().any(at)
-        };
-        for (row, letters) in world["rows"]
-            .as_array_mut()
-            .into_iter()
-            .flatten()
-            .enumerate()
-        {
+        let paying: BTreeSet<[usize; 2]> = kept
+            .rewarding
+            .iter()
+            .map(|cell| cell.map(usize::from))
+            .collect();
+        let rows = world["rows"].as_array_mut().into_iter().flatten();
+        for (row, letters) in rows.enumerate() {
             let marked = letters.as_str().unwrap_or_default().chars().enumerate();
             let marked = marked.map(|(col, letter)| match letter {
-                '.' if is_paying(col, row) => '*',
+                '.' if paying.contains(&[col, row]) => '*',
                 _ => letter,
             });
             *letters = marked.collect::<String>().into();

@@ -6,6 +6,9 @@ use std::path::PathBuf;
 use super::passage::Passage;
 use crate::world::WorldError;
 
+/// The most passages that a message names one by one.
+const MOST_LISTED: usize = 5;
+
 /// A map that cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -50,22 +53,26 @@ pub enum MapError {
         /// Where it lies, and a cell that would do.
         fault: String,
     },
-    /// The goal is cut off.
-    #[error("no goal can be reached from the start{}", narrow(.0))]
+    /// No cell, or not the start, has a path to the goal.
+    #[error("no path in the grid leads to the goal{}", narrow(.0))]
     CutOff(Vec<Passage>),
     /// The cells are no world.
     #[error(transparent)]
     World(#[from] WorldError),
 }
 
-/// The passages in which a cell does not fit, and the way out.
+/// The passages in which a cell does not fit, and what to do.
 fn narrow(passages: &[Passage]) -> String {
     if passages.is_empty() {
         return "; nor in the map itself".to_owned();
     }
-    let list: Vec<String> = passages.iter().map(ToString::to_string).collect();
+    let list = passages.iter().take(MOST_LISTED).map(ToString::to_string);
+    let more = match passages.len().saturating_sub(MOST_LISTED) {
+        0 => String::new(),
+        more => format!(", nor through {more} more passages"),
+    };
     format!(
-        ": no cell of the grid fits through {}; give a smaller `--cell`, or widen the map there",
-        list.join(", nor through ")
+        ": no cell of the grid fits through {}{more}; give a smaller `--cell`, or widen the map there",
+        list.collect::<Vec<_>>().join(", nor through ")
     )
 }

@@ -65,22 +65,28 @@ impl Gridding {
             .start_m
             .map(|at| cells.cell_at("start", at))
             .transpose()?;
+        if start == Some(goal) {
+            return Err(MapError::Point {
+                what: "start",
+                at_m: self.start_m.unwrap_or(goal_m),
+                fault: "in the cell of the goal: move one of them, or give a smaller `--cell`"
+                    .to_owned(),
+            });
+        }
         let reached = cells.reached_from(goal);
         let missed = start.is_some_and(|start| !reached[start])
             || reached.iter().filter(|&&r| r).count() < 2;
         let lost = (0..cells.free.len())
             .filter(|&at| cells.free[at] && !reached[at])
             .count();
-        let passages = match lost {
-            0 => Passages::default(),
-            _ => Passages::find(&cells),
-        };
+        let passages = (lost > 0).then(|| Passages::find(&cells));
         if missed {
-            return Err(MapError::CutOff(passages.between(start, goal)));
+            let between = passages.map(|passages| passages.between(start, goal));
+            return Err(MapError::CutOff(between.unwrap_or_default()));
         }
-        let (cut_off, passages) = match start {
-            Some(_) => (0, Vec::new()),
-            None => (lost, passages.from(goal)),
+        let (cut_off, passages) = match (start, passages) {
+            (None, Some(passages)) => (lost, passages.from(goal)),
+            _ => (0, Vec::new()),
         };
         if start.is_none() {
             cells.free = reached;

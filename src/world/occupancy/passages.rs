@@ -9,55 +9,26 @@ use super::passage::Passage;
 const NOWHERE: u32 = u32::MAX;
 
 /// The areas that free cells form, and the passages between them.
-#[derive(Default)]
 pub(super) struct Passages {
     /// By cell: the area that it belongs to.
     area: Vec<u32>,
-    /// By pair of areas, the lower number first: the widest passage.
-    between: BTreeMap<(u32, u32), Passage>,
+    /// By area: the widest passage to each area beside it.
+    beside: Vec<BTreeMap<u32, Passage>>,
 }
 
 impl Passages {
     /// Grows all areas over the free pixels around them, until they meet.
     pub fn find(cells: &Cells<'_>) -> Self {
+        let (area, count) = areas(cells);
+        let mut growth = Growth::new(cells, &area);
         let mut found = Self {
-            area: areas(cells),
-            between: BTreeMap::new(),
+            area,
+            beside: vec![BTreeMap::new(); count],
         };
-        let (width, height) = (cells.map.width, cells.map.height);
-        let mut owner = vec![NOWHERE; width * height];
-        // By pixel: the one from which its area grew there, so far from the cells.
-        let mut before: Vec<u32> = (0..).take(width * height).collect();
-        let mut next = VecDeque::new();
-        for (at, &area) in found
-            .area
-            .iter()
-            .enumerate()
-            .filter(|(_, area)| **area != NOWHERE)
-        {
-            let (cols, rows) = cells.pixels(at);
-            for pixel in rows.flat_map(|row| cols.clone().map(move |col| row * width + col)) {
-                owner[pixel] = area;
-                next.push_back(pixel);
-            }
-        }
-        while let Some(pixel) = next.pop_front() {
-            let (col, row) = (pixel % width, pixel / width);
-            let beside = [
-                (col > 0).then(|| pixel - 1),
-                (col + 1 < width).then_some(pixel + 1),
-                (row > 0).then(|| pixel - width),
-                (row + 1 < height).then_some(pixel + width),
-            ];
-            for other in beside.into_iter().flatten() {
-                if owner[other] == NOWHERE && cells.is_free_pixel(other % width, other / width) {
-                    owner[other] = owner[pixel];
-                    before[other] = pixel as u32;
-                    next.push_back(other);
-                } else if owner[other] != NOWHERE && owner[other] != owner[pixel] {
-                    let areas = [owner[pixel], owner[other]];
-                    let way = way(&before, pixel).chain(way(&before, other));
-                    found.meet(areas, narrowest(cells, way));
+        while let Some(pixel) = growth.next.pop_front() {
+            for other in growth.beside(pixel as usize) {
+                if let Some((areas, passage)) = growth.step(pixel as usize, other) {
+                    found.meet(areas, passage);
                 }
             }
         }
@@ -66,13 +37,15 @@ impl Passages {
 
     /// Notes that two areas meet, and keeps the widest passage between them.
     fn meet(&mut self, [a, b]: [u32; 2], passage: Passage) {
-        let widest = self.between.entry((a.min(b), a.max(b))).or_insert(passage);
-        if passage.width_m > widest.width_m {
-            *widest = passage;
+        for (from, to) in [(a, b), (b, a)] {
+            let widest = self.beside[from as usize].entry(to).or_insert(passage);
+            if passage.width_m > widest.width_m {
+                *widest = passage;
+            }
         }
     }
 
-    /// The passages on the way with the fewest of them; without a start, those beside the goal.
+    /// The passages on the path with the fewest of them; without a start, those beside the goal.
     pub fn between(&self, start: Option<usize>, goal: usize) -> Vec<Passage> {
         let Some(start) = start else {
             return self.from(goal);
@@ -81,7 +54,7 @@ impl Passages {
         let mut before: BTreeMap<u32, (u32, Passage)> = BTreeMap::new();
         let mut next = VecDeque::from([to]);
         while let Some(area) = next.pop_front() {
-            for (other, passage) in self.beside(area) {
+            for (&other, &passage) in &self.beside[area as usize] {
                 if other != to && !before.contains_key(&other) {
                     before.insert(other, (area, passage));
                     next.push_back(other);
@@ -89,30 +62,108 @@ impl Passages {
             }
         }
         let step = |&area: &u32| before.get(&area).map(|&(next, _)| next);
-        let way = std::iter::successors(Some(from), step);
-        way.filter_map(|area| before.get(&area).map(|&(_, passage)| passage))
+        let path = std::iter::successors(Some(from), step);
+        path.filter_map(|area| before.get(&area).map(|&(_, passage)| passage))
             .collect()
     }
 
-    /// The passages out of the area of a cell.
+    /// The passages out of the area of a free cell.
     pub fn from(&self, cell: usize) -> Vec<Passage> {
-        let area = self.area.get(cell).copied().unwrap_or(NOWHERE);
-        self.beside(area).map(|(_, passage)| passage).collect()
-    }
-
-    fn beside(&self, area: u32) -> impl Iterator<Item = (u32, Passage)> + '_ {
-        self.between
-            .iter()
-            .filter_map(move |(&(a, b), &passage)| match area {
-                _ if area == a => Some((b, passage)),
-                _ if area == b => Some((a, passage)),
-                _ => None,
-            })
+        let beside = &self.beside[self.area[cell] as usize];
+        beside.values().copied().collect()
     }
 }
 
-/// By cell: which area of connected free cells it belongs to.
-fn areas(cells: &Cells<'_>) -> Vec<u32> {
+/// Areas that grow over free pixels.
+struct Growth<'a> {
+    cells: &'a Cells<'a>,
+    /// By pixel: its area.
+    owner: Vec<u32>,
+    /// By pixel: the narrowest pixel on the path by which its area grew there.
+    narrowest: Vec<u32>,
+    widths: Vec<f32>,
+    /// Pixels beside which the area may still grow.
+    next: VecDeque<u32>,
+}
+
+impl<'a> Growth<'a> {
+    fn new(cells: &'a Cells<'a>, area: &[u32]) -> Self {
+        let (width, height) = (cells.map.width, cells.map.height);
+        let mut growth = Self {
+            cells,
+            owner: vec![NOWHERE; width * height],
+            narrowest: (0..).take(width * height).collect(),
+            widths: widths_px(cells),
+            next: VecDeque::new(),
+        };
+        for (at, &area) in area.iter().enumerate().filter(|(_, a)| **a != NOWHERE) {
+            let (cols, rows) = cells.pixels(at);
+            for row in rows {
+                growth.owner[row * width..][cols.clone()].fill(area);
+            }
+        }
+        // An area grows only at its edge.
+        for pixel in (0..width * height).filter(|&pixel| growth.owner[pixel] != NOWHERE) {
+            let owner = growth.owner[pixel];
+            if growth
+                .beside(pixel)
+                .any(|other| growth.owner[other] != owner)
+            {
+                growth.next.push_back(pixel as u32);
+            }
+        }
+        growth
+    }
+
+    /// The pixels beside one.
+    fn beside(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, height) = (self.cells.map.width, self.cells.map.height);
+        let (col, row) = (pixel % width, pixel / width);
+        let beside = [
+            (col > 0).then(|| pixel - 1),
+            (col + 1 < width).then_some(pixel + 1),
+            (row > 0).then(|| pixel - width),
+            (row + 1 < height).then_some(pixel + width),
+        ];
+        beside.into_iter().flatten()
+    }
+
+    /// Grows from a pixel to the one beside it; where another area is already, the two areas and the
+    /// passage between them.
+    fn step(&mut self, pixel: usize, other: usize) -> Option<([u32; 2], Passage)> {
+        let width = self.cells.map.width;
+        if self.owner[other] == NOWHERE {
+            if self.cells.is_free_pixel(other % width, other / width) {
+                self.owner[other] = self.owner[pixel];
+                self.narrowest[other] = self.narrower(other as u32, self.narrowest[pixel]);
+                self.next.push_back(other as u32);
+            }
+            return None;
+        }
+        let areas = [self.owner[pixel], self.owner[other]];
+        let least = self.narrower(self.narrowest[pixel], self.narrowest[other]) as usize;
+        (areas[0] != areas[1]).then(|| {
+            let passage = Passage {
+                at_m: self.cells.map.in_map_m(least % width, least / width),
+                width_m: f64::from(self.widths[least]) * self.cells.map.resolution_m,
+            };
+            (areas, passage)
+        })
+    }
+
+    /// The narrower of two pixels; the first if they are equal.
+    fn narrower(&self, pixel: u32, other: u32) -> u32 {
+        let width = |pixel: u32| self.widths[pixel as usize];
+        if width(pixel) <= width(other) {
+            pixel
+        } else {
+            other
+        }
+    }
+}
+
+/// By cell: which area of connected free cells it belongs to; and the number of areas.
+fn areas(cells: &Cells<'_>) -> (Vec<u32>, usize) {
     let mut area = vec![NOWHERE; cells.free.len()];
     let mut count = 0;
     for first in 0..area.len() {
@@ -131,49 +182,57 @@ fn areas(cells: &Cells<'_>) -> Vec<u32> {
         }
         count += 1;
     }
-    area
+    (area, count as usize)
 }
 
-/// The pixels from one back to the cells that its area grew from.
-fn way(before: &[u32], pixel: usize) -> impl Iterator<Item = usize> + '_ {
-    std::iter::successors(Some(pixel), |&pixel| {
-        Some(before[pixel] as usize).filter(|&earlier| earlier != pixel)
-    })
-}
-
-/// The narrowest place on a way.
-fn narrowest(cells: &Cells<'_>, way: impl Iterator<Item = usize>) -> Passage {
-    let places = way.map(|pixel| (pixel % cells.map.width, pixel / cells.map.width));
-    let widths = places.map(|(col, row)| (width_px(cells, col, row), (col, row)));
-    let least = widths.min_by(|a, b| a.0.total_cmp(&b.0));
-    let (width_px, (col, row)) = least.expect("a way has its first pixel");
-    Passage {
-        at_m: cells.map.in_map_m(col, row),
-        width_m: width_px * cells.map.resolution_m,
-    }
-}
-
-/// The shortest run of free pixels through a pixel, over the four directions; no longer than needed
-/// to see that a cell would fit.
-fn width_px(cells: &Cells<'_>, col: usize, row: usize) -> f64 {
-    let run = |dx: isize, dy: isize| {
-        let steps = (1..=cells.longest_run()).take_while(|&step: &isize| {
-            let at = |from: usize, by: isize| from.checked_add_signed(by * step);
-            let place = at(col, dx).zip(at(row, dy));
-            place.is_some_and(|(col, row)| cells.is_free_pixel(col, row))
-        });
-        steps.count()
+/// By pixel: the length of the shortest run of free pixels through it, over the four directions.
+/// Each line of the image is walked once.
+fn widths_px(cells: &Cells<'_>) -> Vec<f32> {
+    let (width, height) = (cells.map.width, cells.map.height);
+    let mut widths = vec![f32::INFINITY; width * height];
+    let (left, right) = (
+        (0..height).map(|row| (0, row)),
+        (0..height).map(|row| (width - 1, row)),
+    );
+    let top = |from: usize, to: usize| (from..to).map(|col| (col, 0));
+    let diagonal = std::f32::consts::SQRT_2;
+    let mut walk = |first: (usize, usize), step: (isize, isize), pixel: f32| {
+        shorten(cells, &mut widths, first, step, pixel);
     };
-    let directions: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
-    let lengths = directions.map(|(dx, dy)| {
-        let pixels = 1 + run(dx, dy) + run(-dx, -dy);
-        let diagonal = dx != 0 && dy != 0;
-        pixels as f64
-            * if diagonal {
-                std::f64::consts::SQRT_2
-            } else {
-                1.0
-            }
-    });
-    lengths.into_iter().fold(f64::INFINITY, f64::min)
+    left.clone().for_each(|first| walk(first, (1, 0), 1.0));
+    top(0, width).for_each(|first| walk(first, (0, 1), 1.0));
+    left.chain(top(1, width))
+        .for_each(|first| walk(first, (1, 1), diagonal));
+    right
+        .chain(top(0, width - 1))
+        .for_each(|first| walk(first, (-1, 1), diagonal));
+    widths
+}
+
+/// Shortens the widths of the pixels of a line to the runs of free pixels on it.
+fn shorten(
+    cells: &Cells<'_>,
+    widths: &mut [f32],
+    first: (usize, usize),
+    (dx, dy): (isize, isize),
+    pixel: f32,
+) {
+    let (width, height) = (cells.map.width, cells.map.height);
+    let next = |&(col, row): &(usize, usize)| {
+        let next = (col.checked_add_signed(dx)?, row.checked_add_signed(dy)?);
+        (next.0 < width && next.1 < height).then_some(next)
+    };
+    let mut run = Vec::new();
+    let mut end = |run: &mut Vec<usize>| {
+        let length = run.len() as f32 * pixel;
+        run.drain(..)
+            .for_each(|at| widths[at] = widths[at].min(length));
+    };
+    for (col, row) in std::iter::successors(Some(first), next) {
+        match cells.is_free_pixel(col, row) {
+            true => run.push(row * width + col),
+            false => end(&mut run),
+        }
+    }
+    end(&mut run);
 }
