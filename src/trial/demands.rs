@@ -18,7 +18,8 @@ impl Knowledge {
 /// What a condition on a percept and a memory demands.
 pub fn words_of_memory(sensor: Sensor, maze: &Maze, alleles: Alleles<'_>) -> String {
     let seen = |alleles: Alleles<'_>| {
-        let around = |at| alleles(at).filter(|_| at < PERCEPT_BITS);
+        // A sensor may have more bits than a context keeps of its percept: those demand nothing.
+        let around = |at| (at < PERCEPT_BITS).then(|| alleles(at)).flatten();
         Some(sensor.words(maze, &around)).filter(|words| words != ANYTHING)
     };
     let mut words: Vec<String> = seen(alleles).into_iter().collect();
@@ -33,6 +34,30 @@ pub fn words_of_memory(sensor: Sensor, maze: &Maze, alleles: Alleles<'_>) -> Str
 mod tests {
     use super::*;
     use crate::agent::CONTEXT_BITS;
+    use xcs::{Condition, Percept};
+
+    #[test]
+    fn a_context_is_described_for_each_sensor_although_it_keeps_no_more_than_the_surroundings() {
+        let text = br######"{"rows": ["#####", "#S.G#", "#####"]}"######;
+        let maze = Maze::from_json(text, "corridor.json").unwrap();
+        let context = Percept::from_bits((0..CONTEXT_BITS).map(|at| at % 3 == 0)).unwrap();
+        let condition = Condition::exactly(&context);
+        let alleles = |at| condition.allele(at);
+        let wide = |sensor: &&Sensor| sensor.width(&maze) > PERCEPT_BITS;
+        let sensors = Sensor::ALL
+            .iter()
+            .filter(|one| one.begins_with_neighbours());
+        assert!(sensors.clone().any(|one| wide(&one)), "control");
+        for sensor in sensors {
+            let words = words_of_memory(*sensor, &maze, &alleles);
+            assert!(words.starts_with("north "), "{sensor:?}: {words}");
+            assert!(
+                words.contains("step before saw north "),
+                "{sensor:?}: {words}"
+            );
+            assert!(!words.contains("column"), "{sensor:?}: {words}");
+        }
+    }
 
     #[test]
     fn what_is_seen_now_and_was_seen_a_step_ago_is_in_the_words_of_the_sensor() {

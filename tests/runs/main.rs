@@ -16,3 +16,4 @@ mod overwriting;
 mod resume;
 mod train;
 mod warnings;
+mod wide_percepts;
