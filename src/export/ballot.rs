@@ -95,6 +95,12 @@ pub enum ExportError {
     /// They are too many.
     #[error("{0} rules are more than the {MOST_RULES} that can be exported: {CONDENSE}")]
     Many(usize),
+    /// The sums of their votes do not fit.
+    #[error(
+        "the worths of two actions lie so close that votes of 32 bits are needed, and the sums of {0} \
+         rules with such votes do not fit into 64 bits: {CONDENSE}"
+    )]
+    Sums(usize),
     /// Actions lie too close for whole numbers.
     #[error(
         "the worths of two actions lie too close in percept {0} to be told apart in whole \
@@ -153,19 +159,22 @@ impl Ballot {
                 compared: percepts.len(),
                 of,
             };
+            // Sums that do not fit cannot be compared either.
+            if !ballot.sums_fit() {
+                return Err(ExportError::Sums(rules.len()));
+            }
             let differs = |percept: &&Percept| {
                 let worth = knowledge.worth_in(percept, actions);
                 !agrees(ballot.decide(percept), &worth)
             };
             unlike = percepts.iter().find(differs).copied();
-            if unlike.is_none() && ballot.sums_fit() {
+            if unlike.is_none() {
                 return Ok(ballot);
             }
         }
         Err(match unlike {
-            None => ExportError::Many(rules.len()),
-            Some(_) if knowledge.remembers() => ExportError::CloseInContext,
-            Some(percept) => ExportError::Close(percept),
+            Some(percept) if !knowledge.remembers() => ExportError::Close(percept),
+            _ => ExportError::CloseInContext,
         })
     }
 

@@ -11,6 +11,7 @@ mod examples;
 mod exporting;
 mod exporting_filter;
 mod exporting_memory;
+mod exporting_refusals;
 mod knowledge;
 mod lidar;
 mod memory;
