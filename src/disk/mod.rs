@@ -1,19 +1,23 @@
-//! Files that are there whole or not at all.
+//! Reads and writes files.
 
+mod atomic;
 mod lock;
 mod typed;
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
-
+pub use atomic::write;
+pub(crate) use atomic::{
+    aside, is_leftover_of, keep_or_create, leftover_of, persist, remove_leftovers, rename, replace,
+    replace_with,
+};
 pub(crate) use lock::LockError;
 pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};
 pub use typed::{named, typed};
 
-/// The name under which a file is written until it is whole.
+/// The name under which a recording is written until it is whole.
 pub(crate) fn part(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".part");
@@ -132,67 +136,6 @@ pub(crate) fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Writes a file so that after a crash or a power failure either the old one is there or the new
-/// one: aside, to the disk, into its place.
-///
-/// # Errors
-/// Those of the file system; then the old file is untouched.
-pub(crate) fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    replace_with(path, |file| file.write_all(bytes))
-}
-
-/// The same for what is written piece by piece.
-///
-/// # Errors
-/// The same, and those of `write`.
-pub(crate) fn replace_with(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    rename(&write_part(path, write)?, path)
-}
-
-/// The same, unless there is a file of this name that holds something else: then that is kept. Tells
-/// whether the file holds what was written.
-///
-/// # Errors
-/// The same.
-pub(crate) fn keep_or_create(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<bool> {
-    let part = write_part(path, write)?;
-    let same = File::open(&part).and_then(|file| Ok((file.metadata()?.len(), file)));
-    match same.and_then(|(length, file)| differs_from(path, length, file)) {
-        Ok(false) => rename(&part, path).map(|()| true),
-        found => {
-            remove(&part)?;
-            found.map(|differs| !differs)
-        }
-    }
-}
-
-/// Writes a file aside, to the disk.
-fn write_part(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<PathBuf> {
-    let part = part(path);
-    let written = create(&part).and_then(|file| {
-        let mut file = BufWriter::new(file);
-        write(&mut file)?;
-        file.into_inner()?.sync_all()
-    });
-    match written {
-        Ok(()) => Ok(part),
-        Err(cause) => {
-            // It may lie on a full disk, where its space is needed.
-            let _ = fs::remove_file(&part);
-            Err(cause)
-        }
-    }
-}
-
 /// Is there something of this name that is anything else than a file of these bytes? Such a file
 /// was not written by who is about to write these bytes.
 ///
@@ -253,73 +196,10 @@ pub(crate) fn is_full(cause: &io::Error) -> bool {
     matches!(cause.kind(), StorageFull | QuotaExceeded | FileTooLarge)
 }
 
-/// Writes a file whole or not at all; `force` lets it take the place of an older file.
-///
-/// # Errors
-/// Those of the file system; then the old file is untouched.
-pub fn write(path: &Path, bytes: &[u8], force: bool) -> io::Result<()> {
-    let mut aside = aside(path)?;
-    aside.write_all(bytes)?;
-    persist(aside, path, force)
-}
-
-/// A file beside `path` with a name that nothing has; it vanishes unless it is
-/// [persisted](persist).
-///
-/// # Errors
-/// Those of the file system.
-pub(crate) fn aside(path: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".").suffix(".tmp");
-    // As readable as other files: a temporary file is otherwise for its owner alone.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder_of(path))
-}
-
-/// Brings a file that lies aside to the disk, and gives it its name; `force` lets it take the place
-/// of an older file.
-///
-/// # Errors
-/// Those of the file system; then the old file is untouched.
-pub(crate) fn persist(aside: NamedTempFile, path: &Path, force: bool) -> io::Result<()> {
-    aside.as_file().sync_all()?;
-    let named = match force {
-        true => aside.persist(path),
-        false => aside.persist_noclobber(path),
-    };
-    named.map_err(|fault| fault.error)?;
-    sync_folder(folder_of(path))
-}
-
-/// Gives a file that is safely on the disk its name, and brings the name to the disk, too.
-///
-/// # Errors
-/// Those of the file system.
-pub(crate) fn rename(from: &Path, to: &Path) -> io::Result<()> {
-    fs::rename(from, to)?;
-    sync_folder(folder_of(to))
-}
-
-/// The folder of a file that is to be there.
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
-
-fn sync_folder(folder: &Path) -> io::Result<()> {
-    // Only Unix can do so for a folder.
-    match cfg!(unix) {
-        true => File::open(folder)?.sync_all(),
-        false => Ok(()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tempfile::NamedTempFile;
 
     #[test]
     fn a_file_beyond_its_limit_is_refused_before_it_is_read() {

@@ -77,7 +77,7 @@ impl RunFolder {
             Holds::Interrupted if !force => Err(RunFolderError::Interrupted(path.to_owned())),
             Holds::Run if !force => Err(RunFolderError::Exists(path.to_owned())),
             Holds::Run | Holds::Interrupted => folder.clear().map(|()| folder),
-            Holds::Nothing => Ok(folder),
+            Holds::Nothing => folder.tidied(),
         }
     }
 
@@ -91,7 +91,7 @@ impl RunFolder {
             cause,
         })?;
         match found {
-            Holds::Interrupted | Holds::Run => Self::locked(path),
+            Holds::Interrupted | Holds::Run => Self::locked(path)?.tidied(),
             _ => Err(RunFolderError::NothingToResume(path.to_owned())),
         }
     }
@@ -120,6 +120,16 @@ impl RunFolder {
             path: path.to_owned(),
             _lock: Some(lock),
         })
+    }
+
+    /// Removes the temporary files that a killed process left.
+    fn tidied(self) -> Result<Self, RunFolderError> {
+        let tidied = disk::remove_leftovers(&self.path, is_of_a_run);
+        tidied.map_err(|cause| RunFolderError::Io {
+            path: self.path.clone(),
+            cause,
+        })?;
+        Ok(self)
     }
 
     /// Removes the files of the run, those last by which a folder is known as that of a run.
@@ -310,9 +320,8 @@ fn holds(path: &Path) -> io::Result<Holds> {
         return Ok(Holds::Run);
     }
     // What is there before the first checkpoint.
-    let part = disk::part(Path::new(CHECKPOINT));
     let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));
-    names.retain(|name| !is_lock(name) && name != part.as_os_str());
+    names.retain(|name| !is_lock(name) && !disk::is_leftover_of(name, CHECKPOINT));
     Ok(match names.is_empty() {
         true => Holds::Nothing,
         false => Holds::Foreign,
@@ -350,7 +359,8 @@ fn was_written_by_a_run(path: &Path) -> io::Result<bool> {
 
 /// Is this one of the names that runs give to files?
 pub(super) fn is_of_a_run(name: &str) -> bool {
-    let whole = name.strip_suffix(".part").unwrap_or(name);
+    let whole = disk::leftover_of(name).or_else(|| name.strip_suffix(".part"));
+    let whole = whole.unwrap_or(name);
     let number = whole
         .strip_prefix("ep-")
         .and_then(|rest| rest.strip_suffix(".mcap"));
@@ -373,23 +383,13 @@ mod tests {
 
     #[test]
     fn only_names_that_runs_give_are_those_of_a_run() {
-        for name in [
-            "ep-0001.mcap",
-            "ep-123456.mcap.part",
-            "run.mcap",
-            "rules.json",
-            "checkpoint",
-        ] {
+        let ours = "ep-0001.mcap ep-123456.mcap.part .rules.json.a1B2c3.tmp run.mcap checkpoint";
+        for name in ours.split(' ') {
             assert!(is_of_a_run(name), "{name}");
         }
-        for name in [
-            "ep-1.mcap",
-            "ep-best.mcap",
-            "notes.txt",
-            "ep-0001.mcap.bak",
-            "run",
-            "ep-.mcap",
-        ] {
+        let others =
+            "ep-1.mcap ep-best.mcap notes.txt ep-0001.mcap.bak run ep-.mcap .notes.a1B2c3.tmp";
+        for name in others.split(' ') {
             assert!(!is_of_a_run(name), "{name}");
         }
     }

@@ -92,6 +92,9 @@ pub enum StudyError {
     /// A file is there already, and holds something else than would be written.
     #[error("{} exists and holds something other than what this study wrote: replace it with `--force`; the trials are kept", .0.display())]
     Exists(PathBuf),
+    /// A file that was made from the study was changed by hand.
+    #[error("{} was changed after xcscr wrote it: move it away, then run the same command again", .0.display())]
+    Altered(PathBuf),
     /// The folder holds another study.
     #[error(
         "{} holds another study (plan {found}, this one is {wanted}): choose another folder with `--out`, or, with `study run`, replace the study in it with `--force`",

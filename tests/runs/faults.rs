@@ -447,7 +447,7 @@ fn wherever_a_checkpoint_is_torn_the_old_one_or_the_new_one_is_there() {
         // Blocks that never reached the disk read as zeros.
         let lost = dice.below(torn.len() + 1);
         torn[lost..].fill(0);
-        fs::write(folder.path().join("checkpoint.part"), &torn).unwrap();
+        fs::write(folder.path().join(".checkpoint.a1B2c3.tmp"), &torn).unwrap();
         let read = || run.checkpoint::<Vec<u64>>().unwrap().unwrap();
         assert_eq!(read(), old, "seed {seed}: torn to {} bytes", torn.len());
         run.save_checkpoint(&new).unwrap();
@@ -522,7 +522,7 @@ fn a_forced_run_removes_the_files_of_the_run_before_it_and_nothing_else() {
         "ep-0007.mcap.part",
         "run.mcap.part",
         "run.mcap.again",
-        "rules.json.part",
+        ".rules.json.a1B2c3.tmp",
     ] {
         fs::write(out.join(name), "left behind").unwrap();
     }
@@ -557,9 +557,8 @@ fn links_in_a_run_folder_lead_nobody_out_of_it() {
         "ep-0002.mcap.part",
         "run.mcap.part",
         "rules.json",
-        "rules.json.part",
-        "world.json.part",
-        "checkpoint.part",
+        "world.json",
+        "checkpoint",
         "foxglove-layout.json",
     ];
     for name in links {

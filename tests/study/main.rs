@@ -8,6 +8,8 @@ mod kit;
 mod late_files;
 #[cfg(target_os = "linux")]
 mod million;
+#[cfg(unix)]
+mod sharing;
 mod studies;
 #[cfg(unix)]
 mod tasks;

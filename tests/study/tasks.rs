@@ -25,10 +25,10 @@ seed = 7
 "#;
 
 /// A folder with `small.toml`, and an engine that notes what it is asked.
-struct Desk(TempDir);
+pub struct Desk(TempDir);
 
 impl Desk {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let desk = Self(tempfile::tempdir().unwrap());
         fs::write(desk.path("small.toml"), SMALL).unwrap();
         fs::write(desk.path("queue"), "").unwrap();
@@ -42,7 +42,7 @@ impl Desk {
         desk
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
@@ -53,7 +53,7 @@ impl Desk {
         fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
     }
 
-    fn command(&self, words: &str) -> Command {
+    pub fn command(&self, words: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
         let path = std::env::var("PATH").unwrap();
         command
@@ -69,7 +69,7 @@ impl Desk {
     }
 
     #[track_caller]
-    fn ends(&self, words: &str, code: i32) -> (String, String) {
+    pub fn ends(&self, words: &str, code: i32) -> (String, String) {
         let output = self.run(words);
         assert_eq!(output.status.code(), Some(code), "{words}: {output:?}");
         let text = |bytes| String::from_utf8(bytes).unwrap();
@@ -77,7 +77,7 @@ impl Desk {
     }
 
     #[track_caller]
-    fn done(&self, words: &str) -> String {
+    pub fn done(&self, words: &str) -> String {
         self.ends(words, 0).0
     }
 

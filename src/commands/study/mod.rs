@@ -292,6 +292,7 @@ impl From<StudyError> for Failure {
             | StudyError::OtherTasks { .. }
             | StudyError::Foreign { .. }
             | StudyError::Exists(_)
+            | StudyError::Altered(_)
             | StudyError::Locked { .. }
             | StudyError::Create { .. } => Exit::CannotCreate,
             StudyError::Io { .. } | StudyError::Jobs { .. } | StudyError::Engine { .. } => Exit::Io,

@@ -12,7 +12,7 @@ use crate::disk;
 use crate::study::error::StudyError;
 use crate::study::protocol::{Protocol, id_of};
 use crate::study::runner::put_together;
-use crate::study::store::files::{TASKS, foreign, frozen, names, thawed, write_json};
+use crate::study::store::files::{TASKS, foreign, frozen, json, names, thawed};
 use crate::study::store::folder::StudyFolder;
 use crate::study::store::journal::{self, Journal};
 use crate::study::store::{Shard, TrialRecord};
@@ -135,16 +135,21 @@ impl PlannedStudy {
     /// Makes the folder, unless it is there.
     ///
     /// # Errors
-    /// [`StudyError::Foreign`] when there is something else, or an error of the file system.
+    /// [`StudyError::Foreign`], [`StudyError::OtherStudy`] or [`StudyError::OtherTasks`] when there is
+    /// something else, or an error of the file system.
     pub fn make(&self) -> Result<(), StudyError> {
-        if !Self::is_in(&self.path) {
-            require_own(&self.path)?;
-        }
+        require_own(&self.path)?;
         let journals = self.journals();
         fs::create_dir_all(&journals).map_err(|cause| StudyError::create(&journals, cause))?;
-        if Self::is_in(&self.path) {
-            return Ok(());
+        if !Self::is_in(&self.path) {
+            self.write()?;
         }
+        // Another process may have made another plan in the meantime.
+        Self::in_folder(&self.path, self.protocol.clone(), Some(self.tasks)).map(drop)
+    }
+
+    /// Writes the plan, unless there is one.
+    fn write(&self) -> Result<(), StudyError> {
         let (study, plan) = frozen(&self.protocol);
         let file = TasksFile {
             checksum: checksum(&plan, self.tasks),
@@ -152,7 +157,13 @@ impl PlannedStudy {
             tasks: self.tasks,
             study,
         };
-        write_json(&self.path.join(TASKS), &file)
+        let path = self.path.join(TASKS);
+        match disk::write(&path, &json(&file), false) {
+            Err(cause) if cause.kind() != ErrorKind::AlreadyExists => {
+                Err(StudyError::io(&path, cause))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Where the folder is.
@@ -274,9 +285,9 @@ impl PlannedStudy {
 
 /// A folder without a plan may hold what is made before the plan, and nothing else.
 fn require_own(path: &Path) -> Result<(), StudyError> {
-    let part = disk::part(Path::new(TASKS));
-    let is_early = |name: &OsString| name == JOURNALS || name == part.as_os_str();
-    match names(path)?.iter().all(is_early) {
+    let is_early = |name: &OsString| name == JOURNALS || disk::is_leftover_of(name, TASKS);
+    // The names come first: another process may be about to make the same plan, and more after it.
+    match names(path)?.iter().all(is_early) || PlannedStudy::is_in(path) {
         true => Ok(()),
         false => Err(foreign(path)),
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -10,12 +10,17 @@ use super::planned::PlannedStudy;
 use super::survey::Survey;
 use crate::disk;
 use crate::study::error::StudyError;
+use crate::study::protocol::id_of;
 use crate::study::store::files::write_whole;
 
 /// Scripts and logs, below the folder of the study.
 const FOLDER: &str = "slurm";
 const ARRAY: &str = "slurm/array.sh";
 const MERGE: &str = "slurm/merge.sh";
+/// Begins the last line of a script.
+const CHECKSUM: &str = "# Written by xcscr. Checksum of the lines above: ";
+/// More than the list of 100,000 tasks takes.
+const MOST_SCRIPT_BYTES: u64 = 1 << 21;
 /// How long before the time limit a signal is wanted: what the program needs at most, and some room for
 /// a slow file system. Slurm may send it a minute earlier.
 const FAREWELL_SECS: u64 = 30;
@@ -89,8 +94,8 @@ impl Slurm {
     /// The scripts that run these tasks, and merge all: their names and texts.
     pub fn scripts(&self, planned: &PlannedStudy, tasks: &[usize]) -> [(&'static str, String); 2] {
         [
-            (ARRAY, self.array_script(planned, tasks)),
-            (MERGE, self.merge_script(planned)),
+            (ARRAY, signed(self.array_script(planned, tasks))),
+            (MERGE, signed(self.merge_script(planned))),
         ]
     }
 
@@ -98,17 +103,22 @@ impl Slurm {
     /// those that are in the queue, are done. Gives the numbers of the array job and of the merge.
     ///
     /// # Errors
-    /// [`StudyError::Engine`], or an error of the file system.
+    /// [`StudyError::Altered`] when a script was changed by hand, [`StudyError::Engine`], or an error
+    /// of the file system.
     pub fn submit(
         &self,
         planned: &PlannedStudy,
         tasks: &[usize],
         queue: &[Queued],
     ) -> Result<[String; 2], StudyError> {
+        let scripts = self.scripts(planned, tasks);
+        let scripts = scripts.map(|(name, text)| (planned.path().join(name), text));
+        require_folder(&planned.path().join(FOLDER))?;
+        scripts.iter().try_for_each(|(path, _)| require_own(path))?;
         let logs = planned.path().join(FOLDER).join("logs");
         fs::create_dir_all(&logs).map_err(|cause| StudyError::create(&logs, cause))?;
-        for (name, text) in self.scripts(planned, tasks) {
-            write_whole(&planned.path().join(name), text.as_bytes())?;
+        for (path, text) in scripts {
+            write_whole(&path, text.as_bytes())?;
         }
         let array = sbatch(planned, ARRAY, &[])?;
         let after = dependency(&array, queue);
@@ -212,6 +222,38 @@ impl Survey {
             .iter()
             .map(|one| (one.task, state(one)))
             .collect()
+    }
+}
+
+/// A script with its checksum, by which it is known that nobody changed it.
+fn signed(script: String) -> String {
+    let checksum = id_of(&script);
+    format!("{script}{CHECKSUM}{checksum}\n")
+}
+
+/// Refuses to replace a script that was changed by hand, or was not made by this program.
+fn require_own(path: &Path) -> Result<(), StudyError> {
+    let text = match disk::read_text(path, MOST_SCRIPT_BYTES) {
+        Err(cause) if cause.kind() == ErrorKind::NotFound => return Ok(()),
+        // It is too large for a script of ours, or no text.
+        Err(_) => String::new(),
+        Ok(text) => text,
+    };
+    let script = text.rsplit_once(CHECKSUM).map(|(script, _)| script);
+    match script.is_some_and(|script| signed(script.to_owned()) == text) {
+        true => Ok(()),
+        false => Err(StudyError::Altered(path.to_owned())),
+    }
+}
+
+/// Refuses a link that leads out of the folder of the study.
+fn require_folder(path: &Path) -> Result<(), StudyError> {
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_symlink() => {
+            let cause = io::Error::other("it is a symbolic link; replace it with a folder");
+            Err(StudyError::create(path, cause))
+        }
+        _ => Ok(()),
     }
 }
 

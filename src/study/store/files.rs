@@ -114,14 +114,14 @@ pub fn read_records(
 
 pub fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> {
     let (study, plan) = frozen(protocol);
-    write_json(&folder.join(PLAN), &PlanFile { plan, study })
+    write_whole(&folder.join(PLAN), &json(&PlanFile { plan, study }))
 }
 
-/// Writes plain data as a JSON document.
-pub fn write_json(path: &Path, file: &impl Serialize) -> Result<(), StudyError> {
+/// Plain data as a JSON document.
+pub fn json(file: &impl Serialize) -> Vec<u8> {
     let mut text = serde_json::to_string_pretty(file).expect("plain data becomes JSON");
     text.push('\n');
-    write_whole(path, text.as_bytes())
+    text.into_bytes()
 }
 
 /// Writes a file so that it is there either whole or not at all; see [`disk::replace`].

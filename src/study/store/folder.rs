@@ -359,18 +359,22 @@ impl OpenFolder {
 fn is_foreign(path: &Path) -> Result<bool, StudyError> {
     let names = names(path)?;
     // What is there before the plan.
-    let part = disk::part(Path::new(PLAN));
     let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));
-    let is_early = |name: &OsString| is_lock(name) || name == part.as_os_str();
+    let is_early = |name: &OsString| is_lock(name) || disk::is_leftover_of(name, PLAN);
     Ok(!names.iter().any(|name| name == PLAN) && !names.iter().all(is_early))
 }
 
+/// Locks a folder, and removes the temporary files of a study that a killed process left in it.
 fn lock(folder: &Path) -> Result<FolderLock, StudyError> {
-    FolderLock::acquire(folder).map_err(|fault| match fault {
+    let lock = FolderLock::acquire(folder).map_err(|fault| match fault {
         LockError::Held(pid) => StudyError::Locked {
             folder: folder.to_owned(),
             holder: pid.map_or("another process".to_owned(), |pid| format!("process {pid}")),
         },
         LockError::File(path, cause) => StudyError::create(&path, cause),
-    })
+    })?;
+    let is_ours = |name: &str| [PLAN, JOURNAL].contains(&name) || OUTPUTS.contains(&name);
+    let tidied = disk::remove_leftovers(folder, is_ours);
+    tidied.map_err(|cause| StudyError::io(folder, cause))?;
+    Ok(lock)
 }

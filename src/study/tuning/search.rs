@@ -7,10 +7,11 @@ use serde::Serialize;
 
 use super::candidates::Candidate;
 use super::standing::{Standing, Verdict, standings};
+use crate::disk;
 use crate::study::cluster::PlannedStudy;
 use crate::study::error::StudyError;
 use crate::study::protocol::Protocol;
-use crate::study::store::files::{SEARCH, foreign, names, write_json};
+use crate::study::store::files::{SEARCH, foreign, json, names};
 use crate::study::store::folder::StudyFolder;
 use crate::trial::PlanError;
 use xcs::bounds::within;
@@ -120,8 +121,9 @@ impl Tuning {
 
     /// A folder without a first rung may hold what is made before its plan, and nothing else.
     fn require_own_folder(&self) -> Result<(), StudyError> {
-        let is_begun = PlannedStudy::is_in(&self.path.join("rung-1"));
-        match is_begun || names(&self.path)?.iter().all(|name| name == "rung-1") {
+        // The names come first: another process may go on with the same search in the meantime.
+        let is_empty = names(&self.path)?.iter().all(|name| name == "rung-1");
+        match is_empty || PlannedStudy::is_in(&self.path.join("rung-1")) {
             true => Ok(()),
             false => Err(foreign(&self.path)),
         }
@@ -145,8 +147,12 @@ impl Tuning {
             rungs,
             last,
         };
-        write_json(&self.path.join(SEARCH), &found)?;
-        Ok(Stage::Done(found))
+        let path = self.path.join(SEARCH);
+        let kept = disk::keep_or_create(&path, |file| file.write_all(&json(&found)));
+        match kept.map_err(|cause| StudyError::io(&path, cause))? {
+            true => Ok(Stage::Done(found)),
+            false => Err(StudyError::Altered(path)),
+        }
     }
 
     /// How many rungs there are at most: each halves the candidates.
