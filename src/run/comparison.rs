@@ -41,12 +41,12 @@ fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, RunError> {
     for number in 0..a.chapters().max(b.chapters()) {
         a.tell_chapter(number, &mut of_a)?;
         b.tell_chapter(number, &mut of_b)?;
-        of_a.catch_up(&mut of_b);
+        of_a.catch_up(&mut of_b)?;
     }
     a.tell_drive(&mut of_a)?;
     b.tell_drive(&mut of_b)?;
-    of_a.catch_up(&mut of_b);
-    Ok(compare_stories([&of_a, &of_b])?)
+    of_a.catch_up(&mut of_b)?;
+    Ok(compare_stories([of_a, of_b])?)
 }
 
 fn material(path: &Path) -> Result<Material, RunError> {

@@ -114,7 +114,8 @@ impl Material {
     pub fn teller(&self) -> Result<Teller<'_>, RunError> {
         let (info, senses) = (run_info(&self.plan), self.plan.config.senses());
         let curve = self.whole_curve()?;
-        Ok(Teller::new(&self.plan.maze, info, self.mode, curve, senses))
+        let maze = &self.plan.maze;
+        Ok(Teller::new(maze, info, self.mode, curve, senses)?)
     }
 
     /// How many chapters there are before the drive.

@@ -9,6 +9,7 @@ mod checking;
 mod forged_recordings;
 #[cfg(feature = "live")]
 mod live;
+mod long_story;
 mod recording;
 mod recording_faults;
 mod recovery;

@@ -2,17 +2,19 @@
 //! the second below `/b`.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use foxglove::messages::{FrameTransforms, SceneUpdate};
 use mcap::McapResult;
 use mcap::records::{MessageHeader, Metadata};
 
 use super::retime::{decoded, encoded};
-use super::teller::{Teller, Told, unwritten};
+use super::teller::{Teller, unwritten};
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
 use crate::record::layout::{self, SIDES};
-use crate::record::topics::{Message, Topic};
+use crate::record::read::reader::{Message, Recording};
+use crate::record::topics::{self, Topic};
 use crate::record::write::sink::{Packing, Sink};
 
 /// Two stories in one recording.
@@ -30,20 +32,28 @@ pub struct Comparison {
 ///
 /// # Errors
 /// None that has been seen: stories can be read, and there is room in memory.
-pub fn compare_stories(stories: [&Teller<'_>; 2]) -> Result<Comparison, RecordError> {
-    let layout = layout::of_comparison(stories.map(Teller::maze), stories.map(Teller::heading));
-    let bytes = merged(stories, &layout).map_err(unwritten)?;
+pub fn compare_stories(stories: [Teller<'_>; 2]) -> Result<Comparison, RecordError> {
+    let [a, b] = &stories;
+    let layout = layout::of_comparison([a.maze(), b.maze()], [a.heading(), b.heading()]);
+    let headings = [a.heading(), b.heading()].map(str::to_owned);
+    let (mut out, channels) = begun(&stories, &layout).map_err(unwritten)?;
+    let [a, b] = stories.map(read_again);
+    merge(&[a?, b?], &mut out, &channels)?;
     Ok(Comparison {
-        bytes,
+        bytes: out.finish().map_err(unwritten)?,
         layout,
-        headings: stories.map(|story| story.heading().to_owned()),
+        headings,
     })
 }
 
-fn merged(stories: [&Teller<'_>; 2], layout: &str) -> McapResult<Vec<u8>> {
+/// The channel of each side's topics.
+type Channels = BTreeMap<(usize, usize), u16>;
+
+/// A file with all that comes before the first message.
+fn begun(stories: &[Teller<'_>; 2], layout: &str) -> McapResult<(Sink<Vec<u8>>, Channels)> {
     let mut out = Sink::new(Vec::new(), Packing::Small)?;
     introduce(&mut out, stories, layout)?;
-    let mut channels = BTreeMap::new();
+    let mut channels = Channels::new();
     for (side, story) in stories.iter().enumerate() {
         for topic in story.topics() {
             let schema = topic.schema(Extent::Story);
@@ -54,28 +64,62 @@ fn merged(stories: [&Teller<'_>; 2], layout: &str) -> McapResult<Vec<u8>> {
             channels.insert((side, topic as usize), channel);
         }
     }
-    let of_side = |side: usize| stories[side].told().iter().map(move |told| (side, told));
-    let mut all: Vec<(usize, &Told)> = of_side(0).chain(of_side(1)).collect();
-    all.sort_by_key(|(_, (time_ns, ..))| *time_ns);
-    for (side, (time_ns, topic, data)) in all {
-        // Beams, which one run may have recorded, are left out, as in any story.
-        let Some(&channel_id) = channels.get(&(side, *topic as usize)) else {
-            continue;
+    Ok((out, channels))
+}
+
+/// A story from its packed bytes, so that its messages never lie in memory all at once.
+fn read_again(story: Teller<'_>) -> Result<Recording, RecordError> {
+    Recording::from_bytes(Path::new(&Extent::Story.file_name()), story.finish()?)
+}
+
+/// Writes the messages of both sides in the order of time, those of the first side first.
+fn merge(
+    sides: &[Recording; 2],
+    out: &mut Sink<Vec<u8>>,
+    channels: &Channels,
+) -> Result<(), RecordError> {
+    let [a, b] = sides;
+    let (mut a, mut b) = (a.messages(), b.messages());
+    let mut next = [a.next().transpose()?, b.next().transpose()?];
+    loop {
+        let (side, message) = match &mut next {
+            [None, None] => return Ok(()),
+            [Some(first), Some(second)] if second.time_ns < first.time_ns => {
+                (1, std::mem::replace(&mut next[1], b.next().transpose()?))
+            }
+            [Some(_), _] => (0, std::mem::replace(&mut next[0], a.next().transpose()?)),
+            [None, Some(_)] => (1, std::mem::replace(&mut next[1], b.next().transpose()?)),
         };
-        let header = MessageHeader {
-            channel_id,
-            sequence: 0,
-            log_time: *time_ns,
-            publish_time: *time_ns,
-        };
-        let data = below(SIDES[side], *topic, data);
-        out.message(&header, &data)?;
+        if let Some(message) = message {
+            put(out, channels, side, &message)?;
+        }
     }
-    out.finish()
+}
+
+/// Writes a message of a side. Beams, which one run may have recorded, are in no story.
+fn put(
+    out: &mut Sink<Vec<u8>>,
+    channels: &Channels,
+    side: usize,
+    message: &Message,
+) -> Result<(), RecordError> {
+    let topic = Topic::named(message.topic());
+    let channel = topic.and_then(|topic| Some((topic, *channels.get(&(side, topic as usize))?)));
+    let Some((topic, channel_id)) = channel else {
+        return Ok(());
+    };
+    let header = MessageHeader {
+        channel_id,
+        sequence: 0,
+        log_time: message.time_ns,
+        publish_time: message.time_ns,
+    };
+    let data = below(SIDES[side], topic, &message.data);
+    out.message(&header, &data).map_err(unwritten)
 }
 
 /// The facts of both runs, those of each below the name of its side.
-fn introduce(out: &mut Sink<Vec<u8>>, stories: [&Teller<'_>; 2], layout: &str) -> McapResult<()> {
+fn introduce(out: &mut Sink<Vec<u8>>, stories: &[Teller<'_>; 2], layout: &str) -> McapResult<()> {
     let whole = [("episode", Extent::Comparison.to_string())];
     let whole = whole.map(|(key, text)| (key.to_owned(), text));
     metadata(out, "run", whole.into())?;
@@ -113,19 +157,21 @@ fn attach(out: &mut Sink<Vec<u8>>, name: &str, text: &str) -> McapResult<()> {
 fn below(side: &str, topic: Topic, data: &[u8]) -> Vec<u8> {
     let put = |frame: &mut String| *frame = format!("{side}/{frame}");
     let moved = match topic.message() {
-        Message::Frames => decoded(data).map(|mut frames: FrameTransforms| {
+        topics::Message::Frames => decoded(data).map(|mut frames: FrameTransforms| {
             for frame in &mut frames.transforms {
                 put(&mut frame.parent_frame_id);
                 put(&mut frame.child_frame_id);
             }
             encoded(&frames)
         }),
-        Message::Scene => decoded(data).map(|mut scene: SceneUpdate| {
+        topics::Message::Scene => decoded(data).map(|mut scene: SceneUpdate| {
             let frames = scene.entities.iter_mut();
             frames.for_each(|entity| put(&mut entity.frame_id));
             encoded(&scene)
         }),
-        Message::Scan | Message::Log | Message::Own(_) => return data.to_vec(),
+        topics::Message::Scan | topics::Message::Log | topics::Message::Own(_) => {
+            return data.to_vec();
+        }
     };
     // A story holds only what could be decoded.
     moved.unwrap_or_else(|_| data.to_vec())

@@ -13,7 +13,7 @@ use crate::record::error::RecordError;
 use crate::record::info::{Extent, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
-use crate::record::read::reader::{Message, Recording};
+use crate::record::read::reader::Recording;
 use crate::record::topics::caption::Caption;
 use crate::record::topics::{Topic, log, timestamp};
 use crate::record::write::log_file::LogFile;
@@ -29,12 +29,14 @@ const INSTANT_NS: u64 = 1_000_000;
 /// For how long the last drive may be shown.
 const DRIVE_NS: u64 = 20_000_000_000;
 
-/// A message of the story: its time, topic and bytes.
-pub(super) type Told = (u64, Topic, Vec<u8>);
+/// The most messages of one topic that are shown of an episode: 100 a second where it is shown for
+/// 20 s, more often than viewers draw. Of longer episodes every second one is shown, or every third,
+/// and so on, so that the size of the story does not depend on the number of steps.
+pub(super) const MOST_SHOWN: u64 = 2_000;
 
-/// Tells a story into memory: a few megabytes.
+/// Tells a story. It is kept in memory as the packed bytes of its file.
 pub struct Teller<'a> {
-    told: Vec<Told>,
+    log: LogFile<Vec<u8>>,
     maze: &'a Maze,
     info: RunInfo,
     mode: RecordMode,
@@ -60,15 +62,19 @@ struct Figures {
 impl<'a> Teller<'a> {
     /// A story that is to begin, of episodes recorded in this mode, with the learning `curve` of the
     /// run, which is shown from the first moment on; `senses`: is the robot not told where it is?
+    ///
+    /// # Errors
+    /// None that has been seen: there is room in memory.
     pub fn new(
         maze: &'a Maze,
         info: RunInfo,
         mode: RecordMode,
         curve: Vec<u8>,
         senses: bool,
-    ) -> Self {
-        Self {
-            told: Vec::new(),
+    ) -> Result<Self, RecordError> {
+        let begun = begun(maze, &info, mode, senses);
+        Ok(Self {
+            log: begun.map_err(unwritten)?,
             maze,
             heading: info.heading(maze.name()),
             info,
@@ -78,7 +84,7 @@ impl<'a> Teller<'a> {
             now_ns: 0,
             frames: BTreeMap::new(),
             is_begun: false,
-        }
+        })
     }
 
     /// Shows an episode.
@@ -93,8 +99,7 @@ impl<'a> Teller<'a> {
             changed => format!("{changed} arrows changed"),
         };
         let title = chapter.title(true);
-        self.close(&title, &format!("{}; {arrows}", result(&figures)));
-        Ok(())
+        self.close(&title, &format!("{}; {arrows}", result(&figures)))
     }
 
     /// Shows what was learned: an episode that neither learns nor explores.
@@ -109,8 +114,7 @@ impl<'a> Teller<'a> {
             Some(fewest) => format!(" ({fewest} would do)"),
             None => String::new(),
         };
-        self.close(&title, &format!("{}{fewest}", result(&figures)));
-        Ok(())
+        self.close(&title, &format!("{}{fewest}", result(&figures)))
     }
 
     /// The story, as the bytes of a file.
@@ -118,32 +122,12 @@ impl<'a> Teller<'a> {
     /// # Errors
     /// None that has been seen: there is room in memory.
     pub fn finish(self) -> Result<Vec<u8>, RecordError> {
-        self.written().map_err(unwritten)
-    }
-
-    fn written(&self) -> McapResult<Vec<u8>> {
-        let (maze, info) = (self.maze, &self.info);
-        let mut log = LogFile::new(Vec::new(), Packing::Small)?;
-        let metadata = info.metadata(maze.name(), self.mode, Extent::Story);
-        log.metadata("run", metadata)?;
-        log.attach("world.json", 0, &info.world_json)?;
-        log.attach("config.json", 0, &info.config_json)?;
-        log.attach("foxglove-layout.json", 0, &layout::of_episode(maze))?;
-        log.declare(Extent::Story, &self.topics())?;
-        for (time_ns, topic, data) in &self.told {
-            log.message(*topic, *time_ns, data)?;
-        }
-        log.finish()
+        self.log.finish().map_err(unwritten)
     }
 
     /// The topics that the story has.
     pub(super) fn topics(&self) -> Vec<Topic> {
         Topic::of_episode(self.senses, false)
-    }
-
-    /// What was told so far.
-    pub(super) fn told(&self) -> &[Told] {
-        &self.told
     }
 
     /// How its episodes were recorded.
@@ -167,13 +151,17 @@ impl<'a> Teller<'a> {
     }
 
     /// Lets the story that is behind the other stand as it is until both go on.
-    pub fn catch_up(&mut self, other: &mut Self) {
+    ///
+    /// # Errors
+    /// None that has been seen: there is room in memory.
+    pub fn catch_up(&mut self, other: &mut Self) -> Result<(), RecordError> {
         let end_ns = self.now_ns.max(other.now_ns);
         for story in [self, other] {
             if story.now_ns < end_ns {
-                story.hold_until(end_ns);
+                story.hold_until(end_ns)?;
             }
         }
+        Ok(())
     }
 
     /// Plays an episode; what it came to.
@@ -183,32 +171,36 @@ impl<'a> Teller<'a> {
         episode: &Recording,
         most_ns: u64,
     ) -> Result<Figures, RecordError> {
-        let messages: Result<Vec<Message>, _> = episode.messages().collect();
-        let messages = messages?;
-        let times = || messages.iter().map(|message| message.time_ns);
-        let from_ns = times().min().unwrap_or(0);
-        let length_ns = times().max().unwrap_or(0) - from_ns;
+        let length = Length::of(episode)?;
         let tempo = Tempo {
-            from_ns,
-            length_ns,
+            from_ns: length.from_ns,
+            length_ns: length.to_ns.saturating_sub(length.from_ns),
             begin_ns: self.now_ns,
-            shown_ns: length_ns.min(most_ns),
+            shown_ns: length.to_ns.saturating_sub(length.from_ns).min(most_ns),
         };
         if !self.is_begun {
-            self.told.push((0, Topic::Curve, self.curve.clone()));
+            let curve = self.curve.clone();
+            self.tell(0, Topic::Curve, &curve)?;
         }
         let remark = match tempo.speed() {
             speed if speed > 1.05 => format!("shown {speed:.1} times as fast"),
             _ => String::new(),
         };
-        self.say(title, &remark);
+        self.say(title, &remark)?;
         let damaged = |fault: String| episode.damaged(fault);
         let mut figures = Err(damaged("it has no /episode".to_owned()));
-        for message in &messages {
+        let mut numbers = [0; Topic::ALL.len()];
+        for message in episode.messages() {
+            let message = message?;
             let topic = Topic::named(message.topic());
             let Some(topic) = topic.filter(|&topic| self.wants(topic)) else {
                 continue;
             };
+            let number = &mut numbers[topic as usize];
+            *number += 1;
+            if !length.shows(topic, *number) {
+                continue;
+            }
             let data = retimed(topic, &message.data, &tempo).map_err(damaged)?;
             if topic == Topic::Transforms {
                 self.follow(&data).map_err(damaged)?;
@@ -216,7 +208,7 @@ impl<'a> Teller<'a> {
                 let read = serde_json::from_slice(&message.data);
                 figures = read.map_err(|fault| damaged(fault.to_string()));
             }
-            self.told.push((tempo.at(message.time_ns), topic, data));
+            self.tell(tempo.at(message.time_ns), topic, &data)?;
         }
         self.is_begun = true;
         self.now_ns = tempo.end_ns();
@@ -242,27 +234,28 @@ impl<'a> Teller<'a> {
     }
 
     /// Says what came of a chapter, while nothing moves.
-    fn close(&mut self, title: &str, remark: &str) {
-        self.say(title, remark);
+    fn close(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
+        self.say(title, remark)?;
         let line = log::told(&format!("{title}: {remark}"), self.now_ns);
-        self.told.push((self.now_ns, Topic::Log, encoded(&line)));
-        self.hold_until(self.now_ns + PAUSE_NS);
+        self.tell(self.now_ns, Topic::Log, &encoded(&line))?;
+        self.hold_until(self.now_ns + PAUSE_NS)
     }
 
     /// Shows all frames where they were, until a moment.
-    fn hold_until(&mut self, end_ns: u64) {
+    fn hold_until(&mut self, end_ns: u64) -> Result<(), RecordError> {
         let begin_ns = self.now_ns;
         let holds = (0..).map(|n| begin_ns + n * HOLD_NS);
         let holds = holds.take_while(|&at_ns| at_ns + INSTANT_NS < end_ns);
         let holds: Vec<u64> = holds.chain([end_ns - INSTANT_NS]).collect();
         for at_ns in holds.into_iter().filter(|&at_ns| at_ns >= begin_ns) {
-            self.hold(at_ns);
+            self.hold(at_ns)?;
         }
         self.now_ns = end_ns;
+        Ok(())
     }
 
     /// Shows all frames where they were.
-    fn hold(&mut self, time_ns: u64) {
+    fn hold(&mut self, time_ns: u64) -> Result<(), RecordError> {
         let stay = |frame: &FrameTransform| FrameTransform {
             timestamp: Some(timestamp(time_ns)),
             ..frame.clone()
@@ -270,18 +263,73 @@ impl<'a> Teller<'a> {
         let message = FrameTransforms {
             transforms: self.frames.values().map(stay).collect(),
         };
-        self.told
-            .push((time_ns, Topic::Transforms, encoded(&message)));
+        self.tell(time_ns, Topic::Transforms, &encoded(&message))
     }
 
-    fn say(&mut self, title: &str, remark: &str) {
+    fn say(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
         let caption = Caption {
             title: title.to_owned(),
             remark: remark.to_owned(),
             heading: self.heading.clone(),
         };
         let scene = encoded(&caption.scene(self.maze, self.now_ns));
-        self.told.push((self.now_ns, Topic::Caption, scene));
+        self.tell(self.now_ns, Topic::Caption, &scene)
+    }
+
+    fn tell(&mut self, time_ns: u64, topic: Topic, data: &[u8]) -> Result<(), RecordError> {
+        let told = self.log.message(topic, time_ns, data);
+        told.map_err(unwritten)
+    }
+}
+
+/// A file with all that comes before the first message.
+fn begun(
+    maze: &Maze,
+    info: &RunInfo,
+    mode: RecordMode,
+    senses: bool,
+) -> McapResult<LogFile<Vec<u8>>> {
+    let mut log = LogFile::new(Vec::new(), Packing::Small)?;
+    log.metadata("run", info.metadata(maze.name(), mode, Extent::Story))?;
+    log.attach("world.json", 0, &info.world_json)?;
+    log.attach("config.json", 0, &info.config_json)?;
+    log.attach("foxglove-layout.json", 0, &layout::of_episode(maze))?;
+    log.declare(Extent::Story, &Topic::of_episode(senses, false))?;
+    Ok(log)
+}
+
+/// How long a recorded episode is.
+struct Length {
+    from_ns: u64,
+    to_ns: u64,
+    /// By [`Topic`]: its messages.
+    messages: [u64; Topic::ALL.len()],
+}
+
+impl Length {
+    fn of(episode: &Recording) -> Result<Self, RecordError> {
+        let (mut from_ns, mut to_ns) = (u64::MAX, 0);
+        let mut messages = [0; Topic::ALL.len()];
+        for message in episode.messages() {
+            let message = message?;
+            from_ns = from_ns.min(message.time_ns);
+            to_ns = to_ns.max(message.time_ns);
+            if let Some(topic) = Topic::named(message.topic()) {
+                messages[topic as usize] += 1;
+            }
+        }
+        Ok(Self {
+            from_ns: from_ns.min(to_ns),
+            to_ns,
+            messages,
+        })
+    }
+
+    /// Is message `number` of a topic, from 1, shown? The first and the last one always are.
+    fn shows(&self, topic: Topic, number: u64) -> bool {
+        let all = self.messages[topic as usize];
+        let every = all.div_ceil(MOST_SHOWN).max(1);
+        (number - 1).is_multiple_of(every) || number == all
     }
 }
 
