@@ -7,7 +7,7 @@ use clap::Subcommand;
 use serde::Serialize;
 use xcscr::sensor::{Alike, Sensor};
 use xcscr::trial::{Bounds, Estimate};
-use xcscr::world::{Cell, Facts, Maze, MazeKind, Recipe};
+use xcscr::world::{Cell, Facts, Maze, MazeKind, Origin, Recipe};
 
 use super::choices;
 use super::convert::{self, ConvertArgs};
@@ -198,6 +198,12 @@ impl Description {
             out,
             "size        {width} x {height} cells of {size} m{edges}"
         )?;
+        if let Some(Origin { x_m, y_m, yaw_rad }) = facts.origin {
+            writeln!(
+                out,
+                "origin      {x_m}, {y_m} m, turned by {yaw_rad} rad, in the map frame"
+            )?;
+        }
         writeln!(out, "moves       {}", facts.moves)?;
         writeln!(out, "free cells  {}", facts.free_cells)?;
         if let Some(auxiliary) = &facts.auxiliary {

@@ -10,11 +10,12 @@ use super::json::{refuse_other_kinds, syntax_fault, text_after_end};
 use super::source::{Source, quoted};
 
 /// The keys of a world file.
-const KEYS: [&str; 7] = [
+const KEYS: [&str; 8] = [
     "name",
     "cell_size_m",
     "moves",
     "wrap",
+    "origin",
     "rows",
     "floor",
     "reward",

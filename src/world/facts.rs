@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::auxiliary::out_of_reach;
 use super::maze::{Cell, Maze};
+use super::origin::Origin;
 use super::paths::Paths;
 
 /// Size, starts, goals and shortest paths of a maze; steps are moves from cell to cell.
@@ -21,6 +22,9 @@ pub struct Facts {
     pub moves: usize,
     /// Do the edges join?
     pub wrap: bool,
+    /// The pose of the south-western corner in the map frame; not there where it is the origin.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub origin: Option<Origin>,
     /// Cells that are no wall, goals included.
     pub free_cells: usize,
     /// The start; `None` when each episode starts in a random free cell.
@@ -79,6 +83,7 @@ impl Facts {
             cell_size_m: maze.cell_size_m(),
             moves: maze.action_count(),
             wrap: maze.wraps(),
+            origin: Some(maze.origin()).filter(|&origin| origin != Origin::default()),
             free_cells: maze.free_cells().count(),
             start: maze.start(),
             goals: maze.goals().to_vec(),

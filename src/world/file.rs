@@ -13,6 +13,7 @@ use super::json::{kind, missing_key, wrong_type};
 use super::maze::Maze;
 use super::name;
 use super::near;
+use super::origin::Origin;
 use super::rows::Rows;
 use super::source::{Source, quoted};
 use crate::disk;
@@ -94,12 +95,16 @@ impl Maze {
         let floor = self.floor_rows().map_or(String::new(), |rows| {
             format!(",\n  \"floor\": {}", array(rows.into_iter()))
         });
+        let origin = match self.origin == Origin::default() {
+            true => String::new(),
+            false => format!(",\n  \"origin\": {:?}", <[f64; 3]>::from(self.origin)),
+        };
         let reward = self.auxiliary.as_ref().map_or(String::new(), |auxiliary| {
             format!(",\n  \"reward\": {:?}", auxiliary.reward)
         });
         format!(
             "{{\n  \"name\": \"{}\",\n  \"cell_size_m\": {:?},\n  \"moves\": {moves},\n  \
-             \"wrap\": {},\n  \"rows\": {}{floor}{reward}\n}}\n",
+             \"wrap\": {}{origin},\n  \"rows\": {}{floor}{reward}\n}}\n",
             self.name,
             self.cell_size_m,
             self.wrap,
@@ -147,6 +152,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
     let cell_size_m = read_cell_size(source, document.value("cell_size_m"))?;
     let moves = read_moves(source, document.value("moves"))?;
     let wrap = read_wrap(source, document.value("wrap"))?;
+    let origin = Origin::read(source, document.value("origin"))?;
     let raw_rows = document
         .value("rows")
         .ok_or_else(|| missing_key(source, "rows"))?;
@@ -157,6 +163,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         cell_size_m,
         moves,
         wrap,
+        origin,
         width: rows.width(),
         height: rows.height(),
         walls: std::mem::take(&mut rows.walls).into(),

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::direction::{Direction, Moves};
 use super::kept::Kept;
 use super::name;
+use super::origin::Origin;
 use xcs::Action;
 
 /// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the worth of
@@ -45,6 +46,7 @@ pub struct Maze {
     pub(super) cell_size_m: f64,
     pub(super) moves: Moves,
     pub(super) wrap: bool,
+    pub(super) origin: Origin,
     pub(super) width: u16,
     pub(super) height: u16,
     /// Row by row from the north: true where a wall is.
@@ -76,6 +78,12 @@ impl Maze {
     /// Do the edges join, so that leaving in the east enters in the west?
     pub fn wraps(&self) -> bool {
         self.wrap
+    }
+
+    /// The pose of the south-western corner of the grid, which is the origin of the world frame,
+    /// in the frame of the map that the world was made from. The default in worlds without `origin`.
+    pub fn origin(&self) -> Origin {
+        self.origin
     }
 
     /// The number of columns.

@@ -207,6 +207,103 @@ fn points_are_metres_of_the_maps_frame_also_where_it_is_turned() {
 }
 
 #[test]
+fn a_world_keeps_the_pose_of_its_corner_in_the_maps_frame() {
+    let map = Map::drawn(&["    ##", "    ##", "      ", "?     "]);
+    let origin = |lines: &str, goal: [f64; 2]| -> [f64; 3] {
+        map.yaml(lines);
+        let maze = map.gridded(0.2, None, goal).unwrap().maze;
+        maze.origin().into()
+    };
+    // The ring of walls begins one cell below and to the left of the image.
+    let [x, y, yaw] = origin("", [0.3, 0.1]);
+    assert!(
+        (x + 0.2).abs() < 1e-12 && (y + 0.2).abs() < 1e-12 && yaw == 0.0,
+        "{x} {y}"
+    );
+    // A quarter turn to the left: what was to the left is below, and what was below to the right.
+    let turned = "origin: [5.0, 1.0, 1.5707963267948966]";
+    let [x, y, yaw] = origin(turned, [4.9, 1.3]);
+    assert!(
+        (x - 5.2).abs() < 1e-12 && (y - 0.8).abs() < 1e-12,
+        "{x} {y}"
+    );
+    assert_eq!(yaw, std::f64::consts::FRAC_PI_2);
+    // The frame of the world and that of the map agree on the cell of the goal.
+    let gridded = map.gridded(0.2, None, [4.9, 1.3]).unwrap();
+    let goal = gridded.maze.goals()[0];
+    let there = gridded.maze.origin().to_map(gridded.maze.centre_m(goal));
+    assert!(
+        (there.x - 4.9).abs() < 1e-9 && (there.y - 1.3).abs() < 1e-9,
+        "{there}"
+    );
+    // What is cut off moves the corner.
+    map.yaml("");
+    map.keep(
+        "map.pgm",
+        &[
+            &b"P5 6 2 255\n"[..],
+            &[0, 0, 0, 0, 254, 254],
+            &[0, 0, 0, 0, 254, 254],
+        ]
+        .concat(),
+    );
+    let alone = map.gridded(0.1, None, [0.45, 0.05]).unwrap().maze;
+    let [x, y, _]: [f64; 3] = alone.origin().into();
+    assert!(
+        (x - 0.3).abs() < 1e-12 && (y + 0.1).abs() < 1e-12,
+        "{x} {y}"
+    );
+}
+
+#[test]
+fn a_placed_world_goes_to_a_map_and_back_without_a_change() {
+    let world = serde_json::json!({
+        "name": "hall", "cell_size_m": 0.35, "moves": 8, "origin": [-10.1, 0.30000000000000004, -0.7],
+        "rows": ["########", "#S..*G.#", "#.G.***#", "########"],
+        "floor": ["########", "#2.9..1#", "#.3.5..#", "########"], "reward": 0.1
+    });
+    let maze = Maze::from_json(world.to_string().as_bytes(), "hall.json").unwrap();
+    let map = Map(tempfile::tempdir().unwrap());
+    let files = maze.to_map("m.pgm");
+    map.keep("map.yaml", files.yaml.as_bytes());
+    map.keep("m.pgm", &files.image);
+    let loaded = map.load().unwrap();
+    let back = plain().of(&loaded).unwrap();
+    assert_eq!(back.maze, maze);
+    assert_eq!(back.maze.to_json(), maze.to_json());
+    // For Nav2 all free cells are free, whatever is in them.
+    let counts = loaded.counts();
+    assert_eq!(
+        counts,
+        [maze.free_cells().count(), 32 - maze.free_cells().count(), 0]
+    );
+    // A pixel that was painted black is a wall, and all else stays.
+    let mut painted = files.image.clone();
+    let pixel = painted.len() - 32 + 8 + 2;
+    painted[pixel] = 0;
+    map.keep("m.pgm", &painted);
+    let changed = plain().of(&map.load().unwrap()).unwrap().maze;
+    assert_eq!(rows(&changed)[1], "#S#.*G.#");
+    assert_eq!(changed.floor_rows().unwrap()[1], "#2#9..1#");
+}
+
+#[test]
+fn a_map_of_a_hundred_thousand_rewards_comes_back() {
+    const SIDE: usize = 330;
+    let mut rows = vec![format!("#{}#", "*".repeat(SIDE - 2)); SIDE];
+    (rows[0], rows[SIDE - 1]) = ("#".repeat(SIDE), "#".repeat(SIDE));
+    rows[1].replace_range(1..3, "SG");
+    let text = format!(r#"{{ "rows": {rows:?}, "reward": 1 }}"#);
+    let maze = Maze::from_json(text.as_bytes(), "paid.json").unwrap();
+    assert!(maze.rewarding_cells().len() > 100_000);
+    let map = Map(tempfile::tempdir().unwrap());
+    let files = maze.to_map("m.pgm");
+    map.keep("map.yaml", files.yaml.as_bytes());
+    map.keep("m.pgm", &files.image);
+    assert_eq!(plain().of(&map.load().unwrap()).unwrap().maze, maze);
+}
+
+#[test]
 fn a_door_in_which_no_cell_fits_is_named_with_place_and_width() {
     let rows = [
         "####################",

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use crate::world::direction::{Direction, Moves};
 use crate::world::maze::{Cell, Maze};
+use crate::world::origin::Origin;
 
 /// A square of cells, all walls at first.
 pub struct Field {
@@ -60,6 +61,7 @@ impl Field {
             name,
             cell_size_m: 1.0,
             moves: Moves::Four,
+            origin: Origin::default(),
             wrap: false,
             width: self.side,
             height: self.side,

@@ -1,11 +1,13 @@
 //! The cells of a map, before they are a maze.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::VecDeque;
 use std::ops::Range;
 
-use super::{KeptWorld, MapError, Occupancy, OccupancyMap};
-use crate::world::Maze;
+use nalgebra::Point2;
+
+use super::{MapError, Occupancy, OccupancyMap};
 use crate::world::rows::MAX_SIDE;
+use crate::world::{Maze, Origin};
 
 /// How far a border of a cell may lie off that of a pixel by rounding, in pixels.
 const ROUNDING: f64 = 1e-6;
@@ -19,6 +21,7 @@ pub(super) struct Cells<'a> {
     pub rows: usize,
     /// Row by row from the top.
     pub free: Vec<bool>,
+    cell_m: f64,
     /// Pixels along a cell.
     cell_px: f64,
     unknown_is_free: bool,
@@ -66,6 +69,7 @@ impl<'a> Cells<'a> {
             cols,
             rows,
             free: Vec::new(),
+            cell_m,
             cell_px,
             unknown_is_free,
         };
@@ -116,11 +120,8 @@ impl<'a> Cells<'a> {
 
     /// The free cell at a point of the map's frame.
     pub fn cell_at(&self, what: &'static str, at_m: [f64; 2]) -> Result<usize, MapError> {
-        let cell_m = self.cell_px * self.map.resolution_m;
-        let [x, y] = self
-            .map
-            .in_image_m(at_m)
-            .map(|metres| (metres / cell_m).floor());
+        let at_cells = self.map.origin.to_grid(at_m.into()) / self.cell_m;
+        let (x, y) = (at_cells.x.floor(), at_cells.y.floor());
         let fault = |fault: String| Err(MapError::Point { what, at_m, fault });
         let is_inside =
             (0.0..self.cols as f64).contains(&x) && (0.0..self.rows as f64).contains(&y);
@@ -207,37 +208,20 @@ impl<'a> Cells<'a> {
         ]
     }
 
-    /// The maze that was written as this map.
-    pub fn restored(&self, kept: &KeptWorld) -> Result<Maze, MapError> {
-        let at = |[col, row]: [u16; 2]| {
-            let (col, row) = (usize::from(col), usize::from(row));
-            let is_inside = col < self.cols && row < self.rows;
-            is_inside.then_some(row * self.cols + col).ok_or_else(|| {
-                MapError::Cell(format!(
-                    "the cell {col},{row} under `xcscr` lies outside of the map"
-                ))
-            })
-        };
-        let goals: Result<Vec<usize>, _> = kept.goals.iter().copied().map(at).collect();
-        let start = kept.start.map(at).transpose()?;
-        let whole = Window {
-            cols: [0, self.cols as isize],
-            rows: [0, self.rows as isize],
-        };
-        let about = (kept.name.as_str(), kept.moves, kept.wrap);
-        let maze = self.maze(about, start, &goals?, whole)?;
-        match (&kept.floor, kept.reward) {
-            (None, None) => Ok(maze),
-            _ => furnished(&maze, kept),
-        }
+    /// The pose of the lower left corner of a window in the map frame.
+    fn origin(&self, window: Window) -> Origin {
+        let below = self.rows as isize - window.rows[1];
+        let metres = |cells: isize| cells as f64 * self.cell_m;
+        let corner_m = Point2::new(metres(window.cols[0]), metres(below));
+        self.map.origin.moved(corner_m)
     }
 
     /// Writes a world file and reads it, so that all of its checks hold.
     pub fn maze(
         &self,
-        (name, moves, wrap): (&str, usize, bool),
+        name: &str,
         start: Option<usize>,
-        goals: &[usize],
+        goal: usize,
         window: Window,
     ) -> Result<Maze, MapError> {
         let mut letters: Vec<char> = self
@@ -246,7 +230,7 @@ impl<'a> Cells<'a> {
             .map(|&free| if free { '.' } else { '#' })
             .collect();
         start.into_iter().for_each(|at| letters[at] = 'S');
-        goals.iter().for_each(|&at| letters[at] = 'G');
+        letters[goal] = 'G';
         let letter = |col: isize, row: isize| {
             let inside =
                 (0..self.cols as isize).contains(&col) && (0..self.rows as isize).contains(&row);
@@ -261,9 +245,8 @@ impl<'a> Cells<'a> {
         let rows: Vec<String> = (window.rows[0]..window.rows[1]).map(row).collect();
         let world = serde_json::json!({
             "name": name,
-            "cell_size_m": self.cell_px * self.map.resolution_m,
-            "moves": moves,
-            "wrap": wrap,
+            "cell_size_m": self.cell_m,
+            "origin": self.origin(window),
             "rows": rows,
         });
         Ok(Maze::from_json(
@@ -271,32 +254,4 @@ impl<'a> Cells<'a> {
             "the converted map",
         )?)
     }
-}
-
-/// The maze with floor and rewards, checked as those of a world file.
-fn furnished(maze: &Maze, kept: &KeptWorld) -> Result<Maze, MapError> {
-    let mut world: serde_json::Value =
-        serde_json::from_str(&maze.to_json()).expect("a world file is JSON");
-    if let Some(rows) = &kept.floor {
-        world["floor"] = rows.clone().into();
-    }
-    if let Some(reward) = kept.reward {
-        world["reward"] = reward.into();
-        let paying: BTreeSet<[usize; 2]> = kept
-            .rewarding
-            .iter()
-            .map(|cell| cell.map(usize::from))
-            .collect();
-        let rows = world["rows"].as_array_mut().into_iter().flatten();
-        for (row, letters) in rows.enumerate() {
-            let marked = letters.as_str().unwrap_or_default().chars().enumerate();
-            let marked = marked.map(|(col, letter)| match letter {
-                '.' if paying.contains(&[col, row]) => '*',
-                _ => letter,
-            });
-            *letters = marked.collect::<String>().into();
-        }
-    }
-    let text = world.to_string();
-    Ok(Maze::from_json(text.as_bytes(), "the converted map")?)
 }

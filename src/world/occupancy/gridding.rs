@@ -47,8 +47,8 @@ impl Gridding {
         let as_written =
             self.start_m.is_none() && self.goal_m.is_none() && cells.is_pixel_by_pixel();
         match &map.kept {
-            Some(kept) if as_written => Ok(Gridded {
-                maze: cells.restored(kept)?,
+            Some((kept, greys)) if as_written => Ok(Gridded {
+                maze: kept.restored(map, greys)?,
                 corner_px: [0.0, 0.0],
                 cut_off: 0,
                 passages: Vec::new(),
@@ -92,7 +92,7 @@ impl Gridding {
             cells.free = reached;
         }
         let window = cells.window();
-        let maze = cells.maze((&self.name, 4, false), start, &[goal], window)?;
+        let maze = cells.maze(&self.name, start, goal, window)?;
         let corner_px = cells.corner_px(window);
         Ok(Gridded {
             maze,

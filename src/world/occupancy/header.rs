@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
+use super::writing::KeptWorld;
 use super::{MapError, Occupancy};
 use crate::disk;
+use crate::world::Origin;
 
 /// The largest YAML file, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -46,32 +48,6 @@ struct Keys {
     xcscr: Option<KeptWorld>,
 }
 
-/// What a world has beside its walls, kept in the map that it is written as, so that nothing is
-/// lost on the way back. Other programs ignore it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct KeptWorld {
-    /// The name.
-    pub name: String,
-    /// 4 or 8.
-    pub moves: usize,
-    /// Are opposite edges joined?
-    pub wrap: bool,
-    /// The start, by column and row.
-    pub start: Option<[u16; 2]>,
-    /// The goals, by column and row.
-    pub goals: Vec<[u16; 2]>,
-    /// The rows of the floor; `None` where all of it is usual.
-    #[serde(default)]
-    pub floor: Option<Vec<String>>,
-    /// The cells that pay by themselves, by column and row.
-    #[serde(default)]
-    pub rewarding: Vec<[u16; 2]>,
-    /// What each of them pays.
-    #[serde(default)]
-    pub reward: Option<f64>,
-}
-
 /// A checked header.
 #[derive(Debug)]
 pub(super) struct Header {
@@ -79,8 +55,8 @@ pub(super) struct Header {
     pub image: PathBuf,
     /// Edge of a pixel, in metres.
     pub resolution_m: f64,
-    /// x and y of the lower left corner in metres, yaw in radians.
-    pub origin: [f64; 3],
+    /// The pose of the lower left corner.
+    pub origin: Origin,
     pub kept: Option<KeptWorld>,
     negate: bool,
     occupied_from: f64,
@@ -105,9 +81,14 @@ impl Header {
 
     fn checked(keys: Keys, path: &Path) -> Result<Self, String> {
         let origin = <[f64; 3]>::try_from(keys.origin)
-            .ok()
-            .filter(|origin| origin.iter().all(|number| number.is_finite()))
-            .ok_or("`origin` must be three numbers: x and y in metres, yaw in radians")?;
+            .map_err(|_| "`origin` must be three numbers: x and y in metres, yaw in radians")?;
+        let origin = Origin::from(origin);
+        if let Some(fault) = origin.fault() {
+            return Err(format!(
+                "`origin` is {:?}: {fault}",
+                <[f64; 3]>::from(origin)
+            ));
+        }
         let share = |key: &str, value: f64| match (0.0..=1.0).contains(&value) {
             true => Ok(value),
             false => Err(format!("`{key}` is {value}, but must be from 0 to 1")),

@@ -14,13 +14,18 @@ mod writing;
 
 use std::path::Path;
 
+use nalgebra::Point2;
+
 pub use error::MapError;
 pub use gridding::{Gridded, Gridding};
 pub use passage::Passage;
 pub use writing::WrittenMap;
 
-use header::{Header, KeptWorld};
+use header::Header;
 use image::Image;
+use writing::KeptWorld;
+
+use super::Origin;
 
 /// What is known of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,16 +43,16 @@ pub enum Occupancy {
 pub struct OccupancyMap {
     /// Edge of a pixel, in metres.
     pub resolution_m: f64,
-    /// The lower left corner in the map's frame: x and y in metres, and the yaw in radians.
-    pub origin: [f64; 3],
+    /// The pose of the lower left corner of the image in the map frame.
+    pub origin: Origin,
     /// Pixels in a row.
     pub width: usize,
     /// Rows of pixels.
     pub height: usize,
     /// Row by row from the top.
     pixels: Vec<Occupancy>,
-    /// What a maze that was written as a map had beside its walls.
-    kept: Option<KeptWorld>,
+    /// What a maze that was written as a map had beside its cells, and the grey levels of those.
+    kept: Option<(KeptWorld, Vec<u8>)>,
     /// Grey levels so near to a threshold that rounding decides, and how many pixels have them.
     pub doubtful: Vec<(u8, usize)>,
 }
@@ -76,7 +81,7 @@ impl OccupancyMap {
             height: image.height,
             pixels,
             doubtful: doubtful(&header, &image),
-            kept: header.kept,
+            kept: header.kept.map(|kept| (kept, image.greys)),
         })
     }
 
@@ -94,22 +99,15 @@ impl OccupancyMap {
         [Occupancy::Free, Occupancy::Occupied, Occupancy::Unknown].map(count)
     }
 
-    /// The place of a point of the map's frame in the image: metres from the left edge, and from
-    /// the lower one.
-    fn in_image_m(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let [left, lower, yaw] = self.origin;
-        let (sin, cos) = (libm::sin(yaw), libm::cos(yaw));
-        let (x, y) = (x - left, y - lower);
-        [x * cos + y * sin, y * cos - x * sin]
+    fn is_free(&self, col: usize, row: usize) -> bool {
+        self.at(col, row) == Occupancy::Free
     }
 
-    /// The middle of a pixel in the map's frame, in metres.
+    /// The middle of a pixel in the map frame, in metres.
     fn in_map_m(&self, col: usize, row: usize) -> [f64; 2] {
-        let [left, lower, yaw] = self.origin;
-        let (sin, cos) = (libm::sin(yaw), libm::cos(yaw));
         let x = (col as f64 + 0.5) * self.resolution_m;
         let y = (self.height as f64 - row as f64 - 0.5) * self.resolution_m;
-        [left + x * cos - y * sin, lower + x * sin + y * cos]
+        self.origin.to_map(Point2::new(x, y)).into()
     }
 }
 

@@ -1,13 +1,23 @@
-//! A maze as an occupancy map: one pixel per cell.
+//! A maze as an occupancy map of one pixel per cell, and the way back.
+//!
+//! All of a cell is in the grey level of its pixel, so that a map that was changed with an image
+//! editor is still a world. What belongs to no cell is in the YAML file.
 
 use std::fmt::Write;
 
-use super::KeptWorld;
+use serde::Deserialize;
+
+use super::{MapError, OccupancyMap};
 use crate::world::{Cell, Maze};
 
-/// Grey levels of free cells and of walls, as Nav2 saves them.
-const FREE: u8 = 254;
+/// Grey level of walls, as Nav2 saves it.
 const WALL: u8 = 0;
+/// Grey level of a free cell, as Nav2 saves it; marked cells are darker, but still free for Nav2.
+const FREE: u8 = 254;
+/// What can be in a free cell: its letter in a world file. Each takes [`FLOORS`] grey levels.
+const LETTERS: [char; 4] = ['.', 'S', 'G', '*'];
+/// Usual floor, and friction from 1 to 9 tenths.
+const FLOORS: u8 = 10;
 
 /// The two files of a map.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,68 +28,116 @@ pub struct WrittenMap {
     pub image: Vec<u8>,
 }
 
+/// What a maze has beside its cells, under the key `xcscr` of the YAML file. Other programs ignore
+/// it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeptWorld {
+    name: String,
+    /// 4 or 8.
+    moves: usize,
+    /// Are opposite edges joined?
+    wrap: bool,
+    /// What each marked cell pays.
+    #[serde(default)]
+    reward: Option<f64>,
+}
+
 impl Maze {
-    /// The maze as an occupancy map, whose image will lie beside the YAML file under the name `image`.
+    /// The maze as an occupancy map of one pixel per cell, whose image will lie beside the YAML file
+    /// under the name `image`. Its origin is that of the maze.
     pub fn to_map(&self, image: &str) -> WrittenMap {
+        let mut pgm = format!("P5\n{} {}\n255\n", self.width(), self.height()).into_bytes();
+        pgm.extend(self.cells().map(|cell| grey(self, cell)));
         WrittenMap {
-            yaml: yaml(self, &KeptWorld::of(self), image),
-            image: pgm(self),
+            yaml: yaml(self, image),
+            image: pgm,
         }
     }
 }
 
-impl KeptWorld {
-    fn of(maze: &Maze) -> Self {
-        let pair = |cell: Cell| [cell.col, cell.row];
-        let rewarding = maze.rewarding_cells();
-        Self {
-            name: maze.name().to_owned(),
-            moves: maze.action_count(),
-            wrap: maze.wraps(),
-            start: maze.start().map(pair),
-            goals: maze.goals().iter().copied().map(pair).collect(),
-            floor: maze.floor_rows(),
-            rewarding: rewarding.iter().copied().map(pair).collect(),
-            reward: rewarding
-                .first()
-                .and_then(|&cell| maze.auxiliary_reward(cell)),
-        }
-    }
-}
-
-fn yaml(maze: &Maze, kept: &KeptWorld, image: &str) -> String {
+fn yaml(maze: &Maze, image: &str) -> String {
     let mut yaml = String::new();
     let _ = write!(
         yaml,
-        "image: {}\nmode: trinary\nresolution: {:?}\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n\
-         occupied_thresh: 0.65\nfree_thresh: 0.25\n\
-         # What other programs ignore: the rest of the world, for the way back.\n\
-         xcscr:\n  name: {}\n  moves: {}\n  wrap: {}\n  start: {}\n  goals: {:?}\n",
+        "image: {}\nmode: trinary\nresolution: {:?}\norigin: {:?}\nnegate: 0\n\
+         occupied_thresh: 0.65\nfree_thresh: 0.196\n\
+         # For xcscr: what the grey levels do not hold of the world.\n\
+         xcscr:\n  name: {}\n  moves: {}\n  wrap: {}\n",
         quoted(image),
         maze.cell_size_m(),
-        quoted(&kept.name),
-        kept.moves,
-        kept.wrap,
-        kept.start
-            .map_or("null".to_owned(), |start| format!("{start:?}")),
-        kept.goals
+        <[f64; 3]>::from(maze.origin()),
+        quoted(maze.name()),
+        maze.action_count(),
+        maze.wraps(),
     );
-    if let Some(floor) = &kept.floor {
-        let _ = writeln!(yaml, "  floor: {floor:?}");
-    }
-    if let Some(reward) = kept.reward {
-        let rewarding = &kept.rewarding;
-        let _ = writeln!(yaml, "  rewarding: {rewarding:?}\n  reward: {reward:?}");
+    let rewarding = maze.rewarding_cells().first();
+    if let Some(reward) = rewarding.and_then(|&cell| maze.auxiliary_reward(cell)) {
+        let _ = writeln!(yaml, "  reward: {reward:?}");
     }
     yaml
 }
 
-/// The image: one pixel per cell.
-fn pgm(maze: &Maze) -> Vec<u8> {
-    let mut pgm = format!("P5\n{} {}\n255\n", maze.width(), maze.height()).into_bytes();
-    let pixels = maze.cells();
-    pgm.extend(pixels.map(|cell| if maze.is_wall(cell) { WALL } else { FREE }));
-    pgm
+/// The grey level of a cell.
+fn grey(maze: &Maze, cell: Cell) -> u8 {
+    if maze.is_wall(cell) {
+        return WALL;
+    }
+    let letter = match () {
+        () if maze.start() == Some(cell) => 1,
+        () if maze.is_goal(cell) => 2,
+        () if maze.auxiliary_reward(cell).is_some() => 3,
+        () => 0,
+    };
+    let tenths = maze
+        .friction(cell)
+        .map_or(0, |friction| (friction * 10.0).round() as u8);
+    FREE - letter * FLOORS - tenths
+}
+
+/// What a grey level says of a free cell: its letter, and the friction of its floor in tenths, 0 for
+/// the usual floor.
+fn letter(grey: u8) -> (char, u8) {
+    let level = FREE.wrapping_sub(grey);
+    let letter = LETTERS.get(usize::from(level / FLOORS));
+    letter.map_or(('.', 0), |&letter| (letter, level % FLOORS))
+}
+
+impl KeptWorld {
+    /// The maze that was written as this map, with what was changed in the image since.
+    pub fn restored(&self, map: &OccupancyMap, greys: &[u8]) -> Result<Maze, MapError> {
+        let (mut rows, mut floor) = (Vec::new(), Vec::new());
+        for row in 0..map.height {
+            let cells = (0..map.width).map(|col| match map.is_free(col, row) {
+                true => letter(greys[row * map.width + col]),
+                false => ('#', 0),
+            });
+            let (letters, tenths): (String, Vec<u8>) = cells.unzip();
+            let of_floor = letters.chars().zip(tenths).map(|cell| match cell {
+                ('#', _) => '#',
+                (_, 0) => '.',
+                (_, tenths) => char::from(b'0' + tenths),
+            });
+            floor.push(of_floor.collect::<String>());
+            rows.push(letters);
+        }
+        let mut world = serde_json::json!({
+            "name": self.name,
+            "cell_size_m": map.resolution_m,
+            "moves": self.moves,
+            "wrap": self.wrap,
+            "origin": map.origin,
+            "floor": floor,
+        });
+        if rows.iter().any(|row| row.contains('*')) {
+            world["reward"] = self.reward.into();
+        }
+        world["rows"] = rows.into();
+        Ok(Maze::from_json(
+            world.to_string().as_bytes(),
+            "the converted map",
+        )?)
+    }
 }
 
 /// A text as YAML has it in double quotes, which is also JSON.

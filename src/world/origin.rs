@@ -1,0 +1,167 @@
+//! The pose of a grid in the frame of a map.
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+
+use super::error::WorldError;
+use super::json::{kind, wrong_type};
+use super::source::{Source, quoted};
+
+/// The greatest coordinate, in metres: more than the coordinates of any projected map of the Earth.
+const MOST_M: f64 = 1e8;
+/// The greatest yaw, in radians: more than a whole turn.
+const MOST_RAD: f64 = 10.0;
+
+/// The pose of the lower left (south-western) corner of a grid in the map frame; the default is
+/// the map frame itself.
+///
+/// In files it is an array, `[x_m, y_m, yaw_rad]`, as `origin` in the YAML file of a ROS map.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 3]", into = "[f64; 3]")]
+pub struct Origin {
+    /// Position along the x axis of the map frame, in metres.
+    pub x_m: f64,
+    /// Position along the y axis of the map frame, in metres.
+    pub y_m: f64,
+    /// Angle from the x axis of the map frame to the lower edge of the grid, counterclockwise, in
+    /// radians.
+    pub yaw_rad: f64,
+}
+
+impl Origin {
+    /// Converts a point from the frame of the grid, whose origin is this corner, to the map frame;
+    /// both in metres.
+    pub fn to_map(&self, point_m: Point2<f64>) -> Point2<f64> {
+        let (sin, cos) = (libm::sin(self.yaw_rad), libm::cos(self.yaw_rad));
+        Point2::new(
+            self.x_m + (point_m.x * cos - point_m.y * sin),
+            self.y_m + (point_m.x * sin + point_m.y * cos),
+        )
+    }
+
+    /// Converts a point from the map frame to the frame of the grid, whose origin is this corner;
+    /// both in metres.
+    pub fn to_grid(&self, point_m: Point2<f64>) -> Point2<f64> {
+        let (sin, cos) = (libm::sin(self.yaw_rad), libm::cos(self.yaw_rad));
+        let (x, y) = (point_m.x - self.x_m, point_m.y - self.y_m);
+        Point2::new(x * cos + y * sin, y * cos - x * sin)
+    }
+
+    /// Returns the pose of another corner, given in the frame of the grid, in metres.
+    pub(super) fn moved(self, corner_m: Point2<f64>) -> Self {
+        let corner = self.to_map(corner_m);
+        Self {
+            x_m: corner.x,
+            y_m: corner.y,
+            ..self
+        }
+    }
+
+    /// Returns what is wrong with the numbers.
+    pub(super) fn fault(&self) -> Option<String> {
+        let is_within =
+            self.x_m.abs() <= MOST_M && self.y_m.abs() <= MOST_M && self.yaw_rad.abs() <= MOST_RAD;
+        (!is_within).then(|| {
+            format!(
+                "x and y must be from -{MOST_M} to {MOST_M} metres, and the yaw from \
+                 -{MOST_RAD} to {MOST_RAD} radians"
+            )
+        })
+    }
+
+    /// Reads the key `origin` of a world file.
+    pub(super) fn read(source: Source<'_>, raw: Option<&str>) -> Result<Self, WorldError> {
+        const SHAPE: &str = "an array of three numbers, [x_m, y_m, yaw_rad]";
+        let Some(raw) = raw else {
+            return Ok(Self::default());
+        };
+        if kind(raw) != Some("an array") {
+            return Err(wrong_type(source, "origin", raw, SHAPE));
+        }
+        let read = serde_json::from_str(raw).map_err(|_| format!("expected {SHAPE}"));
+        let checked = read.and_then(|origin: Self| match origin.fault() {
+            None => Ok(origin),
+            Some(fault) => Err(fault),
+        });
+        checked.map_err(|fault| {
+            source.fault(
+                source.span(raw),
+                format!("`origin` is {}: {fault}", quoted(raw)),
+                "not a pose",
+                "`origin` is the pose of the lower left corner of the grid in the map frame; \
+                 leave it out for [0, 0, 0]",
+            )
+        })
+    }
+}
+
+impl From<[f64; 3]> for Origin {
+    fn from([x_m, y_m, yaw_rad]: [f64; 3]) -> Self {
+        Self { x_m, y_m, yaw_rad }
+    }
+}
+
+impl From<Origin> for [f64; 3] {
+    fn from(origin: Origin) -> Self {
+        [origin.x_m, origin.y_m, origin.yaw_rad]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Origin;
+    use crate::world::Maze;
+    use nalgebra::Point2;
+
+    fn maze(origin: &str) -> Result<Maze, String> {
+        let text = format!(r#"{{ "rows": {:?}{origin} }}"#, ["####", "#SG#", "####"]);
+        Maze::from_json(text.as_bytes(), "placed.json").map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn an_origin_is_read_and_written_as_the_same_numbers() {
+        for numbers in [
+            "[-10.0, 0.1, 0.7853981633974483]",
+            "[0, 0, -1e-300]",
+            "[4e6, 1e-9, 0]",
+        ] {
+            let first = maze(&format!(r#", "origin": {numbers}"#)).unwrap();
+            let wanted: [f64; 3] = serde_json::from_str(numbers).unwrap();
+            assert_eq!(<[f64; 3]>::from(first.origin()), wanted);
+            let again = Maze::from_json(first.to_json().as_bytes(), "again.json").unwrap();
+            assert_eq!(again, first, "{numbers}");
+        }
+        let plain = maze("").unwrap();
+        assert_eq!(plain.origin(), Origin::default());
+        assert!(!plain.to_json().contains("origin"));
+    }
+
+    #[test]
+    fn a_pose_that_is_none_is_refused_with_its_place() {
+        for (numbers, fault) in [
+            ("[0, 0]", "three numbers"),
+            ("[0, 0, 0, 0]", "three numbers"),
+            (r#"[0, 0, "north"]"#, "three numbers"),
+            ("7", "`origin` is a number"),
+            ("[1e9, 0, 0]", "from -100000000 to 100000000 metres"),
+            ("[0, 0, 1e999]", "origin"),
+            ("[0, 0, 11]", "radians"),
+        ] {
+            let message = maze(&format!(r#", "origin": {numbers}"#)).unwrap_err();
+            assert!(message.contains(fault), "{numbers}: {message}");
+            assert!(message.contains("placed.json:1:"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_point_goes_to_the_map_frame_and_back() {
+        let origin = Origin::from([5.0, 1.0, std::f64::consts::FRAC_PI_2]);
+        let there = origin.to_map(Point2::new(2.0, 1.0));
+        assert!((there - Point2::new(4.0, 3.0)).norm() < 1e-12, "{there}");
+        let back = origin.to_grid(there);
+        assert!((back - Point2::new(2.0, 1.0)).norm() < 1e-12, "{back}");
+        // Without a yaw nothing is rounded but the sum.
+        let straight = Origin::from([0.1, -0.1, 0.0]).to_map(Point2::new(0.0, 0.0));
+        assert_eq!([straight.x, straight.y], [0.1, -0.1]);
+    }
+}
