@@ -143,17 +143,19 @@ pub struct RobotShape {
     pub radius_m: f64,
     /// Distance of the wheels from each other, in metres.
     pub wheel_base_m: f64,
-    /// Radius of a wheel, in metres.
-    pub wheel_radius_m: f64,
 }
 
 impl RobotShape {
-    /// A robot that fits into cells of this size, in metres.
+    /// A robot that fits into cells of this size, in metres: a symbol, for the grid.
     pub fn for_cell(cell_size_m: f64) -> Self {
         Self {
             radius_m: 0.3 * cell_size_m,
             wheel_base_m: 0.4 * cell_size_m,
-            wheel_radius_m: 0.09 * cell_size_m,
         }
+    }
+
+    /// Radius of a wheel as it is drawn, in metres.
+    pub(super) fn wheel_radius_m(&self) -> f64 {
+        0.3 * self.radius_m
     }
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::arena::ArenaKind;
 use crate::record::{RobotShape, RunInfo};
 use crate::trial::{Config, Plan, Settings};
 
@@ -17,8 +18,20 @@ pub(super) fn run_info(plan: &Plan) -> RunInfo {
         arena: config.arena.name().to_owned(),
         sensor: config.sensor,
         episodes: config.episodes,
-        robot: RobotShape::for_cell(plan.maze.cell_size_m()),
+        robot: robot_shape(plan),
         is_evaluation: false,
+    }
+}
+
+/// The simulated robot's sizes; on the grid, which has none, a symbol that fits into a cell.
+fn robot_shape(plan: &Plan) -> RobotShape {
+    let physics = &plan.config.settings.physics;
+    match plan.config.arena {
+        ArenaKind::Grid => RobotShape::for_cell(plan.maze.cell_size_m()),
+        ArenaKind::Physics => RobotShape {
+            radius_m: physics.radius_m,
+            wheel_base_m: physics.wheel_base_m,
+        },
     }
 }
 

@@ -10,6 +10,7 @@ mod batch;
 mod bounds;
 mod classic;
 mod maps;
+mod metres;
 mod physics;
 mod sensing;
 mod world_errors;

@@ -177,22 +177,6 @@ fn three_times_the_noise_is_survived_and_seen() {
 }
 
 #[test]
-fn a_maze_in_another_scale_has_the_same_course_of_events() {
-    let tallies = [0.5, 1.0, 2.0].map(|size| {
-        let world = rows(size, &["######", "#S..##", "#.#..#", "##..G#", "######"]);
-        let mut robot = arena(world, noise(1.0), 3);
-        let tally = wander(arena(robot.view().maze.clone(), noise(1.0), 3), 3, 1_000);
-        assert_eq!(tally.faults(), 0, "cells of {size} m: {tally:?}");
-        robot.act(action(EAST));
-        let now = robot.view().now();
-        let at = now.robot_in_world.translation.vector / size;
-        (now.time_ns, at.x.to_bits(), at.y.to_bits())
-    });
-    assert_eq!(tallies[0], tallies[1]);
-    assert_eq!(tallies[2], tallies[1]);
-}
-
-#[test]
 fn a_wall_stops_the_robot() {
     let mut robot = arena(rows(1.0, &["####", "#S##", "#.G#", "####"]), noise(0.0), 1);
     let start = robot.view().cell;

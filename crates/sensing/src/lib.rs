@@ -5,8 +5,9 @@
 //! ```
 //!
 //! [`Sensors`] see the truth and tell it with noise. [`Onboard`], the robot's own computer, sees
-//! nothing but [`Readings`]: neither walls nor a true pose can be named there. The unit of length
-//! is the cell, angles are in radians, counter-clockwise from east.
+//! nothing but [`Readings`]: neither walls nor a true pose can be named there. Lengths are in metres of the
+//! grid frame (origin in the south-western corner of the grid, x to the east, y to the north), angles in
+//! radians, counter-clockwise from east.
 
 mod onboard;
 mod params;

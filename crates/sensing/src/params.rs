@@ -10,11 +10,12 @@ use xcs::settings;
 pub struct Robot {
     /// Multiplies all deviations and rates of the sensors; 0 switches noise off.
     pub noise: f64,
-    /// Distance between the wheels, in cells.
-    pub wheel_base: f64,
-    /// What a slippery floor can still bring the robot to, in cells per square second: it speeds up by
-    /// as much when it drives carefully.
-    pub careful_acceleration: f64,
+    /// Edge length of the grid's cells in metres. Walls lie on the lines of this grid.
+    pub cell_size_m: f64,
+    /// Distance between the wheels in metres.
+    pub wheel_base_m: f64,
+    /// The acceleration that a slippery floor still allows, in m/s^2: that of cautious driving.
+    pub careful_acceleration_mps2: f64,
     /// Deviation of what a wheel rolls on the floor from what it counts, as a share: of the part that
     /// stays for a whole action ...
     pub wheel_bias: f64,
@@ -38,19 +39,19 @@ settings! {
     section "physics.lidar";
 
     /// A lidar after the LDS-02 (0.16 to 8 m, 5 turns a second, 10 mm below 0.3 m, 3 % to 6 m) and
-    /// the RPLIDAR A1M8 (0.15 to 12 m, 5.5 turns, 1 %). Lengths are for cells of 1 m. Jitter,
-    /// dropouts and outliers are assumed.
+    /// the RPLIDAR A1M8 (0.15 to 12 m, 5.5 turns, 1 %). Jitter, dropouts and outliers are
+    /// assumed.
     pub struct LidarParams {
         /// Does the robot have one?
         fitted: bool = true;
         /// Beams in a turn.
-        beams: u32 = 32, in 4..=128;
+        beams: u32 = 32, in 4..=2048;
         /// Turns per second.
         rate_hz: f64 = 5.0, in 1.0..=20.0;
         /// Nothing comes back from nearer than this, in m.
-        nearest_m: f64 = 0.12, in 0.0..=0.2;
+        nearest_m: f64 = 0.12, in 0.0..=1.0;
         /// Nothing comes back from farther than this, in m.
-        range_m: f64 = 8.0, in 2.0..=40.0;
+        range_m: f64 = 8.0, in 1.0..=100.0;
         /// Deviation of a range in m ...
         noise_m: f64 = 0.005, in 0.0..=0.05;
         /// ... and as a share of the range, which adds to it.
@@ -116,7 +117,7 @@ settings! {
         bias_radps: f64 = 0.0087, in 0.0..=0.2;
         /// Deviation of the scale, drawn once for each robot.
         scale: f64 = 0.01, in 0.0..=0.05;
-        /// The largest rate that it tells, in rad/s; 1000 deg/s by default. The robot turns at 12.
+        /// The largest rate that it measures, in rad/s; 1000 deg/s by default.
         range_radps: f64 = 17.45, in 1.0..=40.0;
     }
 }
@@ -166,7 +167,7 @@ settings! {
         /// Trust the wheels less in a step in which a bumper closes?
         bump_inflation: bool = true;
         /// Wheels slip that disagree with the gyro by more than this, in m/s, beyond their noise ...
-        slip_mps: f64 = 0.2, in 0.02..=10.0;
+        slip_mps: f64 = 0.2, in 0.002..=10.0;
         /// ... and for so long afterwards the floor is held for slippery, in s.
         slip_s: f64 = 2.0, in 0.0..=60.0;
     }

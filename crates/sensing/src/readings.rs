@@ -9,15 +9,15 @@ pub struct Return {
     pub moment: f64,
     /// The beam's nominal direction, counted from the robot's heading.
     pub bearing: UnitComplex<f64>,
-    /// The measured range in cells; `None` when nothing came back.
-    pub range: Option<f64>,
+    /// The measured range in metres; `None` when nothing came back.
+    pub range_m: Option<f64>,
 }
 
 /// What the sensors tell about one step.
 #[derive(Debug, Clone, Copy)]
 pub struct Readings<'a> {
-    /// How far the left and the right wheel rolled, in cells.
-    pub rolled: [f64; 2],
+    /// How far the left and the right wheel rolled, in metres.
+    pub rolled_m: [f64; 2],
     /// How far the gyro turned, in radians, counter-clockwise; `None` without a gyro.
     pub turned_rad: Option<f64>,
     /// Were the front and the rear bumper hit?

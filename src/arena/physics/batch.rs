@@ -1,6 +1,6 @@
 //! Many robots in one maze that do not feel each other.
 
-use super::{PhysicsArena, PhysicsError, PhysicsParams, blocks, simulation};
+use super::{PhysicsArena, PhysicsError, PhysicsParams, blocks, check_fit, simulation};
 use crate::arena::{Arena, Outcome, View};
 use crate::world::{Cell, Maze};
 use xcs::Action;
@@ -37,7 +37,8 @@ impl BatchArena {
     /// As those of [`PhysicsArena::new`].
     pub fn new(maze: &Maze, params: &PhysicsParams, seeds: &[u64]) -> Result<Self, PhysicsError> {
         params.check()?;
-        let walls = simulation::walls(&blocks(maze)?, maze.height());
+        check_fit(maze, params)?;
+        let walls = simulation::walls(&blocks(maze)?, maze);
         let arena = |&seed| PhysicsArena::among(walls.clone(), maze.clone(), params.clone(), seed);
         let mut batch = Self {
             arenas: seeds.iter().map(arena).collect(),

@@ -27,10 +27,10 @@ settings! {
         /// while afterwards) or `always`.
         when: Care = Care::Slipping;
         /// The largest wheel acceleration then, in m/s^2.
-        wheel_acceleration_mps2: f64 = 2.9, in 0.5..=20.0;
+        wheel_acceleration_mps2: f64 = 2.9, in 0.05..=20.0;
         /// The deceleration before the target then, in m/s^2.
-        deceleration_mps2: f64 = 1.5, in 0.2..=10.0;
+        deceleration_mps2: f64 = 1.5, in 0.05..=10.0;
         /// The angular deceleration at the end of a turn then, in rad/s^2.
-        turn_deceleration_radps2: f64 = 6.0, in 1.0..=30.0;
+        turn_deceleration_radps2: f64 = 6.0, in 0.2..=30.0;
     }
 }

@@ -71,10 +71,10 @@ impl EventHandler for Listener {
         let mut pushes = self.pushes.lock().unwrap_or_else(PoisonError::into_inner);
         for manifold in pair.solver_manifolds() {
             let normal = manifold.data.normal;
-            let impulse: f32 = manifold.points.iter().map(|point| point.data.impulse).sum();
+            let impulse_ns: f32 = manifold.points.iter().map(|point| point.data.impulse).sum();
             let push = Push {
                 normal: sign * Vector2::new(f64::from(normal.x), f64::from(normal.y)),
-                impulse: f64::from(impulse),
+                impulse_ns: f64::from(impulse_ns),
             };
             add(&mut pushes, push);
         }
@@ -94,8 +94,8 @@ fn add(pushes: &mut Vec<Push>, push: Push) {
         .iter_mut()
         .find(|known| same_face(known.normal, push.normal))
     {
-        Some(known) => known.impulse += push.impulse,
-        None if push.impulse > 0.0 => pushes.push(push),
+        Some(known) => known.impulse_ns += push.impulse_ns,
+        None if push.impulse_ns > 0.0 => pushes.push(push),
         None => {}
     }
 }

@@ -16,13 +16,14 @@ enum Phase {
     Back,
 }
 
-/// The plan of one action; lengths in cells. Needs no trigonometry: angles are compared as sines
+/// The plan of one action; lengths in metres of the grid frame. Needs no trigonometry: angles are compared as sines
 /// and chords.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Maneuver {
     phase: Phase,
     home: Point2<f64>,
     target: Point2<f64>,
+    cell_size_m: f64,
     /// Unit vector of travel.
     along: Vector2<f64>,
     /// 1 when the front leads, -1 when the rear does.
@@ -30,14 +31,20 @@ pub(super) struct Maneuver {
 }
 
 impl Maneuver {
-    /// From `home` one cell in the direction of the unit vector `along`. Front or rear leads,
-    /// whichever needs the smaller turn.
-    pub(super) fn new(home: Point2<f64>, along: Vector2<f64>, seen: &Motion) -> Self {
+    /// From `home`, the middle of a cell, one cell in the direction of the unit vector `along`. Front or
+    /// rear leads, whichever needs the smaller turn.
+    pub(super) fn new(
+        home: Point2<f64>,
+        along: Vector2<f64>,
+        cell_size_m: f64,
+        seen: &Motion,
+    ) -> Self {
         let heading = seen.pose.rotation * Vector2::x();
         Self {
             phase: Phase::Turn,
             home,
-            target: home + along,
+            target: home + along * cell_size_m,
+            cell_size_m,
             along,
             facing: if heading.dot(&along) < 0.0 { -1.0 } else { 1.0 },
         }
@@ -46,7 +53,7 @@ impl Maneuver {
     /// Would a wall ahead keep the robot from the next cell? Not once it is there: then it has
     /// overshot, and touches the wall behind that cell.
     pub(super) fn is_stopped_by_walls(&self, seen: &Motion) -> bool {
-        self.phase == Phase::Drive && self.ahead(seen) > 0.5
+        self.phase == Phase::Drive && self.ahead(seen) > 0.5 * self.cell_size_m
     }
 
     /// Has it hit a wall?
@@ -94,7 +101,7 @@ impl Maneuver {
             .min(params.heading_gain_per_s * chord)
             .min(params.max_turn_radps);
         Command {
-            forward: 0.0,
+            forward_mps: 0.0,
             turn_radps: rate.copysign(face.perp(&self.along)),
         }
     }
@@ -102,7 +109,7 @@ impl Maneuver {
     /// Drives toward the target, holding heading and track.
     fn drive(&self, face: Vector2<f64>, seen: &Motion, params: &PhysicsParams) -> Option<Command> {
         let ahead = self.ahead(seen);
-        if ahead.abs() < params.arrival_m && seen.forward.abs() < params.arrival_mps {
+        if ahead.abs() < params.arrival_m && seen.forward_mps.abs() < params.arrival_mps {
             return None;
         }
         let speed = (2.0 * params.deceleration_mps2 * ahead.abs())
@@ -115,7 +122,7 @@ impl Maneuver {
         let course = (1.0 - lean * lean).sqrt() * self.along + lean * left;
         let rate = params.heading_gain_per_s * face.perp(&course);
         Some(Command {
-            forward: self.facing * speed,
+            forward_mps: self.facing * speed,
             turn_radps: rate.clamp(-params.max_turn_radps, params.max_turn_radps),
         })
     }

@@ -1,5 +1,6 @@
 //! Why a maze cannot be simulated.
 
+use crate::world::Cell;
 use xcs::bounds::OutOfRange;
 
 /// A physics arena that cannot be built.
@@ -24,6 +25,38 @@ pub enum PhysicsError {
     EightMoves {
         /// The world's name.
         world: String,
+    },
+    /// The robot is too large for the cells.
+    #[error(
+        "the robot does not fit into world `{world}`: in column {}, row {} the wall is {distance_m:.3} m from the middle of the cell, and the robot has a radius of {radius_m:.3} m; use cells of at least {least_cell_m:.3} m (`cell_size_m`), or a robot with a radius of at most {largest_radius_m:.3} m (`--robot`, `physics.radius_m`)",
+        cell.col,
+        cell.row
+    )]
+    TooNarrow {
+        /// The world's name.
+        world: String,
+        /// A cell that is too narrow.
+        cell: Cell,
+        /// From the middle of this cell to the wall, in metres.
+        distance_m: f64,
+        /// The robot's radius in metres.
+        radius_m: f64,
+        /// The smallest size of a cell into which this robot fits, in metres.
+        least_cell_m: f64,
+        /// The largest radius that fits into these cells, in metres.
+        largest_radius_m: f64,
+    },
+    /// The world is so large that the engine's single precision cannot hold a millimetre.
+    #[error(
+        "world `{world}` is {extent_m:.0} m wide, more than the {limit_m:.0} m that can be simulated; use smaller cells (`cell_size_m`), or `--arena grid`"
+    )]
+    TooWide {
+        /// The world's name.
+        world: String,
+        /// Its longer side in metres.
+        extent_m: f64,
+        /// The largest side allowed, in metres.
+        limit_m: f64,
     },
     /// The walls are too many to simulate.
     #[error(

@@ -11,8 +11,8 @@
 //! (`sensing` brings both together). *Told*: for percepts that are looked up in the maze, it is told its true
 //! pose with some noise (`noise`), and `discretiser` looks up the cell.
 //!
-//! Inside of this folder the unit of length is the cell, so that a maze in another scale has the
-//! same course of events to the bit. Metres begin at the trait [`Arena`].
+//! All lengths are in metres and all speeds in m/s, whatever the size of a cell. The grid frame has its
+//! origin in the south-western corner of the grid, x to the east, y to the north.
 
 mod batch;
 mod care;
@@ -20,6 +20,7 @@ mod contact;
 mod controller;
 mod discretiser;
 mod error;
+mod fit;
 mod motion;
 mod noise;
 mod params;
@@ -45,6 +46,7 @@ pub use snapshot::Snapshot;
 use self::contact::{Hits, is_frontal};
 use self::controller::Maneuver;
 use self::discretiser::cell_from_position;
+use self::fit::check_fit;
 use self::motion::{Command, Motion};
 use self::noise::Noise;
 use self::robot::{Wheels, true_motion};
@@ -68,6 +70,8 @@ const STEP_NS: u64 = 50_000_000;
 const SOLVER_ITERATIONS: usize = 2;
 /// The largest number of wall blocks; the engine needs about a kilobyte for each.
 const MAX_BLOCKS: usize = 262_144;
+/// The longest side of a world in metres: the engine's single precision holds a quarter of a millimetre there.
+const MAX_EXTENT_M: f64 = 4096.0;
 
 /// A robot in a maze, simulated at 20 Hz. Same maze, settings and noise: same bits.
 pub struct PhysicsArena {
@@ -94,10 +98,11 @@ impl PhysicsArena {
     ///
     /// # Errors
     /// When a setting is out of range, or the world makes no sense in physics: joined edges,
-    /// eight moves, or too many walls.
+    /// eight moves, cells too small for the robot, too many walls, or more than 4,096 m of them.
     pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
         params.check()?;
-        let walls = simulation::walls(&blocks(&maze)?, maze.height());
+        check_fit(&maze, &params)?;
+        let walls = simulation::walls(&blocks(&maze)?, &maze);
         Ok(Self::among(walls, maze, params, seed))
     }
 
@@ -105,12 +110,12 @@ impl PhysicsArena {
     fn among(walls: SharedShape, maze: Maze, params: PhysicsParams, seed: u64) -> Self {
         let start = maze.starts().next();
         let cell = start.unwrap_or(maze.goals()[0]);
-        let pose = eastward(centre(&maze, cell));
+        let pose = eastward(maze.centre_m(cell));
         let simulation = Simulation::new(walls, pose, &params);
         let mut arena = Self {
             pristine: simulation.state(),
             noise: Noise::new(&params, Stream::new(seed, StreamName::Physics)),
-            sensing: Sensing::new(&params, seed),
+            sensing: Sensing::new(&params, maze.cell_size_m(), seed),
             wheels: Wheels::default(),
             steps: 0,
             cell,
@@ -186,7 +191,7 @@ impl PhysicsArena {
         let half = self.params.wheel_base_m / 2.0;
         [half, -half].map(|left| {
             let wheel = motion.pose * Point2::new(0.0, left);
-            let cell = self.maze.cell_at(wheel * self.maze.cell_size_m());
+            let cell = self.maze.cell_at(wheel);
             cell.and_then(|cell| self.maze.friction(cell))
                 .unwrap_or(usual)
         })
@@ -196,7 +201,6 @@ impl PhysicsArena {
     fn step(&mut self, along: Vector2<f64>) -> bool {
         self.steps += 1;
         let time_ns = self.time_ns();
-        let size_m = self.maze.cell_size_m();
         let mut frontal = false;
         let (pushes, body) = self.simulation.advance(&self.maze);
         let centre = true_motion(body).pose.translation.vector;
@@ -205,9 +209,9 @@ impl PhysicsArena {
             let touched = centre + push.normal * self.params.radius_m;
             let contact = Contact {
                 time_ns,
-                point_in_world: (touched * size_m).into(),
+                point_in_world: touched.into(),
                 normal_in_world: push.normal,
-                impulse_ns: push.impulse * size_m,
+                impulse_ns: push.impulse_ns,
             };
             self.hits.add(contact);
         }
@@ -246,8 +250,8 @@ impl PhysicsArena {
     }
 
     fn believe(&mut self, seen: &Motion) {
-        let position_m = seen.pose.translation.vector * self.maze.cell_size_m();
-        self.cell = cell_from_position(&self.maze, position_m.into(), self.cell);
+        let position_m = seen.pose.translation.vector.into();
+        self.cell = cell_from_position(&self.maze, position_m, self.cell);
     }
 
     fn time_ns(&self) -> u64 {
@@ -255,13 +259,10 @@ impl PhysicsArena {
     }
 
     fn sample(&self) -> Sample {
-        let size_m = self.maze.cell_size_m();
-        let mut robot_in_world = self.motion().pose;
-        robot_in_world.translation.vector *= size_m;
         Sample {
             time_ns: self.time_ns(),
-            robot_in_world,
-            wheel_travel_m: self.wheels.travel.map(|cells| cells * size_m),
+            robot_in_world: self.motion().pose,
+            wheel_travel_m: self.wheels.travel_m,
         }
     }
 
@@ -276,7 +277,7 @@ impl PhysicsArena {
 impl Arena for PhysicsArena {
     fn reset(&mut self, start: Cell) {
         self.simulation.set_state(&self.pristine);
-        let pose = eastward(centre(&self.maze, start));
+        let pose = eastward(self.maze.centre_m(start));
         self.simulation.body_mut().set_position(pose, true);
         self.wheels = Wheels::default();
         self.cell = start;
@@ -300,7 +301,8 @@ impl Arena for PhysicsArena {
             return outcome;
         }
         let seen = self.measure(self.motion());
-        let mut maneuver = Maneuver::new(centre(&self.maze, home), vector(direction), &seen);
+        let (middle, size_m) = (self.maze.centre_m(home), self.maze.cell_size_m());
+        let mut maneuver = Maneuver::new(middle, vector(direction), size_m, &seen);
         let arrived = self.perform(&mut maneuver);
         self.outcome(&maneuver, arrived, home, wanted)
     }
@@ -348,6 +350,14 @@ fn blocks(maze: &Maze) -> Result<Vec<Block>, PhysicsError> {
     if maze.moves() == Moves::Eight {
         return Err(PhysicsError::EightMoves { world: world() });
     }
+    let extent_m = f64::from(maze.width().max(maze.height())) * maze.cell_size_m();
+    if extent_m > MAX_EXTENT_M {
+        return Err(PhysicsError::TooWide {
+            world: world(),
+            extent_m,
+            limit_m: MAX_EXTENT_M,
+        });
+    }
     let blocks = walls::merge(maze.width().into(), maze.height().into(), |col, row| {
         // Both are below the maze's size, which is a u16.
         let (col, row) = (col as u16, row as u16);
@@ -361,12 +371,6 @@ fn blocks(maze: &Maze) -> Result<Vec<Block>, PhysicsError> {
         });
     }
     Ok(blocks)
-}
-
-/// The middle of a cell in the world frame, in cells.
-fn centre(maze: &Maze, cell: Cell) -> Point2<f64> {
-    let row = f64::from(maze.height()) - f64::from(cell.row);
-    Point2::new(f64::from(cell.col) + 0.5, row - 0.5)
 }
 
 /// The unit vector of one of the main directions.

@@ -2,15 +2,16 @@
 
 use nalgebra::Isometry2;
 
-/// Where the robot is and how it moves, in truth or as far as it knows; lengths in cells.
+/// Where the robot is and how it moves, in truth or as far as it knows; lengths in
+/// metres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Motion {
-    /// The pose in the world frame.
+    /// The pose in the grid frame.
     pub pose: Isometry2<f64>,
-    /// Speed along its heading per second; negative when it drives backward.
-    pub forward: f64,
-    /// Speed to its left per second.
-    pub sideways: f64,
+    /// Speed along its heading in m/s; negative when it drives backward.
+    pub forward_mps: f64,
+    /// Speed to its left in m/s.
+    pub sideways_mps: f64,
     /// Turn rate in rad/s, counter-clockwise.
     pub turn_radps: f64,
 }
@@ -18,8 +19,8 @@ pub(super) struct Motion {
 /// What the controller wants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Command {
-    /// Speed along the heading, cells per second.
-    pub forward: f64,
+    /// Speed along the heading in m/s.
+    pub forward_mps: f64,
     /// Turn rate in rad/s, counter-clockwise.
     pub turn_radps: f64,
 }

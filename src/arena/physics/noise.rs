@@ -11,7 +11,7 @@ pub(super) struct Noise {
     pub(super) stream: Stream,
     wheel_bias: f64,
     wheel_noise: f64,
-    position: f64,
+    position_m: f64,
     heading_rad: f64,
 }
 
@@ -22,7 +22,7 @@ impl Noise {
             stream,
             wheel_bias: params.noise * params.wheel_bias,
             wheel_noise: params.noise * params.wheel_noise,
-            position: params.noise * params.position_noise_m,
+            position_m: params.noise * params.position_noise_m,
             heading_rad: params.noise * params.heading_noise_rad,
         }
     }
@@ -40,7 +40,7 @@ impl Noise {
 
     /// The pose as the robot measures it.
     pub(super) fn measure(&mut self, pose: &Isometry2<f64>) -> Isometry2<f64> {
-        let (x, y) = (self.deviate(self.position), self.deviate(self.position));
+        let (x, y) = (self.deviate(self.position_m), self.deviate(self.position_m));
         // A small rotation without sine and cosine, which differ between platforms.
         let twist = Complex::new(1.0, self.deviate(self.heading_rad));
         Isometry2::from_parts(

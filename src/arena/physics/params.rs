@@ -28,11 +28,10 @@ settings! {
 
     /// The robot, its controller and its noise.
     ///
-    /// Everything with a length in it is for cells of 1 m and scales with the cell: in a maze of
-    /// half-metre cells the robot has half the radius and half the speed, and needs as long for a
-    /// move. The robot is a small indoor one. The controller was found by a random search over 400
-    /// at 20 Hz; then the two gains and the turn were chosen anew so that even noise 3 causes no
-    /// wrong outcome (120,000 random moves in three mazes).
+    /// Every setting has the unit that its name says, whatever the size of a cell. The defaults are a
+    /// small indoor robot for cells of about 1 m; `--robot` chooses another one. The controller was found by
+    /// a random search over 400 candidates at 20 Hz in cells of 1 m. Its two gains and the turn were then
+    /// chosen so that noise 3 causes no wrong outcome (120,000 random moves in three mazes).
     pub struct PhysicsParams {
         /// Noise level: multiplies the four deviations below, and all deviations and rates of the
         /// sensors; 0 switches noise off.
@@ -41,43 +40,44 @@ settings! {
         shortcut: bool = true;
         /// Robot mass m in kg.
         mass_kg: f64 = 5.0, in 0.1..=1000.0;
-        /// Robot radius r in m. With more, noise drives it into the corners of walls.
-        radius_m: f64 = 0.3, in 0.1..=0.35;
+        /// Robot radius r in m. Half a cell must hold it and `arrival_m`. With less than 0.1 m more than that,
+        /// noise can push it against walls that it drives along.
+        radius_m: f64 = 0.3, in 0.02..=2.0;
         /// Distance b between the wheels in m.
-        wheel_base_m: f64 = 0.4, in 0.1..=0.7;
+        wheel_base_m: f64 = 0.4, in 0.02..=4.0;
         /// Friction mu between wheel and floor, where the world's `floor` says nothing else; rubber
         /// on concrete by default.
         friction: f64 = 0.8, in 0.2..=2.0;
         /// Time constant tau of the motors in s.
         motor_lag_s: f64 = 0.03, in 0.0..=0.1;
-        /// Largest wheel acceleration in m/s^2, 1 to mu g. Beyond, the wheels slip and the heading
+        /// Largest wheel acceleration in m/s^2, 0.1 to mu g. Beyond, the wheels slip and the heading
         /// is lost.
         wheel_acceleration_mps2: f64 = 7.4;
-        /// Largest speed in m/s. Beyond, 20 steps per second are too few to steer.
-        max_speed_mps: f64 = 1.4, in 0.3..=1.6;
+        /// Largest speed in m/s. In cells of 1 m, 20 steps per second are too few to steer above 1.6 m/s.
+        max_speed_mps: f64 = 1.4, in 0.02..=3.0;
         /// Largest turn rate in rad/s.
-        max_turn_radps: f64 = 12.0, in 0.5..=15.0;
+        max_turn_radps: f64 = 12.0, in 0.1..=15.0;
         /// Turn rate per heading error in 1/s. Beyond, it oscillates at 20 Hz.
         heading_gain_per_s: f64 = 12.5, in 2.0..=15.0;
         /// Heading correction (a sine) per metre beside the track.
         track_gain_per_m: f64 = 3.2, in 0.5..=8.0;
         /// Largest heading correction (a sine).
         track_limit: f64 = 0.33, in 0.05..=0.7;
-        /// Deceleration before the target in m/s^2, 0.5 to what the wheels can do. With more than
+        /// Deceleration before the target in m/s^2, 0.05 to what the wheels can do. With more than
         /// half of that, the robot overshoots.
         deceleration_mps2: f64 = 3.09;
         /// Angular deceleration at the end of a turn in rad/s^2.
-        turn_deceleration_radps2: f64 = 12.0, in 2.0..=30.0;
+        turn_deceleration_radps2: f64 = 12.0, in 0.2..=30.0;
         /// The target is reached this close to it, in m ...
-        arrival_m: f64 = 0.034, in 0.005..=0.1;
+        arrival_m: f64 = 0.034, in 0.002..=0.2;
         /// ... and below this speed in m/s.
-        arrival_mps: f64 = 0.57, in 0.05..=1.0;
+        arrival_mps: f64 = 0.57, in 0.01..=2.0;
         /// A turn ends with a heading error (a sine) below this ...
         aligned: f64 = 0.167, in 0.02..=0.4;
         /// ... and below this turn rate in rad/s.
-        aligned_radps: f64 = 1.73, in 0.1..=5.0;
-        /// An action that takes longer is given up, in s. A move takes 1.2 s.
-        time_out_s: f64 = 10.0, in 0.05..=60.0;
+        aligned_radps: f64 = 1.73, in 0.05..=5.0;
+        /// An action that takes longer is given up, in s. By default a move takes 1.2 s in a cell of 1 m.
+        time_out_s: f64 = 10.0, in 0.05..=600.0;
         /// Deviation of a wheel's scale, drawn for each action.
         wheel_bias: f64 = 0.05, in 0.0..=0.1;
         /// Deviation of a wheel's scale, drawn for each physics step.
@@ -134,12 +134,12 @@ impl PhysicsParams {
     fn check_parts(&self) -> Result<(), OutOfRange> {
         let acceleration = self.wheel_acceleration_mps2;
         let grip = grip_mps2(self.friction);
-        within("physics.wheel_acceleration_mps2", acceleration, 1.0..=grip)?;
+        within("physics.wheel_acceleration_mps2", acceleration, 0.1..=grip)?;
         let deceleration = self.deceleration_mps2;
         within(
             "physics.deceleration_mps2",
             deceleration,
-            0.5..=acceleration,
+            0.05..=acceleration,
         )?;
         self.lidar.check()?;
         self.encoders.check()?;
@@ -168,12 +168,14 @@ impl PhysicsParams {
         }
     }
 
-    /// The robot as its sensors and its own computer need to know it.
-    pub(super) fn robot(&self) -> Robot {
+    /// The robot as its sensors and its onboard computer need to know it, in a maze with cells of
+    /// `cell_size_m`.
+    pub(super) fn robot(&self, cell_size_m: f64) -> Robot {
         Robot {
             noise: self.noise,
-            wheel_base: self.wheel_base_m,
-            careful_acceleration: self.care.wheel_acceleration_mps2,
+            cell_size_m,
+            wheel_base_m: self.wheel_base_m,
+            careful_acceleration_mps2: self.care.wheel_acceleration_mps2,
             wheel_bias: self.wheel_bias,
             wheel_noise: self.wheel_noise,
             lidar: self.lidar.clone(),

@@ -18,8 +18,8 @@ pub(super) fn true_motion(body: &RigidBody) -> Motion {
             Translation2::new(f64::from(at.x), f64::from(at.y)),
             UnitComplex::new_unchecked(heading),
         ),
-        forward: x * heading.re + y * heading.im,
-        sideways: y * heading.re - x * heading.im,
+        forward_mps: x * heading.re + y * heading.im,
+        sideways_mps: y * heading.re - x * heading.im,
         turn_radps: f64::from(body.angvel()),
     }
 }
@@ -27,10 +27,10 @@ pub(super) fn true_motion(body: &RigidBody) -> Motion {
 /// The left and the right wheel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Wheels {
-    /// How fast they roll, cells per second.
-    speed: [f64; 2],
-    /// How far they have rolled, in cells.
-    pub(super) travel: [f64; 2],
+    /// How fast they roll, in m/s.
+    speed_mps: [f64; 2],
+    /// How far they have rolled, in metres.
+    pub(super) travel_m: [f64; 2],
 }
 
 impl Wheels {
@@ -39,8 +39,13 @@ impl Wheels {
         let share = STEP_S / (params.motor_lag_s + STEP_S);
         let limit = params.wheel_acceleration_mps2 * STEP_S;
         let turn = command.turn_radps * params.wheel_base_m / 2.0;
-        let wanted = [command.forward - turn, command.forward + turn];
-        for ((speed, travel), wanted) in self.speed.iter_mut().zip(&mut self.travel).zip(wanted) {
+        let wanted = [command.forward_mps - turn, command.forward_mps + turn];
+        for ((speed, travel), wanted) in self
+            .speed_mps
+            .iter_mut()
+            .zip(&mut self.travel_m)
+            .zip(wanted)
+        {
             *speed += ((wanted - *speed) * share).clamp(-limit, limit);
             *travel += *speed * STEP_S;
         }
@@ -56,12 +61,12 @@ impl Wheels {
         friction: [f64; 2],
         params: &PhysicsParams,
     ) {
-        let [left, right] = [0, 1].map(|i| self.speed[i] * (1.0 + excess[i]));
+        let [left, right] = [0, 1].map(|i| self.speed_mps[i] * (1.0 + excess[i]));
         let (mass, base) = (params.mass_kg, params.wheel_base_m);
         let inertia = 0.5 * mass * params.radius_m * params.radius_m;
-        let along = mass * (0.5 * (left + right) - motion.forward) / 2.0;
+        let along = mass * (0.5 * (left + right) - motion.forward_mps) / 2.0;
         let twist = inertia * ((right - left) / base - motion.turn_radps) / base;
-        let across = -mass * motion.sideways / 2.0;
+        let across = -mass * motion.sideways_mps / 2.0;
         let limit = |friction| mass * grip_mps2(friction) * STEP_S / 2.0;
         let force = |along, friction| Vector2::new(along, across).cap_magnitude(limit(friction));
         let left = force(along - twist, friction[0]);

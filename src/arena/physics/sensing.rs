@@ -47,11 +47,13 @@ pub(super) struct SensingState {
 }
 
 impl Sensing {
-    /// The senses of the robot that belongs to `seed`; `None` when it is told where it is.
-    pub(super) fn new(params: &PhysicsParams, seed: u64) -> Option<Box<Self>> {
+    /// The senses of the robot that belongs to `seed`, in a maze with cells of `cell_size_m`; `None` when
+    /// it is told where it is.
+    pub(super) fn new(params: &PhysicsParams, cell_size_m: f64, seed: u64) -> Option<Box<Self>> {
+        let robot = params.robot(cell_size_m);
         let senses = || Self {
-            sensors: Sensors::new(&params.robot(), streams(seed)),
-            onboard: Onboard::new(&params.robot()),
+            sensors: Sensors::new(&robot, streams(seed)),
+            onboard: Onboard::new(&robot),
             steps_per_turn: params.lidar.steps_per_turn(),
             returns: Vec::new(),
             estimates: Vec::new(),
@@ -62,11 +64,11 @@ impl Sensing {
 
     /// Where the robot believes to be and how it believes to move.
     fn motion(&self) -> Motion {
-        let (forward, turn_radps) = self.onboard.speeds();
+        let (forward_mps, turn_radps) = self.onboard.speeds();
         Motion {
             pose: self.onboard.estimate().0,
-            forward,
-            sideways: 0.0,
+            forward_mps,
+            sideways_mps: 0.0,
             turn_radps,
         }
     }
@@ -108,20 +110,15 @@ impl Sensing {
     }
 
     /// Forgets what an observer was shown of the last action.
-    fn begin_notes(&mut self, size_m: f64) {
+    fn begin_notes(&mut self) {
         self.estimates.clear();
         self.beams.clear();
-        self.note_estimate(size_m);
+        self.note_estimate();
     }
 
-    /// Writes down what the robot believes now, with lengths in metres.
-    fn note_estimate(&mut self, size_m: f64) {
-        let (mut robot_in_world, mut covariance) = self.onboard.estimate();
-        robot_in_world.translation.vector *= size_m;
-        for (at, size) in [size_m, size_m, 1.0].into_iter().enumerate() {
-            covariance.row_mut(at).scale_mut(size);
-            covariance.column_mut(at).scale_mut(size);
-        }
+    /// Writes down the robot's estimate of now.
+    fn note_estimate(&mut self) {
+        let (robot_in_world, covariance) = self.onboard.estimate();
         self.estimates.push(Estimate {
             robot_in_world,
             covariance,
@@ -129,11 +126,11 @@ impl Sensing {
     }
 
     /// Writes down the beams of the step that began at `start_ns`.
-    fn note_beams(&mut self, start_ns: u64, size_m: f64) {
+    fn note_beams(&mut self, start_ns: u64) {
         let beams = self.returns.iter().map(|beam| Beam {
             time_ns: start_ns + (beam.moment * STEP_NS as f64) as u64,
             bearing: beam.bearing,
-            range_m: beam.range.map(|range| range * size_m),
+            range_m: beam.range_m,
         });
         self.beams.extend(beams);
     }
@@ -144,7 +141,7 @@ impl PhysicsArena {
     pub(super) fn look_round(&mut self, sensing: &mut Sensing) {
         sensing.sensors.reset();
         sensing.onboard.put_down(self.motion().pose);
-        sensing.begin_notes(self.maze.cell_size_m());
+        sensing.begin_notes();
         for _ in 0..TURNS_BEFORE_START * sensing.steps_per_turn {
             self.sense_step(sensing, Vector2::x());
         }
@@ -153,12 +150,13 @@ impl PhysicsArena {
     /// One action of a robot that knows only what it senses.
     pub(super) fn act_by_senses(&mut self, sensing: &mut Sensing, direction: Direction) -> Outcome {
         sensing.onboard.begin_action();
-        sensing.begin_notes(self.maze.cell_size_m());
+        sensing.begin_notes();
         let home = sensing.onboard.cell();
         let (east, south) = direction.offset();
         let wanted = [home[0] + east, home[1] - south];
         let (middle, seen) = (sensing.onboard.middle(), sensing.motion());
-        let mut maneuver = Maneuver::new(middle, vector(direction), &seen);
+        let size_m = self.maze.cell_size_m();
+        let mut maneuver = Maneuver::new(middle, vector(direction), size_m, &seen);
         let arrived = self.perform_by_senses(sensing, &mut maneuver);
         self.cell = self.believed_cell(&sensing.onboard);
         if arrived && maneuver.backs_off() && sensing.onboard.cell() == home {
@@ -196,7 +194,7 @@ impl PhysicsArena {
 
     /// Lets one step pass, and tells the computer on board what the sensors make of it.
     fn sense_step(&mut self, sensing: &mut Sensing, along: Vector2<f64>) {
-        let (start_ns, size_m) = (self.time_ns(), self.maze.cell_size_m());
+        let start_ns = self.time_ns();
         let (step, before) = (self.steps, self.motion().pose);
         self.step(along);
         let after = self.motion().pose;
@@ -204,22 +202,22 @@ impl PhysicsArena {
             step,
             before,
             after,
-            travel: self.wheels.travel,
+            travel_m: self.wheels.travel_m,
             pushes: self.simulation.pushes(),
         };
         let readings = sensing
             .sensors
             .read(&self.maze, &moment, &mut sensing.returns);
         sensing.onboard.step(&readings);
-        sensing.note_beams(start_ns, size_m);
-        sensing.note_estimate(size_m);
+        sensing.note_beams(start_ns);
+        sensing.note_estimate();
     }
 
     /// The cell of the maze that the robot believes to stand in, for observers. A belief that no
     /// cell of the maze fits leaves the last one.
     fn believed_cell(&self, onboard: &Onboard) -> Cell {
-        let position_m = onboard.estimate().0.translation.vector * self.maze.cell_size_m();
-        cell_from_position(&self.maze, position_m.into(), self.cell)
+        let position_m = onboard.estimate().0.translation.vector.into();
+        cell_from_position(&self.maze, position_m, self.cell)
     }
 
     /// The cell of the grid that the robot believes to stand in, whatever the maze is like there.
@@ -236,7 +234,7 @@ impl PhysicsArena {
     /// What observers and percepts are shown of the senses.
     pub(super) fn sensed(&self) -> Option<Sensed<'_>> {
         let sensing = self.sensing.as_ref()?;
-        let at_m = self.motion().pose.translation.vector * self.maze.cell_size_m();
+        let at_m = self.motion().pose.translation.vector;
         Some(Sensed {
             surroundings: sensing.onboard.surroundings(),
             cell: self.own_cell(&sensing.onboard),

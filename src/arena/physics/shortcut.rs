@@ -16,21 +16,24 @@ use crate::world::{Cell, Maze};
 /// a step it asks whether the next part fits.
 const FORESIGHT: f64 = 1.0 + 1.0 / SOLVER_ITERATIONS as f64;
 
-/// Distance in cells beyond the engine's prediction distance: more than any rounding.
-const MARGIN: f64 = 0.001;
+/// Distance in metres beyond the engine's prediction distance: more than any rounding.
+const MARGIN_M: f64 = 0.001;
 
 /// Knows which walls the engine looks at, and whether the robot can touch one of them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clearance {
-    radius: f64,
-    /// The engine's prediction distance for slow bodies, in cells.
-    prediction: f64,
+    radius_m: f64,
+    /// The engine's prediction distance for slow bodies, in metres.
+    prediction_m: f64,
 }
 
 impl Clearance {
-    /// For a robot of `radius` in an engine that predicts contacts by `prediction`, in cells.
-    pub(super) fn new(radius: f64, prediction: f64) -> Self {
-        Self { radius, prediction }
+    /// For a robot of `radius_m` in an engine that predicts contacts by `prediction_m`.
+    pub(super) fn new(radius_m: f64, prediction_m: f64) -> Self {
+        Self {
+            radius_m,
+            prediction_m,
+        }
     }
 
     /// Does `body` keep off all walls during its next step?
@@ -38,9 +41,9 @@ impl Clearance {
         let vector = |of: rapier2d::prelude::Vector| Vector2::new(f64::from(of.x), f64::from(of.y));
         let way = vector(body.linvel()) * STEP_S;
         // Fast bodies are predicted as far as they move in a step.
-        let reach = self.radius + self.prediction.max(way.norm()) + MARGIN;
+        let reach = self.radius_m + self.prediction_m.max(way.norm()) + MARGIN_M;
         // With a longer reach there would be walls on both sides to look at.
-        reach < 0.5
+        reach < 0.5 * maze.cell_size_m()
             && walls_around(maze, vector(body.translation()), reach)
                 .into_iter()
                 .flatten()
@@ -51,19 +54,21 @@ impl Clearance {
     /// it on its `way`? As the engine, this takes the wall for a plane, which is nearer than the wall.
     fn keeps_off(&self, from_wall: Vector2<f64>, way: Vector2<f64>) -> bool {
         let distance = from_wall.norm();
-        let gap = distance - self.radius;
+        let gap = distance - self.radius_m;
         let receded = from_wall.dot(&way) / distance;
         // A distance of 0 makes `receded` no number, and no number is greater than the margin.
-        gap > MARGIN && gap + FORESIGHT * receded > MARGIN
+        gap > MARGIN_M && gap + FORESIGHT * receded > MARGIN_M
     }
 }
 
 /// The walls closer than `reach` (below half a cell) to the point `at`, each as the way from its
-/// nearest point to `at`.
+/// nearest point to `at`; in metres.
 fn walls_around(maze: &Maze, at: Vector2<f64>, reach: f64) -> [Option<Vector2<f64>>; 4] {
-    let (col, row) = (at.x.floor(), f64::from(maze.height()) - 1.0 - at.y.floor());
-    let (east, gap_x) = nearer_side(at.x - at.x.floor(), reach);
-    let (north, gap_y) = nearer_side(at.y - at.y.floor(), reach);
+    let size_m = maze.cell_size_m();
+    let (col, up) = ((at.x / size_m).floor(), (at.y / size_m).floor());
+    let row = f64::from(maze.height()) - 1.0 - up;
+    let (east, gap_x) = nearer_side(at.x - col * size_m, reach, size_m);
+    let (north, gap_y) = nearer_side(at.y - up * size_m, reach, size_m);
     let wall = |east: f64, north: f64| {
         let from_wall = Vector2::new(-east * gap_x, -north * gap_y);
         // Negative numbers become 0 here, which is the border: a wall.
@@ -81,11 +86,11 @@ fn walls_around(maze: &Maze, at: Vector2<f64>, reach: f64) -> [Option<Vector2<f6
 
 /// The step to the neighbouring cell within `reach` along one axis, and the gap to it, for a point at
 /// `offset` in its cell; none and no gap, which is the cell itself, when there is none.
-fn nearer_side(offset: f64, reach: f64) -> (f64, f64) {
+fn nearer_side(offset: f64, reach: f64, size_m: f64) -> (f64, f64) {
     if offset < reach {
         (-1.0, offset)
-    } else if 1.0 - offset < reach {
-        (1.0, 1.0 - offset)
+    } else if size_m - offset < reach {
+        (1.0, size_m - offset)
     } else {
         (0.0, 0.0)
     }

@@ -1,4 +1,4 @@
-//! The engine: one robot among fixed walls, lengths in cells.
+//! The engine: one robot among fixed walls, lengths in metres of the grid frame.
 
 use nalgebra::Point2;
 use rapier2d::prelude::{
@@ -16,9 +16,10 @@ use super::{SOLVER_ITERATIONS, STEP_S};
 use crate::world::Maze;
 use xcscr_sensing::Push;
 
-/// How far ahead the engine looks for walls, in cells. It brakes the robot so that it ends the
-/// step at the wall and not inside; without, it enters walls by up to 0.06 cells at full speed.
-const LOOKAHEAD: f64 = 0.15;
+/// How far ahead the engine looks for walls, in metres: more than any robot drives in a step. The engine
+/// brakes the robot so that it ends the step at the wall and not inside; without, the robot enters walls
+/// by up to 6 cm at 1.4 m/s.
+const LOOKAHEAD_M: f64 = 0.15;
 
 /// The engine's world, and whether it can be left alone.
 pub(super) struct Simulation {
@@ -53,7 +54,7 @@ impl Simulation {
             .can_sleep(false)
             // Otherwise the engine caps the turn rate, which the shortcut does not do.
             .allow_fast_rotation(true)
-            .soft_ccd_prediction(LOOKAHEAD as f32);
+            .soft_ccd_prediction(LOOKAHEAD_M as f32);
         let disc = ColliderBuilder::ball(params.radius_m as f32)
             .mass(params.mass_kg as f32)
             .active_events(ActiveEvents::CONTACT_FORCE_EVENTS)
@@ -140,11 +141,11 @@ impl Simulation {
     }
 }
 
-/// The walls of a maze with `rows` rows, in one shape: separate ones would be solved in the order
+/// The walls of a maze in one shape: separate ones would be solved in the order
 /// in which the robot came near them, and that order is history that a reset and the shortcut do
 /// not know.
-pub(super) fn walls(blocks: &[Block], rows: u16) -> SharedShape {
-    SharedShape::compound(blocks.iter().map(|block| wall(block, rows)).collect())
+pub(super) fn walls(blocks: &[Block], maze: &Maze) -> SharedShape {
+    SharedShape::compound(blocks.iter().map(|block| wall(block, maze)).collect())
 }
 
 /// The pose at a point, heading east.
@@ -159,7 +160,7 @@ fn empty_world() -> PhysicsWorld {
     let integration = &mut world.integration_parameters;
     integration.dt = STEP_S as f32;
     integration.num_solver_iterations = SOLVER_ITERATIONS;
-    // Walls are a cell thick, and the robot covers a tenth of that per step.
+    // The prediction of contacts above does this work.
     integration.max_ccd_substeps = 0;
     // Contacts that carry history over make the shortcut inexact.
     integration.contact_recycling = false;
@@ -167,11 +168,16 @@ fn empty_world() -> PhysicsWorld {
     world
 }
 
-/// A block of walls in the world frame, whose y axis points north.
-fn wall(block: &Block, rows: u16) -> (Pose, SharedShape) {
-    let half = Vector::new(block.width as f32, block.height as f32) / 2.0;
-    let north = f32::from(rows) - block.row as f32;
-    let centre = Vector::new(block.col as f32 + half.x, north - half.y);
+/// A block of walls in the grid frame, whose y axis points north.
+fn wall(block: &Block, maze: &Maze) -> (Pose, SharedShape) {
+    let metres = |cells: f64| (cells * maze.cell_size_m()) as f32;
+    let (width, height) = (block.width as f64, block.height as f64);
+    let half = Vector::new(metres(width / 2.0), metres(height / 2.0));
+    let north = f64::from(maze.height()) - block.row as f64;
+    let centre = Vector::new(
+        metres(block.col as f64 + width / 2.0),
+        metres(north - height / 2.0),
+    );
     (
         Pose::from_parts(centre, Rotation::IDENTITY),
         SharedShape::cuboid(half.x, half.y),

@@ -6,6 +6,10 @@ use xcscr_sensing::Terrain;
 use crate::world::{Cell, Maze};
 
 impl Terrain for Maze {
+    fn cell_size_m(&self) -> f64 {
+        Self::cell_size_m(self)
+    }
+
     fn is_wall(&self, east: i32, north: i32) -> bool {
         // Beyond the border is a wall: negative numbers become large ones.
         let row = i32::from(self.height()) - 1 - north;
@@ -13,9 +17,8 @@ impl Terrain for Maze {
         Self::is_wall(self, Cell { col, row })
     }
 
-    fn is_marked(&self, point: Vector2<f64>) -> bool {
-        let at_m = point * self.cell_size_m();
-        self.cell_at(at_m.into())
+    fn is_marked(&self, point_m: Vector2<f64>) -> bool {
+        self.cell_at(point_m.into())
             .is_some_and(|cell| self.is_goal(cell))
     }
 }

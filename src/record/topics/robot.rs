@@ -20,7 +20,7 @@ pub(in crate::record) fn scene(
     legend: SceneEntity,
     time_ns: u64,
 ) -> SceneUpdate {
-    let (r, axle) = (robot.radius_m, robot.wheel_radius_m);
+    let (r, axle) = (robot.radius_m, robot.wheel_radius_m());
     let deck = 0.4 * axle + 0.25 * r;
     let mut body: SceneEntity = entity("body", ROBOT, time_ns);
     body.cylinders = vec![
@@ -70,7 +70,7 @@ fn disc(radius: f64, bottom: f64, high: f64, top_scale: f64, rgb: u32) -> Cylind
 
 /// A wheel to the left or the right; `side` is a share of the wheel base.
 fn wheel(robot: &RobotShape, side: f64) -> CylinderPrimitive {
-    let radius = robot.wheel_radius_m;
+    let radius = robot.wheel_radius_m();
     // A quarter turn about x lays the cylinder's axis along y.
     let quarter = rounded(FRAC_1_SQRT_2);
     CylinderPrimitive {

@@ -2,7 +2,7 @@
 
 use crate::{Robot, STEP_S};
 
-/// How noisy the filter assumes its sensors to be: deviations.
+/// How noisy the filter assumes its sensors to be: deviations, lengths in metres.
 #[derive(Debug, Clone)]
 pub(super) struct Assumed {
     pub range: f64,
@@ -16,9 +16,9 @@ pub(super) struct Assumed {
     pub bias: f64,
     pub wheels: f64,
     pub ranges: f64,
-    pub wheel_base: f64,
-    /// By how much a slippery floor can change the way of a step from that of the step before.
-    pub slippery_grip: f64,
+    pub wheel_base_m: f64,
+    /// The largest change of the distance per step that a slippery floor allows, in metres.
+    pub slippery_grip_m: f64,
 }
 
 impl Assumed {
@@ -45,8 +45,8 @@ impl Assumed {
             bias: of(gyro.bias_radps, 1e-4),
             wheels: of(encoders.scale, 0.002),
             ranges: of(lidar.scale, 0.001),
-            wheel_base: robot.wheel_base,
-            slippery_grip: robot.careful_acceleration * STEP_S * STEP_S,
+            wheel_base_m: robot.wheel_base_m,
+            slippery_grip_m: robot.careful_acceleration_mps2 * STEP_S * STEP_S,
         }
     }
 }

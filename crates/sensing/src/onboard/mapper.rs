@@ -14,31 +14,31 @@ use crate::whole::floor;
 const HIT: i32 = 20;
 /// ... and for free cells when nothing came back: it may have got lost.
 const LOST: i32 = 7;
-/// A beam that is in a cell for less than this (in cells) says nothing about it: the pose that the
+/// A beam that is in a cell for less than this, in metres, says nothing about it: the pose that the
 /// robot believes in may be off by as much ...
-const GRAZE: f64 = 0.15;
+const GRAZE_M: f64 = 0.15;
 /// ... and this share of its range.
 const GRAZE_SHARE: f64 = 0.02;
-/// A beam that ends farther from every crossing is an outlier.
-const STRAY: f64 = 0.2;
-/// Beams that get lost are followed so far.
-const LOST_RANGE: f64 = 3.0;
+/// A beam that ends farther than this from every crossing, in metres, is an outlier.
+const STRAY_M: f64 = 0.2;
+/// Beams that get lost are followed so far, in metres.
+const LOST_RANGE_M: f64 = 3.0;
 
-/// Adds what a beam tells.
-pub(super) fn mark(map: &mut Surroundings, ray: &Ray) {
+/// Adds the evidence of a beam to a map with cells of `cell_size_m`.
+pub(super) fn mark(map: &mut Surroundings, ray: &Ray, cell_size_m: f64) {
     let (weight, range) = match ray.range {
         Some(range) => (HIT, range),
-        None => (LOST, LOST_RANGE),
+        None => (LOST, LOST_RANGE_M),
     };
     // The farther away, the less is known about where it was.
-    let graze = GRAZE + GRAZE_SHARE * range;
-    let mut x = Axis::new(ray.origin.x, ray.direction.x);
-    let mut y = Axis::new(ray.origin.y, ray.direction.y);
+    let graze = GRAZE_M + GRAZE_SHARE * range;
+    let mut x = Axis::new(ray.origin.x, ray.direction.x, cell_size_m);
+    let mut y = Axis::new(ray.origin.y, ray.direction.y, cell_size_m);
     let mut entered = 0.0;
     loop {
         let cell = [x.cell, y.cell];
         let left = x.next.min(y.next);
-        if left.is_nan() || left > range + STRAY {
+        if left.is_nan() || left > range + STRAY_M {
             return;
         }
         if x.next < y.next {
@@ -48,7 +48,7 @@ pub(super) fn mark(map: &mut Surroundings, ray: &Ray) {
         };
         let following = x.next.min(y.next);
         let ends = ray.range.is_some() && range < (left + following) / 2.0;
-        if ends && (left - range).abs() > STRAY {
+        if ends && (left - range).abs() > STRAY_M {
             return;
         }
         let stay = left - entered;
@@ -70,19 +70,20 @@ pub(super) fn mark(map: &mut Surroundings, ray: &Ray) {
 struct Axis {
     cell: i32,
     step: i32,
-    /// How far along the ray the next cell begins.
+    /// How far along the ray the next cell begins, in metres.
     next: f64,
+    /// From one cell to the next along the ray, in metres.
     every: f64,
 }
 
 impl Axis {
-    fn new(origin: f64, direction: f64) -> Self {
-        let cell = floor(origin);
-        let every = 1.0 / direction.abs();
+    fn new(origin: f64, direction: f64, cell_size_m: f64) -> Self {
+        let cell = floor(origin / cell_size_m);
+        let per_metre = 1.0 / direction.abs();
         let (step, next) = if direction > 0.0 {
-            (1, (cell + 1.0 - origin) * every)
+            (1, ((cell + 1.0) * cell_size_m - origin) * per_metre)
         } else if direction < 0.0 {
-            (-1, (origin - cell) * every)
+            (-1, (origin - cell * cell_size_m) * per_metre)
         } else {
             (0, f64::INFINITY)
         };
@@ -90,7 +91,7 @@ impl Axis {
             cell: cell as i32,
             step,
             next,
-            every,
+            every: cell_size_m * per_metre,
         }
     }
 
@@ -100,7 +101,7 @@ impl Axis {
     }
 }
 
-/// The cell of the robot's frame that holds a point (east, north).
-pub(super) fn cell_of(point: Vector2<f64>) -> [i32; 2] {
-    [floor(point.x) as i32, floor(point.y) as i32]
+/// The cell (east, north) that holds a point of the grid frame.
+pub(super) fn cell_of(point: Vector2<f64>, cell_size_m: f64) -> [i32; 2] {
+    [point.x, point.y].map(|at| floor(at / cell_size_m) as i32)
 }

@@ -28,6 +28,7 @@ pub struct Onboard {
     surroundings: Surroundings,
     bumped: [bool; 2],
     over_marker: bool,
+    cell_size_m: f64,
 }
 
 impl Onboard {
@@ -38,10 +39,11 @@ impl Onboard {
             surroundings: Surroundings::unknown([0; 2]),
             bumped: [false; 2],
             over_marker: false,
+            cell_size_m: robot.cell_size_m,
         }
     }
 
-    /// The robot is put down at rest.
+    /// Puts the robot down at rest, at a pose of the grid frame.
     pub fn put_down(&mut self, pose: Isometry2<f64>) {
         self.estimator.put_down(pose);
         self.begin_action();
@@ -57,32 +59,35 @@ impl Onboard {
     pub fn step(&mut self, readings: &Readings<'_>) {
         self.estimator.step(readings);
         for ray in self.estimator.rays(readings.beams) {
-            mapper::mark(&mut self.surroundings, &ray);
+            mapper::mark(&mut self.surroundings, &ray, self.cell_size_m);
         }
         self.surroundings.stand_in(self.cell());
         self.bumped = readings.bumped;
         self.over_marker = readings.over_marker;
     }
 
-    /// Speed along its heading in cells per second and turn rate in rad/s, as it believes to move.
+    /// Estimated speed along the heading in m/s and turn rate in rad/s.
     pub fn speeds(&self) -> (f64, f64) {
         self.estimator.speeds()
     }
 
-    /// The pose that it believes in, with its covariance.
+    /// The estimated pose in the grid frame, in metres, and the covariance of x, y and heading.
     pub fn estimate(&self) -> (Isometry2<f64>, Matrix3<f64>) {
         (self.estimator.pose(), self.estimator.covariance())
     }
 
-    /// The cell that it believes to stand in, counted to the east and to the north.
+    /// The estimated cell, counted to the east and to the north.
     pub fn cell(&self) -> [i32; 2] {
-        cell_of(self.estimator.pose().translation.vector)
+        cell_of(self.estimator.pose().translation.vector, self.cell_size_m)
     }
 
-    /// The middle of that cell.
+    /// The middle of the estimated cell in the grid frame, in metres.
     pub fn middle(&self) -> Point2<f64> {
         let [east, north] = self.cell().map(f64::from);
-        Point2::new(east + 0.5, north + 0.5)
+        Point2::new(
+            (east + 0.5) * self.cell_size_m,
+            (north + 0.5) * self.cell_size_m,
+        )
     }
 
     /// Did the front and did the rear bumper close in the last step?

@@ -14,7 +14,7 @@ const AFTER_BUMP: u32 = 10;
 /// More deviations than this of what the wheels roll are no noise.
 const DEVIATIONS: f64 = 3.0;
 
-/// Accounts that lie nearer to each other than this, in cells, are the same ...
+/// Accounts that lie nearer to each other than this, in metres, are the same ...
 const SAME: f64 = 0.03;
 /// ... and with these odds (a logarithm) one of them is right. Beams share the errors of the pose and of
 /// the range's scale, so they say less than as many independent ones: with half of it, at noise 3,
@@ -29,7 +29,7 @@ pub struct Slip {
     /// For so many steps slipping says nothing about the floor.
     bumped: u32,
     /// By how much the robot is behind what it believes if the wheels spin, along its heading, in
-    /// cells.
+    /// metres.
     lag: f64,
     /// The logarithm of the odds that they do.
     odds: f64,
@@ -38,7 +38,7 @@ pub struct Slip {
 /// What the beams say about wheels that may spin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Verdict {
-    /// They do, and the robot is so many cells behind.
+    /// They do, and the robot is so many metres behind.
     Spun(f64),
     /// They do not.
     Rolled,
@@ -51,7 +51,7 @@ impl Slip {
     }
 
     /// One step: by how much each wheel rolled otherwise than the gyro's turn says, and the
-    /// deviation of that, in cells.
+    /// deviation of that, in metres.
     pub(super) fn step(
         &mut self,
         disagreement: f64,
@@ -82,7 +82,7 @@ impl Slip {
         }
     }
 
-    /// By how many cells the robot is behind what it believes if the wheels spin; `None` while
+    /// By how many metres the robot is behind what it believes if the wheels spin; `None` while
     /// that makes no difference.
     pub(super) fn lag(&self) -> Option<f64> {
         (self.lag.abs() >= SAME).then_some(self.lag)

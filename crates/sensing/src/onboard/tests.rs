@@ -12,8 +12,9 @@ use crate::{
 fn robot() -> Robot {
     Robot {
         noise: 1.0,
-        wheel_base: 0.4,
-        careful_acceleration: 2.9,
+        cell_size_m: 1.0,
+        wheel_base_m: 0.4,
+        careful_acceleration_mps2: 2.9,
         wheel_bias: 0.05,
         wheel_noise: 0.05,
         lidar: LidarParams::default(),
@@ -28,7 +29,7 @@ fn robot() -> Robot {
 /// Readings of one step without a bump or a marker.
 fn readings(rolled: [f64; 2], turned_rad: f64, beams: &[Return]) -> Readings<'_> {
     Readings {
-        rolled,
+        rolled_m: rolled,
         turned_rad: Some(turned_rad),
         bumped: [false; 2],
         over_marker: false,
@@ -51,7 +52,7 @@ fn beam(x: f64, y: f64, range: f64) -> Return {
     Return {
         moment: 1.0,
         bearing: UnitComplex::new_unchecked(Complex::new(x, y)),
-        range: Some(range),
+        range_m: Some(range),
     }
 }
 
@@ -63,10 +64,7 @@ fn a_straight_drive_adds_up_and_makes_the_robot_less_sure_along_its_way() {
     }
     let pose = estimator.pose();
     assert!((pose.translation.vector - Vector2::new(1.0, 0.5)).norm() < 1e-12);
-    assert!(
-        (estimator.speeds().0 - 1.0).abs() < 1e-12,
-        "cells per second"
-    );
+    assert!((estimator.speeds().0 - 1.0).abs() < 1e-12, "m/s");
     // The wheels' scale of 3 % alone makes 1.5 cm of half a metre; the start has 1 cm.
     let covariance = estimator.covariance();
     assert!(
@@ -241,7 +239,7 @@ fn a_wheel_that_rolls_otherwise_during_a_whole_action_is_found_out() {
 }
 
 /// Where the robot believes to be, where it is, and whether it has noticed that its wheels slip, after
-/// it turned back in a corridor and then saw the wall ahead. The wheels speed up alike, with 7.4 cells
+/// it turned back in a corridor and then saw the wall ahead. The wheels speed up alike, with 7.4 metres
 /// per square second, the robot with what the floor gives.
 fn after_turning_back(floor: f64) -> (f64, f64, bool) {
     let mut estimator = estimator(1.5, 0.5);
@@ -302,7 +300,7 @@ fn each_action_begins_without_knowing_how_the_wheels_will_roll() {
 /// Marks a beam of a robot that stands in the middle of a cell and heads east.
 fn mark(map: &mut Surroundings, beam: &Return) {
     let ray = estimator(0.5, 0.5).ray(beam, UnitComplex::identity());
-    mapper::mark(map, &ray);
+    mapper::mark(map, &ray, 1.0);
 }
 
 #[test]
@@ -326,7 +324,7 @@ fn a_beam_marks_free_cells_and_the_wall_that_it_ends_in() {
 fn a_beam_that_ends_between_lines_says_nothing_and_a_lost_one_says_little() {
     let mut map = Surroundings::unknown([0, 0]);
     let lost = Return {
-        range: None,
+        range_m: None,
         ..beam(0.0, 1.0, 0.0)
     };
     for _ in 0..3 {

@@ -46,7 +46,7 @@ impl Faults {
         beams
             .iter_mut()
             .filter(is_dead)
-            .for_each(|beam| beam.range = None);
+            .for_each(|beam| beam.range_m = None);
     }
 
     /// What broken sensors tell instead.
@@ -57,7 +57,7 @@ impl Faults {
         self.drift_rad += self.params.gyro_drift_radps2 * STEP_S * STEP_S;
         readings.turned_rad = readings.turned_rad.map(|told| told + self.drift_rad);
         if self.params.stuck_encoder {
-            readings.rolled[0] = 0.0;
+            readings.rolled_m[0] = 0.0;
         }
         if self.params.dead_bumper {
             readings.bumped[0] = false;
@@ -74,7 +74,7 @@ mod tests {
         Return {
             moment: 0.5,
             bearing: UnitComplex::new_unchecked(Complex::new(x, y)),
-            range: Some(1.0),
+            range_m: Some(1.0),
         }
     }
 
@@ -96,16 +96,16 @@ mod tests {
         ];
         faults.blind(&mut beams);
         let mut readings = Readings {
-            rolled: [0.1, 0.2],
+            rolled_m: [0.1, 0.2],
             turned_rad: Some(0.0),
             bumped: [true; 2],
             over_marker: false,
             beams: &beams,
         };
         faults.distort(&mut readings);
-        let came_back = beams.iter().map(|beam| beam.range.is_some()).collect();
+        let came_back = beams.iter().map(|beam| beam.range_m.is_some()).collect();
         (
-            readings.rolled,
+            readings.rolled_m,
             readings.turned_rad.unwrap(),
             readings.bumped,
             came_back,

@@ -56,7 +56,7 @@ impl Lidar {
             beams.push(Return {
                 moment: share,
                 bearing,
-                range: self.measure(terrain, origin, heading * bearing),
+                range_m: self.measure(terrain, origin, heading * bearing),
             });
         }
     }

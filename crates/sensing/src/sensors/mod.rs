@@ -21,11 +21,14 @@ use xcs::random::Stream;
 /// The cells that the robot drives through, counted to the east and to the north; beyond the
 /// border everything is a wall.
 pub trait Terrain {
+    /// Edge length of a cell in metres.
+    fn cell_size_m(&self) -> f64;
+
     /// Is the cell a wall?
     fn is_wall(&self, east: i32, north: i32) -> bool;
 
-    /// Is there a marker on the floor at a point?
-    fn is_marked(&self, point: Vector2<f64>) -> bool;
+    /// Is there a marker on the floor at a point of the grid frame, in metres?
+    fn is_marked(&self, point_m: Vector2<f64>) -> bool;
 }
 
 /// A wall pushing on the robot during one step.
@@ -33,8 +36,8 @@ pub trait Terrain {
 pub struct Push {
     /// Unit vector from the robot into the wall.
     pub normal: Vector2<f64>,
-    /// Force times duration of the step, with lengths in cells.
-    pub impulse: f64,
+    /// Force times duration of the step, in N s.
+    pub impulse_ns: f64,
 }
 
 /// The random numbers that the sensors draw from.
@@ -52,12 +55,12 @@ pub struct Streams {
 pub struct Moment<'a> {
     /// The number of the step since the trial began.
     pub step: u64,
-    /// The pose before it, in cells.
+    /// The pose before it, in metres of the grid frame.
     pub before: Isometry2<f64>,
     /// The pose after it.
     pub after: Isometry2<f64>,
-    /// How far each wheel has rolled since the reset, in cells.
-    pub travel: [f64; 2],
+    /// How far each wheel has rolled since the reset, in metres.
+    pub travel_m: [f64; 2],
     /// The pushes of walls.
     pub pushes: &'a [Push],
 }
@@ -115,7 +118,7 @@ impl Sensors {
         self.lidar.scan(terrain, moment, turned_rad, beams);
         self.faults.blind(beams);
         let mut readings = Readings {
-            rolled: self.encoders.read(moment.travel),
+            rolled_m: self.encoders.read(moment.travel_m),
             turned_rad: self.gyro.read(turned_rad),
             bumped: bumper::read(moment.after.rotation, moment.pushes, self.bump_impulse),
             over_marker: terrain.is_marked(moment.after.translation.vector),

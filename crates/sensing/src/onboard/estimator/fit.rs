@@ -30,10 +30,10 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// How the same beam fits if it begins at `origin`.
-    pub fn from(self, origin: Vector2<f64>) -> Self {
+    /// How the same beam fits if it begins at `origin`, in a grid with lines every `cell_size_m`.
+    pub fn from(self, origin: Vector2<f64>, cell_size_m: f64) -> Self {
         let end = origin[self.axis] + self.reach;
-        let residual = round(end) - end;
+        let residual = round(end / cell_size_m) * cell_size_m - end;
         Self {
             residual,
             distance: residual * residual / self.variance,
@@ -79,7 +79,7 @@ impl Estimator {
             variance: believed + measured_badly,
             own_variance: turned_and_scaled + measured_badly,
         };
-        fit.from(ray.origin)
+        fit.from(ray.origin, self.cell_size_m)
     }
 
     /// Is a beam to be believed that is taken to end on a line across an axis? Where the position is

@@ -4,7 +4,7 @@
 //! a beam ends on one: the distance to the nearest line is what it corrects by. On such a grid a
 //! filter that is too sure of itself locks in one cell off, and no beam can tell. So it assumes
 //! more noise than there is, and where several beams disagree with it, it trusts itself less
-//! ([`EstimatorParams::batch_check`]). Lengths in cells, angles in radians.
+//! ([`EstimatorParams::batch_check`]). Lengths in metres, angles in radians.
 
 mod fit;
 mod predict;
@@ -34,12 +34,13 @@ const STATES: usize = 7;
 const SHALLOW: f64 = 0.25;
 /// The squared distance, in units of the variance, up to which two beams agree: 3 deviations.
 const AGREEING: f64 = 9.0;
-/// A deviation of the position from which on a beam is believed only if others agree with it: the third.
+/// A deviation of the position, in metres, from which on a beam is believed only if others agree with it:
+/// the third.
 const UNSURE: f64 = 0.1;
 const ENOUGH: u32 = 3;
-/// What a bump may add to the position, as a deviation.
+/// What a bump may add to the position, as a deviation in metres.
 const BUMP_SLIDE: f64 = 0.02;
-/// The deviation of the position that is added where beams disagree with it.
+/// The deviation of the position, in metres, that is added where beams disagree with it.
 const DOUBT: f64 = 0.08;
 /// Wheels that speed up or brake may slip: deviation of the way as a share of by how much it differs
 /// from that of the step before.
@@ -88,6 +89,8 @@ struct LastStep {
 #[derive(Debug, Clone)]
 pub(crate) struct Estimator {
     params: EstimatorParams,
+    /// Distance between the lines of the grid.
+    cell_size_m: f64,
     assumed: Assumed,
     belief: Belief,
     /// How far it turned back from the end of the last step to each of its beams.
@@ -109,7 +112,7 @@ struct Witness {
 /// range without the scale that the robot believes in.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ray {
-    /// In the world frame.
+    /// In the grid frame.
     pub origin: Vector2<f64>,
     /// A unit vector.
     pub direction: Vector2<f64>,
@@ -130,6 +133,7 @@ impl Estimator {
         let variances = [0.0, 0.0, 0.0, bias, wheels, ranges, 0.0].map(square);
         Self {
             params: robot.estimator.clone(),
+            cell_size_m: robot.cell_size_m,
             belief: Belief {
                 pose: Isometry2::identity(),
                 bias: 0.0,
@@ -162,7 +166,7 @@ impl Estimator {
         self.belief.last = LastStep::default();
     }
 
-    /// The pose that it believes in.
+    /// The estimated pose in the grid frame, in metres.
     pub fn pose(&self) -> Isometry2<f64> {
         self.belief.pose
     }
@@ -172,7 +176,7 @@ impl Estimator {
         self.belief.covariance.fixed_view::<3, 3>(0, 0).into_owned()
     }
 
-    /// Speed along the heading per second, and turn rate in rad/s.
+    /// Speed along the heading in m/s, and turn rate in rad/s.
     pub fn speeds(&self) -> (f64, f64) {
         (
             self.belief.last.forward / STEP_S,
@@ -232,7 +236,7 @@ impl Estimator {
         Ray {
             origin: pose.translation.vector + (beam.moment - 1.0) * self.belief.last.way,
             direction: ahead(pose.rotation * back * beam.bearing),
-            range: beam.range.map(|range| range * (1.0 + self.belief.ranges)),
+            range: beam.range_m.map(|range| range * (1.0 + self.belief.ranges)),
         }
     }
 
@@ -284,7 +288,7 @@ impl Estimator {
         };
         let ahead = ahead(self.belief.pose.rotation);
         let origin = ray.origin - lag * ahead;
-        let behind = fits.map(|fit| fit.from(origin));
+        let behind = fits.map(|fit| fit.from(origin, self.cell_size_m));
         let evidence = (self.misfit(fits) - self.misfit(&behind)) / 2.0;
         match self.belief.slip.weigh(evidence, &self.params) {
             Some(Verdict::Spun(lag)) => {

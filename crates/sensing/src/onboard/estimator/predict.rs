@@ -49,8 +49,8 @@ impl Estimator {
 
     /// What wheels and gyro tell, and whether they show that the wheels slip.
     fn motion(&mut self, readings: &Readings<'_>) -> Motion {
-        let [left, right] = readings.rolled;
-        let base = self.assumed.wheel_base;
+        let [left, right] = readings.rolled_m;
+        let base = self.assumed.wheel_base_m;
         let by_wheels = (right - left) / base;
         let bias_rad = self.belief.bias * STEP_S;
         let turned_rad = readings
@@ -84,7 +84,7 @@ impl Estimator {
     /// How far it moves along its heading if the floor is slippery: however fast the wheels spin, the
     /// floor cannot speed it up or slow it down more than by its grip. A wall can.
     fn held(&self, by_rolling: f64, bumped: bool) -> f64 {
-        let (last, most) = (self.belief.last.held, self.assumed.slippery_grip);
+        let (last, most) = (self.belief.last.held, self.assumed.slippery_grip_m);
         if bumped {
             by_rolling
         } else {
@@ -132,7 +132,7 @@ impl Estimator {
         let turn = if motion.has_gyro {
             square(assumed.turn_share * motion.turned_rad) + square(assumed.turn_rad)
         } else {
-            let arc = motion.rolled / assumed.wheel_base;
+            let arc = motion.rolled / assumed.wheel_base_m;
             square(assumed.wheel_share) * (square(motion.turned_rad) + square(arc))
         };
         let covariance = &mut self.belief.covariance;
