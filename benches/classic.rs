@@ -93,7 +93,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let world = words.get(3).map_or("maze4-classic", String::as_str);
     let maze = Maze::load(&Path::new(WORLDS).join(format!("{world}.json")))?;
     let Settings { xcs, reward, .. } =
-        Resolved::new(&settings(population_size), None, &sets)?.settings;
+        Resolved::new(&settings(population_size), &[], &sets)?.settings;
     let setup = Setup {
         xcs,
         reward,

@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Ok(recipe) => recipe.maze()?,
         Err(_) => Maze::load(&Path::new(WORLDS).join(format!("{world}.json")))?,
     };
-    let mut params = Resolved::new(&Settings::default(), None, &sets)?
+    let mut params = Resolved::new(&Settings::default(), &[], &sets)?
         .settings
         .physics;
     params.localisation = Localisation::Estimated;

@@ -14,6 +14,7 @@ use crate::commands::manual::{self, ManArgs};
 use crate::commands::map::{self, MapArgs};
 use crate::commands::recover::{self, RecoverArgs};
 use crate::commands::replay::{self, ReplayArgs};
+use crate::commands::robot::{self, RobotCommand};
 use crate::commands::rules::{self, RulesArgs};
 use crate::commands::study::{self, StudyCommand};
 use crate::commands::train::{self, TrainArgs};
@@ -70,6 +71,9 @@ pub enum Command {
     /// Check, show, describe and generate world files.
     #[command(subcommand)]
     World(WorldCommand),
+    /// List, show and check robot profiles.
+    #[command(subcommand)]
+    Robot(RobotCommand),
     /// Show all settings and where each came from.
     #[command(subcommand)]
     Config(ConfigCommand),
@@ -99,6 +103,7 @@ impl Cli {
             Command::Recover(args) => recover::run(&args)?,
             Command::Map(args) => map::run(&args)?,
             Command::World(command) => world::run(command, out)?,
+            Command::Robot(command) => robot::run(&command, out)?,
         }
         Ok(out.flush()?)
     }

@@ -15,7 +15,9 @@ const ALLOWED: [(&str, &[&str]); 14] = [
     ("episode", &["world", "arena", "sensor", "agent"]),
     (
         "trial",
-        &["streams", "world", "arena", "sensor", "agent", "episode"],
+        &[
+            "streams", "disk", "world", "arena", "sensor", "agent", "episode",
+        ],
     ),
     ("export", &["streams", "world", "sensor", "agent", "trial"]),
     (

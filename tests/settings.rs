@@ -11,7 +11,7 @@ fn page() -> String {
     let mut page = "# Settings\n\nEvery setting with its default and its range. This page is made from the declarations in the source \
         (`UPDATE_DOCS=1 cargo test --test settings` writes it anew).\n"
         .to_owned();
-    let resolved = Resolved::new(&Settings::default(), None, &[]).unwrap();
+    let resolved = Resolved::new(&Settings::default(), &[], &[]).unwrap();
     let declared = Settings::declared();
     let mut rows: Vec<_> = declared.iter().zip(resolved.entries()).collect();
     rows.sort_by_key(|(setting, _)| setting.key.rsplit_once('.'));
@@ -45,7 +45,7 @@ fn the_page_of_settings_says_what_is_declared() {
 
 #[test]
 fn every_setting_is_declared_and_every_number_has_a_range() {
-    let resolved = Resolved::new(&Settings::default(), None, &[]).unwrap();
+    let resolved = Resolved::new(&Settings::default(), &[], &[]).unwrap();
     let declared = Settings::declared();
     let keys: Vec<&str> = declared.iter().map(|setting| setting.key).collect();
     assert!(resolved.entries().map(|(key, ..)| key).eq(keys));
@@ -74,7 +74,7 @@ fn every_declared_range_is_the_one_that_is_checked() {
             .unwrap();
         let refused = |value: f64| {
             let set = [format!("{}={value}", setting.key)];
-            let resolved = Resolved::new(&Settings::default(), None, &set);
+            let resolved = Resolved::new(&Settings::default(), &[], &set);
             resolved.err().map(|fault| fault.to_string())
         };
         let (low, high): (f64, f64) = (ends.0.parse().unwrap(), ends.1.parse().unwrap());

@@ -8,7 +8,7 @@ use xcscr::arena::ArenaKind;
 use xcscr::disk;
 use xcscr::run::RunFolder;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Resolved, Settings};
+use xcscr::trial::{Resolved, RobotProfile, Settings};
 
 use super::failure::{Exit, Failure};
 
@@ -41,6 +41,9 @@ pub fn sensor() -> impl TypedValueParser<Value = Sensor> {
 /// Where settings come from.
 #[derive(Debug, clap::Args)]
 pub struct SettingsArgs {
+    /// The robot: a bundled profile or a TOML file; `xcscr robot list` lists them.
+    #[arg(long, value_name = "NAME|FILE")]
+    pub robot: Option<String>,
     /// Settings file (TOML); `xcscr config show` prints one.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
@@ -55,8 +58,16 @@ impl SettingsArgs {
         let read = |path: &Path| read_text(path, Settings::MOST_BYTES);
         let text = self.config.as_deref().map(read).transpose()?;
         let name = self.config.as_ref().map(|path| path.display().to_string());
-        let file = name.as_deref().zip(text.as_deref());
-        Ok(Resolved::new(base, file, &self.set)?)
+        let robot = self.robot.as_deref().map(RobotProfile::load).transpose()?;
+        let robot = robot.map(|robot| (format!("robot {}", robot.name()), robot.settings_toml()));
+        let robot = robot
+            .as_ref()
+            .map(|(name, text)| (name.as_str(), text.as_str()));
+        let files: Vec<_> = robot
+            .into_iter()
+            .chain(name.as_deref().zip(text.as_deref()))
+            .collect();
+        Ok(Resolved::new(base, &files, &self.set)?)
     }
 }
 

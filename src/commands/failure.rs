@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use xcscr::record::RecordError;
 use xcscr::run::{RunError, RunFolder, RunFolderError};
-use xcscr::trial::{PlanError, SettingsError};
+use xcscr::trial::{PlanError, RobotError, SettingsError};
 use xcscr::world::WorldError;
 
 use super::terminal::{escaped, fitted, shows_colours};
@@ -139,6 +139,20 @@ impl From<WorldError> for Failure {
 impl From<SettingsError> for Failure {
     fn from(error: SettingsError) -> Self {
         Self::new(Exit::BadData, error.to_string())
+    }
+}
+
+impl From<RobotError> for Failure {
+    fn from(error: RobotError) -> Self {
+        let exit = match &error {
+            RobotError::Unknown { .. } => Exit::Missing,
+            RobotError::Read { cause, .. } if cause.kind() == io::ErrorKind::NotFound => {
+                Exit::Missing
+            }
+            RobotError::Read { .. } => Exit::Io,
+            RobotError::Invalid { .. } | RobotError::Settings(_) => Exit::BadData,
+        };
+        Self::new(exit, error.to_string())
     }
 }
 

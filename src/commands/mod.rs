@@ -16,6 +16,7 @@ mod output;
 mod progress;
 pub mod recover;
 pub mod replay;
+pub mod robot;
 pub mod rules;
 mod source;
 mod sparkline;

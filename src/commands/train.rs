@@ -21,9 +21,9 @@ use super::terminal::say;
 use super::train_report::TrainReport;
 
 /// What is settled once a run has begun.
-const CHOICES: [&str; 11] = [
-    "world", "method", "arena", "sensor", "episodes", "seed", "out", "force", "config", "set",
-    "record",
+const CHOICES: [&str; 12] = [
+    "world", "method", "arena", "sensor", "episodes", "seed", "out", "force", "robot", "config",
+    "set", "record",
 ];
 
 /// Arguments of `train`.

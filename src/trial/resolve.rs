@@ -23,14 +23,14 @@ pub struct Resolved {
 }
 
 impl Resolved {
-    /// Lays a settings file (its name and text) and `--set` arguments (`section.key=value`, later
-    /// ones win) over `base`, and checks the result.
+    /// Lays settings files (name and text of each) and then `--set` arguments (`section.key=value`) over
+    /// `base`, and checks the result. Later ones win.
     ///
     /// # Errors
     /// The first fault, with its place and the way out.
     pub fn new(
         base: &Settings,
-        file: Option<(&str, &str)>,
+        files: &[(&str, &str)],
         sets: &[String],
     ) -> Result<Self, SettingsError> {
         let defaults = Table::try_from(base).expect("settings are plain data");
@@ -38,8 +38,8 @@ impl Resolved {
         for (key, value) in flatten(defaults) {
             values.insert(key, (value, Origin::Default));
         }
-        if let Some((name, text)) = file {
-            let origin = Origin::File(name.to_owned());
+        for (name, text) in files {
+            let origin = Origin::File((*name).to_owned());
             let table: Table = text.parse().map_err(|fault: toml::de::Error| {
                 let (origin, fault) = (origin.clone(), shortened(&fault.to_string()));
                 SettingsError::Syntax { origin, fault }
@@ -239,8 +239,8 @@ mod tests {
 
     fn message(file: Option<&str>, sets: &[&str]) -> String {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        let file = file.map(|text| ("run.toml", text));
-        Resolved::new(&Settings::default(), file, &sets)
+        let files: Vec<_> = file.map(|text| ("run.toml", text)).into_iter().collect();
+        Resolved::new(&Settings::default(), &files, &sets)
             .unwrap_err()
             .to_string()
     }
@@ -249,8 +249,7 @@ mod tests {
     fn the_command_line_wins_over_the_file_and_the_file_over_the_default() {
         let file = "[xcs]\nbeta = 0.3\nmu = 0.01\n";
         let sets = ["xcs.mu=0.02".to_owned(), "reward.sharing=even".to_owned()];
-        let resolved =
-            Resolved::new(&Settings::default(), Some(("run.toml", file)), &sets).unwrap();
+        let resolved = Resolved::new(&Settings::default(), &[("run.toml", file)], &sets).unwrap();
         let xcs = &resolved.settings.xcs;
         assert_eq!((xcs.alpha, xcs.beta, xcs.mu), (0.1, 0.3, 0.02));
         let origin = |wanted| {
@@ -309,7 +308,7 @@ mod tests {
         let maze = Maze::from_json(corridor.as_bytes(), "corridor.json").unwrap();
         let resolved = |sets: &[&str]| {
             let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-            let resolved = Resolved::new(&Settings::default(), None, &sets)
+            let resolved = Resolved::new(&Settings::default(), &[], &sets)
                 .unwrap()
                 .in_maze(&maze);
             let entry = resolved.entries().find(|(key, ..)| *key == STEP_THRESHOLD);

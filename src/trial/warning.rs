@@ -206,7 +206,7 @@ mod tests {
 
     fn said(world: &str, method: Method, sensor: Sensor, sets: &[&str]) -> Vec<String> {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        let settings = Resolved::new(&Settings::default(), None, &sets);
+        let settings = Resolved::new(&Settings::default(), &[], &sets);
         let plan = Plan::new(maze(world)).method(method);
         let plan = plan.arena(ArenaKind::Grid).sensor(sensor).episodes(1);
         let warnings = plan

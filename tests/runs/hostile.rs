@@ -104,7 +104,7 @@ fn mutants_of_settings() {
     let sound: Vec<&[u8]> = lines.iter().map(String::as_bytes).collect();
     let taken = feed("settings", &sound, rounds(10_000, 1_000_000), |text| {
         let text = String::from_utf8_lossy(text);
-        let resolved = Resolved::new(&Settings::default(), Some(("run.toml", &text)), &[]);
+        let resolved = Resolved::new(&Settings::default(), &[("run.toml", &text)], &[]);
         resolved.is_ok_and(|resolved| resolved.settings.check().is_ok())
     });
     assert!(taken > 0, "some mutants are settings, too");
@@ -451,7 +451,7 @@ fn bounds(message: &str) -> Vec<String> {
 
 /// What becomes of a setting: its value is in range and finite, or the message says the range.
 fn set(key: &str, value: &str) -> Result<Settings, SettingsError> {
-    let resolved = Resolved::new(&Settings::default(), None, &[format!("{key}={value}")])?;
+    let resolved = Resolved::new(&Settings::default(), &[], &[format!("{key}={value}")])?;
     resolved
         .settings
         .check()
@@ -461,7 +461,7 @@ fn set(key: &str, value: &str) -> Result<Settings, SettingsError> {
 
 #[test]
 fn every_number_among_the_settings_is_refused_beyond_its_range_and_works_at_its_bounds() {
-    let defaults = Resolved::new(&Settings::default(), None, &[]).unwrap();
+    let defaults = Resolved::new(&Settings::default(), &[], &[]).unwrap();
     let is_number = |text: &str| text.parse::<f64>().is_ok();
     let numbers = defaults.entries().filter(|(_, value, _)| is_number(value));
     let mut tried = 0;

@@ -14,6 +14,7 @@ mod forged;
 mod hostile;
 mod overwriting;
 mod resume;
+mod robots;
 mod train;
 mod warnings;
 mod wide_percepts;

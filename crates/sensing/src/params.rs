@@ -98,7 +98,7 @@ settings! {
     /// (`physics.wheel_bias`, `physics.wheel_noise`) comes between wheel and floor, unseen by them.
     pub struct EncoderParams {
         /// A tick in m.
-        tick_m: f64 = 0.001, in 0.0001..=0.05;
+        tick_m: f64 = 0.001, in 0.00001..=0.05;
         /// Deviation of a wheel's scale, drawn once for each robot.
         scale: f64 = 0.02, in 0.0..=0.05;
     }

@@ -30,14 +30,9 @@ pub(super) fn check_fit(maze: &Maze, params: &PhysicsParams) -> Result<(), Physi
         cell,
         distance_m,
         radius_m: params.radius_m,
-        least_cell_m: rounded_up_mm(2.0 * needed_m),
+        least_cell_m: params.least_cell_m(),
         largest_radius_m: rounded_down_mm(distance_m - params.arrival_m),
     })
-}
-
-/// Rounds up to whole millimetres, so that a cell of this size does fit.
-fn rounded_up_mm(length_m: f64) -> f64 {
-    (length_m * 1000.0 - 1e-6).ceil() / 1000.0
 }
 
 /// Rounds down to whole millimetres; 0 where nothing fits.

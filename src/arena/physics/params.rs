@@ -150,6 +150,25 @@ impl PhysicsParams {
         self.faults.check()
     }
 
+    /// Returns the size in metres of the smallest cells that the robot fits into, rounded up to millimetres.
+    ///
+    /// The robot drives along the middles of cells. Next to a wall it needs its radius and `arrival_m`, the
+    /// distance at which a move counts as finished.
+    pub fn least_cell_m(&self) -> f64 {
+        // A little less than a rounding error, so that whole millimetres stay what they are.
+        (2.0 * (self.radius_m + self.arrival_m) * 1000.0 - 1e-6).ceil() / 1000.0
+    }
+
+    /// Returns about how long a move takes in cells of this size, in seconds: a quarter turn, the way at full
+    /// speed, and speeding up and braking.
+    pub fn move_time_s(&self, cell_size_m: f64) -> f64 {
+        let quarter_s = std::f64::consts::FRAC_PI_2 / self.max_turn_radps;
+        let speed = self.max_speed_mps;
+        let ramps_s =
+            speed / self.deceleration_mps2 + self.max_turn_radps / self.turn_deceleration_radps2;
+        quarter_s + cell_size_m / speed + ramps_s / 2.0
+    }
+
     /// The same robot when it drives carefully: gentler in everything, or as gentle as it was.
     pub(super) fn careful(&self) -> Self {
         let care = &self.care;

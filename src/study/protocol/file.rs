@@ -13,12 +13,12 @@ use crate::arena::ArenaKind;
 use crate::disk;
 use crate::sensor::Sensor;
 use crate::study::error::StudyError;
-use crate::trial::{MOST_TOML_BYTES, flatten, shortened, similar};
+use crate::trial::{MOST_TOML_BYTES, RobotProfile, Settings, flatten, shortened, similar};
 use crate::world::{Maze, Recipe};
 use xcs::bounds::OutOfRange;
 
 /// The keys of a study file.
-const KEYS: [&str; 18] = [
+const KEYS: [&str; 19] = [
     "name",
     "worlds",
     "after",
@@ -29,6 +29,7 @@ const KEYS: [&str; 18] = [
     "episodes",
     "drives",
     "seed",
+    "robot",
     "settings",
     "world-settings",
     "world-sensors",
@@ -70,6 +71,9 @@ pub(super) struct Document {
     pub drives: u32,
     #[serde(default = "Document::one")]
     pub seed: u64,
+    /// The robot profile of all trials: a bundled name or a path, which begins at the folder of this file.
+    #[serde(default)]
+    pub robot: Option<String>,
     /// Settings of all trials.
     #[serde(default)]
     pub settings: Table,
@@ -187,6 +191,22 @@ impl StudyFile {
             return Err(StudyError::file(&self.origin, &fault));
         }
         Ok(Maze::load(&self.folder.join(name))?)
+    }
+
+    /// The default settings with those of the study's robot.
+    pub(super) fn robot_settings(&self) -> Result<Settings, StudyError> {
+        let defaults = Settings::default();
+        let Some(robot) = &self.document.robot else {
+            return Ok(defaults);
+        };
+        let path = self.folder.join(robot);
+        let name = match robot.ends_with(".toml") {
+            true => path.to_str().unwrap_or(robot),
+            false => robot,
+        };
+        let profile = RobotProfile::load(name);
+        let settings = profile.and_then(|profile| Ok(profile.settings_over(&defaults)?));
+        settings.map_err(|fault| StudyError::file(&self.origin, &fault.to_string()))
     }
 
     /// The settings in one world.

@@ -136,22 +136,26 @@ fn afters_of(
     Ok(afters.iter().map(name).collect())
 }
 
-/// The settings of a method in a world: default < study < world < method < command line.
+/// The settings of a method in a world: default < robot < study < world < method < command line.
 fn settings(
     file: &StudyFile,
     world: &str,
     method: Method,
     overrides: &Overrides,
 ) -> Result<Settings, StudyError> {
-    let common = lay_over(&Settings::default(), &file.origin, &file.document.settings)?;
+    let common = lay_over(
+        &file.robot_settings()?,
+        &file.origin,
+        &file.document.settings,
+    )?;
     let there = lay_over(&common, &file.origin, &file.world_settings(world))?;
     let own = lay_over(&there, &file.origin, &file.method_settings(method)?)?;
-    Ok(Resolved::new(&own, None, &overrides.sets)?.settings)
+    Ok(Resolved::new(&own, &[], &overrides.sets)?.settings)
 }
 
 fn lay_over(base: &Settings, origin: &str, table: &Table) -> Result<Settings, StudyError> {
     let text = table.to_string();
-    Ok(Resolved::new(base, Some((origin, &text)), &[])?.settings)
+    Ok(Resolved::new(base, &[(origin, &text)], &[])?.settings)
 }
 
 /// Where the settings of variants stand.

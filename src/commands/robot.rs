@@ -1,0 +1,89 @@
+//! `xcscr robot`: list, show and check robot profiles.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Subcommand;
+use xcscr::arena::PhysicsArena;
+use xcscr::trial::{PlanError, RobotProfile, Settings};
+use xcscr::world::Maze;
+
+use super::failure::Failure;
+use super::terminal::write_words;
+
+/// What to do with robot profiles.
+#[derive(Debug, Subcommand)]
+pub enum RobotCommand {
+    /// List the profiles that come with the program.
+    List,
+    /// Print a profile with the source of each value, as a file for `--robot`.
+    Show {
+        /// A bundled profile or a TOML file.
+        #[arg(value_name = "NAME|FILE")]
+        robot: String,
+    },
+    /// Check a profile, and whether the robot fits into a world.
+    Check {
+        /// A bundled profile or a TOML file.
+        #[arg(value_name = "NAME|FILE")]
+        robot: String,
+        /// A world file.
+        #[arg(long, value_name = "FILE")]
+        world: Option<PathBuf>,
+    },
+}
+
+/// Runs one of the robot commands.
+pub fn run(command: &RobotCommand, out: &mut impl Write) -> Result<(), Failure> {
+    match command {
+        RobotCommand::List => list(out),
+        RobotCommand::Show { robot } => show(&RobotProfile::load(robot)?, out),
+        RobotCommand::Check { robot, world } => {
+            let profile = RobotProfile::load(robot)?;
+            let maze = world.as_ref().map(|file| Maze::load(file)).transpose()?;
+            check(&profile, maze, out)
+        }
+    }
+}
+
+fn list(out: &mut impl Write) -> Result<(), Failure> {
+    for name in RobotProfile::bundled_names() {
+        let profile = RobotProfile::load(name)?;
+        writeln!(out, "{name:22} {}", profile.title())?;
+    }
+    Ok(())
+}
+
+fn show(profile: &RobotProfile, out: &mut impl Write) -> Result<(), Failure> {
+    writeln!(out, "title = {:?}", profile.title())?;
+    for (key, value, source) in profile.entries() {
+        let setting = format!("{key} = {value}");
+        match source {
+            Some(source) => writeln!(out, "{setting:42} # {source}")?,
+            None => writeln!(out, "{setting}")?,
+        }
+    }
+    Ok(())
+}
+
+fn check(profile: &RobotProfile, maze: Option<Maze>, out: &mut impl Write) -> Result<(), Failure> {
+    let physics = profile.settings_over(&Settings::default())?.physics;
+    let least_m = physics.least_cell_m();
+    let fits = match maze {
+        None => format!("it fits into cells of at least {least_m:.3} m"),
+        Some(maze) => {
+            let size_m = maze.cell_size_m();
+            let name = maze.name().to_owned();
+            PhysicsArena::new(maze, physics.clone(), 1).map_err(PlanError::from)?;
+            format!(
+                "it fits into `{name}`, whose cells of {size_m:.3} m leave {:.3} m on each side; a move takes about {:.1} s",
+                size_m / 2.0 - physics.radius_m,
+                physics.move_time_s(size_m)
+            )
+        }
+    };
+    Ok(write_words(
+        out,
+        &format!("{} is valid: {fits}", profile.name()),
+    )?)
+}
