@@ -96,10 +96,13 @@ impl Arena for GridArena {
     }
 }
 
-/// The middle of a cell, heading in a direction.
+/// The middle of a cell, heading in a direction, in the map frame.
 fn pose(maze: &Maze, cell: Cell, direction: Direction) -> Isometry2<f64> {
     let (east, south) = direction.offset();
     let heading = Complex::new(f64::from(east), f64::from(-south));
     let heading = UnitComplex::new_normalize(heading);
-    Isometry2::from_parts(maze.centre_m(cell).into(), heading)
+    maze.pose_in_map(Isometry2::from_parts(
+        maze.centre_in_grid(cell).into(),
+        heading,
+    ))
 }

@@ -8,7 +8,7 @@ use crate::world::Cell;
 /// Where the robot believes to be, and how sure it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// The pose in the world frame; metres, heading counted from east.
+    /// The pose in the map frame; metres, heading counted from the x axis.
     pub robot_in_world: Isometry2<f64>,
     /// Covariance of x, y (metres) and heading (radians).
     pub covariance: Matrix3<f64>,

@@ -41,6 +41,12 @@ pub struct Evaluation {
     pub collisions: u64,
     /// Mean simulated duration of an episode, in seconds.
     pub mean_seconds: f64,
+    /// The middle of the start cell in the map frame, in metres; `None` where episodes start anywhere.
+    #[serde(default)]
+    pub start_m: Option<[f64; 2]>,
+    /// The middles of the goal cells in the map frame, in metres.
+    #[serde(default)]
+    pub goals_m: Vec<[f64; 2]>,
 }
 
 impl Evaluation {
@@ -108,6 +114,12 @@ impl Evaluation {
             mean_optimal_steps: sums.expected / f64::from(episodes.max(1)),
             collisions: sums.collisions,
             mean_seconds: mean(arena.view().now().time_ns - began_ns) / SECOND_NS,
+            start_m: maze.start().map(|cell| maze.centre_m(cell).into()),
+            goals_m: maze
+                .goals()
+                .iter()
+                .map(|&cell| maze.centre_m(cell).into())
+                .collect(),
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::Point2;
+use nalgebra::{Isometry2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
 use super::direction::{Direction, Moves};
@@ -38,8 +38,9 @@ pub(super) struct Auxiliary {
 
 /// A checked maze: its border is closed (or joined), and every start can reach a goal.
 ///
-/// The world frame has its origin in the south-western corner of the border, x to the east, y to
-/// the north, in metres. A clone shares the cells with its original.
+/// Public methods take and return metres of the map frame: that of the ROS map from which the world was made,
+/// or else with its origin in the south-western corner of the border, x to the east, y to the north. A clone
+/// shares the cells with its original.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Maze {
     pub(super) name: String,
@@ -80,8 +81,7 @@ impl Maze {
         self.wrap
     }
 
-    /// The pose of the south-western corner of the grid, which is the origin of the world frame,
-    /// in the frame of the map that the world was made from. The default in worlds without `origin`.
+    /// The pose of the south-western corner of the grid in the map frame. The default in worlds without `origin`.
     pub fn origin(&self) -> Origin {
         self.origin
     }
@@ -206,16 +206,30 @@ impl Maze {
         self.kept.figure(figure, find)
     }
 
-    /// The middle of a cell in the world frame, in metres.
+    /// Returns the middle of a cell in the map frame, in metres.
     pub fn centre_m(&self, cell: Cell) -> Point2<f64> {
+        self.point_in_map(self.centre_in_grid(cell))
+    }
+
+    /// Returns the cell that holds a point of the map frame, in metres; `None` outside of the maze.
+    pub fn cell_at(&self, point_m: Point2<f64>) -> Option<Cell> {
+        self.cell_in_grid(self.point_in_grid(point_m))
+    }
+}
+
+/// The grid frame, in which the walls are simulated and drawn: origin in the south-western corner of the
+/// border, x to the east, y to the north, in metres. Without an `origin` it is the map frame, to the bit.
+impl Maze {
+    /// Returns the middle of a cell in the grid frame.
+    pub(crate) fn centre_in_grid(&self, cell: Cell) -> Point2<f64> {
         Point2::new(
             (f64::from(cell.col) + 0.5) * self.cell_size_m,
             (f64::from(self.height) - f64::from(cell.row) - 0.5) * self.cell_size_m,
         )
     }
 
-    /// The cell that holds a point of the world frame; `None` outside of the maze.
-    pub fn cell_at(&self, point_m: Point2<f64>) -> Option<Cell> {
+    /// Returns the cell that holds a point of the grid frame; `None` outside of the maze.
+    pub(crate) fn cell_in_grid(&self, point_m: Point2<f64>) -> Option<Cell> {
         let col = (point_m.x / self.cell_size_m).floor();
         let row = f64::from(self.height) - 1.0 - (point_m.y / self.cell_size_m).floor();
         let inside = (0.0..f64::from(self.width)).contains(&col)
@@ -224,6 +238,37 @@ impl Maze {
             col: col as u16,
             row: row as u16,
         })
+    }
+
+    /// Returns the pose of the grid frame in the map frame; `None` where they are the same.
+    pub(crate) fn grid_in_map(&self) -> Option<Isometry2<f64>> {
+        (self.origin != Origin::default()).then(|| self.origin.pose())
+    }
+
+    /// Converts a point from the grid frame to the map frame.
+    pub(crate) fn point_in_map(&self, point_in_grid: Point2<f64>) -> Point2<f64> {
+        self.grid_in_map()
+            .map_or(point_in_grid, |grid| grid * point_in_grid)
+    }
+
+    /// Converts a point from the map frame to the grid frame.
+    pub(crate) fn point_in_grid(&self, point_in_map: Point2<f64>) -> Point2<f64> {
+        let grid = self.grid_in_map();
+        grid.map_or(point_in_map, |grid| {
+            grid.inverse_transform_point(&point_in_map)
+        })
+    }
+
+    /// Converts a direction from the grid frame to the map frame.
+    pub(crate) fn vector_in_map(&self, vector_in_grid: Vector2<f64>) -> Vector2<f64> {
+        self.grid_in_map()
+            .map_or(vector_in_grid, |grid| grid * vector_in_grid)
+    }
+
+    /// Converts a pose from the grid frame to the map frame.
+    pub(crate) fn pose_in_map(&self, pose_in_grid: Isometry2<f64>) -> Isometry2<f64> {
+        self.grid_in_map()
+            .map_or(pose_in_grid, |grid| grid * pose_in_grid)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The pose of a grid in the frame of a map.
 
-use nalgebra::Point2;
+use nalgebra::{Complex, Isometry2, Point2, Translation2, UnitComplex};
 use serde::{Deserialize, Serialize};
 
 use super::error::WorldError;
@@ -29,6 +29,15 @@ pub struct Origin {
 }
 
 impl Origin {
+    /// Returns the pose of the grid frame in the map frame.
+    pub(super) fn pose(&self) -> Isometry2<f64> {
+        let (sine, cosine) = libm::sincos(self.yaw_rad);
+        Isometry2::from_parts(
+            Translation2::new(self.x_m, self.y_m),
+            UnitComplex::new_unchecked(Complex::new(cosine, sine)),
+        )
+    }
+
     /// Converts a point from the frame of the grid, whose origin is this corner, to the map frame;
     /// both in metres.
     pub fn to_map(&self, point_m: Point2<f64>) -> Point2<f64> {
@@ -114,7 +123,7 @@ mod tests {
     use nalgebra::Point2;
 
     fn maze(origin: &str) -> Result<Maze, String> {
-        let text = format!(r#"{{ "rows": {:?}{origin} }}"#, ["####", "#SG#", "####"]);
+        let text = format!(r######"{{ "rows": ["####", "#SG#", "####"]{origin} }}"######);
         Maze::from_json(text.as_bytes(), "placed.json").map_err(|error| error.to_string())
     }
 

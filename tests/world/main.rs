@@ -9,6 +9,7 @@ mod arena_contract;
 mod batch;
 mod bounds;
 mod classic;
+mod frames;
 mod maps;
 mod metres;
 mod physics;

@@ -18,11 +18,11 @@ pub struct BatchArena {
 pub struct Lanes {
     /// The cell in which the robot believes to stand.
     pub cells: Vec<Cell>,
-    /// Metres from the west.
+    /// Position in the map frame, in metres.
     pub x_m: Vec<f64>,
-    /// Metres from the south.
+    /// Position in the map frame, in metres.
     pub y_m: Vec<f64>,
-    /// The heading as `[cosine, sine]` of the angle from east, counter-clockwise.
+    /// The heading as `[cosine, sine]` of the angle from the x axis of the map frame, counter-clockwise.
     pub headings: Vec<[f64; 2]>,
     /// Simulation time since the lane began, in nanoseconds.
     pub times_ns: Vec<u64>,

@@ -4,12 +4,12 @@ use nalgebra::Point2;
 
 use crate::world::{Cell, Maze};
 
-/// The cell that holds a measured position, in metres of the world frame.
+/// The cell that holds a measured position, in metres of the grid frame.
 ///
 /// A robot does not stand in a wall: a measurement that says so, or that lies outside of the
 /// maze, is an outlier, and the robot goes on believing what it `believed` before.
 pub(super) fn cell_from_position(maze: &Maze, measured_m: Point2<f64>, believed: Cell) -> Cell {
-    maze.cell_at(measured_m)
+    maze.cell_in_grid(measured_m)
         .filter(|&cell| !maze.is_wall(cell))
         .unwrap_or(believed)
 }

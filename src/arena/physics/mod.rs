@@ -11,8 +11,9 @@
 //! (`sensing` brings both together). *Told*: for percepts that are looked up in the maze, it is told its true
 //! pose with some noise (`noise`), and `discretiser` looks up the cell.
 //!
-//! All lengths are in metres and all speeds in m/s, whatever the size of a cell. The grid frame has its
-//! origin in the south-western corner of the grid, x to the east, y to the north.
+//! All lengths are in metres and all speeds in m/s, whatever the size of a cell. Inside of this folder all poses
+//! are in the grid frame, whose origin is the south-western corner of the grid, x to the east, y to the north.
+//! What the trait [`Arena`] reports is in the map frame.
 
 mod batch;
 mod care;
@@ -110,7 +111,7 @@ impl PhysicsArena {
     fn among(walls: SharedShape, maze: Maze, params: PhysicsParams, seed: u64) -> Self {
         let start = maze.starts().next();
         let cell = start.unwrap_or(maze.goals()[0]);
-        let pose = eastward(maze.centre_m(cell));
+        let pose = eastward(maze.centre_in_grid(cell));
         let simulation = Simulation::new(walls, pose, &params);
         let mut arena = Self {
             pristine: simulation.state(),
@@ -191,7 +192,7 @@ impl PhysicsArena {
         let half = self.params.wheel_base_m / 2.0;
         [half, -half].map(|left| {
             let wheel = motion.pose * Point2::new(0.0, left);
-            let cell = self.maze.cell_at(wheel);
+            let cell = self.maze.cell_in_grid(wheel);
             cell.and_then(|cell| self.maze.friction(cell))
                 .unwrap_or(usual)
         })
@@ -209,8 +210,8 @@ impl PhysicsArena {
             let touched = centre + push.normal * self.params.radius_m;
             let contact = Contact {
                 time_ns,
-                point_in_world: touched.into(),
-                normal_in_world: push.normal,
+                point_in_world: self.maze.point_in_map(touched.into()),
+                normal_in_world: self.maze.vector_in_map(push.normal),
                 impulse_ns: push.impulse_ns,
             };
             self.hits.add(contact);
@@ -222,7 +223,8 @@ impl PhysicsArena {
     /// What came of a manoeuvre from `home` toward `wanted`.
     fn outcome(&self, maneuver: &Maneuver, arrived: bool, home: Cell, wanted: Cell) -> Outcome {
         if arrived && maneuver.backs_off() && self.cell == home {
-            let impulse_ns = self.hits.frontal_impulse_ns(-maneuver.along());
+            let along = self.maze.vector_in_map(-maneuver.along());
+            let impulse_ns = self.hits.frontal_impulse_ns(along);
             return Outcome::Collided {
                 impulse_ns: Some(impulse_ns),
             };
@@ -261,7 +263,7 @@ impl PhysicsArena {
     fn sample(&self) -> Sample {
         Sample {
             time_ns: self.time_ns(),
-            robot_in_world: self.motion().pose,
+            robot_in_world: self.maze.pose_in_map(self.motion().pose),
             wheel_travel_m: self.wheels.travel_m,
         }
     }
@@ -277,7 +279,7 @@ impl PhysicsArena {
 impl Arena for PhysicsArena {
     fn reset(&mut self, start: Cell) {
         self.simulation.set_state(&self.pristine);
-        let pose = eastward(self.maze.centre_m(start));
+        let pose = eastward(self.maze.centre_in_grid(start));
         self.simulation.body_mut().set_position(pose, true);
         self.wheels = Wheels::default();
         self.cell = start;
@@ -301,7 +303,7 @@ impl Arena for PhysicsArena {
             return outcome;
         }
         let seen = self.measure(self.motion());
-        let (middle, size_m) = (self.maze.centre_m(home), self.maze.cell_size_m());
+        let (middle, size_m) = (self.maze.centre_in_grid(home), self.maze.cell_size_m());
         let mut maneuver = Maneuver::new(middle, vector(direction), size_m, &seen);
         let arrived = self.perform(&mut maneuver);
         self.outcome(&maneuver, arrived, home, wanted)

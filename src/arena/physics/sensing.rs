@@ -13,7 +13,7 @@ use super::params::{Localisation, PhysicsParams};
 use super::{PhysicsArena, STEP_NS, vector};
 use crate::arena::{Beam, Estimate, Outcome, Sensed, Surroundings};
 use crate::streams::StreamName;
-use crate::world::{Cell, Direction};
+use crate::world::{Cell, Direction, Maze};
 use xcs::random::Stream;
 use xcscr_sensing::{Belief, Moment, Onboard, Return, SensorState, Sensors, Streams};
 
@@ -110,17 +110,22 @@ impl Sensing {
     }
 
     /// Forgets what an observer was shown of the last action.
-    fn begin_notes(&mut self) {
+    fn begin_notes(&mut self, maze: &Maze) {
         self.estimates.clear();
         self.beams.clear();
-        self.note_estimate();
+        self.note_estimate(maze);
     }
 
-    /// Writes down the robot's estimate of now.
-    fn note_estimate(&mut self) {
-        let (robot_in_world, covariance) = self.onboard.estimate();
+    /// Writes down the robot's estimate of now, in the map frame.
+    fn note_estimate(&mut self, maze: &Maze) {
+        let (robot_in_grid, mut covariance) = self.onboard.estimate();
+        if let Some(grid) = maze.grid_in_map() {
+            let turn = grid.rotation.to_rotation_matrix().into_inner();
+            let turn = turn.to_homogeneous();
+            covariance = turn * covariance * turn.transpose();
+        }
         self.estimates.push(Estimate {
-            robot_in_world,
+            robot_in_world: maze.pose_in_map(robot_in_grid),
             covariance,
         });
     }
@@ -141,7 +146,7 @@ impl PhysicsArena {
     pub(super) fn look_round(&mut self, sensing: &mut Sensing) {
         sensing.sensors.reset();
         sensing.onboard.put_down(self.motion().pose);
-        sensing.begin_notes();
+        sensing.begin_notes(&self.maze);
         for _ in 0..TURNS_BEFORE_START * sensing.steps_per_turn {
             self.sense_step(sensing, Vector2::x());
         }
@@ -150,7 +155,7 @@ impl PhysicsArena {
     /// One action of a robot that knows only what it senses.
     pub(super) fn act_by_senses(&mut self, sensing: &mut Sensing, direction: Direction) -> Outcome {
         sensing.onboard.begin_action();
-        sensing.begin_notes();
+        sensing.begin_notes(&self.maze);
         let home = sensing.onboard.cell();
         let (east, south) = direction.offset();
         let wanted = [home[0] + east, home[1] - south];
@@ -160,7 +165,8 @@ impl PhysicsArena {
         let arrived = self.perform_by_senses(sensing, &mut maneuver);
         self.cell = self.believed_cell(&sensing.onboard);
         if arrived && maneuver.backs_off() && sensing.onboard.cell() == home {
-            let impulse_ns = Some(self.hits.frontal_impulse_ns(-maneuver.along()));
+            let along = self.maze.vector_in_map(-maneuver.along());
+            let impulse_ns = Some(self.hits.frontal_impulse_ns(along));
             return Outcome::Collided { impulse_ns };
         }
         if sensing.onboard.over_marker() {
@@ -210,7 +216,7 @@ impl PhysicsArena {
             .read(&self.maze, &moment, &mut sensing.returns);
         sensing.onboard.step(&readings);
         sensing.note_beams(start_ns);
-        sensing.note_estimate();
+        sensing.note_estimate(&self.maze);
     }
 
     /// The cell of the maze that the robot believes to stand in, for observers. A belief that no
@@ -240,7 +246,7 @@ impl PhysicsArena {
             cell: self.own_cell(&sensing.onboard),
             estimates: &sensing.estimates,
             beams: &sensing.beams,
-            lost: self.maze.cell_at(at_m.into()) != Some(self.believed_cell(&sensing.onboard)),
+            lost: self.maze.cell_in_grid(at_m.into()) != Some(self.believed_cell(&sensing.onboard)),
         })
     }
 }

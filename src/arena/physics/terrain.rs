@@ -18,7 +18,7 @@ impl Terrain for Maze {
     }
 
     fn is_marked(&self, point_m: Vector2<f64>) -> bool {
-        self.cell_at(point_m.into())
+        self.cell_in_grid(point_m.into())
             .is_some_and(|cell| self.is_goal(cell))
     }
 }

@@ -63,8 +63,8 @@ pub(super) fn schema() -> Object {
             "touching",
             "true at a hit, false when that move or the episode is over",
         )
-        .number("x_m", "point of the hit, metres, world frame")
-        .number("y_m", "point of the hit, metres, world frame")
+        .number("x_m", "point of the hit, metres, map frame")
+        .number("y_m", "point of the hit, metres, map frame")
         .number("normal_x", "unit vector into the wall")
         .number("normal_y", "unit vector into the wall")
         .number("impulse_ns", "impulse of the hit, N s")

@@ -66,7 +66,7 @@ fn slippery(maze: &Maze) -> impl Iterator<Item = CubePrimitive> + '_ {
     let unusual = shown.into_iter().flatten();
     let unusual = unusual.filter(|&cell| maze.friction(cell).is_some());
     unusual.map(|cell| {
-        let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
+        let (unit, at) = (maze.cell_size_m(), maze.centre_in_grid(cell));
         let size = vector(unit, unit, 0.004 * unit);
         cube(place(at.x, at.y, 0.001 * unit), size, color(SLIPPERY, 1.0))
     })
@@ -105,7 +105,7 @@ fn blocks(maze: &Maze, row: u16) -> Vec<CubePrimitive> {
 fn block(maze: &Maze, row: u16, columns: &[u16]) -> CubePrimitive {
     let unit = maze.cell_size_m();
     let [west, east] =
-        [columns[0], columns[columns.len() - 1]].map(|col| maze.centre_m(Cell { col, row }));
+        [columns[0], columns[columns.len() - 1]].map(|col| maze.centre_in_grid(Cell { col, row }));
     cube(
         place((west.x + east.x) / 2.0, west.y, 0.125 * unit),
         vector(columns.len() as f64 * unit, unit, 0.25 * unit),
@@ -121,7 +121,7 @@ fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
     let paying = maze.rewarding_cells().iter();
     let paying = paying.map(|&cell| (cell, REWARD, "REWARD"));
     for (cell, rgb, name) in start.into_iter().chain(goals).chain(paying) {
-        let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
+        let (unit, at) = (maze.cell_size_m(), maze.centre_in_grid(cell));
         let size = vector(0.9375 * unit, 0.9375 * unit, 0.012 * unit);
         tiles
             .cubes
@@ -157,7 +157,7 @@ fn numbers(maze: &Maze) -> Vec<TextPrimitive> {
         .chain(west)
         .filter(|&(cell, _)| maze.is_wall(cell))
         .map(|(cell, number)| {
-            let at = maze.centre_m(cell);
+            let at = maze.centre_in_grid(cell);
             let top = place(at.x, at.y, 0.26 * unit);
             words(top, LETTER * larger * unit, NUMBER, &number.to_string())
         })

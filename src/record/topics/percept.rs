@@ -74,7 +74,7 @@ fn perceived(percept: &Percept, number: usize) -> usize {
 
 /// Frames with these corners around a cell.
 fn frames_of(maze: &Maze, cell: Cell, rgb: u32, corners: Vec<Point3>) -> LinePrimitive {
-    let (at, unit) = (maze.centre_m(cell), maze.cell_size_m());
+    let (at, unit) = (maze.centre_in_grid(cell), maze.cell_size_m());
     let edges = [0, 1, 1, 2, 2, 3, 3, 0];
     let frames = 0..corners.len() as u32 / 4;
     LinePrimitive {

@@ -79,7 +79,7 @@ pub(in crate::record) fn columns(policy: Option<&PolicyMap>, maze: &Maze) -> Vec
     let unit = maze.cell_size_m();
     let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
     let columns = ranked.filter_map(|((cell, _), rank)| {
-        let (at, high) = (maze.centre_m(*cell), height(rank?) * unit);
+        let (at, high) = (maze.centre_in_grid(*cell), height(rank?) * unit);
         let size = vector(COLUMN[1] * unit, COLUMN[1] * unit, high);
         Some(cube(
             place(at.x, at.y, high / 2.0),
@@ -104,7 +104,7 @@ pub(in crate::record) fn landscape(columns: &[CubePrimitive], time_ns: u64) -> S
 
 /// The corners of an arrow from the middle of a cell to its border.
 fn dart(maze: &Maze, cell: Cell, direction: Direction) -> [Point3; DART_CORNERS] {
-    let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
+    let (unit, at) = (maze.cell_size_m(), maze.centre_in_grid(cell));
     let (east, south) = direction.offset();
     let ahead = Vector2::new(f64::from(east), f64::from(-south)).normalize();
     let left = Vector2::new(-ahead.y, ahead.x);

@@ -20,7 +20,7 @@ const GRID: f64 = 1.0 / 64.0;
 /// The rays of the last turn before the robot decides; none of a robot that is told its pose.
 pub(in crate::record) fn rays(view: &View<'_>) -> Option<SceneEntity> {
     let (maze, beams) = (view.maze, view.sensed?.beams);
-    let (at, unit) = (maze.centre_m(view.cell), maze.cell_size_m());
+    let (at, unit) = (maze.centre_in_grid(view.cell), maze.cell_size_m());
     // Seen from the cell, so that they are alike wherever it is, and compress well.
     let on_grid = |there: Point2<f64>| {
         let steps = ((there - at) / (GRID * unit)).map(f64::round);
@@ -62,7 +62,7 @@ fn last_turn(beams: &[Beam]) -> &[Beam] {
     &beams[beams.len().saturating_sub(in_a_turn.max(1))..]
 }
 
-/// Where a beam began and what it hit; `None` if nothing came back.
+/// Where a beam began and what it hit, in the grid frame; `None` if nothing came back.
 fn ray(view: &View<'_>, beam: &Beam) -> Option<(Point2<f64>, Point2<f64>)> {
     let after = view
         .trace
@@ -70,7 +70,8 @@ fn ray(view: &View<'_>, beam: &Beam) -> Option<(Point2<f64>, Point2<f64>)> {
     let pose = view.trace.get(after.saturating_sub(1))?.robot_in_world;
     let from = Point2::from(pose.translation.vector);
     let ahead = pose.rotation * beam.bearing * Vector2::new(beam.range_m?, 0.0);
-    Some((from, from + ahead))
+    let in_grid = |point| view.maze.point_in_grid(point);
+    Some((in_grid(from), in_grid(from + ahead)))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use foxglove::messages::{
     Color, CylinderPrimitive, LinePrimitive, Point3, SceneUpdate, line_primitive,
 };
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Isometry2, Point2, Vector2};
 
 use super::scene::{WORLD, color, entity, place, point, update, vector};
 use crate::arena::{Contact, Sample, View};
@@ -49,6 +49,8 @@ pub(in crate::record) struct Trail {
     /// Are there pieces that are no longer shown?
     is_cut: bool,
     unit_m: f64,
+    /// The grid frame, in which the trail is drawn, in the map frame.
+    grid_in_map: Option<Isometry2<f64>>,
     at: Option<Cell>,
     steps: usize,
     /// A disc for each hit on a wall.
@@ -65,6 +67,7 @@ impl Trail {
             pieces: VecDeque::new(),
             is_cut: false,
             unit_m: maze.cell_size_m(),
+            grid_in_map: maze.grid_in_map(),
             at: None,
             steps: 0,
             hits: Vec::new(),
@@ -82,7 +85,7 @@ impl Trail {
         if self.hits.len() == MOST_HITS {
             return;
         }
-        let at = contact.point_in_world;
+        let at = self.in_grid(contact.point_in_world);
         let share = (contact.impulse_ns / HARD_NS).clamp(0.3, 1.0);
         let wide = 0.36 * self.unit_m * share;
         self.hits.push(CylinderPrimitive {
@@ -118,7 +121,7 @@ impl Trail {
         let mut driven_m = 0.0;
         for pair in poses.windows(2) {
             let [from, to] =
-                [0, 1].map(|at| Point2::from(pair[at].robot_in_world.translation.vector));
+                [0, 1].map(|at| self.in_grid(pair[at].robot_in_world.translation.vector.into()));
             let length_m = (to - from).norm();
             if length_m < 0.01 * self.unit_m {
                 continue;
@@ -156,6 +159,14 @@ impl Trail {
         }
     }
 
+    /// Converts a point from the map frame to the grid frame.
+    fn in_grid(&self, point_in_map: Point2<f64>) -> Point2<f64> {
+        let grid = self.grid_in_map;
+        grid.map_or(point_in_map, |grid| {
+            grid.inverse_transform_point(&point_in_map)
+        })
+    }
+
     fn on_grid(&self, at: Point2<f64>) -> Point3 {
         let grid_m = GRID * self.unit_m;
         let on_grid = |along_m: f64| (along_m / grid_m).round() * grid_m;
@@ -164,8 +175,8 @@ impl Trail {
 
     /// The number of a cell's point, which is made if this is the first visit.
     fn visit(&mut self, cell: usize, sample: &Sample) -> u32 {
+        let at = self.in_grid(sample.robot_in_world.translation.vector.into());
         *self.visited.entry(cell).or_insert_with(|| {
-            let at = sample.robot_in_world.translation.vector.into();
             self.points.push(point(at, 0.0));
             self.points.len() as u32 - 1
         })

@@ -1,34 +1,47 @@
 //! `/tf`: where the robot is.
 //!
-//! Every message carries the whole tree of frames, which is one frame, and how far a robot that
-//! senses is mistaken as another one below it: wheels that turn would double the size of a
-//! recording for something a few pixels wide. It also carries the poses of the next two seconds, each
+//! Every message carries the whole tree of frames: the robot in the map frame, and below the robot how far a
+//! robot that senses is mistaken. Worlds with an `origin` have the grid frame, in which walls are drawn, as
+//! another frame in the map frame; in other worlds the two are one. Wheels that turn would double the size of
+//! a recording for something a few pixels wide. It also carries the poses of the next two seconds, each
 //! with its time: viewers draw the robot between them, so that it glides, and a message for each
 //! pose would cost a third of the file in headers and index alone.
 
 use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, Vector3};
 use nalgebra::Isometry2;
 
-use super::scene::{ESTIMATE, ROBOT, WORLD, heading, timestamp};
+use super::scene::{ESTIMATE, MAP, ROBOT, WORLD, heading, timestamp};
 use crate::arena::{Estimate, Sample};
+use crate::world::{Maze, Origin};
 
 /// The message, kept from stretch to stretch so that nothing is allocated.
 #[derive(Debug, Default)]
 pub(in crate::record) struct Transforms {
     message: FrameTransforms,
+    /// The pose of the grid frame in the map frame, in worlds where they differ.
+    origin: Option<Origin>,
 }
 
 impl Transforms {
+    /// The frames of a robot in this maze.
+    pub fn new(maze: &Maze) -> Self {
+        Self {
+            origin: (maze.origin() != Origin::default()).then(|| maze.origin()),
+            ..Self::default()
+        }
+    }
+
     /// The frames as they were at the moments of some samples, oldest first.
     ///
     /// Where a robot that senses believes to be, seen from where it is, is told for the first
     /// moment only: that changes slowly, and all of them would double the message.
     pub fn along(&mut self, stretch: &[Sample], belief: Option<&Estimate>) -> &FrameTransforms {
+        let root = if self.origin.is_some() { MAP } else { WORLD };
         let transforms = &mut self.message.transforms;
         transforms.truncate(stretch.len());
         transforms.resize_with(stretch.len(), FrameTransform::default);
         for (frame, sample) in transforms.iter_mut().zip(stretch) {
-            name(frame, WORLD, ROBOT);
+            name(frame, root, ROBOT);
             put(frame, sample.time_ns, &sample.robot_in_world);
         }
         if let Some((estimate, first)) = belief.zip(stretch.first()) {
@@ -38,7 +51,30 @@ impl Transforms {
             put(&mut frame, first.time_ns, &mistake);
             transforms.push(frame);
         }
+        if let Some((origin, first)) = self.origin.zip(stretch.first()) {
+            transforms.push(grid_frame(origin, first.time_ns));
+        }
         &self.message
+    }
+}
+
+/// The grid frame in the map frame. It is not rounded: a whole map is drawn in it.
+fn grid_frame(origin: Origin, time_ns: u64) -> FrameTransform {
+    let (sine, cosine) = libm::sincos(origin.yaw_rad / 2.0);
+    FrameTransform {
+        timestamp: Some(timestamp(time_ns)),
+        parent_frame_id: MAP.to_owned(),
+        child_frame_id: WORLD.to_owned(),
+        translation: Some(Vector3 {
+            x: origin.x_m,
+            y: origin.y_m,
+            z: 0.0,
+        }),
+        rotation: Some(Quaternion {
+            z: sine,
+            w: cosine,
+            ..Quaternion::default()
+        }),
     }
 }
 
@@ -68,4 +104,37 @@ fn seen(number: f64) -> f64 {
 fn name(frame: &mut FrameTransform, parent: &str, child: &str) {
     parent.clone_into(&mut frame.parent_frame_id);
     child.clone_into(&mut frame.child_frame_id);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector2;
+
+    /// The frames of a robot in a world with this key: parent, child and position of each.
+    fn frames(origin: &str) -> Vec<(String, String, [f64; 2])> {
+        let text = format!(r######"{{ {origin} "rows": ["####", "#SG#", "####"] }}"######);
+        let maze = Maze::from_json(text.as_bytes(), "m.json").unwrap();
+        let sample = Sample {
+            time_ns: 0,
+            robot_in_world: Isometry2::new(Vector2::new(8.5, 2.5), 0.25),
+            wheel_travel_m: [0.0; 2],
+        };
+        let mut transforms = Transforms::new(&maze);
+        let message = transforms.along(&[sample], None);
+        let frame = |frame: &FrameTransform| {
+            let at = frame.translation.as_ref().unwrap();
+            let (parent, child) = (&frame.parent_frame_id, &frame.child_frame_id);
+            (parent.clone(), child.clone(), [at.x, at.y])
+        };
+        message.transforms.iter().map(frame).collect()
+    }
+
+    #[test]
+    fn the_robot_and_the_grid_are_in_the_map_frame_of_a_world_that_has_one() {
+        let robot = |parent: &str| (parent.to_owned(), ROBOT.to_owned(), [8.5, 2.5]);
+        assert_eq!(frames(""), [robot(WORLD)]);
+        let grid = (MAP.to_owned(), WORLD.to_owned(), [7.0, 2.0]);
+        assert_eq!(frames(r#""origin": [7, 2, 0.25],"#), [robot(MAP), grid]);
+    }
 }

@@ -93,7 +93,7 @@ fn once_each(way: Vec<Cell>) -> Vec<Cell> {
 pub(in crate::record) fn scene(shown: &Floor, maze: &Maze, time_ns: u64) -> SceneUpdate {
     let mut corners: BTreeMap<Tint, Vec<Point3>> = BTreeMap::new();
     for &(cell, tint) in &shown.tints {
-        let (unit, at) = (maze.cell_size_m(), maze.centre_m(cell));
+        let (unit, at) = (maze.cell_size_m(), maze.centre_in_grid(cell));
         let around = CORNERS.map(|[x, y]| point(at + Vector2::new(x, y) * unit, 0.0));
         corners.entry(tint).or_default().extend(around);
     }
@@ -112,7 +112,9 @@ pub(in crate::record) fn scene(shown: &Floor, maze: &Maze, time_ns: u64) -> Scen
 fn way(cells: &[Cell], maze: &Maze) -> LinePrimitive {
     let unit = maze.cell_size_m();
     let side_m = f64::from(maze.width().max(maze.height())) * unit;
-    let middles = cells.iter().map(|&cell| point(maze.centre_m(cell), 0.0));
+    let middles = cells
+        .iter()
+        .map(|&cell| point(maze.centre_in_grid(cell), 0.0));
     LinePrimitive {
         r#type: line_primitive::Type::LineStrip as i32,
         pose: place(0.0, 0.0, HIGH * unit),

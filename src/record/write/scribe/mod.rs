@@ -91,7 +91,7 @@ impl Scribe {
                 true => ("Greedy drive", info.episodes),
                 false => ("Episode", info.episodes),
             },
-            transforms: Transforms::default(),
+            transforms: Transforms::new(maze),
             trail: Trail::new(maze),
             curve: Curve::default(),
             judge: Judge::new(maze, info.sensor, info.slip()),
