@@ -8,6 +8,7 @@
 //! that cover every percept.
 
 use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 use fixedbitset::FixedBitSet;
 
@@ -240,39 +241,53 @@ fn fewest(mut candidates: Vec<Candidate>, count: usize) -> Vec<Candidate> {
         (Reverse(covered), one.condition.specificity())
     });
     let beginnings = candidates.iter().take(BEGINNINGS);
-    let choices = beginnings.map(|first| without_superfluous(cover(first, &candidates, count)));
+    let choices =
+        beginnings.map(|first| without_redundant(cover(first, &candidates, count), count));
     choices.min_by_key(Vec::len).unwrap_or_default()
 }
 
 /// Chooses `first`, then each time the first candidate that covers the most percepts not yet
 /// covered, until all of `count` percepts are.
+///
+/// What a candidate adds never grows while others are chosen. So a queue ordered by what each added when it
+/// was last counted needs to count only the candidate at its head again (lazy greedy cover, Minoux 1978).
 fn cover(first: &Candidate, candidates: &[Candidate], count: usize) -> Vec<Candidate> {
     let mut open = FixedBitSet::with_capacity(count);
     open.insert_range(..);
-    let mut chosen = Vec::new();
-    let mut next = Some(first);
-    while let Some(best) = next {
-        open.difference_with(&best.covers);
-        chosen.push(best.clone());
-        let rest = candidates
-            .iter()
-            .rev()
-            .filter(|one| !one.covers.is_disjoint(&open));
-        next = rest.max_by_key(|one| one.covers.intersection_count(&open));
+    let sizes = candidates.iter().map(|one| one.covers.count_ones(..));
+    let mut queue: BinaryHeap<_> = sizes.zip((0..).map(Reverse)).collect();
+    open.difference_with(&first.covers);
+    let mut chosen = vec![first.clone()];
+    while let Some((claimed, Reverse(at))) = queue.pop() {
+        let one = &candidates[at];
+        let adds = one.covers.intersection_count(&open);
+        if adds == claimed && adds > 0 {
+            open.difference_with(&one.covers);
+            chosen.push(one.clone());
+        } else if adds > 0 {
+            queue.push((adds, Reverse(at)));
+        }
     }
     chosen
 }
 
 /// Removes rules whose percepts the others cover, the last chosen first.
-fn without_superfluous(mut chosen: Vec<Candidate>) -> Vec<Candidate> {
+fn without_redundant(mut chosen: Vec<Candidate>, count: usize) -> Vec<Candidate> {
+    let mut times_covered = vec![0_u32; count];
+    for percept in chosen.iter().flat_map(|one| one.covers.ones()) {
+        times_covered[percept] += 1;
+    }
     for at in (0..chosen.len()).rev() {
-        let one = chosen.remove(at);
-        let mut open = one.covers.clone();
-        chosen
-            .iter()
-            .for_each(|other| open.difference_with(&other.covers));
-        if !open.is_clear() {
-            chosen.insert(at, one);
+        if chosen[at]
+            .covers
+            .ones()
+            .all(|percept| times_covered[percept] > 1)
+        {
+            let redundant = chosen.remove(at);
+            redundant
+                .covers
+                .ones()
+                .for_each(|percept| times_covered[percept] -= 1);
         }
     }
     chosen

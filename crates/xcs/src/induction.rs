@@ -211,7 +211,8 @@ impl Induction {
         })
     }
 
-    /// Removes rules whose lessons are all covered by others, the least general first.
+    /// Removes rules whose lessons are all covered by others, the least general first. A rule that covers no
+    /// lesson stays: nothing else says what it says.
     fn drop_superfluous(&mut self, population: &mut Population) {
         let mut order: Vec<_> = (0..population.len()).collect();
         order.sort_by_key(|&at| self.covers[at].count_ones(..));
@@ -220,10 +221,9 @@ impl Induction {
             let at = population
                 .position(id)
                 .expect("only rules seen before were removed");
-            if self.covers[at]
-                .ones()
-                .all(|number| self.covered[number] > 1)
-            {
+            let covers = &self.covers[at];
+            let is_covered = |number| self.covered[number] > 1;
+            if !covers.is_clear() && covers.ones().all(is_covered) {
                 self.remove(population, at);
             }
         }

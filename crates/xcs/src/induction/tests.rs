@@ -86,3 +86,32 @@ fn a_rule_that_covers_no_lesson_keeps_its_figures() {
     assert_eq!(prediction(inside), Some(value));
     assert_eq!(prediction(elsewhere), Some(-7.0));
 }
+
+#[test]
+fn a_rule_that_covers_no_lesson_stays_when_something_else_is_learned() {
+    let lesson = |percept: &str, action: usize| {
+        let mut best = crate::ByAction::default();
+        best[action] = true;
+        Lesson {
+            percept: percept.parse().unwrap(),
+            best,
+            value: 1.0,
+        }
+    };
+    let (params, mut lessons) = (Params::default(), Lessons::default());
+    let mut population = Population::default();
+    let action = Action::new(0).unwrap();
+    let elsewhere = Classifier::new("11".parse().unwrap(), action, 0, &params);
+    let elsewhere = population.insert(elsewhere);
+    let mut induction = Induction::default();
+    for (number, percept) in ["00", "01"].into_iter().enumerate() {
+        lessons.give(number, lesson(percept, number));
+        induction.learn(&mut population, &mut lessons, &params);
+        assert!(population.get(elsewhere).is_some(), "after {percept}");
+        assert_eq!(
+            population.len(),
+            number + 2,
+            "control: something is learned"
+        );
+    }
+}
