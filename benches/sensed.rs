@@ -1,7 +1,7 @@
 //! A robot that only senses: what a cell move costs, and how far it is mistaken.
 //!
-//! `cargo bench --bench sensed -- WORLD MOVES SEED SETTING=VALUE...` makes random moves in a world and
-//! prints, as JSON, the processor time of a move with its percept and what went wrong in how many.
+//! `cargo bench --bench sensed -- WORLD MOVES SEED robot=NAME SETTING=VALUE...` makes random moves in a world
+//! (a name below `worlds/`, a generated one or an absolute path, without `.json`) and prints, as JSON, the processor time of a move with its percept and what went wrong in how many.
 //! The same seed gives the same figures, but for the time.
 
 use std::error::Error;
@@ -11,7 +11,7 @@ use std::time::Instant;
 use serde_json::json;
 use xcscr::arena::{Arena, Localisation, PhysicsArena};
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Resolved, Settings};
+use xcscr::trial::{Resolved, RobotProfile, Settings};
 use xcscr::world::Maze;
 use xcscr::xcs::Action;
 
@@ -57,16 +57,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         Ok(recipe) => recipe.maze()?,
         Err(_) => Maze::load(&Path::new(WORLDS).join(format!("{world}.json")))?,
     };
-    let mut params = Resolved::new(&Settings::default(), &[], &sets)?
-        .settings
-        .physics;
+    let (robots, sets): (Vec<String>, Vec<String>) =
+        sets.into_iter().partition(|set| set.starts_with("robot="));
+    let robot = robots
+        .last()
+        .map_or("default", |robot| &robot["robot=".len()..]);
+    let robot_settings = RobotProfile::load(robot)?.settings_over(&Settings::default())?;
+    let mut params = Resolved::new(&robot_settings, &[], &sets)?.settings.physics;
     params.localisation = Localisation::Estimated;
     let arena = || PhysicsArena::new(maze.clone(), params.clone(), seed as u64);
     let actions: Vec<Action> = script(seed as u64, moves).collect();
     let cost = microseconds_a_move(&mut arena()?, &actions);
     let mut tally = Tally::of(&mut arena()?, seed as u64, moves);
     let report = json!({
-        "world": world, "moves": moves, "seed": seed, "set": sets,
+        "world": world, "robot": robot, "moves": moves, "seed": seed, "set": sets,
         "us_a_move": (100.0 * cost).round() / 100.0,
         "steps_a_move": tally.steps as f64 / moves as f64,
         "wrong_moves": tally.wrong, "wrong_cells": tally.wrong_cell,
