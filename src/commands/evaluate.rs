@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
+use xcscr::study::{ConditionResult, Robustness};
 use xcscr::trial::{Evaluation, Plan};
 
 use super::choices::{self, SettingsArgs};
@@ -20,7 +21,7 @@ pub struct EvaluateArgs {
     /// Another arena than the run's own.
     #[arg(long, value_parser = choices::arena())]
     arena: Option<ArenaKind>,
-    /// Number of episodes.
+    /// Number of episodes; with `--robustness`, of each condition.
     #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     episodes: u32,
     /// Root seed of start cells and noise.
@@ -41,6 +42,10 @@ pub struct EvaluateArgs {
     /// action in it is a best one.
     #[arg(long)]
     require_optimal: bool,
+    /// Drive under noise 0 to 5, slip, flips, slippery floors and sensor faults, from the same seed,
+    /// and print one table.
+    #[arg(long, conflicts_with_all = ["record", "require_optimal"])]
+    robustness: bool,
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
@@ -60,6 +65,13 @@ impl EvaluateArgs {
 /// Evaluates and reports.
 pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
     let (plan, knowledge) = args.plan()?;
+    if args.robustness {
+        let found = Robustness::run(&plan, &knowledge, args.episodes)?;
+        return match args.json {
+            true => Ok(writeln!(out, "{}", serde_json::to_string_pretty(&found)?)?),
+            false => print_robustness(&found, &knowledge, out),
+        };
+    }
     let (evaluation, recorded) = evaluate(args, &plan, &knowledge)?;
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&evaluation)?)?;
@@ -141,5 +153,64 @@ fn print(
     writeln!(out, "  collisions           {collisions}")?;
     let seconds = e.mean_seconds;
     writeln!(out, "  time per episode     {seconds:.2} s simulated")?;
+    Ok(())
+}
+
+fn print_robustness(
+    found: &Robustness,
+    knowledge: &Knowledge,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let (count, counted) = (knowledge.len(), knowledge.counts());
+    let Robustness {
+        world, arena, seed, ..
+    } = found;
+    writeln!(
+        out,
+        "{world}: greedy policy of {count} {counted} on {arena}, seed {seed}"
+    )?;
+    writeln!(
+        out,
+        "condition               episodes   reached the goal    steps  collisions  lost"
+    )?;
+    for result in &found.conditions {
+        print_condition(result, out)?;
+    }
+    writeln!(
+        out,
+        "Reached the goal: % of the episodes, with Wilson's 95 % interval. Steps and\n\
+         collisions: means of an episode. Lost: episodes in which the robot was in\n\
+         another cell than its estimate."
+    )?;
+    let mut left_out = found.left_out.as_slice();
+    while let Some(first) = left_out.first() {
+        let same = left_out.iter().take_while(|l| l.reason == first.reason);
+        let names: Vec<String> = same.map(|l| l.condition.to_string()).collect();
+        left_out = &left_out[names.len()..];
+        writeln!(out, "Left out, because {}:", first.reason)?;
+        for line in names.chunks(4) {
+            writeln!(out, "  {}", line.join(", "))?;
+        }
+    }
+    Ok(())
+}
+
+fn print_condition(result: &ConditionResult, out: &mut impl Write) -> Result<(), Failure> {
+    let [share, low, high] = [
+        result.success.value,
+        result.success.low,
+        result.success.high,
+    ]
+    .map(|s| 100.0 * s);
+    let lost = result
+        .mislocalised_episodes
+        .map_or("-".to_owned(), |episodes| episodes.to_string());
+    let (condition, episodes) = (result.condition, result.episodes);
+    let (steps, collisions) = (result.mean_steps, result.collisions_per_episode);
+    writeln!(
+        out,
+        "{condition:<24}{episodes:>8}  {share:>5.1} ({low:>5.1}-{high:>5.1})  {steps:>7.2}  \
+         {collisions:>10.2}  {lost:>4}"
+    )?;
     Ok(())
 }

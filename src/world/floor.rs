@@ -123,6 +123,14 @@ mod tests {
     }
 
     #[test]
+    fn a_maze_can_be_given_a_floor_of_one_friction() {
+        let maze = maze(["#####", "#.3.#", "#####"]).unwrap();
+        let wet = maze.with_friction(5).floor_rows().unwrap();
+        assert_eq!(wet, ["#####", "#555#", "#####"]);
+        assert!(!maze.with_friction(0).has_floor());
+    }
+
+    #[test]
     fn a_floor_is_written_and_read_again() {
         let wet = maze(["#####", "#29.#", "#####"]).unwrap();
         let again = Maze::from_json(wet.to_json().as_bytes(), "again.json").unwrap();

@@ -282,6 +282,18 @@ impl Maze {
         (inside && tenths > 0).then(|| f64::from(tenths) / 10.0)
     }
 
+    /// Returns the same maze with a floor of one friction in all free cells, in tenths (1 to 9; 0 is
+    /// the usual floor).
+    #[must_use]
+    pub fn with_friction(&self, tenths: u8) -> Self {
+        let of_cell = |&wall: &bool| if wall { 0 } else { tenths };
+        let floor = (tenths > 0).then(|| self.walls.iter().map(of_cell).collect());
+        Self {
+            floor,
+            ..self.clone()
+        }
+    }
+
     /// Is the floor of any cell unusual?
     pub fn has_floor(&self) -> bool {
         self.floor.is_some()

@@ -15,6 +15,7 @@ mod hostile;
 mod overwriting;
 mod resume;
 mod robots;
+mod robustness;
 mod train;
 mod warnings;
 mod wide_percepts;
