@@ -13,6 +13,7 @@ mod long_story;
 mod recording;
 mod recording_faults;
 mod recovery;
+mod robots;
 mod ros;
 mod schemas;
 mod serving;

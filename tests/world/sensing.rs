@@ -4,6 +4,7 @@
 //! The counts are small; `SENSING_MOVES=100000 cargo test --release --test world sensing` runs the whole
 //! claim. Each mechanism has its control: without it the same course goes wrong.
 
+use std::fs;
 use std::path::Path;
 
 use crate::kit::tally::{Tally, mean, quantile, script};
@@ -11,7 +12,7 @@ use xcscr::agent::Method;
 use xcscr::arena::{Arena, Care, FaultParams, Localisation, PhysicsArena, PhysicsParams, Snapshot};
 use xcscr::episode::Mistakes;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Evaluation, Plan, Trial};
+use xcscr::trial::{Evaluation, Plan, RobotProfile, Settings, Trial};
 use xcscr::world::{Cell, Maze, Recipe};
 use xcscr::xcs::Action;
 
@@ -44,6 +45,89 @@ fn wander(world: &str, params: &PhysicsParams, seed: u64, moves: usize) -> Tally
 fn moves(few: usize) -> usize {
     let wanted = std::env::var("SENSING_MOVES").ok();
     wanted.and_then(|text| text.parse().ok()).unwrap_or(few)
+}
+
+/// A shipped maze with cells of another size, and a robot that senses.
+fn profiled(world: &str, cell_size_m: f64, robot: &str) -> PhysicsArena {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("worlds/{world}.json"));
+    let text = fs::read_to_string(file).unwrap();
+    let size = format!("\"cell_size_m\": {cell_size_m}");
+    let text = text.replace("\"cell_size_m\": 1.0", &size);
+    let maze = Maze::from_json(text.as_bytes(), world).unwrap();
+    assert_eq!(maze.cell_size_m(), cell_size_m);
+    let profile = RobotProfile::load(robot).unwrap();
+    let settings = profile.settings_over(&Settings::default()).unwrap();
+    let params = PhysicsParams {
+        localisation: Localisation::Estimated,
+        ..settings.physics
+    };
+    PhysicsArena::new(maze, params, 1).unwrap()
+}
+
+#[test]
+fn every_robot_profile_goes_where_it_is_told_in_cells_of_its_size() {
+    for (robot, cell_size_m) in [
+        ("default", 1.0),
+        ("turtlebot3-burger", 0.5),
+        ("turtlebot3-waffle-pi", 0.75),
+        ("turtlebot4-lite", 0.6),
+    ] {
+        for world in MAZES {
+            let tally = Tally::of(&mut profiled(world, cell_size_m, robot), 1, moves(200));
+            assert_eq!(tally.faults(), 0, "{robot} in {world}: {tally:?}");
+        }
+    }
+}
+
+#[test]
+fn a_robot_drives_no_faster_and_sees_no_farther_than_its_profile_says() {
+    for (robot, cell_size_m, top_mps, top_radps, [nearest_m, farthest_m]) in [
+        ("turtlebot3-burger", 0.5, 0.22, 2.84, [0.12, 3.5]),
+        ("turtlebot3-burger", 2.0, 0.22, 2.84, [0.12, 3.5]),
+        ("turtlebot4-lite", 1.0, 0.306, 1.9, [0.15, 12.0]),
+    ] {
+        let mut arena = profiled("maze4", cell_size_m, robot);
+        let base_m = RobotProfile::load(robot).unwrap();
+        let base_m = base_m
+            .settings_over(&Settings::default())
+            .unwrap()
+            .physics
+            .wheel_base_m;
+        let (mut speed_mps, mut turn_radps, mut longest_m) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for action in script(1, 60) {
+            arena.act(action);
+            let view = arena.view();
+            for pair in view.trace.windows(2) {
+                let rolled_m =
+                    [0, 1].map(|side| pair[1].wheel_travel_m[side] - pair[0].wheel_travel_m[side]);
+                speed_mps = speed_mps.max((rolled_m[0] + rolled_m[1]).abs() / 2.0 / 0.05);
+                turn_radps = turn_radps.max((rolled_m[1] - rolled_m[0]).abs() / base_m / 0.05);
+            }
+            for range_m in view
+                .sensed
+                .unwrap()
+                .beams
+                .iter()
+                .filter_map(|beam| beam.range_m)
+            {
+                assert!(
+                    (nearest_m..=farthest_m).contains(&range_m),
+                    "{robot}: {range_m} m"
+                );
+                longest_m = longest_m.max(range_m);
+            }
+        }
+        let what =
+            format!("{robot}, cells of {cell_size_m} m: {speed_mps} m/s, {turn_radps} rad/s");
+        assert!(
+            speed_mps <= top_mps + 1e-9 && turn_radps <= top_radps + 1e-9,
+            "{what}"
+        );
+        assert!(
+            speed_mps > 0.95 * top_mps && longest_m > 1.5,
+            "control: {what}, {longest_m} m"
+        );
+    }
 }
 
 #[test]
