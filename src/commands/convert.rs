@@ -32,6 +32,18 @@ pub struct ConvertArgs {
     /// What unknown pixels count as.
     #[arg(long, value_name = "WHAT", default_value = "wall")]
     unknown: Unknown,
+    /// Share of a cell's pixels that may be occupied or unknown in a free cell, from 0 to below 1
+    /// [default: 0.02, and less than half of a line of pixels across the cell].
+    #[arg(long, value_name = "F")]
+    occupied_fraction: Option<f64>,
+    /// Ignore groups of at most this many connected occupied or unknown pixels [default: as many as
+    /// a free cell may have].
+    #[arg(long, value_name = "N")]
+    despeckle: Option<usize>,
+    /// Lower left corner of the grid in metres from that of the image, or `auto`: where most
+    /// passages between cells lead to the goal.
+    #[arg(long, value_name = "auto|X,Y", default_value = "auto", value_parser = offset, allow_hyphen_values = true)]
+    offset: Offset,
     /// Draw map, grid and robot into this PNG file.
     #[arg(long, value_name = "FILE")]
     preview: Option<PathBuf>,
@@ -66,6 +78,22 @@ fn point(text: &str) -> Result<Point, String> {
         .ok_or_else(|| "expected metres such as 1.5,-0.3".to_owned())
 }
 
+/// Where the grid begins.
+#[derive(Debug, Clone, Copy)]
+enum Offset {
+    Auto,
+    At(Point),
+}
+
+fn offset(text: &str) -> Result<Offset, String> {
+    match text {
+        "auto" => Ok(Offset::Auto),
+        _ => point(text)
+            .map(Offset::At)
+            .map_err(|_| "expected `auto`, or metres such as 0.1,-0.05".to_owned()),
+    }
+}
+
 /// Converts in the direction that the names of the files tell.
 pub fn run(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     match (ending(&args.input).as_str(), ending(&args.output).as_str()) {
@@ -94,6 +122,12 @@ fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
         cell_m: args.cell,
         start_m: args.start.map(|Point(at)| at),
         goal_m: args.goal.map(|Point(at)| at),
+        occupied_fraction: args.occupied_fraction,
+        despeckle: args.despeckle,
+        offset_m: match args.offset {
+            Offset::Auto => None,
+            Offset::At(Point(at)) => Some(at),
+        },
         unknown_is_free: args.unknown == Unknown::Free,
         name: world_name(&args.output),
     };
@@ -130,11 +164,20 @@ fn print_map(map: &OccupancyMap, unknown: Unknown, out: &mut impl Write) -> Resu
         "map     {} x {} pixels of {} m: {free} free, {occupied} occupied, {unseen} unknown (taken as {unknown})",
         map.width, map.height, map.resolution_m
     )?;
-    for (grey, count) in &map.doubtful {
+    if map.unknown_as_free > 0 {
+        let count = map.unknown_as_free;
         writeln!(
             out,
-            "        warning: {count} pixels have the grey level {grey}, which lies within 1/255 \
-             of a threshold: rounding decides what they are"
+            "        warning: {count} pixels have the grey level 205, with which Nav2 saves unknown \
+             cells, and count as free: set `free_thresh` to 0.196"
+        )?;
+    }
+    if map.disputed > 0 {
+        let count = map.disputed;
+        writeln!(
+            out,
+            "        warning: {count} pixels are at a threshold or have an opacity: releases of Nav2 \
+             read them differently; here they are read as in ROS 2 Humble"
         )?;
     }
     Ok(())
@@ -151,6 +194,13 @@ fn print_world(gridded: &Gridded, file: &Path, out: &mut impl Write) -> Result<(
         maze.free_cells().count(),
         file.display()
     )?;
+    if gridded.offset_m != [0.0, 0.0] {
+        let [x, y] = gridded.offset_m;
+        writeln!(
+            out,
+            "        the grid begins {x:.3},{y:.3} m from the corner of the image"
+        )?;
+    }
     if gridded.cut_off > 0 {
         let count = gridded.cut_off;
         writeln!(
@@ -190,6 +240,9 @@ fn refuse_options_of_maps(args: &ConvertArgs) -> Result<(), Failure> {
         ("--start", args.start.is_some()),
         ("--goal", args.goal.is_some()),
         ("--unknown free", args.unknown == Unknown::Free),
+        ("--occupied-fraction", args.occupied_fraction.is_some()),
+        ("--despeckle", args.despeckle.is_some()),
+        ("--offset", matches!(args.offset, Offset::At(_))),
         ("--preview", args.preview.is_some()),
     ];
     match given.into_iter().find(|(_, given)| *given) {

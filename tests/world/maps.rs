@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use xcscr::world::{Gridded, Gridding, MapError, Maze, Occupancy, OccupancyMap};
+use xcscr::world::{Gridded, Gridding, MapError, Maze, OccupancyMap};
 use xcscr::xcs::random::Stream;
 
 use crate::kit::folder::replace;
@@ -14,11 +14,11 @@ use crate::kit::program::{ended, xcscr};
 const GREY: [(char, u8); 3] = [(' ', 254), ('#', 0), ('?', 205)];
 
 /// A folder with a map.
-struct Map(TempDir);
+pub struct Map(pub TempDir);
 
 impl Map {
     /// A map drawn with a letter for each pixel, 0.1 m wide.
-    fn drawn(rows: &[&str]) -> Self {
+    pub fn drawn(rows: &[&str]) -> Self {
         let levels = rows.iter().flat_map(|row| row.chars());
         let grey = |letter| GREY.iter().find(|(known, _)| *known == letter).unwrap().1;
         let mut pgm = format!("P5\n# drawn\n{} {}\n255\n", rows[0].len(), rows.len()).into_bytes();
@@ -29,16 +29,16 @@ impl Map {
         map
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    fn keep(&self, name: &str, bytes: &[u8]) {
+    pub fn keep(&self, name: &str, bytes: &[u8]) {
         replace(&self.path(name), bytes);
     }
 
     /// The usual header; the lines given come last, and win over those with the same key.
-    fn yaml(&self, lines: &str) {
+    pub fn yaml(&self, lines: &str) {
         let usual = [
             "image: map.pgm",
             "resolution: 0.1",
@@ -55,11 +55,11 @@ impl Map {
         );
     }
 
-    fn load(&self) -> Result<OccupancyMap, MapError> {
+    pub fn load(&self) -> Result<OccupancyMap, MapError> {
         OccupancyMap::load(&self.path("map.yaml"))
     }
 
-    fn gridded(
+    pub fn gridded(
         &self,
         cell_m: f64,
         start: Option<[f64; 2]>,
@@ -75,17 +75,20 @@ impl Map {
     }
 }
 
-fn plain() -> Gridding {
+pub fn plain() -> Gridding {
     Gridding {
         cell_m: None,
         start_m: None,
         goal_m: None,
         unknown_is_free: false,
+        occupied_fraction: None,
+        despeckle: None,
+        offset_m: None,
         name: "converted".to_owned(),
     }
 }
 
-fn rows(maze: &Maze) -> Vec<String> {
+pub fn rows(maze: &Maze) -> Vec<String> {
     let json: serde_json::Value = serde_json::from_str(&maze.to_json()).unwrap();
     let rows = json["rows"].as_array().unwrap().iter();
     rows.map(|row| row.as_str().unwrap().to_owned()).collect()
@@ -115,144 +118,6 @@ fn every_world_that_ships_comes_back_from_its_map_as_it_was() {
         let back = plain().of(&map.load().unwrap()).unwrap();
         assert_eq!(back.maze, maze, "{}", world.display());
     }
-}
-
-#[test]
-fn a_cell_is_free_if_all_of_its_pixels_are_and_a_ring_of_walls_closes_the_rest() {
-    let map = Map::drawn(&[
-        "        ", "        ", "  #     ", "        ", "??      ", "??      ",
-    ]);
-    let gridded = map.gridded(0.2, None, [0.7, 0.1]).unwrap();
-    assert_eq!(
-        rows(&gridded.maze),
-        ["######", "#....#", "#.#..#", "##..G#", "######"]
-    );
-    assert_eq!((gridded.maze.cell_size_m(), gridded.cut_off), (0.2, 0));
-}
-
-#[test]
-fn thresholds_negation_and_modes_are_those_of_nav2() {
-    // Grey level, and what Nav2 makes of it in the modes trinary and raw, and negated.
-    use Occupancy::{Free, Occupied, Unknown};
-    let expected = [
-        (0_u8, Occupied, Free, Free),
-        (89, Occupied, Occupied, Unknown),
-        (90, Unknown, Occupied, Unknown),
-        (100, Unknown, Occupied, Unknown),
-        (101, Unknown, Unknown, Unknown),
-        (191, Unknown, Unknown, Occupied),
-        (192, Free, Unknown, Occupied),
-        (255, Free, Unknown, Occupied),
-    ];
-    let map = Map(tempfile::tempdir().unwrap());
-    let greys: Vec<u8> = expected.iter().map(|row| row.0).collect();
-    map.keep("map.pgm", &[b"P5 8 1 255\n".to_vec(), greys].concat());
-    for (lines, column) in [("mode: trinary", 0), ("mode: raw", 1), ("negate: true", 2)] {
-        map.yaml(&format!("{lines}\nfree_thresh: 0.25"));
-        let loaded = map.load().unwrap();
-        for (at, row) in expected.iter().enumerate() {
-            let wanted = [row.1, row.2, row.3][column];
-            assert_eq!(loaded.at(at, 0), wanted, "{lines}, grey {}", row.0);
-        }
-    }
-}
-
-#[test]
-fn pgm_in_both_forms_and_png_hold_the_same_map_and_what_is_transparent_is_unknown() {
-    let drawn = Map::drawn(&[" #? ", "##  "]);
-    let wanted = drawn.load().unwrap();
-    let greys = [254_u8, 0, 205, 254, 0, 0, 254, 254];
-    let text: Vec<String> = greys.iter().map(u8::to_string).collect();
-    drawn.keep(
-        "map.pgm",
-        format!("P2\n4 # wide\n2\n255\n{}", text.join(" ")).as_bytes(),
-    );
-    let states = |map: &OccupancyMap| -> Vec<Occupancy> {
-        (0..8).map(|at| map.at(at % 4, at / 4)).collect()
-    };
-    assert_eq!(states(&drawn.load().unwrap()), states(&wanted));
-    let png = |colour, samples: &[u8]| {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, 4, 2);
-        encoder.set_color(colour);
-        encoder
-            .write_header()
-            .unwrap()
-            .write_image_data(samples)
-            .unwrap();
-        drawn.keep("map.pgm", &bytes);
-        states(&drawn.load().unwrap())
-    };
-    assert_eq!(png(png::ColorType::Grayscale, &greys), states(&wanted));
-    let colours: Vec<u8> = greys.iter().flat_map(|&grey| [grey; 3]).collect();
-    assert_eq!(png(png::ColorType::Rgb, &colours), states(&wanted));
-    let see_through: Vec<u8> = greys.iter().flat_map(|&grey| [grey, 128]).collect();
-    assert_eq!(
-        png(png::ColorType::GrayscaleAlpha, &see_through),
-        [Occupancy::Unknown; 8]
-    );
-}
-
-#[test]
-fn points_are_metres_of_the_maps_frame_also_where_it_is_turned() {
-    let map = Map::drawn(&["      ", "      ", "      "]);
-    // A quarter turn to the left around the lower left corner at 5, 1: a point so far to the right
-    // in the image lies so far up in the frame.
-    map.yaml("origin: [5.0, 1.0, 1.5707963267948966]");
-    let gridded = map.gridded(0.1, Some([4.95, 1.05]), [4.75, 1.55]).unwrap();
-    assert_eq!(
-        rows(&gridded.maze)[1..4],
-        ["#.....G#", "#......#", "#S.....#"]
-    );
-}
-
-#[test]
-fn a_world_keeps_the_pose_of_its_corner_in_the_maps_frame() {
-    let map = Map::drawn(&["    ##", "    ##", "      ", "?     "]);
-    let origin = |lines: &str, goal: [f64; 2]| -> [f64; 3] {
-        map.yaml(lines);
-        let maze = map.gridded(0.2, None, goal).unwrap().maze;
-        maze.origin().into()
-    };
-    // The ring of walls begins one cell below and to the left of the image.
-    let [x, y, yaw] = origin("", [0.3, 0.1]);
-    assert!(
-        (x + 0.2).abs() < 1e-12 && (y + 0.2).abs() < 1e-12 && yaw == 0.0,
-        "{x} {y}"
-    );
-    // A quarter turn to the left: what was to the left is below, and what was below to the right.
-    let turned = "origin: [5.0, 1.0, 1.5707963267948966]";
-    let [x, y, yaw] = origin(turned, [4.9, 1.3]);
-    assert!(
-        (x - 5.2).abs() < 1e-12 && (y - 0.8).abs() < 1e-12,
-        "{x} {y}"
-    );
-    assert_eq!(yaw, std::f64::consts::FRAC_PI_2);
-    // The frame of the world and that of the map agree on the cell of the goal.
-    let gridded = map.gridded(0.2, None, [4.9, 1.3]).unwrap();
-    let goal = gridded.maze.goals()[0];
-    let there = gridded.maze.origin().to_map(gridded.maze.centre_m(goal));
-    assert!(
-        (there.x - 4.9).abs() < 1e-9 && (there.y - 1.3).abs() < 1e-9,
-        "{there}"
-    );
-    // What is cut off moves the corner.
-    map.yaml("");
-    map.keep(
-        "map.pgm",
-        &[
-            &b"P5 6 2 255\n"[..],
-            &[0, 0, 0, 0, 254, 254],
-            &[0, 0, 0, 0, 254, 254],
-        ]
-        .concat(),
-    );
-    let alone = map.gridded(0.1, None, [0.45, 0.05]).unwrap().maze;
-    let [x, y, _]: [f64; 3] = alone.origin().into();
-    assert!(
-        (x - 0.3).abs() < 1e-12 && (y + 0.1).abs() < 1e-12,
-        "{x} {y}"
-    );
 }
 
 #[test]
@@ -304,50 +169,6 @@ fn a_map_of_a_hundred_thousand_rewards_comes_back() {
 }
 
 #[test]
-fn a_door_in_which_no_cell_fits_is_named_with_place_and_width() {
-    let rows = [
-        "####################",
-        "#        ##        #",
-        "#        ##        #",
-        "#        ##        #",
-        "#                  #",
-        "#        ##        #",
-        "#        ##        #",
-        "####################",
-    ];
-    let map = Map::drawn(&rows);
-    let cut = map.gridded(0.3, Some([0.4, 0.4]), [1.6, 0.4]).unwrap_err();
-    let text = cut.to_string();
-    assert!(
-        matches!(cut, MapError::CutOff(ref found) if found.len() == 1),
-        "{text}"
-    );
-    assert!(
-        text.contains("(0.10 m wide)") && text.contains("--cell"),
-        "{text}"
-    );
-    let MapError::CutOff(found) = cut else {
-        unreachable!()
-    };
-    let [x, y] = found[0].at_m;
-    assert!((0.9..1.1).contains(&x) && (0.3..0.4).contains(&y), "{text}");
-    // Cells as small as the door pass through it.
-    assert!(map.gridded(0.1, Some([0.4, 0.4]), [1.6, 0.4]).is_ok());
-    // Without a start, what is cut off becomes wall, and the door is told.
-    let gridded = map.gridded(0.3, None, [1.6, 0.4]).unwrap();
-    assert_eq!(gridded.passages.len(), 1);
-    assert!(gridded.cut_off > 0);
-}
-
-#[test]
-fn grey_levels_beside_a_threshold_are_told() {
-    let map = Map::drawn(&["???", "   "]);
-    assert_eq!(map.load().unwrap().doubtful, [(205, 3)]);
-    map.yaml("free_thresh: 0.25");
-    assert_eq!(map.load().unwrap().doubtful, [], "control");
-}
-
-#[test]
 fn what_is_wrong_in_a_header_or_an_image_is_named() {
     let map = Map::drawn(&["   ", "   "]);
     let fault = |lines: &str| {
@@ -384,81 +205,6 @@ fn what_is_wrong_in_a_header_or_an_image_is_named() {
         let text = map.load().unwrap_err().to_string();
         assert!(text.contains(told), "{told}: {text}");
     }
-}
-
-#[test]
-fn start_and_goal_in_the_only_free_cell_are_refused() {
-    for rows in [&[" "][..], &["###", "# #", "###"]] {
-        let map = Map::drawn(rows);
-        let middle = [0.05 * rows.len() as f64; 2];
-        let both = map.gridded(0.1, Some(middle), middle).unwrap_err();
-        assert!(
-            both.to_string().contains("in the cell of the goal"),
-            "{both}"
-        );
-        let alone = map.gridded(0.1, None, middle).unwrap_err();
-        assert!(
-            matches!(alone, MapError::CutOff(ref found) if found.is_empty()),
-            "{alone}"
-        );
-    }
-    let map = Map::drawn(&["   "]);
-    let same = map
-        .gridded(0.1, Some([0.05, 0.05]), [0.06, 0.06])
-        .unwrap_err();
-    assert!(
-        same.to_string().contains("in the cell of the goal"),
-        "{same}"
-    );
-    assert!(
-        map.gridded(0.1, Some([0.05, 0.05]), [0.15, 0.05]).is_ok(),
-        "control"
-    );
-}
-
-/// A map of square cells, `cell` pixels wide, each with a black pixel in its upper left corner
-/// unless `is_free` says otherwise of its column and row.
-fn spotted(side: usize, cell: usize, is_free: impl Fn(usize, usize) -> bool) -> Map {
-    let pixels = side * cell;
-    let mut pgm = format!("P5 {pixels} {pixels} 255\n").into_bytes();
-    for (row, col) in (0..pixels).flat_map(|row| (0..pixels).map(move |col| (row, col))) {
-        let is_spot = row % cell == 0 && col % cell == 0 && !is_free(col / cell, row / cell);
-        pgm.push(if is_spot { 0 } else { 254 });
-    }
-    let map = Map(tempfile::tempdir().unwrap());
-    map.keep("map.pgm", &pgm);
-    map.yaml("");
-    map
-}
-
-#[test]
-fn a_checkerboard_of_a_hundred_thousand_rooms_is_searched_once() {
-    // Rooms meet in the pixels of the cells between them, in none of which a cell fits.
-    const SIDE: usize = 480;
-    let map = spotted(SIDE, 2, |col, row| (col + row) % 2 == 0);
-    let far = 0.2 * SIDE as f64 - 0.1;
-    let cut = map.gridded(0.2, Some([far, 0.1]), [0.1, far]).unwrap_err();
-    let MapError::CutOff(passages) = &cut else {
-        panic!("{cut}")
-    };
-    assert!(passages.len() >= SIDE - 1, "{} passages", passages.len());
-    assert!(cut.to_string().len() < 500, "{cut}");
-}
-
-#[test]
-fn paths_that_meet_along_a_front_of_thousands_of_pixels_are_measured_once() {
-    const SIDE: usize = 100;
-    let map = spotted(SIDE, 20, |col, row| {
-        (col, row) == (1, 1) || (col, row) == (98, 98)
-    });
-    let [near, far] = [1.5 * 2.0, 98.5 * 2.0];
-    let cut = map
-        .gridded(2.0, Some([near, far]), [far, near])
-        .unwrap_err();
-    let MapError::CutOff(passages) = cut else {
-        panic!("{cut}")
-    };
-    assert_eq!(passages.len(), 1);
 }
 
 /// What headers of maps and images like to hold in a wrong place.
@@ -628,13 +374,4 @@ fn convert_reads_a_map_from_anywhere_draws_it_and_overwrites_nothing() {
     let celled = [&back[..], &["--force", "--cell", "0.5"]].concat();
     let (_, stderr) = ended(&xcscr(&celled).output().unwrap(), 2, "a world with --cell");
     assert!(stderr.contains("--cell is for maps"), "{stderr}");
-}
-
-#[test]
-fn a_map_without_a_goal_is_refused_with_the_option_that_gives_one() {
-    let map = Map::drawn(&["   ", "   "]);
-    let refused = plain().of(&map.load().unwrap()).unwrap_err();
-    assert!(matches!(refused, MapError::NoGoal), "{refused}");
-    assert!(refused.to_string().contains("--goal X,Y"), "{refused}");
-    assert!(map.gridded(0.1, None, [0.15, 0.15]).is_ok(), "control");
 }

@@ -5,26 +5,35 @@ use std::ops::Range;
 
 use nalgebra::Point2;
 
-use super::{MapError, Occupancy, OccupancyMap};
+use super::raster::{Raster, Sums};
+use super::{MapError, OccupancyMap};
 use crate::world::rows::MAX_SIDE;
 use crate::world::{Maze, Origin};
 
 /// How far a border of a cell may lie off that of a pixel by rounding, in pixels.
-const ROUNDING: f64 = 1e-6;
+pub(super) const ROUNDING: f64 = 1e-6;
 /// The smallest and the largest edge of a cell, in metres, as in world files.
 const CELL_M: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
-/// The cells of a map, before they are a maze.
-pub(super) struct Cells<'a> {
-    pub map: &'a OccupancyMap,
+/// How a grid lies on an image.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
     pub cols: usize,
     pub rows: usize,
-    /// Row by row from the top.
-    pub free: Vec<bool>,
     cell_m: f64,
     /// Pixels along a cell.
     cell_px: f64,
-    unknown_is_free: bool,
+    /// The lower left corner of the grid, in pixels to the right and upward from that of the image;
+    /// more than a cell to the left or below it never.
+    offset_px: [f64; 2],
+}
+
+/// The cells of a map, before they are a maze.
+pub(super) struct Cells<'a> {
+    pub raster: &'a Raster<'a>,
+    pub layout: Layout,
+    /// Row by row from the top.
+    pub free: Vec<bool>,
 }
 
 /// The cells of a map that become a maze, from and to; it may reach one cell beyond the map.
@@ -34,11 +43,11 @@ pub(super) struct Window {
     rows: [isize; 2],
 }
 
-impl<'a> Cells<'a> {
+impl Layout {
     pub fn new(
-        map: &'a OccupancyMap,
+        map: &OccupancyMap,
         cell_m: Option<f64>,
-        unknown_is_free: bool,
+        offset_px: [f64; 2],
     ) -> Result<Self, MapError> {
         let cell_m = cell_m.unwrap_or(map.resolution_m);
         let cell_px = cell_m / map.resolution_m;
@@ -56,79 +65,92 @@ impl<'a> Cells<'a> {
                 "a cell of {cell_m} m is smaller than a pixel, which has {pixel_m} m"
             ));
         }
-        let count = |pixels: usize| (pixels as f64 / cell_px - ROUNDING).ceil() as usize;
-        let (cols, rows) = (count(map.width), count(map.height));
+        // A grid that begins a whole number of cells further on is the same.
+        let offset_px = offset_px.map(|pixels| 0.0 - (-pixels).rem_euclid(cell_px));
+        let count = |pixels: usize, offset: f64| {
+            ((pixels as f64 - offset) / cell_px - ROUNDING).ceil() as usize
+        };
+        let cols = count(map.width, offset_px[0]);
+        let rows = count(map.height, offset_px[1]);
         if cols.max(rows) + 2 > MAX_SIDE {
             return fault(format!(
                 "{cols} x {rows} cells of {cell_m} m are too many: a world has at most {MAX_SIDE} \
                  columns and rows; give a larger `--cell`"
             ));
         }
-        let mut cells = Self {
-            map,
+        Ok(Self {
             cols,
             rows,
-            free: Vec::new(),
             cell_m,
             cell_px,
-            unknown_is_free,
-        };
-        cells.free = (0..cols * rows)
-            .map(|at| cells.is_wholly_free(at))
-            .collect();
-        Ok(cells)
+            offset_px,
+        })
     }
 
-    /// Is a pixel one that the robot may be over?
-    pub fn is_free_pixel(&self, col: usize, row: usize) -> bool {
-        match self.map.at(col, row) {
-            Occupancy::Free => true,
-            Occupancy::Occupied => false,
-            Occupancy::Unknown => {
-                self.unknown_is_free && col < self.map.width && row < self.map.height
-            }
-        }
-    }
-
-    fn is_wholly_free(&self, at: usize) -> bool {
-        let (cols, mut rows) = self.pixels(at);
-        rows.all(|row| cols.clone().all(|col| self.is_free_pixel(col, row)))
-    }
-
-    /// The pixels of a cell: columns, and rows from the top. Cells begin at the lower left corner of
-    /// the map; those that reach beyond it have pixels outside.
-    pub fn pixels(&self, at: usize) -> (Range<usize>, Range<usize>) {
-        let range = |number: usize| {
-            let from = (number as f64 * self.cell_px + ROUNDING).floor() as usize;
-            let to = ((number + 1) as f64 * self.cell_px - ROUNDING).ceil() as usize;
-            from..to
+    /// The pixels of a cell: columns, and rows from the lower edge. Of cells that reach beyond the
+    /// image there are pixels outside.
+    fn pixels(&self, at: usize) -> [Range<isize>; 2] {
+        let range = |number: usize, offset: f64| {
+            let edge = |number: usize| offset + number as f64 * self.cell_px;
+            let from = (edge(number) + ROUNDING).floor() as isize;
+            from..(edge(number + 1) - ROUNDING).ceil() as isize
         };
         let (col, from_below) = (at % self.cols, self.rows - 1 - at / self.cols);
-        let below = range(from_below);
-        let height = self.map.height;
-        // A cell that reaches beyond the upper edge has a row that no image has.
-        let rows = match below.end > height {
-            true => height..height + 1,
-            false => height - below.end..height - below.start,
+        [
+            range(col, self.offset_px[0]),
+            range(from_below, self.offset_px[1]),
+        ]
+    }
+}
+
+impl<'a> Cells<'a> {
+    /// A cell is free if no more of its pixels are not than `tolerated` says of so many.
+    pub fn new(
+        raster: &'a Raster<'a>,
+        layout: Layout,
+        sums: &Sums,
+        tolerated: impl Fn(usize) -> usize,
+    ) -> Self {
+        let mut cells = Self {
+            raster,
+            layout,
+            free: Vec::new(),
         };
-        (range(col), rows)
+        let is_free = |at: usize| {
+            let count = layout.pixels(at).map(|range| range.len()).iter().product();
+            let (cols, rows) = cells.pixels(at);
+            count <= sums.free_in(cols, rows) + tolerated(count)
+        };
+        cells.free = (0..layout.cols * layout.rows).map(is_free).collect();
+        cells
     }
 
-    pub fn is_pixel_by_pixel(&self) -> bool {
-        (self.cell_px - 1.0).abs() <= ROUNDING
+    /// The pixels of a cell that are in the image: columns, and rows from the top.
+    pub fn pixels(&self, at: usize) -> (Range<usize>, Range<usize>) {
+        let map = self.raster.map;
+        let within = |edge: isize, size: usize| edge.clamp(0, size as isize) as usize;
+        let [cols, below] = self.layout.pixels(at);
+        let height = map.height;
+        (
+            within(cols.start, map.width)..within(cols.end, map.width),
+            height - within(below.end, height)..height - within(below.start, height),
+        )
     }
 
     /// The free cell at a point of the map's frame.
     pub fn cell_at(&self, what: &'static str, at_m: [f64; 2]) -> Result<usize, MapError> {
-        let at_cells = self.map.origin.to_grid(at_m.into()) / self.cell_m;
-        let (x, y) = (at_cells.x.floor(), at_cells.y.floor());
+        let map = self.raster.map;
+        let Layout { cols, rows, .. } = self.layout;
+        let at_px = map.origin.to_grid(at_m.into()) / map.resolution_m;
+        let [left, lower] = self.layout.offset_px;
+        let x = ((at_px.x - left) / self.layout.cell_px).floor();
+        let y = ((at_px.y - lower) / self.layout.cell_px).floor();
         let fault = |fault: String| Err(MapError::Point { what, at_m, fault });
-        let is_inside =
-            (0.0..self.cols as f64).contains(&x) && (0.0..self.rows as f64).contains(&y);
+        let is_inside = (0.0..cols as f64).contains(&x) && (0.0..rows as f64).contains(&y);
         if !is_inside {
             return fault("outside of the map".to_owned());
         }
-        let at = (self.rows - 1 - y as usize) * self.cols + x as usize;
+        let at = (rows - 1 - y as usize) * cols + x as usize;
         match self.free[at] {
             true => Ok(at),
             false => fault(format!("in a wall{}", self.nearest_free(at))),
@@ -139,8 +161,8 @@ impl<'a> Cells<'a> {
     fn nearest_free(&self, at: usize) -> String {
         let distance = |&other: &usize| {
             let (dx, dy) = (
-                (other % self.cols).abs_diff(at % self.cols),
-                (other / self.cols).abs_diff(at / self.cols),
+                (other % self.layout.cols).abs_diff(at % self.layout.cols),
+                (other / self.layout.cols).abs_diff(at / self.layout.cols),
             );
             dx * dx + dy * dy
         };
@@ -150,6 +172,7 @@ impl<'a> Cells<'a> {
         nearest.map_or("; no cell is free".to_owned(), |free| {
             let (cols, rows) = self.pixels(free);
             let [x, y] = self
+                .raster
                 .map
                 .in_map_m((cols.start + cols.end) / 2, (rows.start + rows.end) / 2);
             format!("; the nearest free cell is at {x:.2},{y:.2}")
@@ -158,12 +181,12 @@ impl<'a> Cells<'a> {
 
     /// The free cells beside one.
     pub fn neighbours(&self, at: usize) -> impl Iterator<Item = usize> + '_ {
-        let (col, row) = (at % self.cols, at / self.cols);
+        let (col, row) = (at % self.layout.cols, at / self.layout.cols);
         let beside = [
             (col > 0).then(|| at - 1),
-            (col + 1 < self.cols).then_some(at + 1),
-            (row > 0).then(|| at - self.cols),
-            (row + 1 < self.rows).then_some(at + self.cols),
+            (col + 1 < self.layout.cols).then_some(at + 1),
+            (row > 0).then(|| at - self.layout.cols),
+            (row + 1 < self.layout.rows).then_some(at + self.layout.cols),
         ];
         beside
             .into_iter()
@@ -194,26 +217,37 @@ impl<'a> Cells<'a> {
             [least - 1, most + 2]
         };
         Window {
-            cols: span(&|at| at % self.cols),
-            rows: span(&|at| at / self.cols),
+            cols: span(&|at| at % self.layout.cols),
+            rows: span(&|at| at / self.layout.cols),
         }
     }
 
     /// The upper left corner of a window in the image, in pixels.
     pub fn corner_px(&self, window: Window) -> [f64; 2] {
-        let above = self.rows as f64 * self.cell_px - self.map.height as f64;
+        let Layout {
+            cell_px, offset_px, ..
+        } = self.layout;
+        let above = self.layout.rows as f64 * cell_px + offset_px[1];
+        let above = above - self.raster.map.height as f64;
         [
-            window.cols[0] as f64 * self.cell_px,
-            window.rows[0] as f64 * self.cell_px - above,
+            offset_px[0] + window.cols[0] as f64 * cell_px,
+            window.rows[0] as f64 * cell_px - above,
         ]
+    }
+
+    /// How far the grid was shifted, in metres to the right and upward.
+    pub fn offset_m(&self) -> [f64; 2] {
+        let resolution_m = self.raster.map.resolution_m;
+        self.layout.offset_px.map(|pixels| pixels * resolution_m)
     }
 
     /// The pose of the lower left corner of a window in the map frame.
     fn origin(&self, window: Window) -> Origin {
-        let below = self.rows as isize - window.rows[1];
-        let metres = |cells: isize| cells as f64 * self.cell_m;
-        let corner_m = Point2::new(metres(window.cols[0]), metres(below));
-        self.map.origin.moved(corner_m)
+        let below = self.layout.rows as isize - window.rows[1];
+        let [left, lower] = self.offset_m();
+        let metres = |cells: isize| cells as f64 * self.layout.cell_m;
+        let corner_m = Point2::new(left + metres(window.cols[0]), lower + metres(below));
+        self.raster.map.origin.moved(corner_m)
     }
 
     /// Writes a world file and reads it, so that all of its checks hold.
@@ -232,9 +266,9 @@ impl<'a> Cells<'a> {
         start.into_iter().for_each(|at| letters[at] = 'S');
         letters[goal] = 'G';
         let letter = |col: isize, row: isize| {
-            let inside =
-                (0..self.cols as isize).contains(&col) && (0..self.rows as isize).contains(&row);
-            let at = row * self.cols as isize + col;
+            let inside = (0..self.layout.cols as isize).contains(&col)
+                && (0..self.layout.rows as isize).contains(&row);
+            let at = row * self.layout.cols as isize + col;
             match usize::try_from(at).ok().filter(|_| inside) {
                 Some(at) => letters[at],
                 None => '#',
@@ -245,7 +279,7 @@ impl<'a> Cells<'a> {
         let rows: Vec<String> = (window.rows[0]..window.rows[1]).map(row).collect();
         let world = serde_json::json!({
             "name": name,
-            "cell_size_m": self.cell_m,
+            "cell_size_m": self.layout.cell_m,
             "origin": self.origin(window),
             "rows": rows,
         });

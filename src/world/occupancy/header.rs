@@ -4,26 +4,14 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::MapError;
+use super::rules::{Mode, Rules};
 use super::writing::KeptWorld;
-use super::{MapError, Occupancy};
 use crate::disk;
 use crate::world::Origin;
 
 /// The largest YAML file, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
-
-/// How grey levels are read (Nav2's `MapMode`).
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Mode {
-    /// Free, occupied or unknown, by two thresholds.
-    #[default]
-    Trinary,
-    /// The same, with shades between; those count as unknown here.
-    Scale,
-    /// The grey level is the occupancy in percent; above 100, unknown.
-    Raw,
-}
 
 /// A number or a truth value: `negate` is written as either.
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -58,10 +46,7 @@ pub(super) struct Header {
     /// The pose of the lower left corner.
     pub origin: Origin,
     pub kept: Option<KeptWorld>,
-    negate: bool,
-    occupied_from: f64,
-    free_to: f64,
-    mode: Mode,
+    pub rules: Rules,
 }
 
 impl Header {
@@ -93,11 +78,11 @@ impl Header {
             true => Ok(value),
             false => Err(format!("`{key}` is {value}, but must be from 0 to 1")),
         };
-        let occupied_from = share("occupied_thresh", keys.occupied_thresh)?;
-        let free_to = share("free_thresh", keys.free_thresh)?;
-        if free_to >= occupied_from {
+        let occupied_thresh = share("occupied_thresh", keys.occupied_thresh)?;
+        let free_thresh = share("free_thresh", keys.free_thresh)?;
+        if free_thresh >= occupied_thresh {
             return Err(format!(
-                "`free_thresh` is {free_to}, but must be less than `occupied_thresh`, {occupied_from}"
+                "`free_thresh` is {free_thresh}, but must be less than `occupied_thresh`, {occupied_thresh}"
             ));
         }
         if !(1e-3..=10.0).contains(&keys.resolution) {
@@ -110,38 +95,13 @@ impl Header {
             image: path.parent().unwrap_or(Path::new("")).join(keys.image),
             resolution_m: keys.resolution,
             origin,
-            negate: matches!(keys.negate, Switch::Bool(true) | Switch::Number(1..)),
-            occupied_from,
-            free_to,
-            mode: keys.mode,
+            rules: Rules {
+                mode: keys.mode,
+                negate: matches!(keys.negate, Switch::Bool(true) | Switch::Number(1..)),
+                occupied_thresh,
+                free_thresh,
+            },
             kept: keys.xcscr,
         })
-    }
-
-    /// How occupied a pixel of this grey level is: 0 to 1, or more in raw mode.
-    fn occupied(&self, grey: u8) -> f64 {
-        let grey = f64::from(grey);
-        match self.mode {
-            Mode::Raw => grey / 100.0,
-            _ if self.negate => grey / 255.0,
-            _ => (255.0 - grey) / 255.0,
-        }
-    }
-
-    /// What a grey level means.
-    pub fn occupancy(&self, grey: u8) -> Occupancy {
-        let occupied = self.occupied(grey);
-        match () {
-            () if occupied > 1.0 => Occupancy::Unknown,
-            () if occupied >= self.occupied_from => Occupancy::Occupied,
-            () if occupied <= self.free_to => Occupancy::Free,
-            () => Occupancy::Unknown,
-        }
-    }
-
-    /// Does the grey level lie within one level of a threshold, so that rounding decides?
-    pub fn is_doubtful(&self, grey: u8) -> bool {
-        let near = |threshold: f64| (self.occupied(grey) - threshold).abs() <= 1.0 / 255.0;
-        near(self.occupied_from) || near(self.free_to)
     }
 }

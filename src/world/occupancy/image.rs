@@ -3,46 +3,35 @@
 use std::path::Path;
 
 use super::MapError;
+use super::rules::Pixel;
 use crate::disk;
 
 /// The largest image file, in bytes.
 const MAX_BYTES: u64 = 256 << 20;
-/// The most pixels.
-const MAX_PIXELS: usize = 1 << 26;
+/// The most pixels: a square of 400 m at 5 cm. A conversion takes about 14 bytes for each.
+const MAX_PIXELS: usize = 64_000_000;
+/// The most bytes of an interlaced PNG, which cannot be read row by row.
+const MAX_INTERLACED: usize = 256 << 20;
 
-/// Grey levels, row by row from the top.
-#[derive(Debug)]
-pub(super) struct Image {
-    pub width: usize,
-    pub height: usize,
-    pub greys: Vec<u8>,
-    /// By pixel: is it opaque? Empty where all are.
-    opaque: Vec<bool>,
-}
+/// Takes the pixels of an image, row by row from the top.
+pub(super) type Take<'a> = &'a mut dyn FnMut(Pixel);
 
-impl Image {
-    /// Reads an image, whatever its name ends in.
-    pub fn load(path: &Path) -> Result<Self, MapError> {
-        let bytes = disk::read(path, MAX_BYTES).map_err(|cause| MapError::Unreadable {
-            path: path.to_owned(),
-            cause,
-        })?;
-        let image = match bytes.get(..2) {
-            Some(b"P2") => plain_pgm(&bytes),
-            Some(b"P5") => raw_pgm(&bytes),
-            Some(b"\x89P") => of_png(&bytes),
-            _ => Err("it is neither PGM (P2 or P5) nor PNG".to_owned()),
-        };
-        image.map_err(|fault| MapError::Image {
-            path: path.to_owned(),
-            fault,
-        })
-    }
-
-    /// Is the pixel opaque?
-    pub fn is_opaque(&self, at: usize) -> bool {
-        self.opaque.get(at).is_none_or(|&opaque| opaque)
-    }
+/// Reads an image, whatever its name ends in, and returns width and height.
+pub(super) fn read(path: &Path, take: Take<'_>) -> Result<[usize; 2], MapError> {
+    let bytes = disk::read(path, MAX_BYTES).map_err(|cause| MapError::Unreadable {
+        path: path.to_owned(),
+        cause,
+    })?;
+    let size = match bytes.get(..2) {
+        Some(b"P2") => plain_pgm(&bytes, take),
+        Some(b"P5") => raw_pgm(&bytes, take),
+        Some(b"\x89P") => of_png(&bytes, take),
+        _ => Err("it is neither PGM (P2 or P5) nor PNG".to_owned()),
+    };
+    size.map_err(|fault| MapError::Image {
+        path: path.to_owned(),
+        fault,
+    })
 }
 
 /// The numbers of a PGM file, which comments may interrupt.
@@ -111,10 +100,13 @@ fn check_size(width: usize, height: usize) -> Result<(), String> {
     }
 }
 
-/// A grey level as one of 256.
-fn of_256(level: usize, most: usize) -> Result<u8, String> {
+/// A pixel of a grey level.
+fn grey(level: usize, most: usize) -> Result<Pixel, String> {
     match level <= most {
-        true => Ok(((level * 255 + most / 2) / most) as u8),
+        true => Ok(Pixel {
+            colours: 3 * ((level * 65_535 + most / 2) / most) as u32,
+            alpha: None,
+        }),
         false => Err(format!(
             "a grey level is {level}, above the greatest, {most}"
         )),
@@ -122,26 +114,17 @@ fn of_256(level: usize, most: usize) -> Result<u8, String> {
 }
 
 /// PGM in decimal numbers.
-fn plain_pgm(bytes: &[u8]) -> Result<Image, String> {
+fn plain_pgm(bytes: &[u8], take: Take<'_>) -> Result<[usize; 2], String> {
     let mut numbers = Numbers::new(bytes);
     let [width, height, most] = numbers.header()?;
-    // Each level takes two bytes of the file: a lie in the header allocates nothing.
-    let few = (width * height).min(bytes.len());
-    let mut greys = Vec::with_capacity(few);
     for _ in 0..width * height {
-        greys.push(of_256(numbers.next()?, most)?);
+        take(grey(numbers.next()?, most)?);
     }
-    let opaque = Vec::new();
-    Ok(Image {
-        width,
-        height,
-        greys,
-        opaque,
-    })
+    Ok([width, height])
 }
 
 /// PGM in bytes, one or two a level.
-fn raw_pgm(bytes: &[u8]) -> Result<Image, String> {
+fn raw_pgm(bytes: &[u8], take: Take<'_>) -> Result<[usize; 2], String> {
     let mut numbers = Numbers::new(bytes);
     let [width, height, most] = numbers.header()?;
     let each = if most > 255 { 2 } else { 1 };
@@ -151,56 +134,47 @@ fn raw_pgm(bytes: &[u8]) -> Result<Image, String> {
         let found = levels.len();
         format!("it ends after {found} of the {wanted} bytes of its pixels")
     })?;
-    let level = |chunk: &[u8]| {
-        chunk
+    for level in levels.chunks_exact(each) {
+        let level = level
             .iter()
-            .fold(0, |sum, &byte| sum << 8 | usize::from(byte))
-    };
-    let greys: Result<_, _> = levels
-        .chunks_exact(each)
-        .map(|c| of_256(level(c), most))
-        .collect();
-    let (greys, opaque) = (greys?, Vec::new());
-    Ok(Image {
-        width,
-        height,
-        greys,
-        opaque,
-    })
+            .fold(0, |sum, &byte| sum << 8 | usize::from(byte));
+        take(grey(level, most)?);
+    }
+    Ok([width, height])
 }
 
-/// PNG of any colour type; colours count as the mean of their channels, as in Nav2.
-fn of_png(bytes: &[u8]) -> Result<Image, String> {
+/// PNG of any colour type.
+fn of_png(bytes: &[u8], take: Take<'_>) -> Result<[usize; 2], String> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
-    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(|fault| fault.to_string())?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
     check_size(width, height)?;
-    let size = reader.output_buffer_size().ok_or("it is too large")?;
-    // It is there up to four times on its way to a world.
-    let most = disk::room_for(bytes.len() as u64) / 4;
-    if size as u64 > most {
-        return Err(format!(
-            "it unpacks to {size} bytes, but at most {most} are accepted for a file of its size"
-        ));
+    let (colour, depth) = reader.output_color_type();
+    let (colours, has_alpha) = channels(colour)?;
+    let wide = depth == png::BitDepth::Sixteen;
+    let mut row = |samples: &[u8]| {
+        let each = (colours + usize::from(has_alpha)) * if wide { 2 } else { 1 };
+        samples
+            .chunks_exact(each)
+            .for_each(|samples| take(pixel(samples, colours, wide)));
+    };
+    if !reader.info().interlaced {
+        while let Some(samples) = reader.next_row().map_err(|fault| fault.to_string())? {
+            row(samples.data());
+        }
+        return Ok([width, height]);
     }
+    let size = reader.output_buffer_size();
+    let size = size.filter(|&size| size <= MAX_INTERLACED).ok_or_else(|| {
+        format!("it is interlaced and unpacks to more than {MAX_INTERLACED} bytes")
+    })?;
     let mut samples = vec![0; size];
     let frame = reader
         .next_frame(&mut samples)
         .map_err(|fault| fault.to_string())?;
-    let (colours, has_alpha) = channels(frame.color_type)?;
-    let each = colours + usize::from(has_alpha);
-    let pixels = || samples[..frame.buffer_size()].chunks_exact(each);
-    let opaque = match has_alpha {
-        true => pixels().map(|pixel| pixel[colours] == u8::MAX).collect(),
-        false => Vec::new(),
-    };
-    Ok(Image {
-        width,
-        height,
-        greys: pixels().map(|pixel| mean(&pixel[..colours])).collect(),
-        opaque,
-    })
+    row(&samples[..frame.buffer_size()]);
+    Ok([width, height])
 }
 
 /// How many colours a pixel has, and whether it tells besides how opaque it is.
@@ -214,7 +188,19 @@ fn channels(of: png::ColorType) -> Result<(usize, bool), String> {
     }
 }
 
-fn mean(colours: &[u8]) -> u8 {
-    let sum: usize = colours.iter().map(|&colour| usize::from(colour)).sum();
-    ((sum + colours.len() / 2) / colours.len()) as u8
+/// A pixel of one or three colours, and perhaps an opacity, of one or two bytes each.
+fn pixel(samples: &[u8], colours: usize, wide: bool) -> Pixel {
+    let level = |number: usize| match wide {
+        true => u32::from(u16::from_be_bytes([
+            samples[2 * number],
+            samples[2 * number + 1],
+        ])),
+        false => u32::from(samples[number]) * 257,
+    };
+    let count = samples.len() / if wide { 2 } else { 1 };
+    let sum: u32 = (0..colours).map(level).sum();
+    Pixel {
+        colours: sum * 3 / colours as u32,
+        alpha: (count > colours).then(|| level(colours)),
+    }
 }

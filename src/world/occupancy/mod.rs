@@ -10,6 +10,9 @@ mod header;
 mod image;
 mod passage;
 mod passages;
+mod placing;
+mod raster;
+mod rules;
 mod writing;
 
 use std::path::Path;
@@ -22,7 +25,7 @@ pub use passage::Passage;
 pub use writing::WrittenMap;
 
 use header::Header;
-use image::Image;
+use rules::Rules;
 use writing::KeptWorld;
 
 use super::Origin;
@@ -50,11 +53,16 @@ pub struct OccupancyMap {
     /// Rows of pixels.
     pub height: usize,
     /// Row by row from the top.
-    pixels: Vec<Occupancy>,
+    values: Vec<i8>,
+    rules: Rules,
     /// What a maze that was written as a map had beside its cells, and the grey levels of those.
     kept: Option<(KeptWorld, Vec<u8>)>,
-    /// Grey levels so near to a threshold that rounding decides, and how many pixels have them.
-    pub doubtful: Vec<(u8, usize)>,
+    /// Pixels that count as free, but have the grey level with which Nav2 saves unknown ones
+    /// (205): `free_thresh` is above 0.196.
+    pub unknown_as_free: usize,
+    /// Pixels that releases of Nav2 after Humble read in another way, because their grey level is
+    /// at a threshold, or because the image has an opacity.
+    pub disputed: usize,
 }
 
 impl OccupancyMap {
@@ -65,37 +73,53 @@ impl OccupancyMap {
     /// format allows; the message names file, key and value.
     pub fn load(yaml: &Path) -> Result<Self, MapError> {
         let header = Header::load(yaml)?;
-        let image = Image::load(&header.image)?;
-        let state = |grey: u8, opaque: bool| match opaque {
-            true => header.occupancy(grey),
-            false => Occupancy::Unknown,
-        };
-        let pixels = image.greys.iter().enumerate();
-        let pixels = pixels
-            .map(|(at, &grey)| state(grey, image.is_opaque(at)))
-            .collect();
+        let rules = header.rules;
+        let (mut values, mut greys) = (Vec::new(), Vec::new());
+        let (mut unknown_as_free, mut disputed) = (0, 0);
+        let [width, height] = image::read(&header.image, &mut |pixel| {
+            values.push(rules.value(pixel));
+            unknown_as_free += usize::from(rules.is_unknown_as_free(pixel));
+            disputed += usize::from(rules.is_disputed(pixel));
+            if header.kept.is_some() {
+                greys.push(pixel.grey());
+            }
+        })?;
         Ok(Self {
             resolution_m: header.resolution_m,
             origin: header.origin,
-            width: image.width,
-            height: image.height,
-            pixels,
-            doubtful: doubtful(&header, &image),
-            kept: header.kept.map(|kept| (kept, image.greys)),
+            width,
+            height,
+            values,
+            rules,
+            kept: header.kept.map(|kept| (kept, greys)),
+            unknown_as_free,
+            disputed,
         })
+    }
+
+    /// The value of a pixel, counted from the upper left one, as Nav2's map server of ROS 2 Humble
+    /// publishes it: 0 free, 100 occupied, -1 unknown, or between 0 and 100 in the modes `scale` and
+    /// `raw`. Beyond the image -1.
+    pub fn value(&self, col: usize, row: usize) -> i8 {
+        match col < self.width && row < self.height {
+            true => self.values[row * self.width + col],
+            false => rules::UNKNOWN,
+        }
+    }
+
+    /// What is known of the pixels, row by row from the top.
+    fn occupancies(&self) -> impl Iterator<Item = Occupancy> + '_ {
+        self.values.iter().map(|&value| self.rules.occupancy(value))
     }
 
     /// What is known of a pixel, counted from the upper left one; beyond the image nothing is.
     pub fn at(&self, col: usize, row: usize) -> Occupancy {
-        match col < self.width && row < self.height {
-            true => self.pixels[row * self.width + col],
-            false => Occupancy::Unknown,
-        }
+        self.rules.occupancy(self.value(col, row))
     }
 
     /// How many pixels are free, occupied and unknown.
     pub fn counts(&self) -> [usize; 3] {
-        let count = |wanted| self.pixels.iter().filter(|&&one| one == wanted).count();
+        let count = |wanted| self.occupancies().filter(|&one| one == wanted).count();
         [Occupancy::Free, Occupancy::Occupied, Occupancy::Unknown].map(count)
     }
 
@@ -109,17 +133,4 @@ impl OccupancyMap {
         let y = (self.height as f64 - row as f64 - 0.5) * self.resolution_m;
         self.origin.to_map(Point2::new(x, y)).into()
     }
-}
-
-/// The grey levels in the image within 1/255 of a threshold.
-fn doubtful(header: &Header, image: &Image) -> Vec<(u8, usize)> {
-    let mut counts = [0_usize; 256];
-    image
-        .greys
-        .iter()
-        .for_each(|&grey| counts[usize::from(grey)] += 1);
-    let levels = (0..=u8::MAX).zip(counts);
-    levels
-        .filter(|&(grey, count)| count > 0 && header.is_doubtful(grey))
-        .collect()
 }

@@ -88,7 +88,7 @@ struct Growth<'a> {
 
 impl<'a> Growth<'a> {
     fn new(cells: &'a Cells<'a>, area: &[u32]) -> Self {
-        let (width, height) = (cells.map.width, cells.map.height);
+        let (width, height) = (cells.raster.map.width, cells.raster.map.height);
         let mut growth = Self {
             cells,
             owner: vec![NOWHERE; width * height],
@@ -117,7 +117,7 @@ impl<'a> Growth<'a> {
 
     /// The pixels beside one.
     fn beside(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
-        let (width, height) = (self.cells.map.width, self.cells.map.height);
+        let (width, height) = (self.cells.raster.map.width, self.cells.raster.map.height);
         let (col, row) = (pixel % width, pixel / width);
         let beside = [
             (col > 0).then(|| pixel - 1),
@@ -131,9 +131,9 @@ impl<'a> Growth<'a> {
     /// Grows from a pixel to the one beside it; where another area is already, the two areas and the
     /// passage between them.
     fn step(&mut self, pixel: usize, other: usize) -> Option<([u32; 2], Passage)> {
-        let width = self.cells.map.width;
+        let width = self.cells.raster.map.width;
         if self.owner[other] == NOWHERE {
-            if self.cells.is_free_pixel(other % width, other / width) {
+            if self.cells.raster.is_free(other % width, other / width) {
                 self.owner[other] = self.owner[pixel];
                 self.narrowest[other] = self.narrower(other as u32, self.narrowest[pixel]);
                 self.next.push_back(other as u32);
@@ -144,8 +144,8 @@ impl<'a> Growth<'a> {
         let least = self.narrower(self.narrowest[pixel], self.narrowest[other]) as usize;
         (areas[0] != areas[1]).then(|| {
             let passage = Passage {
-                at_m: self.cells.map.in_map_m(least % width, least / width),
-                width_m: f64::from(self.widths[least]) * self.cells.map.resolution_m,
+                at_m: self.cells.raster.map.in_map_m(least % width, least / width),
+                width_m: f64::from(self.widths[least]) * self.cells.raster.map.resolution_m,
             };
             (areas, passage)
         })
@@ -188,7 +188,7 @@ fn areas(cells: &Cells<'_>) -> (Vec<u32>, usize) {
 /// By pixel: the length of the shortest run of free pixels through it, over the four directions.
 /// Each line of the image is walked once.
 fn widths_px(cells: &Cells<'_>) -> Vec<f32> {
-    let (width, height) = (cells.map.width, cells.map.height);
+    let (width, height) = (cells.raster.map.width, cells.raster.map.height);
     let mut widths = vec![f32::INFINITY; width * height];
     let (left, right) = (
         (0..height).map(|row| (0, row)),
@@ -217,7 +217,7 @@ fn shorten(
     (dx, dy): (isize, isize),
     pixel: f32,
 ) {
-    let (width, height) = (cells.map.width, cells.map.height);
+    let (width, height) = (cells.raster.map.width, cells.raster.map.height);
     let next = |&(col, row): &(usize, usize)| {
         let next = (col.checked_add_signed(dx)?, row.checked_add_signed(dy)?);
         (next.0 < width && next.1 < height).then_some(next)
@@ -229,7 +229,7 @@ fn shorten(
             .for_each(|at| widths[at] = widths[at].min(length));
     };
     for (col, row) in std::iter::successors(Some(first), next) {
-        match cells.is_free_pixel(col, row) {
+        match cells.raster.is_free(col, row) {
             true => run.push(row * width + col),
             false => end(&mut run),
         }
