@@ -23,7 +23,7 @@ pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
 pub use read::{Difference, Finding, FindingKind, check, compare, reader};
 pub use repair::{Recovery, recover};
-pub(crate) use ros::RosBag;
+pub(crate) use ros::{RosBag, RosRobot};
 #[cfg(feature = "live")]
 pub use serve::live;
 pub use serve::server;

@@ -5,11 +5,12 @@ use super::evaluation::evaluation_plan;
 use super::folder::RunFolder;
 use super::source::Source;
 use crate::agent::Knowledge;
-use crate::record::{Extent, RosBag};
+use crate::arena::ArenaKind;
+use crate::record::{Extent, RosBag, RosRobot};
 use crate::trial::{Evaluation, Plan, Trial};
 
 impl RunFolder {
-    /// The run as an MCAP file for ROS 2: `/tf`, `/odom`, `/map`, and `/scan` of a robot that senses.
+    /// The run as an MCAP file for ROS 2, with the topics of `docs/src/recordings.md`.
     /// The same run gives the same bytes.
     ///
     /// # Errors
@@ -41,9 +42,20 @@ impl Source {
     }
 }
 
+/// The robot of a plan. Its lengths are for cells of 1 m, and scale with the cell.
+fn robot(plan: &Plan) -> RosRobot {
+    let (physics, size_m) = (&plan.config.settings.physics, plan.maze.cell_size_m());
+    let has_wheels = plan.config.arena == ArenaKind::Physics;
+    RosRobot {
+        wheel_base_m: has_wheels.then_some(physics.wheel_base_m * size_m),
+        lidar: physics.lidar.clone(),
+        range_max_m: physics.lidar.range_m * size_m,
+    }
+}
+
 /// Drives again, and writes one episode or all.
 fn bag(plan: &Plan, evaluated: Option<&Knowledge>, only: Option<u32>) -> Result<Vec<u8>, RunError> {
-    let mut bag = RosBag::new(only, plan.config.settings.physics.lidar.range_m)?;
+    let mut bag = RosBag::new(only, robot(plan))?;
     // A break comes from the bag, whose fault `finish` gives out.
     match evaluated {
         Some(knowledge) => {

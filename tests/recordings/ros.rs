@@ -65,25 +65,28 @@ fn a_recording_for_ros_has_its_encoding_and_the_same_bytes_again() {
     assert_eq!(transforms.channel.message_encoding, "cdr");
     assert_eq!(transforms.data[..4], [0, 1, 0, 0], "little-endian");
     let mut cdr = Cdr(&transforms.data[4..], 0);
-    assert_eq!(cdr.u32(), 2, "what is believed, and what is true");
+    assert_eq!(cdr.u32(), 2, "map to odom, and odom to base_link");
     let (seconds, rest_ns) = (cdr.u32(), cdr.u32());
     let stamp_ns = u64::from(seconds) * 1_000_000_000 + u64::from(rest_ns);
     assert_eq!(stamp_ns, transforms.log_time);
     assert_eq!(
         (cdr.text(), cdr.text()),
-        ("map".to_owned(), "base_link".to_owned())
+        ("map".to_owned(), "odom".to_owned())
     );
     // The start of Maze4 is the middle of cell 1,1, counted from the upper left; east is 0.
     let numbers: Vec<f64> = (0..7).map(|_| cdr.f64()).collect();
     assert_eq!(numbers, [1.5, 6.5, 0.0, 0.0, 0.0, 0.0, 1.0]);
-    assert!(messages.iter().any(|m| m.channel.topic == "/scan"));
-    assert_eq!(
-        messages
-            .iter()
-            .filter(|m| m.channel.topic == "/map")
-            .count(),
-        1
-    );
+    let times: Vec<u64> = messages.iter().map(|message| message.log_time).collect();
+    assert!(times.is_sorted(), "messages out of the order of time");
+    for (topic, durability) in [("/map", 1), ("/tf_static", 1), ("/tf", 2), ("/scan", 2)] {
+        let of_topic = messages.iter().filter(|m| m.channel.topic == topic);
+        assert_eq!(of_topic.count() == 1, durability == 1, "{topic}");
+        let qos = &first(topic).channel.metadata["offered_qos_profiles"];
+        assert!(
+            qos.contains(&format!("\n  durability: {durability}\n")),
+            "{topic}: {qos}"
+        );
+    }
 
     let story = at("run/story.mcap");
     let refused = ["replay", &story, "--ros", "-o", &at("story.mcap")];

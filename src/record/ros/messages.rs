@@ -1,16 +1,22 @@
 //! Messages of ROS 2, field by field as its interface definitions have them.
 
-use foxglove::messages::LaserScan as Scan;
+use std::f64::consts::TAU;
+
 use nalgebra::{Isometry2, Matrix3};
 use serde::Serialize;
 use serde::ser::{SerializeTuple, Serializer};
 
+use crate::arena::LidarParams;
 use crate::world::Maze;
 
-/// The frame of the world, the robot's own, and where the robot really is.
-const MAP: &str = "map";
-const BASE: &str = "base_link";
-const TRUE_BASE: &str = "base_link_true";
+/// The frames of REP 105: the world, where dead reckoning began, and the robot.
+pub const MAP: &str = "map";
+pub const ODOM: &str = "odom";
+pub const BASE: &str = "base_link";
+/// The lidar, in the middle of the robot.
+pub const LASER: &str = "base_scan";
+/// Where the robot really is, which no robot knows.
+pub const TRUE_BASE: &str = "base_link_true";
 /// A cell of an occupancy grid that is occupied, in percent.
 const OCCUPIED: i8 = 100;
 
@@ -82,6 +88,13 @@ pub struct Odometry {
     twist: TwistWithCovariance,
 }
 
+/// `geometry_msgs/msg/PoseWithCovarianceStamped`.
+#[derive(Debug, Serialize)]
+pub struct EstimatedPose {
+    header: Header,
+    pose: PoseWithCovariance,
+}
+
 /// `sensor_msgs/msg/LaserScan`.
 #[derive(Debug, Serialize)]
 pub struct LaserScan {
@@ -93,7 +106,7 @@ pub struct LaserScan {
     scan_time: f32,
     range_min: f32,
     range_max: f32,
-    ranges: Vec<f32>,
+    pub ranges: Vec<f32>,
     intensities: Vec<f32>,
 }
 
@@ -177,44 +190,38 @@ fn pose(pose: &Isometry2<f64>) -> Pose {
 }
 
 impl Transforms {
-    /// Where the robot believes to be, if it has to believe, and where it is.
-    pub fn new(time_ns: u64, truth: &Isometry2<f64>, belief: Option<&Isometry2<f64>>) -> Self {
-        let frame = |child_frame_id, at| TransformStamped {
-            header: header(time_ns, MAP),
-            child_frame_id,
-            transform: pose(at),
-        };
-        let transforms = match belief {
-            Some(belief) => vec![frame(BASE, belief), frame(TRUE_BASE, truth)],
-            None => vec![frame(BASE, truth)],
-        };
-        Self { transforms }
+    /// Where each frame is in its parent: parent, child and pose.
+    pub fn new(time_ns: u64, frames: &[(&'static str, &'static str, Isometry2<f64>)]) -> Self {
+        let frame =
+            |(parent, child, at): &(&'static str, &'static str, Isometry2<f64>)| TransformStamped {
+                header: header(time_ns, parent),
+                child_frame_id: child,
+                transform: pose(at),
+            };
+        Self {
+            transforms: frames.iter().map(frame).collect(),
+        }
     }
 }
 
 impl Odometry {
-    /// A pose with its covariance, and how the robot came there from the last pose, `since_s`
-    /// seconds ago.
+    /// The pose of the frame `child` in its parent, and how it moved there in the last `since_s`
+    /// seconds, in its own frame. Covariances are 0, as of what is not known.
     pub fn new(
         time_ns: u64,
+        [parent, child]: [&'static str; 2],
         at: &Isometry2<f64>,
-        covariance: &Matrix3<f64>,
-        (last, since_s): (&Isometry2<f64>, f64),
+        (moved, since_s): (&Isometry2<f64>, f64),
     ) -> Self {
-        let moved = last.inverse() * at;
-        let along = |speed: [f64; 3]| Vector3 {
-            x: speed[0],
-            y: speed[1],
-            z: speed[2],
-        };
+        let along = |[x, y, z]: [f64; 3]| Vector3 { x, y, z };
         let per_second = |way: f64| if since_s > 0.0 { way / since_s } else { 0.0 };
         let [x, y] = [moved.translation.x, moved.translation.y].map(per_second);
         Self {
-            header: header(time_ns, MAP),
-            child_frame_id: BASE,
+            header: header(time_ns, parent),
+            child_frame_id: child,
             pose: PoseWithCovariance {
                 pose: pose(at),
-                covariance: Covariance::on_floor(covariance),
+                covariance: Covariance([0.0; 36]),
             },
             twist: TwistWithCovariance {
                 linear: along([x, y, 0.0]),
@@ -225,21 +232,35 @@ impl Odometry {
     }
 }
 
-impl LaserScan {
-    /// The beams of a scan; `range_max_m` is as far as the lidar sees.
-    pub fn new(time_ns: u64, scan: &Scan, range_max_m: f64) -> Self {
-        let gaps = scan.ranges.len().saturating_sub(1).max(1);
-        let increment = (scan.end_angle - scan.start_angle) / gaps as f64;
+impl EstimatedPose {
+    /// Where the robot estimates to be on the map, and the covariance of x, y and the heading.
+    pub fn new(time_ns: u64, at: &Isometry2<f64>, covariance: &Matrix3<f64>) -> Self {
         Self {
-            header: header(time_ns, BASE),
-            angle_min: scan.start_angle as f32,
-            angle_max: scan.end_angle as f32,
-            angle_increment: increment as f32,
-            time_increment: 0.0,
-            scan_time: 0.0,
-            range_min: 0.0,
+            header: header(time_ns, MAP),
+            pose: PoseWithCovariance {
+                pose: pose(at),
+                covariance: Covariance::on_floor(covariance),
+            },
+        }
+    }
+}
+
+impl LaserScan {
+    /// A whole turn of such a lidar, whose first beam went ahead at `time_ns`.
+    pub fn new(time_ns: u64, lidar: &LidarParams, range_max_m: f64, ranges: Vec<f32>) -> Self {
+        let beams = f64::from(lidar.beams);
+        let (apart_rad, turn_s) = (TAU / beams, 1.0 / lidar.rate_hz);
+        let nearest_share = lidar.nearest_m / lidar.range_m;
+        Self {
+            header: header(time_ns, LASER),
+            angle_min: 0.0,
+            angle_max: (apart_rad * (beams - 1.0)) as f32,
+            angle_increment: apart_rad as f32,
+            time_increment: (turn_s / beams) as f32,
+            scan_time: turn_s as f32,
+            range_min: (nearest_share * range_max_m) as f32,
             range_max: range_max_m as f32,
-            ranges: scan.ranges.iter().map(|&range| range as f32).collect(),
+            ranges,
             intensities: Vec::new(),
         }
     }

@@ -24,3 +24,7 @@ pub const GRID: Interface = Interface {
     name: "nav_msgs/msg/OccupancyGrid",
     definition: include_str!("OccupancyGrid.msg"),
 };
+pub const POSE: Interface = Interface {
+    name: "geometry_msgs/msg/PoseWithCovarianceStamped",
+    definition: include_str!("PoseWithCovarianceStamped.msg"),
+};

@@ -58,7 +58,7 @@ fn range(beam: &Beam) -> f64 {
 }
 
 /// The angle of a rotation in radians, from 0 to a full turn.
-pub(super) fn angle(rotation: nalgebra::UnitComplex<f64>) -> f64 {
+pub(in crate::record) fn angle(rotation: nalgebra::UnitComplex<f64>) -> f64 {
     let angle_rad = libm::atan2(rotation.im, rotation.re);
     if angle_rad < 0.0 {
         angle_rad + TAU

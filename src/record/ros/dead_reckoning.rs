@@ -1,0 +1,105 @@
+//! Where a robot would believe to be that only counts what its wheels roll.
+
+use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
+
+use crate::arena::Sample;
+
+/// A pose that never jumps and drifts away from the true one (REP 105): the frame `odom`.
+pub struct DeadReckoning {
+    /// The distance between the wheels in metres; `None` of a robot that moves without wheels.
+    wheel_base_m: Option<f64>,
+    pose: Isometry2<f64>,
+    last: Option<Sample>,
+}
+
+/// A step of dead reckoning.
+pub struct Motion {
+    /// The robot in the frame in which dead reckoning began.
+    pub pose: Isometry2<f64>,
+    /// How it moved since the last moment, in its own frame ...
+    pub moved: Isometry2<f64>,
+    /// ... how it really moved, ...
+    pub truly_moved: Isometry2<f64>,
+    /// ... and for how long, in seconds.
+    pub since_s: f64,
+}
+
+impl DeadReckoning {
+    /// At the origin of its own frame.
+    pub fn new(wheel_base_m: Option<f64>) -> Self {
+        Self {
+            wheel_base_m,
+            pose: Isometry2::identity(),
+            last: None,
+        }
+    }
+
+    /// The robot is put somewhere else: that is no motion.
+    pub fn put_down(&mut self) {
+        self.last = None;
+    }
+
+    /// Goes on to the next moment.
+    pub fn step(&mut self, now: &Sample) -> Motion {
+        let last = self.last.replace(*now).unwrap_or(*now);
+        let truly_moved = last.robot_in_world.inverse() * now.robot_in_world;
+        let moved = match self.wheel_base_m {
+            Some(base_m) => rolled(last.wheel_travel_m, now.wheel_travel_m, base_m),
+            None => truly_moved,
+        };
+        self.pose *= moved;
+        self.pose.rotation.renormalize();
+        Motion {
+            pose: self.pose,
+            moved,
+            truly_moved,
+            since_s: now.time_ns.saturating_sub(last.time_ns) as f64 * 1e-9,
+        }
+    }
+}
+
+/// The arc of a robot whose left and right wheel rolled from `from` to `to`.
+fn rolled(from: [f64; 2], to: [f64; 2], base_m: f64) -> Isometry2<f64> {
+    let [left, right] = [to[0] - from[0], to[1] - from[1]];
+    let (way, half_rad) = ((left + right) / 2.0, (right - left) / base_m / 2.0);
+    let (sine, cosine) = libm::sincos(half_rad);
+    let chord = if half_rad == 0.0 {
+        way
+    } else {
+        way * sine / half_rad
+    };
+    let half = UnitComplex::new_unchecked(Complex::new(cosine, sine));
+    Isometry2::from_parts(Translation2::new(chord * cosine, chord * sine), half * half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    fn sample(time_ns: u64, wheel_travel_m: [f64; 2]) -> Sample {
+        Sample {
+            time_ns,
+            robot_in_world: Isometry2::identity(),
+            wheel_travel_m,
+        }
+    }
+
+    #[test]
+    fn wheels_that_roll_alike_lead_straight_on_and_others_along_an_arc() {
+        let mut reckoning = DeadReckoning::new(Some(0.5));
+        reckoning.step(&sample(0, [0.0, 0.0]));
+        let motion = reckoning.step(&sample(500_000_000, [1.0, 1.0]));
+        assert_eq!(motion.pose.translation.vector.as_slice(), [1.0, 0.0]);
+        assert_eq!(motion.since_s, 0.5);
+        // A quarter of a circle to the left, of radius 1, and back to where the robot was put down.
+        let travel = [1.0 + 0.75 * FRAC_PI_2, 1.0 + 1.25 * FRAC_PI_2];
+        let pose = reckoning.step(&sample(1, travel)).pose;
+        let missing = pose.translation.vector - nalgebra::Vector2::new(2.0, 1.0);
+        assert!(missing.norm() < 1e-12, "{pose}");
+        assert!((pose.rotation.angle() - PI / 2.0).abs() < 1e-12, "{pose}");
+        reckoning.put_down();
+        let after = reckoning.step(&sample(2, [0.0, 0.0]));
+        assert_eq!((after.pose, after.since_s), (pose, 0.0));
+    }
+}
