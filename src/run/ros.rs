@@ -42,14 +42,14 @@ impl Source {
     }
 }
 
-/// The robot of a plan. Its lengths are for cells of 1 m, and scale with the cell.
+/// The robot of a plan.
 fn robot(plan: &Plan) -> RosRobot {
-    let (physics, size_m) = (&plan.config.settings.physics, plan.maze.cell_size_m());
+    let physics = &plan.config.settings.physics;
     let has_wheels = plan.config.arena == ArenaKind::Physics;
     RosRobot {
-        wheel_base_m: has_wheels.then_some(physics.wheel_base_m * size_m),
+        wheel_base_m: has_wheels.then_some(physics.wheel_base_m),
         lidar: physics.lidar.clone(),
-        range_max_m: physics.lidar.range_m * size_m,
+        range_max_m: physics.lidar.range_m,
     }
 }
 

@@ -284,7 +284,7 @@ impl OccupancyGrid {
                 resolution: maze.cell_size_m() as f32,
                 width: maze.width().into(),
                 height: maze.height().into(),
-                origin: pose(&Isometry2::identity()),
+                origin: pose(&maze.grid_in_map().unwrap_or_else(Isometry2::identity)),
             },
             data: data.collect(),
         }
