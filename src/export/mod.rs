@@ -3,7 +3,8 @@
 //! Rules keep voting as they do here, but in whole numbers, so that a microcontroller without
 //! floating point chooses the same action. [`Ballot`] finds the fewest bits with which it does.
 //! Rules with a memory come with their charts as a table, and with a tracker that follows the robot on
-//! them (`memory`), and where percepts were misread with the filter of these (`filter`).
+//! them (`memory`), and where percepts were misread with the filter of these (`filter`). Source code also
+//! leads from a pose in metres to a percept (`frame`).
 
 mod ballot;
 mod c99;
@@ -11,6 +12,7 @@ mod comments;
 mod data;
 mod dot;
 mod filter;
+mod frame;
 mod memory;
 mod origin;
 mod policy;
@@ -19,6 +21,7 @@ mod rust;
 
 pub use ballot::{Ballot, ExportError, Vote};
 use filter::{Addition, Filter};
+use frame::Form;
 pub use origin::Origin;
 pub use policy::Policy;
 use strum::{IntoStaticStr, VariantArray};
@@ -54,17 +57,34 @@ impl Target {
     pub fn text(self, policy: &Policy, origin: &Origin) -> String {
         let ballot = policy.ballot();
         let more = policy.filter().map(|filter| self.addition(ballot, filter));
-        let more = more.unwrap_or_default();
+        let mut more = more.unwrap_or_default();
+        let form = match policy.charts() {
+            None => Form::Bytes,
+            Some(_) => Form::Number,
+        };
+        more.code.push_str(&self.frame(origin, form));
         match (self, policy.charts()) {
             (Self::C99, None) => c99::text(ballot, origin, &more),
-            (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, origin),
+            (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, origin, &more.code),
             (Self::Rust, None) => rust::text(ballot, origin, &more),
-            (Self::Rust, Some(charts)) => memory::rust::text(ballot, charts, origin),
+            (Self::Rust, Some(charts)) => memory::rust::text(ballot, charts, origin) + &more.code,
             (Self::Python, None) => python::text(ballot, origin, &more),
-            (Self::Python, Some(charts)) => memory::python::text(ballot, charts, origin),
+            (Self::Python, Some(charts)) => {
+                memory::python::text(ballot, charts, origin) + &more.code
+            }
             (Self::Csv, _) => data::csv(ballot, origin),
             (Self::Json, _) => data::json(policy, origin),
             (Self::Dot, _) => dot::text(ballot, origin),
+        }
+    }
+
+    /// What source code has to get from a pose to a percept.
+    fn frame(self, origin: &Origin, form: Form) -> String {
+        match self {
+            Self::C99 => frame::c99(origin, form),
+            Self::Rust => frame::rust(origin, form),
+            Self::Python => frame::python(origin, form),
+            Self::Csv | Self::Json | Self::Dot => String::new(),
         }
     }
 

@@ -13,10 +13,21 @@ use xcs::{Action, Condition};
 pub struct Origin {
     maze: Maze,
     sensor: Sensor,
+    /// The robot's figures, in physics.
+    robot: Option<Robot>,
     /// Do conditions demand more than percepts tell?
     remembers: bool,
     /// What is known of the run.
     pub(super) facts: Facts,
+}
+
+/// The robot's figures, in metres, m/s and rad/s.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Robot {
+    pub radius_m: f64,
+    pub wheel_base_m: f64,
+    pub max_speed_mps: f64,
+    pub max_turn_radps: f64,
 }
 
 /// The run that a policy comes from.
@@ -55,9 +66,30 @@ impl Origin {
         Self {
             maze: maze.clone(),
             sensor: config.sensor,
+            robot: config.robot().map(|robot| Robot {
+                radius_m: robot.radius_m,
+                wheel_base_m: robot.wheel_base_m,
+                max_speed_mps: robot.max_speed_mps,
+                max_turn_radps: robot.max_turn_radps,
+            }),
             remembers: knowledge.remembers(),
             facts,
         }
+    }
+
+    /// The world.
+    pub(super) fn maze(&self) -> &Maze {
+        &self.maze
+    }
+
+    /// The percept.
+    pub(super) fn sensor(&self) -> Sensor {
+        self.sensor
+    }
+
+    /// The robot's figures; `None` on the grid.
+    pub(super) fn robot(&self) -> Option<Robot> {
+        self.robot
     }
 
     /// The facts as lines for a comment. Names of worlds hold nothing that ends one.

@@ -28,7 +28,7 @@ def decide(percept):
 pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String {
     let mut text = COMMENTS.head(ballot, origin);
     text.push_str(&more.usage);
-    text.push_str("\n# What each bit of a percept says when it is 1.\n");
+    text.push_str("\nimport math\n\n# What each bit of a percept says when it is 1.\n");
     text.push_str(&names(ballot, ballot.width(), origin));
     text.push_str("\n# Condition, action, weight, worth.\nRULES = [\n");
     for Vote {

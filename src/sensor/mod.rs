@@ -93,6 +93,17 @@ impl Sensor {
         }
     }
 
+    /// How many bits, the last of the percept, tell the robot's column and its row; none of most percepts.
+    pub(crate) fn place_bits(self, maze: &Maze) -> [usize; 2] {
+        let of_column = position::col_width(maze);
+        match self {
+            Self::Neighbours | Self::Lidar | Self::LidarRanges | Self::LidarBeams => [0; 2],
+            Self::Position | Self::NeighboursPosition | Self::LidarPosition => {
+                [of_column, position::width(maze) - of_column]
+            }
+        }
+    }
+
     /// How many bits, the first of the percept, lie in a ring around the robot, clockwise from
     /// the way of the first of so many moves; 0 if none do, or if the ring has no equal part for each move.
     pub fn ring(self, moves: usize) -> usize {

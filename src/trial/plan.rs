@@ -6,7 +6,7 @@ use super::settings::Settings;
 use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
 use crate::arena::{
     Arena, ArenaKind, GridArena, Localisation, MisreadingArena, PhysicsArena, PhysicsError,
-    RewardingArena, SlippingArena,
+    PhysicsParams, RewardingArena, SlippingArena,
 };
 use crate::sensor::Sensor;
 use crate::world::Maze;
@@ -73,6 +73,11 @@ impl Config {
         let localisation = self.settings.physics.localisation;
         self.arena == ArenaKind::Physics
             && (self.sensor.is_sensed() || localisation == Localisation::Estimated)
+    }
+
+    /// The robot that drives; `None` on the grid.
+    pub(crate) fn robot(&self) -> Option<&PhysicsParams> {
+        (self.arena == ArenaKind::Physics).then_some(&self.settings.physics)
     }
 
     /// The noise level: 0 on the grid.

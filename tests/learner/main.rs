@@ -10,6 +10,7 @@ mod ceilings;
 mod examples;
 mod exporting;
 mod exporting_filter;
+mod exporting_frame;
 mod exporting_memory;
 mod exporting_refusals;
 mod knowledge;

@@ -176,7 +176,9 @@ class Tracker:
 pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
     let mut text = COMMENTS.head(ballot, origin);
     text.push_str(&COMMENTS.of(&usage(&CALLS, charts)));
-    text.push_str("\n# What each bit of a percept says when it is 1, the lowest first.\n");
+    text.push_str(
+        "\nimport math\n\n# What each bit of a percept says when it is 1, the lowest first.\n",
+    );
     text.push_str(&names(ballot, PERCEPT_BITS, origin));
     text.push('\n');
     text.push_str(&states(charts));

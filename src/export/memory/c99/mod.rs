@@ -76,8 +76,8 @@ xcscr_context(&tracker) tells where the robot is believed to be: x cells to the 
 of its chart, y to the north.
 ";
 
-/// The header.
-pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
+/// The header, with more code at its end.
+pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin, more: &str) -> String {
     let mut text = String::from("/*\n");
     text.push_str(&COMMENTS.head(ballot, origin));
     let costs = costs(ballot, charts);
@@ -96,6 +96,8 @@ pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
     text.push_str(&votes.replace("{WORTH}", &format!("uint{}_t", size.worth)));
     text.push_str(&rules(ballot, origin));
     text.push_str(&tracker(charts));
+    text.push_str(more);
+    text.push_str("\n#endif\n");
     text
 }
 

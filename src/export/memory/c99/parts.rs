@@ -235,6 +235,4 @@ static inline int8_t xcscr_perceive(struct xcscr_tracker *tracker, uint16_t perc
     tracker->action = xcscr_decide(&context);
     return tracker->action;
 }
-
-#endif
 ";
