@@ -1,5 +1,6 @@
 //! Exported source code leads from a pose in metres to a percept as the simulator does.
 
+mod onboard;
 mod programs;
 mod scans;
 
