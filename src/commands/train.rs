@@ -38,7 +38,8 @@ pub struct TrainArgs {
     /// Where the robot acts: in simulated physics, or on the bare grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
-    /// What the robot perceives [default: lidar in physics, neighbours on the grid].
+    /// What the robot perceives [default: lidar in physics, neighbours on the grid; in large worlds
+    /// with cells that look alike, the robot's cell as well].
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
     /// Number of episodes.
@@ -96,11 +97,25 @@ impl TrainArgs {
         };
         let maze = Maze::load(world)?;
         let plan = Plan { maze, config };
-        Ok(match self.method {
-            Some(_) => plan,
-            None => with_usual_method(plan),
+        Ok(match (self.method, self.sensor) {
+            (Some(_), _) => plan,
+            (None, Some(_)) => with_usual_method(plan),
+            (None, None) => with_usual_sensor(with_usual_method(plan)),
         })
     }
+}
+
+/// The same on the percept that suits it; if that is another than most plans have, says so.
+fn with_usual_sensor(plan: Plan) -> Plan {
+    let (sensor, before) = (plan.usual_sensor(), plan.config.sensor);
+    if sensor != before {
+        say(&format!(
+            "note: the sensor `{}` cannot distinguish some cells; learning with `{}` (`--sensor` overrides)",
+            before.name(),
+            sensor.name()
+        ));
+    }
+    plan.sensor(sensor)
 }
 
 /// The same by the method that suits it; if that is another than most plans have, says so.

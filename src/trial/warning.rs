@@ -72,6 +72,17 @@ impl Plan {
             false => Method::XcscrPlus,
         }
     }
+
+    /// Returns the percept to take where neither a method nor a percept is asked for: the plan's own, or one
+    /// with the robot's cell where cells look alike and the world is too large for `xcscr-memory`.
+    pub fn usual_sensor(&self) -> Sensor {
+        let Self { maze, config } = &self.clone().settled();
+        let paths = || Paths::with_slip(maze, config.settings.arena.slip);
+        match is_charted(config.sensor, maze) || look_alike(config, maze, &paths()).is_none() {
+            true => config.sensor,
+            false => with_position(config.sensor),
+        }
+    }
 }
 
 fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
@@ -97,7 +108,11 @@ fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
 
 /// Does the percept show the cells around the robot, in a world that is no larger than was tried?
 fn is_charted(sensor: Sensor, maze: &Maze) -> bool {
-    sensor.begins_with_neighbours() && maze.width().max(maze.height()) <= CHARTED
+    sensor.begins_with_neighbours() && is_small(maze)
+}
+
+fn is_small(maze: &Maze) -> bool {
+    maze.width().max(maze.height()) <= CHARTED
 }
 
 fn out_of_reach(maze: &Maze) -> Option<Warning> {
@@ -119,7 +134,19 @@ fn telling_apart(sensor: Sensor, maze: &Maze, paths: &Paths) -> Sensor {
     let mut sensed = Sensor::ALL.iter().copied().filter(|_| sensor.is_sensed());
     let sound =
         sensed.find(|&other| other.is_sensed() && misleading(other, maze, paths).is_empty());
-    sound.unwrap_or(Sensor::NeighboursPosition)
+    match is_small(maze) {
+        true => sound.unwrap_or(Sensor::NeighboursPosition),
+        // In large worlds wide percepts generalise too little: of 44 x 36 cells, `lidar-beams` learned nothing.
+        false => with_position(sensor),
+    }
+}
+
+/// The percept with the robot's cell: of a robot that senses, the estimated one.
+fn with_position(sensor: Sensor) -> Sensor {
+    match sensor.is_sensed() {
+        true => Sensor::LidarPosition,
+        false => Sensor::NeighboursPosition,
+    }
 }
 
 impl Warning {
@@ -306,6 +333,19 @@ mod tests {
         assert!(named[0].ends_with(way_out), "{named:?}");
         assert_eq!(said(Method::Xcscr, Sensor::NeighboursPosition), [""; 0]);
         assert_eq!(said(Method::XcscrMemory, Sensor::Neighbours), [""; 0]);
+    }
+
+    #[test]
+    fn in_large_worlds_where_cells_mislead_the_usual_percept_has_the_position() {
+        let usual = |world, sensor| Plan::new(maze(world)).sensor(sensor).usual_sensor();
+        assert_eq!(usual("dfs-48-1", Sensor::Lidar), Sensor::LidarPosition);
+        let looked_up = usual("dfs-48-1", Sensor::Neighbours);
+        assert_eq!(looked_up, Sensor::NeighboursPosition);
+        // Controls: small enough for a memory, and cells that do not mislead.
+        assert_eq!(usual("dfs-12-1", Sensor::Lidar), Sensor::Lidar);
+        assert_eq!(usual("maze4", Sensor::Lidar), Sensor::Lidar);
+        let said = said("dfs-48-1", Method::XcscrPlus, Sensor::Lidar, &[]).concat();
+        assert!(said.contains("try `--sensor lidar-position`"), "{said}");
     }
 
     #[test]
