@@ -62,7 +62,7 @@ pub struct Sensed<'a> {
     pub estimates: &'a [Estimate],
     /// The beams of its lidar, oldest first.
     pub beams: &'a [Beam],
-    /// Is it lost: does it believe to stand in another cell than the one it stands in? Only an
-    /// observer can know.
+    /// Is it mislocalised: is it in another cell than its estimate, which may lie in a wall or outside
+    /// of the maze? Only an observer can know.
     pub lost: bool,
 }

@@ -7,7 +7,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::kit::tally::{Tally, mean, quantile, script};
+use crate::kit::tally::{Tally, mean, quantile, script, true_cell};
 use xcscr::agent::Method;
 use xcscr::arena::{Arena, Care, FaultParams, Localisation, PhysicsArena, PhysicsParams, Snapshot};
 use xcscr::episode::Mistakes;
@@ -401,6 +401,23 @@ fn the_cell_in_a_sensed_percept_is_that_of_the_estimate_even_where_the_map_has_a
         in_walls += u32::from(view.maze.is_wall(cell));
     }
     assert!(in_walls > 0, "a lost robot believes to stand in a wall");
+}
+
+#[test]
+fn a_robot_whose_estimate_lies_in_a_wall_or_outside_is_lost() {
+    let mut params = senses(1.0);
+    params.lidar.fitted = false;
+    let (mut robot, mut in_walls) = (arena("maze5", &params, 1), 0);
+    for action in script(1, 600) {
+        robot.act(action);
+        let view = robot.view();
+        let sensed = view.sensed.unwrap();
+        let estimate = sensed.estimates.last().unwrap().robot_in_world;
+        let cell = view.maze.cell_at(estimate.translation.vector.into());
+        assert_eq!(sensed.lost, cell != Some(true_cell(&view)), "{cell:?}");
+        in_walls += u32::from(cell.is_none_or(|cell| view.maze.is_wall(cell)));
+    }
+    assert!(in_walls > 0, "control: the estimate goes astray");
 }
 
 /// Learned by `xcscr-plus` in a world of 20 x 20 rooms, from what the robot senses.

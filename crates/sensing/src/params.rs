@@ -80,11 +80,6 @@ impl LidarParams {
         (0..self.beams).map(bearing).collect()
     }
 
-    /// Beams in a physics step, on average.
-    pub(crate) fn beams_per_step(&self) -> f64 {
-        f64::from(self.beams) * self.rate_hz * STEP_S
-    }
-
     /// Physics steps in which the lidar turns round once.
     pub fn steps_per_turn(&self) -> u64 {
         (1.0 / (self.rate_hz * STEP_S)).ceil() as u64

@@ -3,7 +3,7 @@
 //! This is the one place that sees both sides. What is true goes into the sensors, what the
 //! sensors tell goes to the computer on board, and its command goes to the wheels.
 
-use nalgebra::Vector2;
+use nalgebra::{Isometry2, Vector2};
 use serde::{Deserialize, Serialize};
 
 use super::controller::Maneuver;
@@ -240,13 +240,14 @@ impl PhysicsArena {
     /// What observers and percepts are shown of the senses.
     pub(super) fn sensed(&self) -> Option<Sensed<'_>> {
         let sensing = self.sensing.as_ref()?;
-        let at_m = self.motion().pose.translation.vector;
+        let cell_of = |pose: Isometry2<f64>| self.maze.cell_in_grid(pose.translation.vector.into());
+        let (truth, estimate) = (self.motion().pose, sensing.onboard.estimate().0);
         Some(Sensed {
             surroundings: sensing.onboard.surroundings(),
             cell: self.own_cell(&sensing.onboard),
             estimates: &sensing.estimates,
             beams: &sensing.beams,
-            lost: self.maze.cell_in_grid(at_m.into()) != Some(self.believed_cell(&sensing.onboard)),
+            lost: cell_of(truth) != cell_of(estimate),
         })
     }
 }

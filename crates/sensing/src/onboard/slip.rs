@@ -44,6 +44,11 @@ pub(super) enum Verdict {
     Rolled,
 }
 
+/// Steps for which slip is remembered.
+fn remembered_steps(params: &EstimatorParams) -> u32 {
+    (params.slip_s / STEP_S).round() as u32
+}
+
 impl Slip {
     /// Is the floor held for slippery?
     pub(super) fn is_noticed(&self) -> bool {
@@ -66,7 +71,7 @@ impl Slip {
         }
         let usual = params.slip_mps * STEP_S + DEVIATIONS * deviation;
         if self.bumped == 0 && disagreement.abs() > usual {
-            self.slippery = (params.slip_s / STEP_S) as u32;
+            self.slippery = remembered_steps(params);
         }
     }
 
@@ -112,7 +117,7 @@ impl Slip {
             return None;
         }
         let verdict = if self.odds > 0.0 {
-            self.slippery = (params.slip_s / STEP_S) as u32;
+            self.slippery = remembered_steps(params);
             Verdict::Spun(self.lag)
         } else {
             Verdict::Rolled
@@ -129,6 +134,27 @@ impl Slip {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Steps for which slip is noticed when it is remembered for so long.
+    fn noticed_steps(slip_s: f64) -> u32 {
+        let params = EstimatorParams {
+            slip_s,
+            ..EstimatorParams::default()
+        };
+        let mut slip = Slip::default();
+        slip.step(0.1, 0.0, false, &params);
+        let mut steps = 0;
+        while slip.is_noticed() {
+            slip.step(0.0, 0.0, false, &params);
+            steps += 1;
+        }
+        steps
+    }
+
+    #[test]
+    fn the_time_for_which_slip_is_remembered_is_a_whole_number_of_steps() {
+        assert_eq!([0.6, 0.15, 2.0, 0.0].map(noticed_steps), [12, 3, 40, 0]);
+    }
 
     /// After steps with these disagreements, without noise; `bump` is the number of a step.
     fn notices(disagreements: &[f64], bump: Option<usize>) -> bool {

@@ -1,10 +1,50 @@
 //! The lidar: beams that go round, a few in every step.
 
+use std::ops::Range;
+
 use nalgebra::{Complex, UnitComplex, Vector2};
 
 use super::{Moment, Terrain, ahead, ray};
 use crate::{LidarParams, Return};
 use xcs::random::Stream;
+
+/// Steps of the simulation in a second.
+const STEPS_PER_S: u64 = 20;
+/// The rate of the lidar counts in millionths of a hertz.
+const PER_HZ: f64 = 1e6;
+
+/// The beams per step of the simulation as a fraction, so that beams are numbered without rounding.
+#[derive(Debug, Clone, Copy)]
+struct Pace {
+    beams: u64,
+    /// In so many steps.
+    steps: u64,
+}
+
+impl Pace {
+    fn new(params: &LidarParams) -> Self {
+        Self {
+            beams: u64::from(params.beams) * (params.rate_hz * PER_HZ).round() as u64,
+            steps: STEPS_PER_S * PER_HZ as u64,
+        }
+    }
+
+    /// The numbers of the beams of a step, counted since the trial began.
+    fn numbers(self, step: u64) -> Range<u64> {
+        let sent_before = |step: u64| {
+            let beams = u128::from(step) * u128::from(self.beams);
+            beams.div_ceil(u128::from(self.steps)) as u64
+        };
+        sent_before(step)..sent_before(step + 1)
+    }
+
+    /// When during the step the beam of a number is sent, from 0 to below 1.
+    fn moment(self, step: u64, number: u64) -> f64 {
+        let [step, number] = [step, number].map(u128::from);
+        let late = number * u128::from(self.steps) - step * u128::from(self.beams);
+        late as f64 / self.beams as f64
+    }
+}
 
 /// A lidar that turns at a constant rate. Each beam draws the same count of random numbers.
 #[derive(Debug, Clone)]
@@ -12,7 +52,7 @@ pub(super) struct Lidar {
     params: LidarParams,
     /// The directions of a whole turn.
     bearings: Vec<UnitComplex<f64>>,
-    per_step: f64,
+    pace: Pace,
     scale: f64,
     offset: f64,
     level: f64,
@@ -24,7 +64,7 @@ impl Lidar {
     pub(super) fn new(params: &LidarParams, level: f64, mut stream: Stream) -> Self {
         Self {
             bearings: params.bearings(),
-            per_step: params.beams_per_step(),
+            pace: Pace::new(params),
             scale: 1.0 + level * params.scale * stream.normal(),
             offset: level * params.offset_m * stream.normal(),
             level,
@@ -45,11 +85,9 @@ impl Lidar {
         if !self.params.fitted {
             return;
         }
-        let start = moment.step as f64 * self.per_step;
-        let numbers = start.ceil() as u64..(start + self.per_step).ceil() as u64;
         let way = moment.after.translation.vector - moment.before.translation.vector;
-        for number in numbers {
-            let share = (number as f64 - start) / self.per_step;
+        for number in self.pace.numbers(moment.step) {
+            let share = self.pace.moment(moment.step, number);
             let origin = moment.before.translation.vector + share * way;
             let heading = moment.before.rotation * rotation(share * turned_rad);
             let bearing = self.bearings[(number % self.bearings.len() as u64) as usize];
@@ -94,4 +132,72 @@ impl Lidar {
 fn rotation(angle_rad: f64) -> UnitComplex<f64> {
     let (sine, cosine) = libm::sincos(angle_rad);
     UnitComplex::new_unchecked(Complex::new(cosine, sine))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Isometry2;
+
+    /// A single free cell.
+    struct Closet;
+
+    impl Terrain for Closet {
+        fn cell_size_m(&self) -> f64 {
+            1.0
+        }
+
+        fn is_wall(&self, east: i32, north: i32) -> bool {
+            (east, north) != (0, 0)
+        }
+
+        fn is_marked(&self, _: Vector2<f64>) -> bool {
+            false
+        }
+    }
+
+    /// Counts the beams of so many steps, each of which must be the next one of its turn.
+    fn beams_in_order(beams: u32, rate_hz: f64, steps: u64) -> u64 {
+        let params = LidarParams {
+            beams,
+            rate_hz,
+            ..LidarParams::default()
+        };
+        let mut lidar = Lidar::new(&params, 0.0, Stream::new(1, 8_u64));
+        let (mut returns, mut count) = (Vec::new(), 0);
+        let pose = Isometry2::translation(0.5, 0.5);
+        for step in 0..steps {
+            let moment = Moment {
+                step,
+                before: pose,
+                after: pose,
+                travel_m: [0.0; 2],
+                pushes: &[],
+            };
+            lidar.scan(&Closet, &moment, 0.0, &mut returns);
+            for beam in &returns {
+                let next = lidar.bearings[(count % u64::from(beams)) as usize];
+                assert_eq!(beam.bearing, next, "beam {count} in step {step}");
+                assert!((0.0..1.0).contains(&beam.moment), "{}", beam.moment);
+                count += 1;
+            }
+        }
+        count
+    }
+
+    #[test]
+    fn no_beam_is_lost_or_repeated_at_any_rate() {
+        assert_eq!(beams_in_order(32, 5.5, 200_000), 1_760_000);
+        assert_eq!(beams_in_order(360, 5.0, 10_000), 900_000);
+        assert_eq!(beams_in_order(7, 1.1, 200_000), 77_000);
+    }
+
+    #[test]
+    fn the_default_lidar_sends_eight_beams_a_step_at_even_times() {
+        assert_eq!(beams_in_order(32, 5.0, 1_000), 8_000);
+        let pace = Pace::new(&LidarParams::default());
+        let moments: Vec<f64> = pace.numbers(3).map(|n| pace.moment(3, n)).collect();
+        assert_eq!(pace.numbers(3), 24..32);
+        assert_eq!(moments[..3], [0.0, 0.125, 0.25]);
+    }
 }
