@@ -153,14 +153,20 @@ settings! {
     pub struct EstimatorParams {
         /// How many times the noise of the sensors' data sheets it assumes. With less it would be
         /// too sure of itself, with more it believes too many beams.
-        caution: f64 = 1.3, in 0.5..=5.0;
+        caution: f64 = 1.2, in 0.5..=5.0;
         /// A beam whose squared distance from a line, in units of its variance, is more than this
         /// is not believed; 3 deviations by default.
         gate: f64 = 9.0, in 1.0..=10_000.0;
+        /// The on-board computer takes every n-th beam of a turn, for the filter and for the map. What it
+        /// computes in a step grows with the beams that it takes.
+        use_every_nth_beam: u32 = 1, in 1..=2048;
         /// Trust the position less where several beams of the last steps disagree with it?
         batch_check: bool = true;
         /// Trust the wheels less in a step in which a bumper closes?
         bump_inflation: bool = true;
+        /// Deviation by which the bias of the gyro may change in a second, in rad/s; the deviation grows
+        /// with the root of the time. At 0 a gyro that drifts is not followed.
+        gyro_walk_radps: f64 = 0.0005, in 0.0..=0.1;
         /// Wheels slip that disagree with the gyro by more than this, in m/s, beyond their noise ...
         slip_mps: f64 = 0.2, in 0.002..=10.0;
         /// ... and for so long afterwards the floor is held for slippery, in s.

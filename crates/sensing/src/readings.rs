@@ -5,6 +5,8 @@ use nalgebra::UnitComplex;
 /// What came back of one beam of the lidar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Return {
+    /// The beam's number in its turn, from 0.
+    pub number: u32,
     /// When during the step, 0 to 1.
     pub moment: f64,
     /// The beam's nominal direction, counted from the robot's heading.

@@ -11,11 +11,15 @@ pub(super) struct Assumed {
     pub roll_share: f64,
     pub roll_bias: f64,
     pub wheel_share: f64,
-    pub turn_share: f64,
     pub turn_rad: f64,
     pub bias: f64,
+    /// The change of the bias in a step, in rad/s.
+    pub bias_walk: f64,
+    pub gyro: f64,
     pub wheels: f64,
     pub ranges: f64,
+    /// The wheels are counted in ticks: each reading is off by less than one.
+    pub tick_m: f64,
     pub wheel_base_m: f64,
     /// The largest change of the distance per step that a slippery floor allows, in metres.
     pub slippery_grip_m: f64,
@@ -40,11 +44,13 @@ impl Assumed {
             roll_share: of(robot.wheel_noise, 0.01),
             roll_bias: of(robot.wheel_bias, 0.005),
             wheel_share: of(robot.wheel_bias.max(robot.wheel_noise), 0.01),
-            turn_share: of(gyro.scale, 0.002),
             turn_rad: of(gyro.noise_radps * STEP_S, 1e-4),
             bias: of(gyro.bias_radps, 1e-4),
+            bias_walk: robot.estimator.gyro_walk_radps * STEP_S.sqrt(),
+            gyro: of(gyro.scale, 0.002),
             wheels: of(encoders.scale, 0.002),
             ranges: of(lidar.scale, 0.001),
+            tick_m: encoders.tick_m,
             wheel_base_m: robot.wheel_base_m,
             slippery_grip_m: robot.careful_acceleration_mps2 * STEP_S * STEP_S,
         }

@@ -19,13 +19,16 @@ pub use self::estimator::Belief;
 use self::estimator::Estimator;
 use self::mapper::cell_of;
 pub use self::surroundings::Surroundings;
-use crate::{Readings, Robot};
+use crate::{Readings, Return, Robot};
 
 /// What the robot knows.
 #[derive(Debug, Clone)]
 pub struct Onboard {
     estimator: Estimator,
     surroundings: Surroundings,
+    every_nth_beam: u32,
+    /// The beams of a step that it takes.
+    taken: Vec<Return>,
     bumped: [bool; 2],
     over_marker: bool,
     cell_size_m: f64,
@@ -37,6 +40,8 @@ impl Onboard {
         Self {
             estimator: Estimator::new(robot),
             surroundings: Surroundings::unknown([0; 2]),
+            every_nth_beam: robot.estimator.use_every_nth_beam,
+            taken: Vec::new(),
             bumped: [false; 2],
             over_marker: false,
             cell_size_m: robot.cell_size_m,
@@ -57,8 +62,16 @@ impl Onboard {
 
     /// Takes in what the sensors tell about a step.
     pub fn step(&mut self, readings: &Readings<'_>) {
-        self.estimator.step(readings);
-        for ray in self.estimator.rays(readings.beams) {
+        let every = self.every_nth_beam;
+        let is_taken = |beam: &&Return| beam.number.is_multiple_of(every);
+        self.taken.clear();
+        self.taken.extend(readings.beams.iter().filter(is_taken));
+        let taken = Readings {
+            beams: &self.taken,
+            ..*readings
+        };
+        self.estimator.step(&taken);
+        for ray in self.estimator.rays(&self.taken) {
             mapper::mark(&mut self.surroundings, &ray, self.cell_size_m);
         }
         self.surroundings.stand_in(self.cell());

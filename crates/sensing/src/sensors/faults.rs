@@ -72,6 +72,7 @@ mod tests {
 
     fn beam(x: f64, y: f64) -> Return {
         Return {
+            number: 0,
             moment: 0.5,
             bearing: UnitComplex::new_unchecked(Complex::new(x, y)),
             range_m: Some(1.0),

@@ -90,8 +90,10 @@ impl Lidar {
             let share = self.pace.moment(moment.step, number);
             let origin = moment.before.translation.vector + share * way;
             let heading = moment.before.rotation * rotation(share * turned_rad);
-            let bearing = self.bearings[(number % self.bearings.len() as u64) as usize];
+            let number = (number % self.bearings.len() as u64) as u32;
+            let bearing = self.bearings[number as usize];
             beams.push(Return {
+                number,
                 moment: share,
                 bearing,
                 range_m: self.measure(terrain, origin, heading * bearing),

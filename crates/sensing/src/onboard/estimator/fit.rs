@@ -3,7 +3,8 @@
 use nalgebra::Vector2;
 
 use super::{
-    AGREEING, BIAS, ENOUGH, Estimator, HEADING, RANGES, ROLL, Ray, SHALLOW, UNSURE, WHEELS, X, Y,
+    AGREEING, BIAS, ENOUGH, Estimator, GYRO, HEADING, RANGES, ROLL, Ray, SHALLOW, UNSURE, WHEELS,
+    X, Y,
 };
 use crate::onboard::angle::{ahead, cayley, square};
 use crate::whole::round;
@@ -101,14 +102,15 @@ impl Estimator {
         let seen = covariance.column(fit.axis)
             + fit.by_heading * covariance.column(HEADING)
             + fit.by_ranges * covariance.column(RANGES);
-        let gain = seen / fit.variance;
-        // As plain arrays, of which the compiler makes vectors.
-        for (column, along) in covariance.data.0.iter_mut().zip(seen.iter()) {
-            for (value, gain) in column.iter_mut().zip(gain.iter()) {
-                *value -= gain * along;
+        // The product of a vector with itself is symmetric to the bit. As plain arrays, of which the
+        // compiler makes vectors.
+        let root = seen / fit.variance.sqrt();
+        for (column, along) in covariance.data.0.iter_mut().zip(root.iter()) {
+            for (value, across) in column.iter_mut().zip(root.iter()) {
+                *value -= across * along;
             }
         }
-        let change = gain * fit.residual;
+        let change = seen * (fit.residual / fit.variance);
         let moved = Vector2::new(change[X], change[Y]);
         self.belief.pose.translation.vector += moved;
         let witnesses = self.witnesses.iter_mut().zip(moved.iter());
@@ -117,6 +119,7 @@ impl Estimator {
         self.belief.slip.correct(moved.dot(&ahead));
         self.belief.pose.rotation *= cayley(change[HEADING]);
         self.belief.bias += change[BIAS];
+        self.belief.gyro += change[GYRO];
         self.belief.wheels += change[WHEELS];
         self.belief.ranges += change[RANGES];
         self.belief.roll += change[ROLL];

@@ -18,16 +18,17 @@ use super::assumed::Assumed;
 use super::slip::{Slip, Verdict};
 use crate::{EstimatorParams, Readings, Return, Robot, STEP_S};
 
-/// Places in the state: position, heading, gyro bias, scale of the wheels, scale of the ranges, and
-/// by how much the wheels roll otherwise in this action.
+/// Places in the state: position, heading, bias and scale of the gyro, scale of the wheels, scale of the
+/// ranges, and by how much the wheels roll otherwise in this action.
 const X: usize = 0;
 const Y: usize = 1;
 const HEADING: usize = 2;
 const BIAS: usize = 3;
-const WHEELS: usize = 4;
-const RANGES: usize = 5;
-const ROLL: usize = 6;
-const STATES: usize = 7;
+const GYRO: usize = 4;
+const WHEELS: usize = 5;
+const RANGES: usize = 6;
+const ROLL: usize = 7;
+const STATES: usize = 8;
 
 /// A beam along an axis less than this (a cosine) says nothing about lines across that axis, but it may
 /// end on one.
@@ -45,7 +46,7 @@ const DOUBT: f64 = 0.08;
 /// Wheels that speed up or brake may slip: deviation of the way as a share of by how much it differs
 /// from that of the step before.
 const LAG: f64 = 0.6;
-/// On a floor that is held for slippery: the same as a share of what the wheels roll too much.
+/// When wheels turn out to have spun: deviation of the position as a share of how far it was off.
 const SPIN: f64 = 0.5;
 /// So many disagreeing beams more than agreeing ones are too many ...
 const UNBEARABLE: f64 = 2.5;
@@ -58,6 +59,8 @@ pub struct Belief {
     pose: Isometry2<f64>,
     /// Gyro bias in rad/s.
     bias: f64,
+    /// By what share the robot turns farther than the gyro tells.
+    gyro: f64,
     /// By what share the wheels roll farther than they count.
     wheels: f64,
     /// By what share ranges are longer than they are measured.
@@ -67,9 +70,11 @@ pub struct Belief {
     last: LastStep,
     /// Whether the wheels slip.
     slip: Slip,
+    /// For so many steps it still takes into account that it may slip before it notices.
+    wary: u32,
     /// How many more beams have lately disagreed than agreed with the position, along x and y.
     strain: [f64; 2],
-    /// Over position, heading, bias, wheels, ranges and roll.
+    /// Over position, heading, bias, gyro, wheels, ranges and roll; symmetric to the bit.
     covariance: SMatrix<f64, STATES, STATES>,
 }
 
@@ -83,6 +88,8 @@ struct LastStep {
     rolled: f64,
     /// How far it moved along its heading if the floor is slippery.
     held: f64,
+    /// By how much the wheels have rolled too far for a slippery floor since they began to.
+    excess: f64,
 }
 
 /// The filter.
@@ -126,22 +133,25 @@ impl Estimator {
         let assumed = Assumed::new(robot);
         let Assumed {
             bias,
+            gyro,
             wheels,
             ranges,
             ..
         } = assumed;
-        let variances = [0.0, 0.0, 0.0, bias, wheels, ranges, 0.0].map(square);
+        let variances = [0.0, 0.0, 0.0, bias, gyro, wheels, ranges, 0.0].map(square);
         Self {
             params: robot.estimator.clone(),
             cell_size_m: robot.cell_size_m,
             belief: Belief {
                 pose: Isometry2::identity(),
                 bias: 0.0,
+                gyro: 0.0,
                 wheels: 0.0,
                 ranges: 0.0,
                 roll: 0.0,
                 last: LastStep::default(),
                 slip: Slip::default(),
+                wary: 0,
                 strain: [0.0; 2],
                 covariance: SMatrix::from_diagonal(&SVector::from(variances)),
             },

@@ -3,24 +3,60 @@
 use nalgebra::{UnitComplex, Vector2};
 
 use super::{
-    BIAS, BUMP_SLIDE, Estimator, HEADING, LAG, LastStep, ROLL, SPIN, STATES, WHEELS, X, Y,
+    BIAS, BUMP_SLIDE, Estimator, GYRO, HEADING, LAG, LastStep, ROLL, STATES, WHEELS, X, Y,
 };
 use crate::onboard::angle::{ahead, rotation, square};
 use crate::{Readings, STEP_S};
 
+/// The deviation by which the scale of the gyro may change in a step.
+const GYRO_WALK: f64 = 1e-5;
+
+/// How much the robot may slip, as deviations.
+#[derive(Clone, Copy)]
+struct Shares {
+    /// Along its heading: a share of what the wheels roll too far for a slippery floor.
+    along: f64,
+    /// Sideways: a share of how far it drives times the angle by which it turns.
+    sideways: f64,
+}
+
+/// The shares when it has noticed that it slips ...
+const NOTICED: Shares = Shares {
+    along: 0.6,
+    sideways: 0.6,
+};
+/// ... when it did lately, since the floor may be slippery elsewhere before it notices ...
+const WARY: Shares = Shares {
+    along: 0.4,
+    sideways: 0.3,
+};
+/// ... and else. In long corridors, where no beam tells how far along it is, more would add up.
+const TRUSTING: Shares = Shares {
+    along: 0.0,
+    sideways: 0.0,
+};
+/// Steps after which slip is no longer lately: 10 s.
+const WARY_STEPS: u32 = 200;
+
 /// The motion of one step.
 struct Motion {
     turned_rad: f64,
+    /// What the gyro told, without its bias; 0 without a gyro.
+    told_rad: f64,
     /// What the wheels counted, in the mean; half of it where a wall holds the robot.
     rolled: f64,
-    /// How far it moved along its heading by the wheels ...
-    by_rolling: f64,
-    /// ... and if the floor is slippery.
+    /// How far it moved along its heading if the floor is slippery.
     held: f64,
-    /// Which of both it believes.
+    /// How far it believes to have moved: as far as that, or by what the wheels rolled.
     forward: f64,
     /// By how much a wheel rolled otherwise than the gyro's turn says.
     slipped: f64,
+    /// The variance along the heading of wheels that may spin.
+    spun: f64,
+    /// By how much the wheels have rolled too far since they began to.
+    excess: f64,
+    /// By how much it may slip.
+    shares: Shares,
     /// A bumper closed, and the filter minds.
     bumped: bool,
     has_gyro: bool,
@@ -42,6 +78,7 @@ impl Estimator {
             forward: motion.forward,
             rolled: motion.rolled,
             held: motion.held,
+            excess: motion.excess,
         };
         self.carry_covariance(&motion, ahead(middle), way);
         self.spread_covariance(&motion, ahead(middle), changed);
@@ -52,10 +89,10 @@ impl Estimator {
         let [left, right] = readings.rolled_m;
         let base = self.assumed.wheel_base_m;
         let by_wheels = (right - left) / base;
-        let bias_rad = self.belief.bias * STEP_S;
-        let turned_rad = readings
+        let told_rad = readings
             .turned_rad
-            .map_or(by_wheels, |told| told - bias_rad);
+            .map(|told| told - self.belief.bias * STEP_S);
+        let turned_rad = told_rad.map_or(by_wheels, |told| (1.0 + self.belief.gyro) * told);
         let touches = readings.bumped.contains(&true);
         let bumped = self.params.bump_inflation && touches;
         // Wheels slip where a wall holds the robot: it moved by something between nothing and all.
@@ -66,25 +103,54 @@ impl Estimator {
         let by_rolling = (1.0 + self.belief.wheels + self.belief.roll) * rolled;
         let held = self.held(by_rolling, touches);
         let slip = &mut self.belief.slip;
-        slip.step(slipped, deviation, touches, &self.params);
+        // Counting whole ticks alone makes the wheels disagree by less than a tick.
+        let disagreement = (slipped.abs() - self.assumed.tick_m).max(0.0);
+        slip.step(disagreement, deviation, touches, &self.params);
         slip.roll(by_rolling - held, touches);
-        let forward = if slip.is_noticed() { held } else { by_rolling };
+        let noticed = slip.is_noticed();
+        self.belief.wary = if noticed {
+            WARY_STEPS
+        } else {
+            self.belief.wary.saturating_sub(1)
+        };
+        let (forward, shares) = match (noticed, self.belief.wary) {
+            (true, _) => (held, NOTICED),
+            (false, 1..) => (by_rolling, WARY),
+            (false, 0) => (by_rolling, TRUSTING),
+        };
+        let (spun, excess) = self.spun(by_rolling - held, shares.along);
         Motion {
             turned_rad,
+            told_rad: told_rad.unwrap_or(0.0),
             rolled,
-            by_rolling,
             held,
             forward,
+            spun,
+            excess,
+            shares,
             slipped,
             bumped,
             has_gyro: readings.turned_rad.is_some(),
         }
     }
 
+    /// What wheels that roll `excess` too far for a slippery floor add to the variance along the heading,
+    /// and by how much they have rolled too far since they began to. All of that has one cause, so its
+    /// deviations add up, and not its variances.
+    fn spun(&self, excess: f64, share: f64) -> (f64, f64) {
+        let before = self.belief.last.excess;
+        let goes_on = excess * before > 0.0;
+        let total = if goes_on { before + excess } else { excess };
+        let known = if goes_on { square(before) } else { 0.0 };
+        (square(share) * (square(total) - known).max(0.0), total)
+    }
+
     /// How far it moves along its heading if the floor is slippery: however fast the wheels spin, the
     /// floor cannot speed it up or slow it down more than by its grip. A wall can.
     fn held(&self, by_rolling: f64, bumped: bool) -> f64 {
-        let (last, most) = (self.belief.last.held, self.assumed.slippery_grip_m);
+        let last = self.belief.last.held;
+        // From one step to the next, counting whole ticks alone changes the way by less than two.
+        let most = self.assumed.slippery_grip_m.max(2.0 * self.assumed.tick_m);
         if bumped {
             by_rolling
         } else {
@@ -95,25 +161,29 @@ impl Estimator {
     /// The covariance after a motion without noise.
     fn carry_covariance(&mut self, motion: &Motion, direction: Vector2<f64>, way: Vector2<f64>) {
         // The Jacobian of the motion without its diagonal of ones, times a column or a row.
-        let drift = if motion.has_gyro { -STEP_S } else { 0.0 };
-        let moves = |heading: f64, scale: f64, bias: f64| {
+        let drift = if motion.has_gyro {
+            -(1.0 + self.belief.gyro) * STEP_S
+        } else {
+            0.0
+        };
+        let moves = |state: [f64; STATES]| {
+            let scale = state[WHEELS] + state[ROLL];
             [
-                scale * motion.rolled * direction.x - heading * way.y,
-                scale * motion.rolled * direction.y + heading * way.x,
-                drift * bias,
+                scale * motion.rolled * direction.x - state[HEADING] * way.y,
+                scale * motion.rolled * direction.y + state[HEADING] * way.x,
+                drift * state[BIAS] + motion.told_rad * state[GYRO],
             ]
         };
         let covariance = &mut self.belief.covariance;
         for at in 0..STATES {
-            let column = covariance.column(at);
-            let moved = moves(column[HEADING], column[WHEELS] + column[ROLL], column[BIAS]);
+            let moved = moves(covariance.column(at).into_owned().data.0[0]);
             (0..3).for_each(|row| covariance[(row, at)] += moved[row]);
         }
         for at in 0..STATES {
-            let row = covariance.row(at);
-            let moved = moves(row[HEADING], row[WHEELS] + row[ROLL], row[BIAS]);
+            let moved = moves(covariance.row(at).transpose().data.0[0]);
             (0..3).for_each(|column| covariance[(at, column)] += moved[column]);
         }
+        covariance.fill_lower_triangle_with_upper_triangle();
     }
 
     /// Adds the noise of a motion, which differs by `changed` from that of the step before.
@@ -122,24 +192,32 @@ impl Estimator {
         let along = square(assumed.roll_share * motion.rolled)
             + square(0.25 * motion.slipped)
             + square(LAG * changed)
-            + square(SPIN * (motion.by_rolling - motion.forward))
+            + motion.spun
+            + square(assumed.tick_m) / 12.0
             + 1e-8;
+        // Sideways, of a robot that turns while it drives.
+        let skid = square(motion.shares.sideways * motion.forward * motion.turned_rad);
         let slide = if motion.bumped {
             square(motion.rolled) + square(BUMP_SLIDE)
         } else {
             0.0
         };
         let turn = if motion.has_gyro {
-            square(assumed.turn_share * motion.turned_rad) + square(assumed.turn_rad)
+            square(assumed.turn_rad)
         } else {
             let arc = motion.rolled / assumed.wheel_base_m;
             square(assumed.wheel_share) * (square(motion.turned_rad) + square(arc))
+                + square(assumed.tick_m / assumed.wheel_base_m) / 3.0
         };
         let covariance = &mut self.belief.covariance;
+        // What is the same in both directions, and what is more along the heading.
+        let (slide, along) = (slide + skid, along - skid);
         covariance[(X, X)] += along * square(direction.x) + slide + 1e-8;
         covariance[(Y, Y)] += along * square(direction.y) + slide + 1e-8;
         covariance[(X, Y)] += along * direction.x * direction.y;
         covariance[(Y, X)] += along * direction.x * direction.y;
         covariance[(HEADING, HEADING)] += turn;
+        covariance[(BIAS, BIAS)] += square(assumed.bias_walk);
+        covariance[(GYRO, GYRO)] += square(GYRO_WALK);
     }
 }
