@@ -68,14 +68,16 @@ fn poses_and_hits_are_those_of_the_grid_turned_and_moved_into_the_map() {
         localisation,
         ..PhysicsParams::default()
     };
-    let arenas: [fn(Maze, PhysicsParams) -> Box<dyn Arena>; 2] = [
-        |maze, _| Box::new(GridArena::new(maze)),
-        |maze, params| Box::new(PhysicsArena::new(maze, params, 3).unwrap()),
-    ];
+    let arena = |origin, is_physics, params| -> Box<dyn Arena> {
+        match is_physics {
+            true => Box::new(PhysicsArena::new(maze(origin), params, 3).unwrap()),
+            false => Box::new(GridArena::new(maze(origin))),
+        }
+    };
     for localisation in [Localisation::Told, Localisation::Estimated] {
-        for arena in arenas {
+        for is_physics in [false, true] {
             let [plain, placed] = [[0.0; 3], ORIGIN]
-                .map(|origin| course(&mut *arena(maze(origin), params(localisation))));
+                .map(|origin| course(&mut *arena(origin, is_physics, params(localisation))));
             assert_eq!(plain.0, placed.0, "outcomes and cells");
             for (plain, placed) in plain.1.iter().zip(&placed.1) {
                 assert!(

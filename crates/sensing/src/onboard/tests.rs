@@ -1,4 +1,4 @@
-mod sensors;
+mod drift_and_ticks;
 
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
 
