@@ -34,7 +34,7 @@ impl Digest {
 impl Observer for Digest {
     fn stepped(&mut self, step: &Step<'_>) {
         let now = step.view.now();
-        let pose = now.robot_in_world.to_homogeneous();
+        let pose = now.robot_in_map.to_homogeneous();
         self.add(&now.time_ns.to_le_bytes());
         pose.iter()
             .for_each(|number| self.add(&number.to_bits().to_le_bytes()));

@@ -31,7 +31,7 @@ impl RewardingArena {
 }
 
 fn true_cell(view: &View<'_>, maze: &Maze) -> Option<Cell> {
-    maze.cell_at(view.now().robot_in_world.translation.vector.into())
+    maze.cell_at(view.now().robot_in_map.translation.vector.into())
 }
 
 impl Arena for RewardingArena {

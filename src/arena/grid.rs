@@ -24,7 +24,7 @@ impl GridArena {
         let cell = maze.starts().next().unwrap_or(maze.goals()[0]);
         let rest = Sample {
             time_ns: 0,
-            robot_in_world: pose(&maze, cell, Direction::East),
+            robot_in_map: pose(&maze, cell, Direction::East),
             wheel_travel_m: [0.0; 2],
         };
         Self {
@@ -41,7 +41,7 @@ impl Arena for GridArena {
         self.cell = start;
         let rest = Sample {
             time_ns: self.trace[1].time_ns,
-            robot_in_world: pose(&self.maze, start, Direction::East),
+            robot_in_map: pose(&self.maze, start, Direction::East),
             wheel_travel_m: [0.0; 2],
         };
         self.trace = [rest; 2];
@@ -58,7 +58,7 @@ impl Arena for GridArena {
         self.contacts.clear();
         let after = Sample {
             time_ns: before.time_ns + MOVE_NS,
-            robot_in_world: pose(&self.maze, self.cell, direction),
+            robot_in_map: pose(&self.maze, self.cell, direction),
             ..before
         };
         self.trace = [before, after];

@@ -71,7 +71,7 @@ pub struct Sample {
     /// Simulation time since the trial began, in nanoseconds.
     pub time_ns: u64,
     /// The robot's pose in the map frame; metres, heading counted from the x axis.
-    pub robot_in_world: Isometry2<f64>,
+    pub robot_in_map: Isometry2<f64>,
     /// How far the left and the right wheel have rolled since the reset, in metres.
     pub wheel_travel_m: [f64; 2],
 }
@@ -82,9 +82,9 @@ pub struct Contact {
     /// Simulation time since the trial began, in nanoseconds.
     pub time_ns: u64,
     /// The point of contact in the map frame, in metres.
-    pub point_in_world: Point2<f64>,
+    pub point_in_map: Point2<f64>,
     /// Unit vector from the robot into the wall, in the map frame.
-    pub normal_in_world: Vector2<f64>,
+    pub normal_in_map: Vector2<f64>,
     /// The impulse of the hit in newton-seconds.
     pub impulse_ns: f64,
 }

@@ -9,7 +9,7 @@ use crate::world::Cell;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// The pose in the map frame; metres, heading counted from the x axis.
-    pub robot_in_world: Isometry2<f64>,
+    pub robot_in_map: Isometry2<f64>,
     /// Covariance of x, y (metres) and heading (radians).
     pub covariance: Matrix3<f64>,
 }
@@ -32,7 +32,7 @@ impl Estimate {
     }
 
     fn difference(&self, truth: &Isometry2<f64>) -> [f64; 3] {
-        let believed = &self.robot_in_world;
+        let believed = &self.robot_in_map;
         let missing = truth.translation.vector - believed.translation.vector;
         let turn = (believed.rotation.inverse() * truth.rotation).into_inner();
         [missing.x, missing.y, libm::atan2(turn.im, turn.re)]

@@ -67,7 +67,7 @@ fn errs(view: &View<'_>) -> bool {
 
 /// The free cell in which the robot truly stands.
 fn true_cell(view: &View<'_>) -> Option<Cell> {
-    let at_m = view.now().robot_in_world.translation.vector.into();
+    let at_m = view.now().robot_in_map.translation.vector.into();
     let cell = view.maze.cell_at(at_m);
     cell.filter(|&cell| !view.maze.is_wall(cell))
 }

@@ -13,7 +13,7 @@ use xcscr::xcs::random::Stream;
 
 /// The cell in which the robot truly stands.
 pub fn true_cell(view: &View<'_>) -> Cell {
-    let at: Point2<f64> = view.now().robot_in_world.translation.vector.into();
+    let at: Point2<f64> = view.now().robot_in_map.translation.vector.into();
     view.maze.cell_at(at).unwrap()
 }
 
@@ -88,7 +88,7 @@ impl Tally {
         self.wrong_cell += u32::from(cell != wanted);
         self.lost += u32::from(sensed.lost);
         let estimate: &Estimate = sensed.estimates.last().unwrap();
-        let truth = view.now().robot_in_world;
+        let truth = view.now().robot_in_map;
         let (metres, radians) = estimate.error(&truth);
         self.error_cm.push(100.0 * metres);
         self.heading_deg.push(radians.to_degrees());

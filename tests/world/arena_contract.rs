@@ -81,7 +81,7 @@ fn course(arena: &mut dyn Arena) -> Course {
 
 fn entry(arena: &dyn Arena, outcome: Outcome) -> (Kind, Cell, [u64; 3]) {
     let view = arena.view();
-    let pose = view.now().robot_in_world;
+    let pose = view.now().robot_in_map;
     let (at, turn) = (pose.translation, pose.rotation);
     let bits = [at.x, at.y, turn.im].map(f64::to_bits);
     (outcome.into(), view.cell, bits)
@@ -90,7 +90,7 @@ fn entry(arena: &dyn Arena, outcome: Outcome) -> (Kind, Cell, [u64; 3]) {
 /// A reset puts the robot at rest into the middle of the cell, and does not touch the clock.
 fn check_reset(arena: &dyn Arena, start: Cell, clock_ns: u64) {
     let view = arena.view();
-    let at = view.now().robot_in_world;
+    let at = view.now().robot_in_map;
     assert_eq!(view.cell, start);
     assert_eq!(at.translation.vector, view.maze.centre_m(start).coords);
     assert_eq!((at.rotation.re, at.rotation.im), (1.0, 0.0), "heads east");

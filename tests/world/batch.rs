@@ -27,7 +27,7 @@ fn alone(params: &PhysicsParams, seed: u64) -> PhysicsArena {
 /// Every number of a path, as bits.
 fn bits(trace: &[Sample]) -> Vec<[u64; 7]> {
     let sample = |s: &Sample| {
-        let (at, turn) = (s.robot_in_world.translation, s.robot_in_world.rotation);
+        let (at, turn) = (s.robot_in_map.translation, s.robot_in_map.rotation);
         let [left, right] = s.wheel_travel_m;
         let [x, y, re, im, left, right] =
             [at.x, at.y, turn.re, turn.im, left, right].map(f64::to_bits);
@@ -52,7 +52,7 @@ fn ways() -> impl Iterator<Item = PhysicsParams> {
 /// Lane by lane after some move: is it in column `lanes` what the lone robot shows?
 fn assert_lane_is_like(batch: &BatchArena, lane: usize, view: &View<'_>, outcome: Outcome) {
     let (lanes, now) = (batch.lanes(), view.now());
-    let pose = now.robot_in_world;
+    let pose = now.robot_in_map;
     assert_eq!(lanes.cells[lane], view.cell);
     assert_eq!(lanes.x_m[lane].to_bits(), pose.translation.x.to_bits());
     assert_eq!(lanes.y_m[lane].to_bits(), pose.translation.y.to_bits());

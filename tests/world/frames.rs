@@ -46,13 +46,9 @@ fn course(arena: &mut dyn Arena) -> Course {
     drive(arena, |arena, outcome| {
         let view = arena.view();
         outcomes.push(format!("{outcome:?} {:?}", view.cell));
-        poses.extend(
-            view.trace
-                .iter()
-                .map(|sample: &Sample| sample.robot_in_world),
-        );
+        poses.extend(view.trace.iter().map(|sample: &Sample| sample.robot_in_map));
         let contacts = view.contacts.iter();
-        hits.extend(contacts.map(|hit| [hit.point_in_world.coords, hit.normal_in_world]));
+        hits.extend(contacts.map(|hit| [hit.point_in_map.coords, hit.normal_in_map]));
     });
     (outcomes, poses, hits)
 }
@@ -110,7 +106,7 @@ fn estimates_and_their_covariances_are_in_the_map_frame() {
         drive(arena, |arena, _| {
             let view = arena.view();
             let estimate = *view.sensed.unwrap().estimates.last().unwrap();
-            let truth = view.now().robot_in_world;
+            let truth = view.now().robot_in_map;
             estimates.push((
                 estimate,
                 estimate.error(&truth).0,
@@ -123,8 +119,8 @@ fn estimates_and_their_covariances_are_in_the_map_frame() {
     let turn = grid_in_map().rotation.to_rotation_matrix();
     let turn: Matrix3<f64> = turn.into_inner().to_homogeneous();
     for ((plain, error, nees), (placed, error_in_map, nees_in_map)) in plain.iter().zip(&placed) {
-        let pose = grid_in_map() * plain.robot_in_world;
-        assert!(apart(&pose, &placed.robot_in_world) < 1e-9);
+        let pose = grid_in_map() * plain.robot_in_map;
+        assert!(apart(&pose, &placed.robot_in_map) < 1e-9);
         let covariance = turn * plain.covariance * turn.transpose();
         assert!((covariance - placed.covariance).norm() < 1e-9);
         assert!((error - error_in_map).abs() < 1e-9);

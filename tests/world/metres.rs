@@ -60,15 +60,14 @@ fn arena(cell_size_m: f64) -> PhysicsArena {
 /// The highest speed of the wheels, in the mean of both, and of the body on the way east, in m/s.
 fn top_speeds_mps(robot: &mut PhysicsArena) -> [f64; 2] {
     let mut top = [0.0_f64; 2];
-    while robot.view().now().robot_in_world.translation.x < LENGTH_M / 2.0 {
+    while robot.view().now().robot_in_map.translation.x < LENGTH_M / 2.0 {
         let outcome = robot.act(Action::new(EAST).unwrap());
         assert!(matches!(outcome, Outcome::Moved), "{outcome:?}");
         for pair in robot.view().trace.windows(2) {
             let [before, after] =
                 [0, 1].map(|at| pair[at].wheel_travel_m.iter().sum::<f64>() / 2.0);
             let rolled = after - before;
-            let [a, b] =
-                [&pair[0], &pair[1]].map(|sample| sample.robot_in_world.translation.vector);
+            let [a, b] = [&pair[0], &pair[1]].map(|sample| sample.robot_in_map.translation.vector);
             let speeds = [rolled.abs(), (b - a).norm()].map(|step_m| step_m / 0.05);
             top = [top[0].max(speeds[0]), top[1].max(speeds[1])];
         }
@@ -95,7 +94,7 @@ fn lidar_errors(robot: &mut PhysicsArena, cell_size_m: f64) -> ([f64; 2], f64) {
     for _ in 0..150 {
         robot.reset(start);
         let view = robot.view();
-        let at = view.now().robot_in_world.translation;
+        let at = view.now().robot_in_map.translation;
         let at = [at.x - cell_size_m, at.y - cell_size_m];
         for beam in view.sensed.unwrap().beams {
             let truth_m = distance_m(at, [beam.bearing.re, beam.bearing.im]);
@@ -161,7 +160,7 @@ fn one_robot_estimates_its_pose_as_well_in_cells_of_every_size() {
         top_speeds_mps(&mut robot);
         let view = robot.view();
         let estimate = view.sensed.unwrap().estimates.last().unwrap();
-        let (error_m, _) = estimate.error(&view.now().robot_in_world);
+        let (error_m, _) = estimate.error(&view.now().robot_in_map);
         assert!(error_m < 0.06, "cells of {size_m} m: {error_m} m off");
     }
 }

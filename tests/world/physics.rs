@@ -70,8 +70,8 @@ fn add_to_digest(arena: &PhysicsArena, hash: &mut FnvHasher) {
     let view = arena.view();
     for sample in view.trace {
         let (at, turn) = (
-            sample.robot_in_world.translation,
-            sample.robot_in_world.rotation,
+            sample.robot_in_map.translation,
+            sample.robot_in_map.rotation,
         );
         let [left, right] = sample.wheel_travel_m;
         mix(sample.time_ns);
@@ -80,7 +80,7 @@ fn add_to_digest(arena: &PhysicsArena, hash: &mut FnvHasher) {
             .for_each(|x| mix(x.to_bits()));
     }
     for contact in view.contacts {
-        let (point, normal) = (contact.point_in_world, contact.normal_in_world);
+        let (point, normal) = (contact.point_in_map, contact.normal_in_map);
         mix(contact.time_ns);
         [point.x, point.y, normal.x, normal.y, contact.impulse_ns]
             .into_iter()
@@ -137,7 +137,7 @@ impl Tally {
             (_, Some(_)) => self.free += 1,
         }
         let view = arena.view();
-        let at: Point2<f64> = view.now().robot_in_world.translation.vector.into();
+        let at: Point2<f64> = view.now().robot_in_map.translation.vector.into();
         let offset = (view.maze.centre_m(truth) - at).norm() / view.maze.cell_size_m();
         self.wrong_cell += u32::from(view.maze.cell_at(at) != Some(truth) || view.cell != truth);
         self.largest_offset_in_cells = self.largest_offset_in_cells.max(offset);
@@ -184,13 +184,13 @@ fn a_wall_stops_the_robot() {
     let view = robot.view();
     assert!(matches!(outcome, Outcome::Collided { .. }), "{outcome:?}");
     assert_eq!((view.cell, view.contacts.len()), (start, 1));
-    let furthest = view.trace.iter().map(|s| s.robot_in_world.translation.x);
+    let furthest = view.trace.iter().map(|s| s.robot_in_map.translation.x);
     let furthest = furthest.fold(0.0, f64::max);
     // The wall begins at x = 2, the robot has a radius of 0.3.
     assert!((1.69..1.72).contains(&furthest), "{furthest}");
     let contact = view.contacts[0];
-    assert!((contact.point_in_world.x - 2.0).abs() < 0.02, "{contact:?}");
-    assert_eq!(contact.normal_in_world, Vector2::x());
+    assert!((contact.point_in_map.x - 2.0).abs() < 0.02, "{contact:?}");
+    assert_eq!(contact.normal_in_map, Vector2::x());
 }
 
 #[test]

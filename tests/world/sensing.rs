@@ -415,7 +415,7 @@ fn the_cell_in_a_sensed_percept_is_that_of_the_estimate_even_where_the_map_has_a
         lost.act(action);
         let view = lost.view();
         let at = view.sensed.unwrap().estimates.last().unwrap();
-        let at = at.robot_in_world.translation.vector;
+        let at = at.robot_in_map.translation.vector;
         let within = |at: f64, size: u16| at.floor().clamp(0.0, f64::from(size) - 1.0) as u16;
         let (width, height) = (view.maze.width(), view.maze.height());
         let cell = Cell {
@@ -439,7 +439,7 @@ fn a_robot_whose_estimate_lies_in_a_wall_or_outside_is_lost() {
         robot.act(action);
         let view = robot.view();
         let sensed = view.sensed.unwrap();
-        let estimate = sensed.estimates.last().unwrap().robot_in_world;
+        let estimate = sensed.estimates.last().unwrap().robot_in_map;
         let cell = view.maze.cell_at(estimate.translation.vector.into());
         assert_eq!(sensed.lost, cell != Some(true_cell(&view)), "{cell:?}");
         in_walls += u32::from(cell.is_none_or(|cell| view.maze.is_wall(cell)));

@@ -91,7 +91,7 @@ impl BatchArena {
     fn note(&mut self, lane: usize, outcome: Option<Outcome>) {
         let arena = &self.arenas[lane];
         let now = arena.view().now();
-        let pose = now.robot_in_world;
+        let pose = now.robot_in_map;
         self.lanes.cells[lane] = arena.cell;
         self.lanes.x_m[lane] = pose.translation.x;
         self.lanes.y_m[lane] = pose.translation.y;

@@ -120,9 +120,9 @@ impl Hits {
     /// The hit's impulse is that of its hardest step, which stops the robot. In the steps after
     /// it the wall only resists the motors until they have turned round.
     pub(super) fn add(&mut self, contact: Contact) {
-        let normal = contact.normal_in_world;
+        let normal = contact.normal_in_map;
         let mut hits = self.0.iter_mut();
-        match hits.find(|hit| same_face(hit.normal_in_world, normal)) {
+        match hits.find(|hit| same_face(hit.normal_in_map, normal)) {
             Some(hit) => hit.impulse_ns = hit.impulse_ns.max(contact.impulse_ns),
             None => self.0.push(contact),
         }
@@ -131,7 +131,7 @@ impl Hits {
     /// The sum of the impulses of all frontal hits for a robot on its way `along`.
     pub(super) fn frontal_impulse_ns(&self, along: Vector2<f64>) -> f64 {
         let hits = self.0.iter();
-        hits.filter(|hit| is_frontal(hit.normal_in_world, along))
+        hits.filter(|hit| is_frontal(hit.normal_in_map, along))
             .map(|hit| hit.impulse_ns)
             .sum()
     }

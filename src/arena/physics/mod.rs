@@ -210,8 +210,8 @@ impl PhysicsArena {
             let touched = centre + push.normal * self.params.radius_m;
             let contact = Contact {
                 time_ns,
-                point_in_world: self.maze.point_in_map(touched.into()),
-                normal_in_world: self.maze.vector_in_map(push.normal),
+                point_in_map: self.maze.point_in_map(touched.into()),
+                normal_in_map: self.maze.vector_in_map(push.normal),
                 impulse_ns: push.impulse_ns,
             };
             self.hits.add(contact);
@@ -263,7 +263,7 @@ impl PhysicsArena {
     fn sample(&self) -> Sample {
         Sample {
             time_ns: self.time_ns(),
-            robot_in_world: self.maze.pose_in_map(self.motion().pose),
+            robot_in_map: self.maze.pose_in_map(self.motion().pose),
             wheel_travel_m: self.wheels.travel_m,
         }
     }

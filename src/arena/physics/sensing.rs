@@ -125,7 +125,7 @@ impl Sensing {
             covariance = turn * covariance * turn.transpose();
         }
         self.estimates.push(Estimate {
-            robot_in_world: maze.pose_in_map(robot_in_grid),
+            robot_in_map: maze.pose_in_map(robot_in_grid),
             covariance,
         });
     }

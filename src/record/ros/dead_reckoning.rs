@@ -42,7 +42,7 @@ impl DeadReckoning {
     /// Goes on to the next moment.
     pub fn step(&mut self, now: &Sample) -> Motion {
         let last = self.last.replace(*now).unwrap_or(*now);
-        let truly_moved = last.robot_in_world.inverse() * now.robot_in_world;
+        let truly_moved = last.robot_in_map.inverse() * now.robot_in_map;
         let moved = match self.wheel_base_m {
             Some(base_m) => rolled(last.wheel_travel_m, now.wheel_travel_m, base_m),
             None => truly_moved,
@@ -80,7 +80,7 @@ mod tests {
     fn sample(time_ns: u64, wheel_travel_m: [f64; 2]) -> Sample {
         Sample {
             time_ns,
-            robot_in_world: Isometry2::identity(),
+            robot_in_map: Isometry2::identity(),
             wheel_travel_m,
         }
     }

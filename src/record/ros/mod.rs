@@ -204,9 +204,9 @@ impl RosBag {
     }
 
     fn moment(&mut self, sample: &Sample, estimate: Option<&Estimate>) {
-        let (time_ns, truth) = (sample.time_ns, sample.robot_in_world);
+        let (time_ns, truth) = (sample.time_ns, sample.robot_in_map);
         let motion = self.odometry.step(sample);
-        let in_map = estimate.map_or(truth, |estimate| estimate.robot_in_world);
+        let in_map = estimate.map_or(truth, |estimate| estimate.robot_in_map);
         let correction = in_map * motion.pose.inverse();
         let frames = [(MAP, ODOM, correction), (ODOM, BASE, motion.pose)];
         self.tell(Topic::Tf, time_ns, &Transforms::new(time_ns, &frames));

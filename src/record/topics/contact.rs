@@ -28,7 +28,7 @@ struct Hit {
 impl ContactRecord {
     /// The robot hit a wall.
     pub fn hit(episode: u32, step: u32, contact: &Contact) -> Self {
-        let (at, normal) = (contact.point_in_world, contact.normal_in_world);
+        let (at, normal) = (contact.point_in_map, contact.normal_in_map);
         let hit = Hit {
             x_m: decimal(at.x),
             y_m: decimal(at.y),

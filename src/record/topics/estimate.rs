@@ -43,10 +43,10 @@ impl EstimateRecord {
     /// Compares what the robot believes last with what is true; `None` when it is told its pose.
     pub fn new(episode: u32, step: u32, sensed: &Sensed<'_>, truth: &Sample) -> Option<Self> {
         let estimate = sensed.estimates.last()?;
-        let (error_m, error_rad) = estimate.error(&truth.robot_in_world);
-        let nees = estimate.nees(&truth.robot_in_world);
+        let (error_m, error_rad) = estimate.error(&truth.robot_in_map);
+        let nees = estimate.nees(&truth.robot_in_map);
         let deviation = |at: usize| estimate.covariance[(at, at)].max(0.0).sqrt();
-        let pose = estimate.robot_in_world;
+        let pose = estimate.robot_in_map;
         Some(Self {
             episode,
             step,
@@ -102,7 +102,7 @@ pub(in crate::record) fn entities(
         .estimates
         .last()
         .map(|estimate| {
-            let ahead = estimate.robot_in_world.rotation;
+            let ahead = estimate.robot_in_map.rotation;
             let (long, short, direction) = axes(&estimate.covariance);
             let along = heading(ahead.inverse() * direction);
             CylinderPrimitive {

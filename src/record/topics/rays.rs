@@ -67,7 +67,7 @@ fn ray(view: &View<'_>, beam: &Beam) -> Option<(Point2<f64>, Point2<f64>)> {
     let after = view
         .trace
         .partition_point(|sample| sample.time_ns <= beam.time_ns);
-    let pose = view.trace.get(after.saturating_sub(1))?.robot_in_world;
+    let pose = view.trace.get(after.saturating_sub(1))?.robot_in_map;
     let from = Point2::from(pose.translation.vector);
     let ahead = pose.rotation * beam.bearing * Vector2::new(beam.range_m?, 0.0);
     let in_grid = |point| view.maze.point_in_grid(point);

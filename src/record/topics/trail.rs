@@ -85,7 +85,7 @@ impl Trail {
         if self.hits.len() == MOST_HITS {
             return;
         }
-        let at = self.in_grid(contact.point_in_world);
+        let at = self.in_grid(contact.point_in_map);
         let share = (contact.impulse_ns / HARD_NS).clamp(0.3, 1.0);
         let wide = 0.36 * self.unit_m * share;
         self.hits.push(CylinderPrimitive {
@@ -121,7 +121,7 @@ impl Trail {
         let mut driven_m = 0.0;
         for pair in poses.windows(2) {
             let [from, to] =
-                [0, 1].map(|at| self.in_grid(pair[at].robot_in_world.translation.vector.into()));
+                [0, 1].map(|at| self.in_grid(pair[at].robot_in_map.translation.vector.into()));
             let length_m = (to - from).norm();
             if length_m < 0.01 * self.unit_m {
                 continue;
@@ -175,7 +175,7 @@ impl Trail {
 
     /// The number of a cell's point, which is made if this is the first visit.
     fn visit(&mut self, cell: usize, sample: &Sample) -> u32 {
-        let at = self.in_grid(sample.robot_in_world.translation.vector.into());
+        let at = self.in_grid(sample.robot_in_map.translation.vector.into());
         *self.visited.entry(cell).or_insert_with(|| {
             self.points.push(point(at, 0.0));
             self.points.len() as u32 - 1

@@ -42,12 +42,12 @@ impl Transforms {
         transforms.resize_with(stretch.len(), FrameTransform::default);
         for (frame, sample) in transforms.iter_mut().zip(stretch) {
             name(frame, root, ROBOT);
-            put(frame, sample.time_ns, &sample.robot_in_world);
+            put(frame, sample.time_ns, &sample.robot_in_map);
         }
         if let Some((estimate, first)) = belief.zip(stretch.first()) {
             let mut frame = FrameTransform::default();
             name(&mut frame, ROBOT, ESTIMATE);
-            let mistake = first.robot_in_world.inv_mul(&estimate.robot_in_world);
+            let mistake = first.robot_in_map.inv_mul(&estimate.robot_in_map);
             put(&mut frame, first.time_ns, &mistake);
             transforms.push(frame);
         }
@@ -117,7 +117,7 @@ mod tests {
         let maze = Maze::from_json(text.as_bytes(), "m.json").unwrap();
         let sample = Sample {
             time_ns: 0,
-            robot_in_world: Isometry2::new(Vector2::new(8.5, 2.5), 0.25),
+            robot_in_map: Isometry2::new(Vector2::new(8.5, 2.5), 0.25),
             wheel_travel_m: [0.0; 2],
         };
         let mut transforms = Transforms::new(&maze);

@@ -97,7 +97,7 @@ fn turned(poses: &[Sample]) -> Vec<f64> {
     let mut sum_rad = 0.0;
     let mut turned_rad = vec![0.0; poses.len().min(1)];
     for pair in poses.windows(2) {
-        let [before, after] = [0, 1].map(|at| pair[at].robot_in_world.rotation);
+        let [before, after] = [0, 1].map(|at| pair[at].robot_in_map.rotation);
         let turn = before.inverse() * after;
         sum_rad += libm::atan2(turn.im, turn.re);
         turned_rad.push(sum_rad);
@@ -108,7 +108,7 @@ fn turned(poses: &[Sample]) -> Vec<f64> {
 /// May all poses between two of them be left out?
 fn spans(poses: &[Sample], turned_rad: &[f64], from: usize, to: usize, off_m: f64) -> bool {
     let length_ns = poses[to].time_ns - poses[from].time_ns;
-    let place = |at: usize| -> Vector2<f64> { poses[at].robot_in_world.translation.vector };
+    let place = |at: usize| -> Vector2<f64> { poses[at].robot_in_map.translation.vector };
     length_ns <= LONGEST_NS
         && (from + 1..to).all(|at| {
             let share = (poses[at].time_ns - poses[from].time_ns) as f64 / length_ns as f64;
@@ -130,7 +130,7 @@ mod tests {
             let (x, heading_rad) = pose(number as f64 / 100.0);
             Sample {
                 time_ns: number * 10_000_000,
-                robot_in_world: Isometry2::new(Vector2::new(x, 0.0), heading_rad),
+                robot_in_map: Isometry2::new(Vector2::new(x, 0.0), heading_rad),
                 wheel_travel_m: [0.0; 2],
             }
         };
@@ -162,8 +162,8 @@ mod tests {
             let after = poses.partition_point(|pose| pose.time_ns < sample.time_ns);
             let [a, b] = [after.saturating_sub(1), after].map(|at| poses[at]);
             let share = (sample.time_ns - a.time_ns) as f64 / (b.time_ns - a.time_ns).max(1) as f64;
-            let drawn = a.robot_in_world.lerp_slerp(&b.robot_in_world, share);
-            let apart = drawn.inverse() * sample.robot_in_world;
+            let drawn = a.robot_in_map.lerp_slerp(&b.robot_in_map, share);
+            let apart = drawn.inverse() * sample.robot_in_map;
             assert!(apart.translation.vector.norm() <= 0.02, "{sample:?}");
             assert!(
                 apart.rotation.angle().abs() <= 2.0 * TURNED_RAD,

@@ -48,7 +48,7 @@ fn streams(seed: u64) -> Streams {
 fn perceived(maze: &Maze, sensed: Sensed<'_>) -> [String; 4] {
     let sample = Sample {
         time_ns: 0,
-        robot_in_world: Isometry2::identity(),
+        robot_in_map: Isometry2::identity(),
         wheel_travel_m: [0.0; 2],
     };
     let view = View {

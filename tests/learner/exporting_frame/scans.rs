@@ -87,9 +87,9 @@ impl Driven {
         let mut questions = Questions::default();
         let given = |isometry: &Isometry2<f64>| pose(isometry, origin, shift_m);
         for seen in &self.actions {
-            questions.begin(given(&seen.estimates[0].robot_in_world));
+            questions.begin(given(&seen.estimates[0].robot_in_map));
             for (after, share, beam) in &seen.beams {
-                let [from, to] = [after - 1, *after].map(|at| seen.estimates[at].robot_in_world);
+                let [from, to] = [after - 1, *after].map(|at| seen.estimates[at].robot_in_map);
                 let way = to.translation.vector - from.translation.vector;
                 let turn = from.rotation.rotation_to(&to.rotation);
                 let mut then = to;
@@ -98,7 +98,7 @@ impl Driven {
                 questions.moved(given(&then));
                 questions.beam([beam.bearing.re, beam.bearing.im], beam.range_m);
             }
-            questions.moved(given(&seen.estimates.last().unwrap().robot_in_world));
+            questions.moved(given(&seen.estimates.last().unwrap().robot_in_map));
             questions.scanned();
         }
         questions
