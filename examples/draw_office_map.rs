@@ -3,7 +3,7 @@
 //!
 //! ```sh
 //! cargo run --example draw_office_map -- office
-//! cargo run -- world convert office/office.yaml --cell 0.5 --goal 15.0,6.5 -o office.json
+//! cargo run -- world convert office/office.yaml --cell 0.5 --goal 14.0,12.5 -o office.json
 //! cargo run -- train office.json --robot turtlebot3-burger --out office-run
 //! ```
 
