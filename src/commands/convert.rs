@@ -44,7 +44,7 @@ pub struct ConvertArgs {
     /// passages between cells lead to the goal.
     #[arg(long, value_name = "auto|X,Y", default_value = "auto", value_parser = offset, allow_hyphen_values = true)]
     offset: Offset,
-    /// Draw map, grid and robot into this PNG file.
+    /// Draw map, grid, start and goal into this PNG file.
     #[arg(long, value_name = "FILE")]
     preview: Option<PathBuf>,
     /// Replace files that exist.

@@ -12,12 +12,12 @@ use crate::world::{Cell, Gridded, Occupancy, OccupancyMap};
 const SIDE: f32 = 1600.0;
 /// Lines between cells that are smaller than this would hide the map.
 const SMALLEST_CELL: f64 = 5.0;
-/// The robot's radius, in cells, as the physics arena has it by default.
-const ROBOT: f32 = 0.3;
+/// The radius of the mark of the start, in cells.
+const START_MARK: f32 = 0.3;
 
 impl Gridded {
-    /// A PNG file: what the maze takes of the map in grey, free cells framed in blue, goals green, the robot orange where it
-    /// starts.
+    /// A PNG file: what the maze takes of the map in grey, free cells framed in blue, goals green, the start an orange
+    /// disc.
     ///
     /// # Errors
     /// When the picture is too large.
@@ -70,7 +70,7 @@ fn plan(map: &OccupancyMap) -> Option<Pixmap> {
     Some(plan)
 }
 
-/// A free cell: its frame, and the goal or the robot in it.
+/// A free cell: its frame, and the goal or the start in it.
 fn draw_cell(
     canvas: &mut Pixmap,
     gridded: &Gridded,
@@ -96,9 +96,9 @@ fn draw_cell(
         canvas.stroke_path(&PathBuilder::from_rect(rect), &paint, &stroke, look, None);
     }
     let (x, y) = (rect.left() + edge / 2.0, rect.top() + edge / 2.0);
-    let robot = PathBuilder::from_circle(x, y, ROBOT * edge);
-    if let Some(robot) = robot.filter(|_| gridded.maze.starts().next() == Some(cell)) {
+    let mark = PathBuilder::from_circle(x, y, START_MARK * edge);
+    if let Some(mark) = mark.filter(|_| gridded.maze.starts().next() == Some(cell)) {
         paint.set_color_rgba8(255, 127, 14, 255);
-        canvas.fill_path(&robot, &paint, FillRule::Winding, look, None);
+        canvas.fill_path(&mark, &paint, FillRule::Winding, look, None);
     }
 }
