@@ -508,10 +508,21 @@ fn arenas(key: &str) -> &'static [ArenaKind] {
     }
 }
 
+/// The same maze, with larger cells if the robot needs them.
+fn with_room_for(maze: &Maze, least_cell_m: f64) -> Maze {
+    if maze.cell_size_m() >= least_cell_m {
+        return maze.clone();
+    }
+    let mut world: serde_json::Value = serde_json::from_str(&maze.to_json()).unwrap();
+    world["cell_size_m"] = least_cell_m.into();
+    Maze::from_json(world.to_string().as_bytes(), "larger.json").unwrap()
+}
+
 /// Two episodes, after which no rule may hold a number that is none.
 fn assert_stays_finite(method: Method, arena: ArenaKind, settings: &Settings, what: &str) {
     let mut plan = plan(method, arena, 2);
     plan.config.settings = settings.clone();
+    plan.maze = with_room_for(&plan.maze, settings.physics.least_cell_m());
     let mut trial = Trial::new(plan).unwrap();
     let _ = trial.run(&mut ());
     let checkpoint: Checkpoint = unseal(&seal(&trial.checkpoint())).unwrap();
