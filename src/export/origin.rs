@@ -15,6 +15,8 @@ pub struct Origin {
     sensor: Sensor,
     /// The robot's figures, in physics.
     robot: Option<Robot>,
+    /// How far a lidar beam that does not come back is followed, in metres.
+    lost_beam_range_m: f64,
     /// Do conditions demand more than percepts tell?
     remembers: bool,
     /// What is known of the run.
@@ -72,6 +74,10 @@ impl Origin {
                 max_speed_mps: robot.max_speed_mps,
                 max_turn_radps: robot.max_turn_radps,
             }),
+            lost_beam_range_m: {
+                let lidar = &config.settings.physics.lidar;
+                lidar.lost_beam_range_m(maze.cell_size_m())
+            },
             remembers: knowledge.remembers(),
             facts,
         }
@@ -90,6 +96,11 @@ impl Origin {
     /// The robot's figures; `None` on the grid.
     pub(super) fn robot(&self) -> Option<Robot> {
         self.robot
+    }
+
+    /// How far a lidar beam that does not come back is followed, in metres.
+    pub(super) fn lost_beam_range_m(&self) -> f64 {
+        self.lost_beam_range_m
     }
 
     /// The facts as lines for a comment. Names of worlds hold nothing that ends one.

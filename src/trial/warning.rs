@@ -16,7 +16,7 @@ const CHARTED: u16 = 40;
 const MOST: u32 = 1_000_000;
 
 /// Why a trial of a plan is bound to fail, or to fall short of the optimum.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
     /// Episodes are shorter than the shortest path, at least from some starts.
     StepLimit {
@@ -38,6 +38,20 @@ pub enum Warning {
     },
     /// Cells pay, but no episode can come there.
     OutOfReach(Vec<Cell>),
+    /// A move takes longer than actions may.
+    TimeOut {
+        /// How long a move takes, in seconds.
+        move_s: f64,
+        /// `physics.time_out_s`.
+        time_out_s: f64,
+    },
+    /// The lidar does not see across the cells beside the robot.
+    ShortLidar {
+        /// `physics.lidar.range_m`.
+        range_m: f64,
+        /// Edge length of a cell in metres.
+        cell_size_m: f64,
+    },
 }
 
 impl Plan {
@@ -50,6 +64,8 @@ impl Plan {
             step_limit(config, maze, &paths),
             look_alike(config, maze, &paths),
             out_of_reach(maze),
+            time_out(config, maze),
+            short_lidar(config, maze),
         ]
         .into_iter()
         .flatten()
@@ -115,6 +131,21 @@ fn is_small(maze: &Maze) -> bool {
     maze.width().max(maze.height()) <= CHARTED
 }
 
+fn time_out(config: &Config, maze: &Maze) -> Option<Warning> {
+    let physics = config.robot()?;
+    let (move_s, time_out_s) = (physics.move_time_s(maze.cell_size_m()), physics.time_out_s);
+    (move_s > time_out_s).then_some(Warning::TimeOut { move_s, time_out_s })
+}
+
+fn short_lidar(config: &Config, maze: &Maze) -> Option<Warning> {
+    let (lidar, cell_size_m) = (&config.robot()?.lidar, maze.cell_size_m());
+    let is_short = config.sensor.is_sensed() && !lidar.sees_neighbours(cell_size_m);
+    is_short.then_some(Warning::ShortLidar {
+        range_m: lidar.range_m,
+        cell_size_m,
+    })
+}
+
 fn out_of_reach(maze: &Maze) -> Option<Warning> {
     maze.rewarding_cells().first()?;
     let cells = Facts::new(maze).auxiliary?.out_of_reach;
@@ -168,6 +199,13 @@ impl Warning {
                 }
             }
             Self::OutOfReach(_) => "to open a way in `rows`".to_owned(),
+            Self::TimeOut { move_s, .. } => {
+                format!("`--set physics.time_out_s={}`", (3.0 * move_s).ceil())
+            }
+            Self::ShortLidar { range_m, .. } => format!(
+                "cells of at most {:.2} m (`cell_size_m`), or a robot with a longer lidar (`--robot`)",
+                range_m / 1.5
+            ),
         }
     }
 }
@@ -192,6 +230,17 @@ impl fmt::Display for Warning {
                     named(cells)
                 )
             }
+            Self::TimeOut { move_s, time_out_s } => write!(
+                f,
+                "a move takes about {move_s:.1} s, but actions are given up after {time_out_s} s"
+            ),
+            Self::ShortLidar {
+                range_m,
+                cell_size_m,
+            } => write!(
+                f,
+                "the lidar sees {range_m} m, too little to tell that the next cell of {cell_size_m} m is free"
+            ),
         }?;
         write!(f, "; try {}", self.way_out())
     }
@@ -281,6 +330,32 @@ mod tests {
             slippery.len() == 1 && slippery[0].contains("5,2 4,5"),
             "{slippery:?}"
         );
+    }
+
+    #[test]
+    fn cells_that_are_too_large_for_the_robot_are_named() {
+        let said = |cell_size_m: f64, sets: &[&str]| {
+            let rows = ["#####", "#S.G#", "#####"];
+            let text = format!(r#"{{ "cell_size_m": {cell_size_m}, "rows": {rows:?} }}"#);
+            let maze = Maze::from_json(text.as_bytes(), "large.json").unwrap();
+            let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+            let settings = Resolved::new(&Settings::default(), &[], &sets).unwrap();
+            let plan = Plan::new(maze).settings(settings.settings);
+            plan.warnings()
+                .iter()
+                .map(Warning::to_string)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(said(1.0, &[]), [""; 0]);
+        let slow = "a move takes about 20.6 s, but actions are given up after 10 s; try `--set \
+                    physics.time_out_s=62`";
+        let slow_robot = ["physics.max_speed_mps=0.05", "physics.arrival_mps=0.02"];
+        assert_eq!(said(1.0, &slow_robot), [slow]);
+        assert_eq!(said(5.0, &[]), [""; 0], "the lidar sees 8 m");
+        let short = said(2.0, &["physics.lidar.range_m=2.5"]);
+        let wanted = "the lidar sees 2.5 m, too little to tell that the next cell of 2 m is free; try \
+                      cells of at most 1.67 m (`cell_size_m`), or a robot with a longer lidar (`--robot`)";
+        assert_eq!(short, [wanted]);
     }
 
     #[test]

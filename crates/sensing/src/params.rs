@@ -80,6 +80,18 @@ impl LidarParams {
         (0..self.beams).map(bearing).collect()
     }
 
+    /// Returns how far a beam that does not come back is taken to have gone, in metres: at least 3 m and three
+    /// cells, so that it leaves the cells beside the robot, but no farther than the lidar sees.
+    pub fn lost_beam_range_m(&self, cell_size_m: f64) -> f64 {
+        (3.0 * cell_size_m.max(1.0)).min(self.range_m)
+    }
+
+    /// Does the lidar see across the cells beside the robot, from the middle of a cell of this size? Otherwise
+    /// it cannot tell that they are free.
+    pub fn sees_neighbours(&self, cell_size_m: f64) -> bool {
+        self.lost_beam_range_m(cell_size_m) >= 1.5 * cell_size_m
+    }
+
     /// Physics steps in which the lidar turns round once.
     pub fn steps_per_turn(&self) -> u64 {
         (1.0 / (self.rate_hz * STEP_S)).ceil() as u64

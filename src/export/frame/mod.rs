@@ -208,14 +208,20 @@ fn constants(origin: &Origin) -> Vec<Constant> {
         ),
         ("ROW_BITS", Whole(of_row, "usize"), "bits that show the row"),
     ]);
-    let scan = reach(sensor).map(|reach| {
-        (
-            "SCAN_REACH",
-            Whole(reach, "i32"),
-            "cells that a scan looks at, each way",
-        )
-    });
-    all.extend(scan);
+    if let Some(reach) = reach(sensor) {
+        all.extend([
+            (
+                "SCAN_REACH",
+                Whole(reach, "i32"),
+                "cells that a scan looks at, each way",
+            ),
+            (
+                "SCAN_LOST_RANGE_M",
+                Real(origin.lost_beam_range_m()),
+                "how far a beam that does not come back is followed, m",
+            ),
+        ]);
+    }
     all
 }
 

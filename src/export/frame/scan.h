@@ -12,12 +12,10 @@
 #define XCSCR_SCAN_LOST 7
 #define XCSCR_SCAN_MOST 1000000000
 /* Lengths in metres: a beam that is in a cell for less than GRAZE, and this share of its range, says nothing
- * about the cell; one that ends farther than STRAY from every line is an outlier; one that does not come
- * back is followed for LOST_RANGE. */
+ * about the cell; one that ends farther than STRAY from every line is an outlier. */
 #define XCSCR_SCAN_GRAZE_M 0.15
 #define XCSCR_SCAN_GRAZE_SHARE 0.02
 #define XCSCR_SCAN_STRAY_M 0.2
-#define XCSCR_SCAN_LOST_RANGE_M 3.0
 /* The range of a beam of which nothing came back, and a range that no lidar has. */
 #define XCSCR_NOTHING (-1.0)
 #define XCSCR_SCAN_MOST_M 1.0e4

@@ -5,8 +5,6 @@ SCAN_FREE, SCAN_HIT, SCAN_LOST = 30, 20, 7
 GRAZE_M, GRAZE_SHARE = 0.15, 0.02
 # A beam that ends farther than this from every line of the grid, in metres, is an outlier.
 STRAY_M = 0.2
-# A beam that does not come back is followed so far, in metres.
-LOST_RANGE_M = 3.0
 # A range in metres that no lidar has.
 MOST_M = 1e4
 
@@ -50,7 +48,7 @@ class Scan:
         """Adds a beam: cosine and sine of its bearing, counter-clockwise from the heading, and its range;
         None, or what is not above 0 or no number, means that nothing came back."""
         came_back = range_m is not None and 0.0 < range_m < MOST_M
-        weight, reach = (SCAN_HIT, range_m) if came_back else (SCAN_LOST, LOST_RANGE_M)
+        weight, reach = (SCAN_HIT, range_m) if came_back else (SCAN_LOST, SCAN_LOST_RANGE_M)
         graze = GRAZE_M + GRAZE_SHARE * reach
         ahead, aside = self.heading
         x = axis(self.position[0], ahead * cosine - aside * sine)

@@ -10,8 +10,6 @@ const GRAZE_M: f64 = 0.15;
 const GRAZE_SHARE: f64 = 0.02;
 /// A beam that ends farther than this from every line of the grid, in metres, is an outlier.
 const STRAY_M: f64 = 0.2;
-/// A beam that does not come back is followed so far, in metres.
-const LOST_RANGE_M: f64 = 3.0;
 /// A range in metres that no lidar has.
 const MOST_M: f64 = 1e4;
 
@@ -62,7 +60,7 @@ impl Scan {
         let came_back = range_m.filter(|&range| range > 0.0 && range < MOST_M);
         let (weight, range) = match came_back {
             Some(range) => (HIT, range),
-            None => (LOST, LOST_RANGE_M),
+            None => (LOST, SCAN_LOST_RANGE_M),
         };
         let graze = GRAZE_M + GRAZE_SHARE * range;
         let [ahead, aside] = self.heading;

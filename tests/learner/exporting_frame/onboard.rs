@@ -230,8 +230,7 @@ fn the_same_beams_from_the_same_poses_give_the_same_percept_bit_for_bit() {
         ("STRAY_M 0.2", "STRAY_M 0.05"),
         ("LOST_RANGE_M 3.0", "LOST_RANGE_M 1.0"),
     ] {
-        let [constant, other] =
-            [constant, other].map(|name| format!("#define XCSCR_SCAN_{name}\n"));
+        let [constant, other] = [constant, other].map(|name| format!("#define XCSCR_SCAN_{name}"));
         assert!(policy.contains(&constant), "{constant}");
         let changed = policy.replace(&constant, &other);
         let found = drive.questions.answers(Target::C99, &changed, &maze);

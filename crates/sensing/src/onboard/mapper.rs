@@ -21,14 +21,13 @@ const GRAZE_M: f64 = 0.15;
 const GRAZE_SHARE: f64 = 0.02;
 /// A beam that ends farther than this from every crossing, in metres, is an outlier.
 const STRAY_M: f64 = 0.2;
-/// Beams that get lost are followed so far, in metres.
-const LOST_RANGE_M: f64 = 3.0;
 
-/// Adds the evidence of a beam to a map with cells of `cell_size_m`.
-pub(super) fn mark(map: &mut Surroundings, ray: &Ray, cell_size_m: f64) {
+/// Adds the evidence of a beam to a map with cells of `cell_size_m`. A beam that does not come back is
+/// followed for `lost_range_m`.
+pub(super) fn mark(map: &mut Surroundings, ray: &Ray, cell_size_m: f64, lost_range_m: f64) {
     let (weight, range) = match ray.range {
         Some(range) => (HIT, range),
-        None => (LOST, LOST_RANGE_M),
+        None => (LOST, lost_range_m),
     };
     // The farther away, the less is known about where it was.
     let graze = GRAZE_M + GRAZE_SHARE * range;

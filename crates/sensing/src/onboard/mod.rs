@@ -32,6 +32,7 @@ pub struct Onboard {
     bumped: [bool; 2],
     over_marker: bool,
     cell_size_m: f64,
+    lost_range_m: f64,
 }
 
 impl Onboard {
@@ -45,6 +46,7 @@ impl Onboard {
             bumped: [false; 2],
             over_marker: false,
             cell_size_m: robot.cell_size_m,
+            lost_range_m: robot.lidar.lost_beam_range_m(robot.cell_size_m),
         }
     }
 
@@ -72,7 +74,8 @@ impl Onboard {
         };
         self.estimator.step(&taken);
         for ray in self.estimator.rays(&self.taken) {
-            mapper::mark(&mut self.surroundings, &ray, self.cell_size_m);
+            let (size_m, lost_m) = (self.cell_size_m, self.lost_range_m);
+            mapper::mark(&mut self.surroundings, &ray, size_m, lost_m);
         }
         self.surroundings.stand_in(self.cell());
         self.bumped = readings.bumped;

@@ -303,7 +303,7 @@ fn each_action_begins_without_knowing_how_the_wheels_will_roll() {
 /// Marks a beam of a robot that stands in the middle of a cell and heads east.
 fn mark(map: &mut Surroundings, beam: &Return) {
     let ray = estimator(0.5, 0.5).ray(beam, UnitComplex::identity());
-    mapper::mark(map, &ray, 1.0);
+    mapper::mark(map, &ray, 1.0, 3.0);
 }
 
 #[test]
