@@ -41,19 +41,13 @@ impl Origin {
     /// Converts a point from the frame of the grid, whose origin is this corner, to the map frame;
     /// both in metres.
     pub fn to_map(&self, point_m: Point2<f64>) -> Point2<f64> {
-        let (sin, cos) = (libm::sin(self.yaw_rad), libm::cos(self.yaw_rad));
-        Point2::new(
-            self.x_m + (point_m.x * cos - point_m.y * sin),
-            self.y_m + (point_m.x * sin + point_m.y * cos),
-        )
+        self.pose() * point_m
     }
 
     /// Converts a point from the map frame to the frame of the grid, whose origin is this corner;
     /// both in metres.
     pub fn to_grid(&self, point_m: Point2<f64>) -> Point2<f64> {
-        let (sin, cos) = (libm::sin(self.yaw_rad), libm::cos(self.yaw_rad));
-        let (x, y) = (point_m.x - self.x_m, point_m.y - self.y_m);
-        Point2::new(x * cos + y * sin, y * cos - x * sin)
+        self.pose().inverse_transform_point(&point_m)
     }
 
     /// Returns the pose of another corner, given in the frame of the grid, in metres.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use foxglove::messages::{
     Color, CylinderPrimitive, LinePrimitive, Point3, SceneUpdate, line_primitive,
 };
-use nalgebra::{Isometry2, Point2, Vector2};
+use nalgebra::{Point2, Vector2};
 
 use super::scene::{WORLD, color, entity, place, point, update, vector};
 use crate::arena::{Contact, Sample, View};
@@ -49,8 +49,6 @@ pub(in crate::record) struct Trail {
     /// Are there pieces that are no longer shown?
     is_cut: bool,
     unit_m: f64,
-    /// The grid frame, in which the trail is drawn, in the map frame.
-    grid_in_map: Option<Isometry2<f64>>,
     at: Option<Cell>,
     steps: usize,
     /// A disc for each hit on a wall.
@@ -67,7 +65,6 @@ impl Trail {
             pieces: VecDeque::new(),
             is_cut: false,
             unit_m: maze.cell_size_m(),
-            grid_in_map: maze.grid_in_map(),
             at: None,
             steps: 0,
             hits: Vec::new(),
@@ -81,11 +78,11 @@ impl Trail {
     }
 
     /// Marks where the robot hit a wall, the larger the harder.
-    pub fn hit(&mut self, contact: &Contact) {
+    pub fn hit(&mut self, maze: &Maze, contact: &Contact) {
         if self.hits.len() == MOST_HITS {
             return;
         }
-        let at = self.in_grid(contact.point_in_map);
+        let at = maze.point_in_grid(contact.point_in_map);
         let share = (contact.impulse_ns / HARD_NS).clamp(0.3, 1.0);
         let wide = 0.36 * self.unit_m * share;
         self.hits.push(CylinderPrimitive {
@@ -100,9 +97,9 @@ impl Trail {
     /// Goes on along these poses to where the robot stands.
     pub fn step(&mut self, view: &View<'_>, poses: &[Sample], explored: bool) {
         self.steps += 1;
-        self.drive(poses, explored);
+        self.drive(view.maze, poses, explored);
         let (from, to) = (self.at, view.cell);
-        let number = self.visit(view.maze.index(to), &view.now());
+        let number = self.visit(view);
         self.at = Some(to);
         let Some(from) = from.filter(|&from| from != to && beside(from, to)) else {
             return;
@@ -117,11 +114,11 @@ impl Trail {
     }
 
     /// Adds the way between poses.
-    fn drive(&mut self, poses: &[Sample], explored: bool) {
+    fn drive(&mut self, maze: &Maze, poses: &[Sample], explored: bool) {
         let mut driven_m = 0.0;
         for pair in poses.windows(2) {
-            let [from, to] =
-                [0, 1].map(|at| self.in_grid(pair[at].robot_in_map.translation.vector.into()));
+            let [from, to] = [0, 1]
+                .map(|at| maze.point_in_grid(pair[at].robot_in_map.translation.vector.into()));
             let length_m = (to - from).norm();
             if length_m < 0.01 * self.unit_m {
                 continue;
@@ -159,14 +156,6 @@ impl Trail {
         }
     }
 
-    /// Converts a point from the map frame to the grid frame.
-    fn in_grid(&self, point_in_map: Point2<f64>) -> Point2<f64> {
-        let grid = self.grid_in_map;
-        grid.map_or(point_in_map, |grid| {
-            grid.inverse_transform_point(&point_in_map)
-        })
-    }
-
     fn on_grid(&self, at: Point2<f64>) -> Point3 {
         let grid_m = GRID * self.unit_m;
         let on_grid = |along_m: f64| (along_m / grid_m).round() * grid_m;
@@ -174,8 +163,10 @@ impl Trail {
     }
 
     /// The number of a cell's point, which is made if this is the first visit.
-    fn visit(&mut self, cell: usize, sample: &Sample) -> u32 {
-        let at = self.in_grid(sample.robot_in_map.translation.vector.into());
+    fn visit(&mut self, view: &View<'_>) -> u32 {
+        let at = view.now().robot_in_map.translation.vector;
+        let at = view.maze.point_in_grid(at.into());
+        let cell = view.maze.index(view.cell);
         *self.visited.entry(cell).or_insert_with(|| {
             self.points.push(point(at, 0.0));
             self.points.len() as u32 - 1

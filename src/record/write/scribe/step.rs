@@ -45,7 +45,7 @@ impl Scribe {
         step.view
             .contacts
             .iter()
-            .for_each(|hit| self.trail.hit(hit));
+            .for_each(|hit| self.trail.hit(step.view.maze, hit));
         self.trail.step(&step.view, self.way.poses(), step.explored);
         if self.trail.is_due() {
             self.show_trail(out, For::Episode, end_ns)?;
