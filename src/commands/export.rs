@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::builder::TypedValueParser;
-use xcscr::export::{ExportError, Origin, Policy, Target};
+use xcscr::export::{ExportError, Policy, Provenance, Target};
 
 use super::choices;
 use super::failure::{Exit, Failure};
@@ -52,7 +52,7 @@ fn text(args: &ExportArgs) -> Result<String, Failure> {
         .check(width, actions)
         .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
     let policy = Policy::new(&knowledge, width, actions, &sensor.percepts(maze))?;
-    let origin = Origin::new(&plan, &knowledge, args.learned.is_a_run());
+    let origin = Provenance::new(&plan, &knowledge, args.learned.is_a_run());
     Ok(args.target.text(&policy, &origin))
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::comments::C as COMMENTS;
 use super::filter::Addition;
-use super::{Ballot, Origin, Vote};
+use super::{Ballot, Provenance, Vote};
 use xcs::Action;
 
 /// What is the same in every header: reading a table.
@@ -72,11 +72,11 @@ static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
 "#;
 
 /// The header.
-pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String {
+pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &Addition) -> String {
     let mut text = String::from("/*\n");
-    text.push_str(&COMMENTS.head(ballot, origin));
+    text.push_str(&COMMENTS.head(ballot, provenance));
     text.push_str(&more.usage);
-    text.push_str(&COMMENTS.bits_of_bytes(ballot, origin));
+    text.push_str(&COMMENTS.bits_of_bytes(ballot, provenance));
     text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
     let figures = [
         ("PERCEPT_BITS", ballot.width()),
@@ -87,7 +87,7 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String 
     for (name, value) in figures {
         let _ = writeln!(text, "#define XCSCR_{name} {value}");
     }
-    text.push_str(&actions(ballot, origin));
+    text.push_str(&actions(ballot, provenance));
     text.push_str(FUNCTIONS);
     text.push_str(&table(ballot));
     text.push_str(IS_GREATER);
@@ -98,10 +98,10 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String 
 }
 
 /// The names of the actions.
-pub(super) fn actions(ballot: &Ballot, origin: &Origin) -> String {
+pub(super) fn actions(ballot: &Ballot, provenance: &Provenance) -> String {
     let mut text = String::from("#define XCSCR_NO_ACTION (-1)\n\n");
     for action in Action::all(ballot.actions()) {
-        let name = origin
+        let name = provenance
             .action(action)
             .to_uppercase()
             .replace(['-', ' '], "_");

@@ -1,6 +1,6 @@
 //! The comment that an exported file begins with.
 
-use super::{Ballot, Origin};
+use super::{Ballot, Provenance};
 
 /// How a language writes comments.
 pub(super) struct Comments {
@@ -38,10 +38,10 @@ impl Comments {
     }
 
     /// Where the policy comes from, and how it was compared.
-    pub fn head(&self, ballot: &Ballot, origin: &Origin) -> String {
+    pub fn head(&self, ballot: &Ballot, provenance: &Provenance) -> String {
         self.of(&format!(
             "{}\n{} rules vote in whole numbers. Compared with the run's own{}greedy choice in {}: the same.",
-            origin.lines().join("\n"),
+            provenance.lines().join("\n"),
             ballot.votes().len(),
             self.fold,
             ballot.compared()
@@ -53,18 +53,18 @@ impl Comments {
     pub fn bits(
         &self,
         width: usize,
-        origin: &Origin,
+        provenance: &Provenance,
         how: &str,
         number: impl Fn(usize) -> String,
     ) -> String {
-        let bit = |bit| format!("\n{}{}  {}", self.indent, number(bit), origin.bit(bit));
+        let bit = |bit| format!("\n{}{}  {}", self.indent, number(bit), provenance.bit(bit));
         let bits: String = (0..width).map(bit).collect();
         self.of(&format!("\nBits of a percept{how}:{bits}"))
     }
 
     /// The same of percepts that are bytes.
-    pub fn bits_of_bytes(&self, ballot: &Ballot, origin: &Origin) -> String {
+    pub fn bits_of_bytes(&self, ballot: &Ballot, provenance: &Provenance) -> String {
         let how = "; bit i is bit i % 8 of byte i / 8";
-        self.bits(ballot.width(), origin, how, |bit| format!("{bit:3}"))
+        self.bits(ballot.width(), provenance, how, |bit| format!("{bit:3}"))
     }
 }

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::filter::Filter;
 use super::memory::Charts;
-use super::origin::Facts;
-use super::{Ballot, Origin, Policy, Vote};
+use super::provenance::Facts;
+use super::{Ballot, Policy, Provenance, Vote};
 use xcs::Action;
 
 /// A rule of the table.
@@ -38,21 +38,21 @@ struct Document<'a> {
     filter: Option<&'a Filter>,
 }
 
-fn rows(ballot: &Ballot, origin: &Origin) -> impl Iterator<Item = Row> {
+fn rows(ballot: &Ballot, provenance: &Provenance) -> impl Iterator<Item = Row> {
     ballot.votes().iter().map(|vote: &Vote| Row {
         condition: vote.condition.to_string(),
         action: vote.action.index(),
         weight: vote.weight,
         worth: vote.worth,
-        words: origin.words(&vote.condition),
-        go: origin.action(vote.action),
+        words: provenance.words(&vote.condition),
+        go: provenance.action(vote.action),
     })
 }
 
 /// One row per rule.
-pub(super) fn csv(ballot: &Ballot, origin: &Origin) -> String {
+pub(super) fn csv(ballot: &Ballot, provenance: &Provenance) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows(ballot, origin) {
+    for row in rows(ballot, provenance) {
         writer.serialize(row).expect("rows of texts and numbers");
     }
     let bytes = writer.into_inner().expect("a vector takes all");
@@ -60,16 +60,16 @@ pub(super) fn csv(ballot: &Ballot, origin: &Origin) -> String {
 }
 
 /// One document.
-pub(super) fn json(policy: &Policy, origin: &Origin) -> String {
+pub(super) fn json(policy: &Policy, provenance: &Provenance) -> String {
     let ballot = policy.ballot();
     let document = Document {
-        origin: &origin.facts,
+        origin: &provenance.facts,
         compared: ballot.compared(),
-        bits: (0..ballot.width()).map(|bit| origin.bit(bit)).collect(),
+        bits: (0..ballot.width()).map(|bit| provenance.bit(bit)).collect(),
         actions: Action::all(ballot.actions())
-            .map(|a| origin.action(a))
+            .map(|a| provenance.action(a))
             .collect(),
-        rules: rows(ballot, origin).collect(),
+        rules: rows(ballot, provenance).collect(),
         charts: policy.charts(),
         filter: policy.filter(),
     };

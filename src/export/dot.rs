@@ -2,19 +2,19 @@
 
 use std::fmt::Write;
 
-use super::{Ballot, Origin};
+use super::{Ballot, Provenance};
 use xcs::Action;
 
 /// Rules on the left, in words, and the actions they vote for on the right; the width of an arrow
 /// is the worth.
-pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
+pub(super) fn text(ballot: &Ballot, provenance: &Provenance) -> String {
     let mut text = String::new();
-    for line in origin.lines() {
+    for line in provenance.lines() {
         let _ = writeln!(text, "// {line}");
     }
     text.push_str("digraph policy {\n  rankdir=LR;\n  node [shape=box];\n");
     for action in Action::all(ballot.actions()) {
-        let name = quoted(&origin.action(action));
+        let name = quoted(&provenance.action(action));
         let _ = writeln!(
             text,
             "  action{} [label={name}, shape=ellipse];",
@@ -23,7 +23,7 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin) -> String {
     }
     let most = ballot.votes().iter().map(|vote| vote.worth).max();
     for (at, vote) in ballot.votes().iter().enumerate() {
-        let words = quoted(&origin.words(&vote.condition).replace(", ", "\n"));
+        let words = quoted(&provenance.words(&vote.condition).replace(", ", "\n"));
         let share = f64::from(vote.worth) / f64::from(most.unwrap_or(0).max(1));
         let _ = writeln!(text, "  rule{at} [label={words}];");
         let _ = writeln!(

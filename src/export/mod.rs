@@ -14,7 +14,7 @@ mod dot;
 mod filter;
 mod frame;
 mod memory;
-mod origin;
+mod provenance;
 mod policy;
 mod python;
 mod rust;
@@ -22,8 +22,8 @@ mod rust;
 pub use ballot::{Ballot, ExportError, Vote};
 use filter::{Addition, Filter};
 use frame::Form;
-pub use origin::Origin;
 pub use policy::Policy;
+pub use provenance::Provenance;
 use strum::{IntoStaticStr, VariantArray};
 
 /// What a policy can be written as.
@@ -54,7 +54,7 @@ impl Target {
     }
 
     /// The whole text of the file.
-    pub fn text(self, policy: &Policy, origin: &Origin) -> String {
+    pub fn text(self, policy: &Policy, provenance: &Provenance) -> String {
         let ballot = policy.ballot();
         let more = policy.filter().map(|filter| self.addition(ballot, filter));
         let mut more = more.unwrap_or_default();
@@ -62,28 +62,30 @@ impl Target {
             None => Form::Bytes,
             Some(_) => Form::Number,
         };
-        more.code.push_str(&self.frame(origin, form));
+        more.code.push_str(&self.frame(provenance, form));
         match (self, policy.charts()) {
-            (Self::C99, None) => c99::text(ballot, origin, &more),
-            (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, origin, &more.code),
-            (Self::Rust, None) => rust::text(ballot, origin, &more),
-            (Self::Rust, Some(charts)) => memory::rust::text(ballot, charts, origin) + &more.code,
-            (Self::Python, None) => python::text(ballot, origin, &more),
-            (Self::Python, Some(charts)) => {
-                memory::python::text(ballot, charts, origin) + &more.code
+            (Self::C99, None) => c99::text(ballot, provenance, &more),
+            (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, provenance, &more.code),
+            (Self::Rust, None) => rust::text(ballot, provenance, &more),
+            (Self::Rust, Some(charts)) => {
+                memory::rust::text(ballot, charts, provenance) + &more.code
             }
-            (Self::Csv, _) => data::csv(ballot, origin),
-            (Self::Json, _) => data::json(policy, origin),
-            (Self::Dot, _) => dot::text(ballot, origin),
+            (Self::Python, None) => python::text(ballot, provenance, &more),
+            (Self::Python, Some(charts)) => {
+                memory::python::text(ballot, charts, provenance) + &more.code
+            }
+            (Self::Csv, _) => data::csv(ballot, provenance),
+            (Self::Json, _) => data::json(policy, provenance),
+            (Self::Dot, _) => dot::text(ballot, provenance),
         }
     }
 
     /// What source code has to get from a pose to a percept.
-    fn frame(self, origin: &Origin, form: Form) -> String {
+    fn frame(self, provenance: &Provenance, form: Form) -> String {
         match self {
-            Self::C99 => frame::c99(origin, form),
-            Self::Rust => frame::rust(origin, form),
-            Self::Python => frame::python(origin, form),
+            Self::C99 => frame::c99(provenance, form),
+            Self::Rust => frame::rust(provenance, form),
+            Self::Python => frame::python(provenance, form),
             Self::Csv | Self::Json | Self::Dot => String::new(),
         }
     }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::comments::PYTHON as COMMENTS;
 use super::filter::Addition;
-use super::{Ballot, Origin, Vote};
+use super::{Ballot, Provenance, Vote};
 use xcs::Action;
 
 /// What is the same in every module.
@@ -25,11 +25,11 @@ def decide(percept):
 "##;
 
 /// The module.
-pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String {
-    let mut text = COMMENTS.head(ballot, origin);
+pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &Addition) -> String {
+    let mut text = COMMENTS.head(ballot, provenance);
     text.push_str(&more.usage);
     text.push_str("\nimport math\n\n# What each bit of a percept says when it is 1.\n");
-    text.push_str(&names(ballot, ballot.width(), origin));
+    text.push_str(&names(ballot, ballot.width(), provenance));
     text.push_str("\n# Condition, action, weight, worth.\nRULES = [\n");
     for Vote {
         condition,
@@ -48,9 +48,9 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String 
 }
 
 /// The names of so many bits, and of the actions.
-pub(super) fn names(ballot: &Ballot, bits: usize, origin: &Origin) -> String {
-    let bits = (0..bits).map(|bit| origin.bit(bit));
-    let actions = Action::all(ballot.actions()).map(|action| origin.action(action));
+pub(super) fn names(ballot: &Ballot, bits: usize, provenance: &Provenance) -> String {
+    let bits = (0..bits).map(|bit| provenance.bit(bit));
+    let actions = Action::all(ballot.actions()).map(|action| provenance.action(action));
     let lines = |name: String| format!("    {name:?},\n");
     let (bits, actions): (String, String) =
         (bits.map(lines).collect(), actions.map(lines).collect());

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::comments::RUST as COMMENTS;
 use super::filter::Addition;
-use super::{Ballot, Origin, Vote};
+use super::{Ballot, Provenance, Vote};
 use xcs::Action;
 
 /// What is the same in every module.
@@ -36,17 +36,17 @@ pub fn decide(percept: &[u8; PERCEPT_BYTES]) -> Option<u8> {
 ";
 
 /// The module.
-pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String {
-    let mut text = COMMENTS.head(ballot, origin);
+pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &Addition) -> String {
+    let mut text = COMMENTS.head(ballot, provenance);
     text.push_str(&more.usage);
-    text.push_str(&COMMENTS.bits_of_bytes(ballot, origin));
+    text.push_str(&COMMENTS.bits_of_bytes(ballot, provenance));
     let _ = writeln!(
         text,
         "\n/// Bytes of a percept.\npub const PERCEPT_BYTES: usize = {};\n/// The names of the \
          actions.\npub const ACTION_NAMES: [&str; ACTIONS] = [{}];\n/// The number of actions.\npub \
          const ACTIONS: usize = {};\n",
         ballot.bytes(),
-        names(ballot, origin),
+        names(ballot, provenance),
         ballot.actions()
     );
     text.push_str(&table(ballot));
@@ -55,8 +55,9 @@ pub(super) fn text(ballot: &Ballot, origin: &Origin, more: &Addition) -> String 
     text
 }
 
-pub(super) fn names(ballot: &Ballot, origin: &Origin) -> String {
-    let names = Action::all(ballot.actions()).map(|action| format!("{:?}", origin.action(action)));
+pub(super) fn names(ballot: &Ballot, provenance: &Provenance) -> String {
+    let names =
+        Action::all(ballot.actions()).map(|action| format!("{:?}", provenance.action(action)));
     names.collect::<Vec<_>>().join(", ")
 }
 

@@ -36,7 +36,7 @@ pub use resolve::Resolved;
 pub(crate) use resolve::{FROM_MAZE, STEP_THRESHOLD, flatten, similar, value_of};
 pub use robot::{RobotError, RobotProfile};
 pub use settings::Settings;
-pub use settings_error::{Origin, SettingsError};
+pub use settings_error::{SettingOrigin, SettingsError};
 pub(crate) use toml_text::{MOST_TOML_BYTES, shortened};
 pub use warning::Warning;
 pub use why::{Change, Vote, Why};

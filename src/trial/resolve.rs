@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 use super::settings::Settings;
-use super::settings_error::{Origin, SettingsError};
+use super::settings_error::{SettingOrigin, SettingsError};
 use super::toml_text::shortened;
 use crate::world::Maze;
 use xcs::bounds::OutOfRange;
@@ -19,7 +19,7 @@ pub const FROM_MAZE: &str = "reward.step_threshold_from_maze";
 pub struct Resolved {
     /// The checked settings.
     pub settings: Settings,
-    values: BTreeMap<String, (Value, Origin)>,
+    values: BTreeMap<String, (Value, SettingOrigin)>,
 }
 
 impl Resolved {
@@ -36,10 +36,10 @@ impl Resolved {
         let defaults = Table::try_from(base).expect("settings are plain data");
         let mut values = BTreeMap::new();
         for (key, value) in flatten(defaults) {
-            values.insert(key, (value, Origin::Default));
+            values.insert(key, (value, SettingOrigin::Default));
         }
         for (name, text) in files {
-            let origin = Origin::File((*name).to_owned());
+            let origin = SettingOrigin::File((*name).to_owned());
             let table: Table = text.parse().map_err(|fault: toml::de::Error| {
                 let (origin, fault) = (origin.clone(), shortened(&fault.to_string()));
                 SettingsError::Syntax { origin, fault }
@@ -55,7 +55,7 @@ impl Resolved {
                 &mut values,
                 key.trim().to_owned(),
                 value_of(text.trim()),
-                &Origin::Set,
+                &SettingOrigin::Set,
             )?;
         }
         Ok(Self {
@@ -71,14 +71,14 @@ impl Resolved {
         let settled = self.settings.reward.step_threshold;
         if settled != before {
             let value = Value::Integer(settled.into());
-            let entry = (value, Origin::Maze);
+            let entry = (value, SettingOrigin::Maze);
             self.values.insert(STEP_THRESHOLD.to_owned(), entry);
         }
         self
     }
 
     /// Each setting by its full name, with its value as it is written in TOML and its origin.
-    pub fn entries(&self) -> impl Iterator<Item = (&str, String, &Origin)> {
+    pub fn entries(&self) -> impl Iterator<Item = (&str, String, &SettingOrigin)> {
         let entries = self.values.iter();
         entries.map(|(key, (value, origin))| (key.as_str(), value.to_string(), origin))
     }
@@ -111,10 +111,10 @@ pub fn flatten(table: Table) -> Vec<(String, Value)> {
 /// Replaces a value by one of the same type; whole numbers serve as fractions, too. Who sets the
 /// step-threshold does not want the maze to.
 fn overlay(
-    values: &mut BTreeMap<String, (Value, Origin)>,
+    values: &mut BTreeMap<String, (Value, SettingOrigin)>,
     key: String,
     value: Value,
-    origin: &Origin,
+    origin: &SettingOrigin,
 ) -> Result<(), SettingsError> {
     let Some((present, _)) = values.get(&key) else {
         return Err(SettingsError::Unknown {
@@ -167,7 +167,7 @@ pub fn similar<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> Option<St
 }
 
 /// The settings that the values make, each in its range.
-fn checked(values: &BTreeMap<String, (Value, Origin)>) -> Result<Settings, SettingsError> {
+fn checked(values: &BTreeMap<String, (Value, SettingOrigin)>) -> Result<Settings, SettingsError> {
     let mut all = Table::new();
     for (key, (value, origin)) in values {
         // Read on its own first, so that the message can name the setting.
@@ -185,7 +185,7 @@ fn checked(values: &BTreeMap<String, (Value, Origin)>) -> Result<Settings, Setti
         .map_err(|fault| {
             let origin = values
                 .get(fault.key)
-                .map_or(Origin::Default, |(_, origin)| origin.clone());
+                .map_or(SettingOrigin::Default, |(_, origin)| origin.clone());
             SettingsError::Range { origin, fault }
         })
 }
@@ -208,7 +208,7 @@ fn put(table: &mut Table, key: &str, value: Value) {
 
 /// Why a value of the right type cannot be read: a whole number out of its range, or a name that
 /// is none of those allowed, for which the parser has words.
-fn unreadable(key: &str, value: &Value, origin: &Origin, fault: &str) -> SettingsError {
+fn unreadable(key: &str, value: &Value, origin: &SettingOrigin, fault: &str) -> SettingsError {
     let origin = origin.clone();
     if let Some(fault) = range_of(key, value) {
         return SettingsError::Range { origin, fault };

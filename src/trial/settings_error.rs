@@ -6,7 +6,7 @@ use xcs::bounds::OutOfRange;
 
 /// Where the value of a setting came from.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Origin {
+pub enum SettingOrigin {
     /// Nobody set it.
     Default,
     /// A settings file, by its name.
@@ -17,7 +17,7 @@ pub enum Origin {
     Maze,
 }
 
-impl fmt::Display for Origin {
+impl fmt::Display for SettingOrigin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Default => f.write_str("default"),
@@ -35,7 +35,7 @@ pub enum SettingsError {
     #[error("{origin} is not valid TOML: {fault}")]
     Syntax {
         /// Which file.
-        origin: Origin,
+        origin: SettingOrigin,
         /// What the TOML parser says, with line and column.
         fault: String,
     },
@@ -48,7 +48,7 @@ pub enum SettingsError {
         /// The key that was given.
         key: String,
         /// Where.
-        origin: Origin,
+        origin: SettingOrigin,
         /// A setting with a similar name.
         suggestion: Option<String>,
     },
@@ -58,7 +58,7 @@ pub enum SettingsError {
         /// The setting.
         key: String,
         /// Where.
-        origin: Origin,
+        origin: SettingOrigin,
         /// The value that was given.
         given: String,
         /// What it must be.
@@ -68,7 +68,7 @@ pub enum SettingsError {
     #[error("{origin}: {fault}")]
     Range {
         /// Where.
-        origin: Origin,
+        origin: SettingOrigin,
         /// Which setting, and its range.
         fault: OutOfRange,
     },

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 use xcscr::agent::{Knowledge, Method};
-use xcscr::export::{ExportError, Origin, Policy, Target};
+use xcscr::export::{ExportError, Policy, Provenance, Target};
 use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
 use xcscr::xcs::random::Stream;
@@ -88,7 +88,7 @@ impl Learned {
     }
 
     fn text(&self, target: Target) -> String {
-        let origin = Origin::new(&self.plan, &self.knowledge, true);
+        let origin = Provenance::new(&self.plan, &self.knowledge, true);
         target.text(&self.policy().unwrap(), &origin)
     }
 

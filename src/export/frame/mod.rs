@@ -6,7 +6,7 @@
 
 use std::fmt::Write;
 
-use super::Origin;
+use super::Provenance;
 use crate::sensor::Sensor;
 
 /// A robot that a scan follows may stand so many cells from where the scan began: it moves by one, and its
@@ -131,9 +131,9 @@ enum Value {
 type Constant = (&'static str, Value, &'static str);
 
 /// All constants of an export.
-fn constants(origin: &Origin) -> Vec<Constant> {
+fn constants(provenance: &Provenance) -> Vec<Constant> {
     use Value::{Flag, Real, Whole};
-    let (maze, sensor) = (origin.maze(), origin.sensor());
+    let (maze, sensor) = (provenance.maze(), provenance.sensor());
     let corner = maze.origin();
     let [of_column, of_row] = sensor.place_bits(maze);
     let ring = sensor.width(maze) - of_column - of_row;
@@ -171,7 +171,7 @@ fn constants(origin: &Origin) -> Vec<Constant> {
             "sine of the grid's yaw in the map frame",
         ),
     ];
-    if let Some(robot) = origin.robot() {
+    if let Some(robot) = provenance.robot() {
         all.extend([
             (
                 "ROBOT_RADIUS_M",
@@ -217,7 +217,7 @@ fn constants(origin: &Origin) -> Vec<Constant> {
             ),
             (
                 "SCAN_LOST_RANGE_M",
-                Real(origin.lost_beam_range_m()),
+                Real(provenance.lost_beam_range_m()),
                 "how far a beam that does not come back is followed, m",
             ),
         ]);
@@ -226,9 +226,9 @@ fn constants(origin: &Origin) -> Vec<Constant> {
 }
 
 /// The section of a C99 header.
-pub(super) fn c99(origin: &Origin, form: Form) -> String {
+pub(super) fn c99(provenance: &Provenance, form: Form) -> String {
     let mut text = String::from("\n/* The world, the robot and the percept. */\n");
-    for (name, value, what) in constants(origin) {
+    for (name, value, what) in constants(provenance) {
         let value = match value {
             Value::Real(value) if value.is_sign_negative() => format!("({value:?})"),
             Value::Real(value) => format!("{value:?}"),
@@ -237,13 +237,13 @@ pub(super) fn c99(origin: &Origin, form: Form) -> String {
         };
         let _ = writeln!(text, "#define XCSCR_{name} {value} /* {what} */");
     }
-    text + form.c99() + &C.of(origin.sensor())
+    text + form.c99() + &C.of(provenance.sensor())
 }
 
 /// The section of a Rust module.
-pub(super) fn rust(origin: &Origin, form: Form) -> String {
+pub(super) fn rust(provenance: &Provenance, form: Form) -> String {
     let mut text = String::from("\n// The world, the robot and the percept.\n");
-    for (name, value, what) in constants(origin) {
+    for (name, value, what) in constants(provenance) {
         let typed = match value {
             Value::Real(value) => format!("f64 = {value:?}"),
             Value::Whole(value, kind) => format!("{kind} = {value}"),
@@ -251,18 +251,18 @@ pub(super) fn rust(origin: &Origin, form: Form) -> String {
         };
         let _ = writeln!(text, "/// {what}\npub const {name}: {typed};");
     }
-    text + form.rust() + &RUST.of(origin.sensor())
+    text + form.rust() + &RUST.of(provenance.sensor())
 }
 
 /// The section of a Python module that imports `math`.
-pub(super) fn python(origin: &Origin, form: Form) -> String {
+pub(super) fn python(provenance: &Provenance, form: Form) -> String {
     let mut text = String::from("\n\n# The world, the robot and the percept.\n");
     let form = (
         "PERCEPT_IS_NUMBER",
         Value::Flag(form == Form::Number),
         "or a string of 0 and 1",
     );
-    for (name, value, what) in constants(origin).into_iter().chain([form]) {
+    for (name, value, what) in constants(provenance).into_iter().chain([form]) {
         let value = match value {
             Value::Real(value) => format!("{value:?}"),
             Value::Whole(value, _) => value.to_string(),
@@ -271,5 +271,5 @@ pub(super) fn python(origin: &Origin, form: Form) -> String {
         };
         let _ = writeln!(text, "{name} = {value}  # {what}");
     }
-    text + &PYTHON.of(origin.sensor())
+    text + &PYTHON.of(provenance.sensor())
 }

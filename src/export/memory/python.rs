@@ -9,7 +9,7 @@ use crate::agent::pomdp::NEGLIGIBLE;
 use crate::agent::{ASTRAY, BEGUN_ELSEWHERE, PERCEPT_BITS};
 use crate::export::comments::PYTHON as COMMENTS;
 use crate::export::python::names;
-use crate::export::{Ballot, Origin, Vote};
+use crate::export::{Ballot, Provenance, Vote};
 
 /// How Python writes demands.
 const PYTHON: Language = Language {
@@ -173,16 +173,16 @@ class Tracker:
 "#;
 
 /// The module.
-pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
-    let mut text = COMMENTS.head(ballot, origin);
+pub fn text(ballot: &Ballot, charts: &Charts, provenance: &Provenance) -> String {
+    let mut text = COMMENTS.head(ballot, provenance);
     text.push_str(&COMMENTS.of(&usage(&CALLS, charts)));
     text.push_str(
         "\nimport math\n\n# What each bit of a percept says when it is 1, the lowest first.\n",
     );
-    text.push_str(&names(ballot, PERCEPT_BITS, origin));
+    text.push_str(&names(ballot, PERCEPT_BITS, provenance));
     text.push('\n');
     text.push_str(&states(charts));
-    text.push_str(&rules(ballot, origin));
+    text.push_str(&rules(ballot, provenance));
     let may_lead = match charts.unfelt {
         true => "lambda *_: True",
         false => "lambda state, to: (to == state) == bumped",
@@ -228,7 +228,7 @@ fn states(charts: &Charts) -> String {
 }
 
 /// The rules as statements.
-fn rules(ballot: &Ballot, origin: &Origin) -> String {
+fn rules(ballot: &Ballot, provenance: &Provenance) -> String {
     let mut text = String::from(
         "\n\ndef votes(percept, x, y, chart, eaten, last, before):\n    \
          \"\"\"Action, weight and worth of each rule that matches.\"\"\"\n",
@@ -244,8 +244,8 @@ fn rules(ballot: &Ballot, origin: &Origin) -> String {
         let _ = writeln!(
             text,
             "    # {}: {}\n    if {demands}:\n        yield {}, {weight}, {worth}",
-            origin.words(condition),
-            origin.action(*action),
+            provenance.words(condition),
+            provenance.action(*action),
             action.index()
         );
     }

@@ -2,7 +2,7 @@
 
 use super::charts::Charts;
 use crate::agent::PERCEPT_BITS;
-use crate::export::Origin;
+use crate::export::Provenance;
 use crate::export::comments::Comments;
 
 /// How a language calls it.
@@ -44,7 +44,7 @@ Whoever does another action than this one writes it into tracker.action.
 }
 
 /// What the bits of a percept say that is a number.
-pub fn bits(comments: &Comments, origin: &Origin) -> String {
+pub fn bits(comments: &Comments, provenance: &Provenance) -> String {
     let number = |bit: usize| format!("{:#06x}", 1 << bit);
-    comments.bits(PERCEPT_BITS, origin, "", number)
+    comments.bits(PERCEPT_BITS, provenance, "", number)
 }

@@ -11,7 +11,7 @@ use std::process::Command;
 use nalgebra::{Point2, Rotation2};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
-use xcscr::export::{Origin, Policy, Target};
+use xcscr::export::{Policy, Provenance, Target};
 use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
 use xcscr::world::{Cell, Maze};
@@ -34,7 +34,7 @@ fn exported(target: Target, maze: &Maze, sensor: Sensor, arena: ArenaKind) -> St
     );
     let knowledge: Knowledge = serde_json::from_str(&rule).unwrap();
     let policy = Policy::new(&knowledge, width, actions, &sensor.percepts(maze)).unwrap();
-    target.text(&policy, &Origin::new(&plan, &knowledge, true))
+    target.text(&policy, &Provenance::new(&plan, &knowledge, true))
 }
 
 /// A maze of 0.25 m cells, with the south-western corner of its grid at a pose of the map frame.

@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use xcscr::agent::{Agent, Choice, Chooser, EndCredit, Explorer, Frozen, Knowledge, StepCredit};
 use xcscr::arena::Outcome;
 use xcscr::episode;
-use xcscr::export::{ExportError, Origin, Policy, Target};
+use xcscr::export::{ExportError, Policy, Provenance, Target};
 use xcscr::trial::Plan;
 use xcscr::xcs::random::Stream;
 use xcscr::xcs::{Action, Percept, PredictionArray};
@@ -49,7 +49,7 @@ impl Learned {
     }
 
     pub fn text(&self, target: Target) -> String {
-        let origin = Origin::new(&self.plan, &self.knowledge, true);
+        let origin = Provenance::new(&self.plan, &self.knowledge, true);
         target.text(&self.policy().unwrap(), &origin)
     }
 

@@ -18,7 +18,7 @@ use crate::agent::pomdp::NEGLIGIBLE;
 use crate::agent::{ASTRAY, BEGUN_ELSEWHERE};
 use crate::export::c99::{FUNCTIONS, IS_GREATER, actions};
 use crate::export::comments::C as COMMENTS;
-use crate::export::{Ballot, Origin, Vote};
+use crate::export::{Ballot, Provenance, Vote};
 
 /// How C writes demands.
 const C: Language = Language {
@@ -77,15 +77,15 @@ of its chart, y to the north.
 ";
 
 /// The header, with more code at its end.
-pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin, more: &str) -> String {
+pub fn text(ballot: &Ballot, charts: &Charts, provenance: &Provenance, more: &str) -> String {
     let mut text = String::from("/*\n");
-    text.push_str(&COMMENTS.head(ballot, origin));
+    text.push_str(&COMMENTS.head(ballot, provenance));
     let costs = costs(ballot, charts);
     text.push_str(&COMMENTS.of(&[&usage(&CALLS, charts), CONTEXT, &costs].concat()));
-    text.push_str(&bits(&COMMENTS, origin));
+    text.push_str(&bits(&COMMENTS, provenance));
     text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
     text.push_str(&figures(ballot, charts));
-    text.push_str(&actions(ballot, origin));
+    text.push_str(&actions(ballot, provenance));
     text.push_str(FUNCTIONS);
     text.push_str(weight(charts));
     text.push_str(TYPES);
@@ -94,7 +94,7 @@ pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin, more: &str) -> St
     let size = ballot.size();
     let votes = VOTES.replace("{WEIGHT}", &format!("uint{}_t", size.weight));
     text.push_str(&votes.replace("{WORTH}", &format!("uint{}_t", size.worth)));
-    text.push_str(&rules(ballot, origin));
+    text.push_str(&rules(ballot, provenance));
     text.push_str(&tracker(charts));
     text.push_str(more);
     text.push_str("\n#endif\n");
@@ -169,14 +169,14 @@ fn table(charts: &Charts) -> String {
 }
 
 /// The rules as statements.
-fn rules(ballot: &Ballot, origin: &Origin) -> String {
+fn rules(ballot: &Ballot, provenance: &Provenance) -> String {
     let mut text = String::new();
     for vote in ballot.votes() {
         let _ = writeln!(
             text,
             "    /* {}: {} */",
-            origin.words(&vote.condition),
-            origin.action(vote.action)
+            provenance.words(&vote.condition),
+            provenance.action(vote.action)
         );
         text.push_str(&rule(vote));
     }

@@ -11,7 +11,7 @@ use crate::agent::pomdp::NEGLIGIBLE;
 use crate::agent::{ASTRAY, BEGUN_ELSEWHERE};
 use crate::export::comments::RUST as COMMENTS;
 use crate::export::rust::names;
-use crate::export::{Ballot, Origin, Vote};
+use crate::export::{Ballot, Provenance, Vote};
 use parts::{
     EXACT_MOVES, LOCATE_DOUBTINGLY, LOCATE_RIGHTLY, SETTLE_DOUBLE, SETTLE_WHOLE, SLIPPING_MOVES,
     TRACKER, TYPES, VOTES,
@@ -32,27 +32,27 @@ const CALLS: Calls = Calls {
 };
 
 /// The module.
-pub fn text(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
-    let mut text = COMMENTS.head(ballot, origin);
+pub fn text(ballot: &Ballot, charts: &Charts, provenance: &Provenance) -> String {
+    let mut text = COMMENTS.head(ballot, provenance);
     let costs = charts.costs(ballot.actions(), 13);
     text.push_str(&COMMENTS.of(&[&usage(&CALLS, charts), "\n", &costs].concat()));
-    text.push_str(&bits(&COMMENTS, origin));
-    text.push_str(&figures(ballot, charts, origin));
+    text.push_str(&bits(&COMMENTS, provenance));
+    text.push_str(&figures(ballot, charts, provenance));
     text.push_str(TYPES);
     text.push_str(&table(charts));
     text.push_str(VOTES);
-    text.push_str(&rules(ballot, origin));
+    text.push_str(&rules(ballot, provenance));
     text.push_str(&tracker(charts));
     text
 }
 
-fn figures(ballot: &Ballot, charts: &Charts, origin: &Origin) -> String {
+fn figures(ballot: &Ballot, charts: &Charts, provenance: &Provenance) -> String {
     let mut text = format!(
         "\n/// The number of actions.\npub const ACTIONS: usize = {};\n/// Their names.\npub const \
          ACTION_NAMES: [&str; ACTIONS] = [{}];\n/// The number of states.\npub const STATES: usize = {};\n\
          /// In place of a state.\npub const GOAL: u16 = u16::MAX;\n",
         ballot.actions(),
-        names(ballot, origin),
+        names(ballot, provenance),
         charts.states().len()
     );
     if charts.slip > 0.0 {
@@ -95,11 +95,11 @@ fn table(charts: &Charts) -> String {
 }
 
 /// The rules as statements.
-fn rules(ballot: &Ballot, origin: &Origin) -> String {
+fn rules(ballot: &Ballot, provenance: &Provenance) -> String {
     let mut text = String::new();
     for vote in ballot.votes() {
-        let words = origin.words(&vote.condition);
-        let _ = writeln!(text, "    // {words}: {}", origin.action(vote.action));
+        let words = provenance.words(&vote.condition);
+        let _ = writeln!(text, "    // {words}: {}", provenance.action(vote.action));
         text.push_str(&rule(vote));
     }
     if ballot

@@ -10,7 +10,7 @@ use xcs::{Action, Condition};
 
 /// The run that a policy comes from, and the words for its bits and actions.
 #[derive(Debug, Clone)]
-pub struct Origin {
+pub struct Provenance {
     maze: Maze,
     sensor: Sensor,
     /// The robot's figures, in physics.
@@ -51,7 +51,7 @@ pub(super) struct Facts {
     rules_crc32: String,
 }
 
-impl Origin {
+impl Provenance {
     /// Where `knowledge` comes from; of a lone file of rules only the world and the percept are
     /// known.
     pub fn new(plan: &Plan, knowledge: &Knowledge, of_a_run: bool) -> Self {
