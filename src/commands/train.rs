@@ -123,7 +123,7 @@ fn with_usual_method(plan: Plan) -> Plan {
     let method = plan.usual_method();
     if method == Method::XcscrMemory {
         say(&format!(
-            "places look alike to the sensor `{}`, so `{}` learns, which remembers; `--method` chooses another",
+            "note: the sensor `{}` cannot distinguish some cells; learning with `{}` (`--method` overrides)",
             plan.config.sensor.name(),
             method.name()
         ));

@@ -575,7 +575,8 @@ fn where_places_look_alike_the_method_that_remembers_learns_unless_another_is_as
         (report, said)
     };
     let (report, said) = trained("usual", &[]);
-    let words = "places look alike to the sensor `neighbours`, so `xcscr-memory` learns";
+    let words =
+        "the sensor `neighbours` cannot distinguish some cells; learning with `xcscr-memory`";
     assert!(said.starts_with(words), "{said}");
     assert_eq!(report["retained"], true, "{report}");
     let (_, said) = trained("named", &["--method", "xcscr-plus"]);
