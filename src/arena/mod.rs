@@ -19,6 +19,7 @@ pub(crate) use auxiliary::RewardingArena;
 pub use grid::GridArena;
 pub use kind::ArenaKind;
 pub(crate) use misreading::MisreadingArena;
+pub(crate) use physics::check_fit;
 pub use physics::{
     BatchArena, BumperParams, Care, CareParams, EncoderParams, EstimatorParams, FaultParams,
     GyroParams, Lanes, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,

@@ -6,7 +6,7 @@ use super::settings::Settings;
 use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
 use crate::arena::{
     Arena, ArenaKind, GridArena, Localisation, MisreadingArena, PhysicsArena, PhysicsError,
-    PhysicsParams, RewardingArena, SlippingArena,
+    PhysicsParams, RewardingArena, SlippingArena, check_fit,
 };
 use crate::sensor::Sensor;
 use crate::world::Maze;
@@ -78,6 +78,14 @@ impl Config {
     /// The robot that drives; `None` on the grid.
     pub(crate) fn robot(&self) -> Option<&PhysicsParams> {
         (self.arena == ArenaKind::Physics).then_some(&self.settings.physics)
+    }
+
+    /// Accepts the plan when its robot fits into the maze; always on the grid.
+    ///
+    /// # Errors
+    /// [`PhysicsError::TooNarrow`], with the place.
+    pub(crate) fn check_fit(&self, maze: &Maze) -> Result<(), PhysicsError> {
+        self.robot().map_or(Ok(()), |robot| check_fit(maze, robot))
     }
 
     /// The noise level: 0 on the grid.

@@ -89,6 +89,12 @@ fn a_study_runs_with_the_robot_that_its_file_names() {
         let [file, out] = [file, &out].map(|path| path.to_str().unwrap());
         expect(code, &["study", "run", file, "--out", out, "--quiet"])
     };
+    let (_, message) = run(&study(""), 65);
+    assert!(
+        message.contains("does not fit into world `maze4`"),
+        "{message}"
+    );
+    assert!(!out.exists(), "refused before work starts");
     let (_, message) = run(&study("robot = \"burger\"\n"), 65);
     assert!(message.contains("unknown robot `burger`"), "{message}");
     run(&study("robot = \"turtlebot3-burger\"\n"), 0);

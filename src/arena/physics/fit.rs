@@ -11,7 +11,7 @@ use crate::world::{Cell, Direction, Maze};
 ///
 /// # Errors
 /// [`PhysicsError::TooNarrow`] with the first cell that is next to a wall.
-pub(super) fn check_fit(maze: &Maze, params: &PhysicsParams) -> Result<(), PhysicsError> {
+pub(crate) fn check_fit(maze: &Maze, params: &PhysicsParams) -> Result<(), PhysicsError> {
     let needed_m = params.radius_m + params.arrival_m;
     let distance_m = maze.cell_size_m() / 2.0;
     if distance_m >= needed_m {

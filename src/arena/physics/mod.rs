@@ -47,7 +47,7 @@ pub use snapshot::Snapshot;
 use self::contact::{Hits, is_frontal};
 use self::controller::Maneuver;
 use self::discretiser::cell_from_position;
-use self::fit::check_fit;
+pub(crate) use self::fit::check_fit;
 use self::motion::{Command, Motion};
 use self::noise::Noise;
 use self::robot::{Wheels, true_motion};

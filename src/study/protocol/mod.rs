@@ -248,10 +248,12 @@ impl Protocol {
         Ok(())
     }
 
-    /// Is no setting of an arm out of range, and does the earlier world fit?
+    /// Is no setting of an arm out of range, and do the robot and the earlier world fit?
     fn check_arm_of(&self, trial: usize) -> Result<(), String> {
         let plan = self.plan(trial);
         plan.check().map_err(|fault| fault.to_string())?;
+        let fits = plan.config.check_fit(&plan.maze);
+        fits.map_err(|fault| fault.to_string())?;
         let Some(earlier) = self.earlier_plan(trial) else {
             return Ok(());
         };
