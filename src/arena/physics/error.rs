@@ -28,19 +28,26 @@ pub enum PhysicsError {
     },
     /// The robot is too large for the cells.
     #[error(
-        "the robot does not fit into world `{world}`: in column {}, row {} the wall is {distance_m:.3} m from the middle of the cell, and the robot has a radius of {radius_m:.3} m; use cells of at least {least_cell_m:.3} m (`cell_size_m`), or a robot with a radius of at most {largest_radius_m:.3} m (`--robot`, `physics.radius_m`)",
+        "the robot does not fit into world `{world}`: in column {}, row {} (at {:.2}, {:.2} m) the wall is {distance_m:.3} m from the middle of the cell, but the robot needs {:.3} m (its radius of {radius_m:.3} m, and {tolerance_m:.3} m because it may stop that far from the middle); use cells of at least {least_cell_m:.3} m (`cell_size_m`), or a robot with a radius of at most {largest_radius_m:.3} m (`--robot`, `physics.radius_m`)",
         cell.col,
-        cell.row
+        cell.row,
+        at_m[0],
+        at_m[1],
+        radius_m + tolerance_m
     )]
     TooNarrow {
         /// The world's name.
         world: String,
         /// A cell that is too narrow.
         cell: Cell,
+        /// The middle of this cell in the map frame, in metres.
+        at_m: [f64; 2],
         /// From the middle of this cell to the wall, in metres.
         distance_m: f64,
         /// The robot's radius in metres.
         radius_m: f64,
+        /// `physics.arrival_m`: how far from the middle a move may end, in metres.
+        tolerance_m: f64,
         /// The smallest size of a cell into which this robot fits, in metres.
         least_cell_m: f64,
         /// The largest radius that fits into these cells, in metres.

@@ -28,8 +28,10 @@ pub(crate) fn check_fit(maze: &Maze, params: &PhysicsParams) -> Result<(), Physi
     Err(PhysicsError::TooNarrow {
         world: maze.name().to_owned(),
         cell,
+        at_m: maze.centre_m(cell).into(),
         distance_m,
         radius_m: params.radius_m,
+        tolerance_m: params.arrival_m,
         least_cell_m: params.least_cell_m(),
         largest_radius_m: rounded_down_mm(distance_m - params.arrival_m),
     })
@@ -64,7 +66,9 @@ mod tests {
         for part in [
             "`hall`",
             "column 2, row 2",
+            "at 0.62, 0.38 m",
             "0.125 m",
+            "0.334 m",
             "0.300 m",
             "0.668 m",
             "0.091 m",
