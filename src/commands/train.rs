@@ -32,14 +32,15 @@ pub struct TrainArgs {
     /// The world file, such as worlds/maze4.json.
     #[arg(required_unless_present = "resume")]
     world: Option<PathBuf>,
-    /// How the robot learns [default: xcscr-plus, or xcscr-memory where places look alike to the sensor].
+    /// How the robot learns [default: xcscr-plus, or xcscr-memory where the sensor cannot distinguish
+    /// some cells].
     #[arg(long, value_parser = choices::method())]
     method: Option<Method>,
     /// Where the robot acts: in simulated physics, or on the bare grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
     /// What the robot perceives [default: lidar in physics, neighbours on the grid; in large worlds
-    /// with cells that look alike, the robot's cell as well].
+    /// with cells that it cannot distinguish, the robot's cell as well].
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
     /// Number of episodes.

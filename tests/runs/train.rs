@@ -561,7 +561,7 @@ fn recordings_and_trial_agree_when_a_policy_with_a_memory_is_optimal() {
 }
 
 #[test]
-fn where_places_look_alike_the_method_that_remembers_learns_unless_another_is_asked_for() {
+fn where_cells_cannot_be_distinguished_xcscr_memory_learns_unless_a_method_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let world = "worlds/classic/mazef4.json";
     let trained = |name: &str, more: &[&str]| {
@@ -575,8 +575,8 @@ fn where_places_look_alike_the_method_that_remembers_learns_unless_another_is_as
         (report, said)
     };
     let (report, said) = trained("usual", &[]);
-    let words =
-        "the sensor `neighbours` cannot distinguish some cells; learning with `xcscr-memory`";
+    let words = "note: the sensor `neighbours` cannot distinguish some cells; \
+                 learning with `xcscr-memory`";
     assert!(said.starts_with(words), "{said}");
     assert_eq!(report["retained"], true, "{report}");
     let (_, said) = trained("named", &["--method", "xcscr-plus"]);
