@@ -90,7 +90,7 @@ impl Plan {
     }
 
     /// Returns the percept to take where neither a method nor a percept is asked for: the plan's own, or one
-    /// with the robot's cell where cells look alike and the world is too large for `xcscr-memory`.
+    /// with the robot's cell where cells cannot be distinguished and the world is too large for `xcscr-memory`.
     pub fn usual_sensor(&self) -> Sensor {
         let Self { maze, config } = &self.clone().settled();
         let paths = || Paths::with_slip(maze, config.settings.arena.slip);
