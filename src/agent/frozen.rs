@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::knowledge::Knowledge;
-use super::places::Belief;
 use super::recall::Tracker;
 use super::{Agent, Choice, EndCredit, Explorer, StepCredit};
 use crate::arena::Outcome;
@@ -17,9 +16,7 @@ pub struct Frozen {
     step_threshold: u32,
     /// What it remembers of this episode.
     tracker: Tracker,
-    /// Where it believes to be, if it filters what it perceives.
-    belief: Belief,
-    /// What it perceived last, or believed to.
+    /// What it perceived last.
     #[serde(skip)]
     percept: Option<Percept>,
 }
@@ -32,7 +29,6 @@ impl Frozen {
             actions,
             step_threshold,
             tracker: Tracker::default(),
-            belief: Belief::default(),
             percept: None,
         }
     }
@@ -72,12 +68,10 @@ impl Frozen {
 
 impl Agent for Frozen {
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
-        let Some(map) = self.knowledge.map() else {
-            let believed = self.knowledge.believed(&mut self.belief, percept);
-            self.percept = Some(believed);
-            return self.worth(&believed);
-        };
         self.percept = Some(*percept);
+        let Some(map) = self.knowledge.map() else {
+            return self.worth(percept);
+        };
         self.tracker.perceive(map, percept);
         self.knowledge.plan_for(&self.tracker);
         self.knowledge.remembered_worth(&self.tracker, self.actions)
@@ -94,14 +88,11 @@ impl Agent for Frozen {
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         self.tracker.act(action, outcome.into());
-        let bumped = matches!(outcome, Outcome::Collided { .. });
-        self.belief.act(action, bumped);
         self.matching(action)
     }
 
     fn finish(&mut self, _: bool) -> EndCredit {
         self.tracker = Tracker::default();
-        self.belief = Belief::default();
         EndCredit {
             long_term_reward: 0.0,
             learning_rate: 0.0,

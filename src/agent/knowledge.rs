@@ -6,7 +6,6 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::model::Foresight;
-use super::places::{Belief, Places};
 use super::recall::{CONTEXT_BITS, ChartedPlan, Map, PERCEPT_BITS, Tracker};
 use xcs::{Action, Percept};
 use xcs::{Population, PredictionArray, Xcs};
@@ -37,13 +36,6 @@ pub enum Knowledge {
     Planned(ChartedPlan),
     /// The table of a tabular method: the worth of each action in each percept.
     Table(BTreeMap<Percept, Vec<Option<f64>>>),
-    /// What was learned from filtered percepts, and the places that the filter knows.
-    Doubting {
-        /// What was learned.
-        of: Box<Self>,
-        /// What they look like, and what comes of actions there.
-        places: Places,
-    },
 }
 
 impl Knowledge {
@@ -79,37 +71,6 @@ impl Knowledge {
                 }
                 array
             }
-            Self::Doubting { of, .. } => of.worth(percept, actions),
-        }
-    }
-
-    /// What was learned, without the filter of what is perceived.
-    pub fn undoubting(&self) -> &Self {
-        match self {
-            Self::Doubting { of, .. } => of.undoubting(),
-            _ => self,
-        }
-    }
-
-    /// Other knowledge with the filter of this one, if it has one.
-    pub fn filtering(&self, other: Self) -> Self {
-        match self {
-            Self::Doubting { places, .. } => Self::Doubting {
-                of: Box::new(other),
-                places: places.clone(),
-            },
-            _ => other,
-        }
-    }
-
-    /// What is taken for perceived by one who believes this and perceives that.
-    pub(super) fn believed(&self, belief: &mut Belief, percept: &Percept) -> Percept {
-        match self {
-            Self::Doubting { places, .. } => {
-                let place = belief.perceive(places, percept);
-                place.map_or(*percept, |place| *places.percept(place))
-            }
-            _ => *percept,
         }
     }
 
@@ -175,7 +136,6 @@ impl Knowledge {
             | Self::Foresighted { rules, .. }
             | Self::Remembering { rules, .. } => Some(rules),
             Self::Table(_) | Self::Planned(_) => None,
-            Self::Doubting { of, .. } => of.rules(),
         }
     }
 
@@ -183,7 +143,6 @@ impl Knowledge {
     pub fn foresight(&self) -> Option<&Foresight> {
         match self {
             Self::Foresighted { foresight, .. } => Some(foresight),
-            Self::Doubting { of, .. } => of.foresight(),
             _ => None,
         }
     }
@@ -193,12 +152,6 @@ impl Knowledge {
     /// # Errors
     /// The first rule or row that is not.
     pub fn check(&self, width: usize, actions: usize) -> Result<(), Misfit> {
-        if let Self::Doubting { of, places } = self {
-            return match places.is_sound(Some(width), actions) && of.may_be_doubted() {
-                true => of.check(width, actions),
-                false => Err(Misfit::Places),
-            };
-        }
         if let Some(map) = self.map()
             && !(map.is_sound(actions) && width >= PERCEPT_BITS)
         {
@@ -224,17 +177,11 @@ impl Knowledge {
         })
     }
 
-    /// Only what looks at percepts is learned from filtered ones, and only once.
-    fn may_be_doubted(&self) -> bool {
-        !(self.remembers() || matches!(self, Self::Doubting { .. }))
-    }
-
     /// The number of rules, of pairs in the table, or of beliefs that were planned for.
     pub fn len(&self) -> usize {
         match self {
             Self::Table(table) => table.values().flatten().flatten().count(),
             Self::Planned(plan) => plan.beliefs(),
-            Self::Doubting { of, .. } => of.len(),
             _ => self.rules().map_or(0, Population::len),
         }
     }
@@ -244,7 +191,6 @@ impl Knowledge {
         match self {
             Self::Table(_) => "pairs",
             Self::Planned(_) => "beliefs",
-            Self::Doubting { of, .. } => of.counts(),
             _ => "rules",
         }
     }
@@ -290,9 +236,6 @@ pub enum Misfit {
     /// What is remembered is no map for these moves and percepts.
     #[error("the map that the rules go by does not fit the moves and percepts of this world")]
     Map,
-    /// The places that a filter knows are none for these moves and percepts.
-    #[error("the places that the filter knows do not fit the moves and percepts of this world")]
-    Places,
     /// What is foreseen cannot be.
     #[error("{0}")]
     Foresight(String),

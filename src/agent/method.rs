@@ -4,8 +4,8 @@ use strum::{IntoStaticStr, VariantArray};
 
 use super::recall::Vision;
 use super::{
-    Agent, Combined, Filtered, Knowledge, MemoryParams, Params, Plus, PlusParams, Recall, Sharing,
-    Standard, Tabular, TabularParams,
+    Agent, Combined, Knowledge, MemoryParams, Params, Plus, PlusParams, Recall, Sharing, Standard,
+    Tabular, TabularParams,
 };
 use crate::streams::StreamName;
 use xcs::Xcs;
@@ -68,7 +68,6 @@ impl Method {
             Knowledge::Foresighted { .. } => Some(Self::XcscrPlus),
             Knowledge::Remembering { .. } => Some(Self::XcscrMemory),
             Knowledge::Planned(_) => Some(Self::RMax),
-            Knowledge::Doubting { of, .. } => Self::of(of),
             Knowledge::Rules(_) | Knowledge::RulesOverMatchSet(_) | Knowledge::Table(_) => None,
         }
     }
@@ -99,25 +98,6 @@ impl Method {
     /// A learner that knows nothing yet, for `actions` actions and percepts whose first `ring` bits
     /// lie in a ring around the robot. `seed` is the trial's root seed.
     pub fn build(self, actions: usize, ring: usize, setup: Setup, seed: u64) -> Box<dyn Agent> {
-        let learner = || self.unfiltered(actions, ring, setup.clone(), seed);
-        match self.doubts(&setup) {
-            0 => learner(),
-            most => Box::new(Filtered::new(learner, actions, most)),
-        }
-    }
-
-    /// Steps that are remembered in order to filter what is perceived; 0 if nothing is filtered.
-    fn doubts(self, setup: &Setup) -> u32 {
-        match self {
-            _ if self.draws_charts(&setup.tabular) => 0,
-            Self::XcscrPlus => setup.plus.doubts,
-            Self::QLearning | Self::SarsaLambda | Self::DynaQ | Self::RMax => setup.tabular.doubts,
-            _ => 0,
-        }
-    }
-
-    /// A learner that takes every percept for right.
-    fn unfiltered(self, actions: usize, ring: usize, setup: Setup, seed: u64) -> Box<dyn Agent> {
         let Setup {
             xcs,
             reward,

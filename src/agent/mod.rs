@@ -2,21 +2,17 @@
 //!
 //! [`Method`] is the closed set of agents, by the names they have on the command line. `credit/`
 //! has standard XCS and the paper's mechanisms, one file each; `model/` what is known and foreseen;
-//! `places/` what places look like, and in which of them the robot believes to be; `filter/` what tells
-//! misread percepts from new ones by that, for any method;
 //! `plus/` the method whose rules a model teaches; `tabular/` the rivals. All reward numbers live here.
 
 mod choice;
 mod credit;
 mod explorer;
-mod filter;
 mod frozen;
 mod knowledge;
 mod memory;
 mod method;
 mod model;
 mod params;
-pub(crate) mod places;
 mod plus;
 mod power;
 mod recall;
@@ -26,7 +22,6 @@ mod tabular;
 pub use choice::{Choice, Chooser, Chosen};
 use credit::{Combined, Standard};
 pub use explorer::Explorer;
-use filter::Filtered;
 pub use frozen::Frozen;
 pub use knowledge::Knowledge;
 pub(crate) use knowledge::Misfit;

@@ -17,7 +17,7 @@ pub struct ExportArgs {
     #[command(flatten)]
     learned: LearnedArgs,
     /// What to write: source code that decides as `evaluate` does, with the charts of rules that have a
-    /// memory and the filter of misread percepts, or the rules as data.
+    /// memory, or the rules as data.
     #[arg(long, value_parser = target())]
     target: Target,
     /// The file to write [default: standard output].

@@ -33,7 +33,7 @@ pub struct TrainArgs {
     #[arg(required_unless_present = "resume")]
     world: Option<PathBuf>,
     /// How the robot learns [default: xcscr-plus, or xcscr-memory where the sensor cannot distinguish
-    /// some cells].
+    /// some cells or has observation errors].
     #[arg(long, value_parser = choices::method())]
     method: Option<Method>,
     /// Where the robot acts: in simulated physics, or on the bare grid.
@@ -123,8 +123,12 @@ fn with_usual_sensor(plan: Plan) -> Plan {
 fn with_usual_method(plan: Plan) -> Plan {
     let method = plan.usual_method();
     if method == Method::XcscrMemory {
+        let reason = match plan.config.settings.sensor.flips > 0.0 {
+            true => "has observation errors (`sensor.flips`)",
+            false => "cannot distinguish some cells",
+        };
         say(&format!(
-            "note: the sensor `{}` cannot distinguish some cells; learning with `{}` (`--method` overrides)",
+            "note: the sensor `{}` {reason}; learning with `{}` (`--method` overrides)",
             plan.config.sensor.name(),
             method.name()
         ));

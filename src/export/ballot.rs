@@ -85,13 +85,6 @@ pub enum ExportError {
          exported: train another method for export, such as xcscr-plus"
     )]
     Vast(usize),
-    /// The filter of misread percepts knows too many places.
-    #[error(
-        "the filter of misread percepts knows {0} places, more than the {most} that can be exported: \
-         train with a smaller `plus.doubts` or `tabular.doubts`",
-        most = MOST_STATES - 1
-    )]
-    Places(usize),
     /// They are too many.
     #[error("{0} rules are more than the {MOST_RULES} that can be exported: {CONDENSE}")]
     Many(usize),
@@ -270,7 +263,7 @@ fn agrees(action: Option<Action>, worth: &PredictionArray) -> bool {
 /// What was learned as rules: condition, action, worth, weight. A table's rows become rules that
 /// match one percept each.
 fn rules(knowledge: &Knowledge, actions: usize) -> Result<Vec<Classifier>, ExportError> {
-    let rules: Vec<Classifier> = match knowledge.undoubting() {
+    let rules: Vec<Classifier> = match knowledge {
         Knowledge::RulesOverMatchSet(_) => return Err(ExportError::OverMatchSet),
         Knowledge::Planned(_) => return Err(ExportError::Planned),
         Knowledge::Table(table) => table

@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use super::comments::C as COMMENTS;
-use super::filter::Addition;
 use super::{Ballot, Provenance, Vote};
 use xcs::Action;
 
@@ -71,11 +70,10 @@ static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
 }
 "#;
 
-/// The header.
-pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &Addition) -> String {
+/// The header; it ends with `more` code.
+pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &str) -> String {
     let mut text = String::from("/*\n");
     text.push_str(&COMMENTS.head(ballot, provenance));
-    text.push_str(&more.usage);
     text.push_str(&COMMENTS.bits_of_bytes(ballot, provenance));
     text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
     let figures = [
@@ -92,7 +90,7 @@ pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &Addition) ->
     text.push_str(&table(ballot));
     text.push_str(IS_GREATER);
     text.push_str(DECIDE);
-    text.push_str(&more.code);
+    text.push_str(more);
     text.push_str("\n#endif\n");
     text
 }

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::filter::Filter;
 use super::memory::Charts;
 use super::provenance::Facts;
 use super::{Ballot, Policy, Provenance, Vote};
@@ -33,9 +32,6 @@ struct Document<'a> {
     /// The charts that rules with a memory go by.
     #[serde(skip_serializing_if = "Option::is_none")]
     charts: Option<&'a Charts>,
-    /// The filter of misread percepts.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    filter: Option<&'a Filter>,
 }
 
 fn rows(ballot: &Ballot, provenance: &Provenance) -> impl Iterator<Item = Row> {
@@ -71,7 +67,6 @@ pub(super) fn json(policy: &Policy, provenance: &Provenance) -> String {
             .collect(),
         rules: rows(ballot, provenance).collect(),
         charts: policy.charts(),
-        filter: policy.filter(),
     };
     let text = serde_json::to_string_pretty(&document).expect("texts and numbers");
     text + "\n"

@@ -3,15 +3,13 @@
 //! Rules keep voting as they do here, but in whole numbers, so that a microcontroller without
 //! floating point chooses the same action. [`Ballot`] finds the fewest bits with which it does.
 //! Rules with a memory come with their charts as a table, and with a tracker that follows the robot on
-//! them (`memory`), and where percepts were misread with the filter of these (`filter`). Source code also
-//! leads from a pose in metres to a percept (`frame`).
+//! them (`memory`). Source code also leads from a pose in metres to a percept (`frame`).
 
 mod ballot;
 mod c99;
 mod comments;
 mod data;
 mod dot;
-mod filter;
 mod frame;
 mod memory;
 mod provenance;
@@ -20,7 +18,6 @@ mod python;
 mod rust;
 
 pub use ballot::{Ballot, ExportError, Vote};
-use filter::{Addition, Filter};
 use frame::Form;
 pub use policy::Policy;
 pub use provenance::Provenance;
@@ -56,23 +53,19 @@ impl Target {
     /// The whole text of the file.
     pub fn text(self, policy: &Policy, provenance: &Provenance) -> String {
         let ballot = policy.ballot();
-        let more = policy.filter().map(|filter| self.addition(ballot, filter));
-        let mut more = more.unwrap_or_default();
         let form = match policy.charts() {
             None => Form::Bytes,
             Some(_) => Form::Number,
         };
-        more.code.push_str(&self.frame(provenance, form));
+        let frame = self.frame(provenance, form);
         match (self, policy.charts()) {
-            (Self::C99, None) => c99::text(ballot, provenance, &more),
-            (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, provenance, &more.code),
-            (Self::Rust, None) => rust::text(ballot, provenance, &more),
-            (Self::Rust, Some(charts)) => {
-                memory::rust::text(ballot, charts, provenance) + &more.code
-            }
-            (Self::Python, None) => python::text(ballot, provenance, &more),
+            (Self::C99, None) => c99::text(ballot, provenance, &frame),
+            (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, provenance, &frame),
+            (Self::Rust, None) => rust::text(ballot, provenance) + &frame,
+            (Self::Rust, Some(charts)) => memory::rust::text(ballot, charts, provenance) + &frame,
+            (Self::Python, None) => python::text(ballot, provenance) + &frame,
             (Self::Python, Some(charts)) => {
-                memory::python::text(ballot, charts, provenance) + &more.code
+                memory::python::text(ballot, charts, provenance) + &frame
             }
             (Self::Csv, _) => data::csv(ballot, provenance),
             (Self::Json, _) => data::json(policy, provenance),
@@ -87,16 +80,6 @@ impl Target {
             Self::Rust => frame::rust(provenance, form),
             Self::Python => frame::python(provenance, form),
             Self::Csv | Self::Json | Self::Dot => String::new(),
-        }
-    }
-
-    /// What a filter of misread percepts adds to source code.
-    fn addition(self, ballot: &Ballot, filter: &Filter) -> Addition {
-        match self {
-            Self::C99 => filter::c99::addition(ballot, filter),
-            Self::Rust => filter::rust::addition(ballot, filter),
-            Self::Python => filter::python::addition(filter),
-            Self::Csv | Self::Json | Self::Dot => Addition::default(),
         }
     }
 }

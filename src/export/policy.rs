@@ -1,18 +1,15 @@
 //! What is exported.
 
 use super::ballot::{Ballot, ExportError};
-use super::filter::Filter;
 use super::memory::Charts;
 use crate::agent::Knowledge;
 use xcs::Percept;
 
-/// Rules that vote; with a memory the charts that they go by; where percepts are misread the filter of
-/// these.
+/// Rules that vote; with a memory the charts that they go by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Policy {
     ballot: Ballot,
     charts: Option<Charts>,
-    filter: Option<Filter>,
 }
 
 impl Policy {
@@ -27,18 +24,13 @@ impl Policy {
         actions: usize,
         of_world: &[Percept],
     ) -> Result<Self, ExportError> {
-        let (mut charts, mut filter) = (None, None);
-        match knowledge {
-            Knowledge::Remembering { map, .. } => charts = Some(Charts::new(map)?),
-            Knowledge::Doubting { places, .. } => filter = Filter::new(places, width, actions)?,
-            _ => {}
-        }
-        let mut percepts = of_world.to_vec();
-        percepts.extend(filter.iter().flat_map(Filter::percepts));
+        let charts = match knowledge {
+            Knowledge::Remembering { map, .. } => Some(Charts::new(map)?),
+            _ => None,
+        };
         Ok(Self {
-            ballot: Ballot::new(knowledge, width, actions, &percepts)?,
+            ballot: Ballot::new(knowledge, width, actions, of_world)?,
             charts,
-            filter,
         })
     }
 
@@ -50,10 +42,5 @@ impl Policy {
     /// The charts, if the rules go by any.
     pub(super) fn charts(&self) -> Option<&Charts> {
         self.charts.as_ref()
-    }
-
-    /// The filter, if percepts were misread.
-    pub(super) fn filter(&self) -> Option<&Filter> {
-        self.filter.as_ref()
     }
 }

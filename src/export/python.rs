@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use super::comments::PYTHON as COMMENTS;
-use super::filter::Addition;
 use super::{Ballot, Provenance, Vote};
 use xcs::Action;
 
@@ -25,9 +24,8 @@ def decide(percept):
 "##;
 
 /// The module.
-pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &Addition) -> String {
+pub(super) fn text(ballot: &Ballot, provenance: &Provenance) -> String {
     let mut text = COMMENTS.head(ballot, provenance);
-    text.push_str(&more.usage);
     text.push_str("\nimport math\n\n# What each bit of a percept says when it is 1.\n");
     text.push_str(&names(ballot, ballot.width(), provenance));
     text.push_str("\n# Condition, action, weight, worth.\nRULES = [\n");
@@ -43,7 +41,6 @@ pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &Addition) ->
     }
     text.push_str("]\n");
     text.push_str(DECIDE);
-    text.push_str(&more.code);
     text
 }
 

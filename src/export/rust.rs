@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use super::comments::RUST as COMMENTS;
-use super::filter::Addition;
 use super::{Ballot, Provenance, Vote};
 use xcs::Action;
 
@@ -36,9 +35,8 @@ pub fn decide(percept: &[u8; PERCEPT_BYTES]) -> Option<u8> {
 ";
 
 /// The module.
-pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &Addition) -> String {
+pub(super) fn text(ballot: &Ballot, provenance: &Provenance) -> String {
     let mut text = COMMENTS.head(ballot, provenance);
-    text.push_str(&more.usage);
     text.push_str(&COMMENTS.bits_of_bytes(ballot, provenance));
     let _ = writeln!(
         text,
@@ -51,7 +49,6 @@ pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &Addition) ->
     );
     text.push_str(&table(ballot));
     text.push_str(DECIDE);
-    text.push_str(&more.code);
     text
 }
 

@@ -13,7 +13,7 @@ use xcs::random::Stream;
 /// What the file begins with.
 const MAGIC: &[u8; 8] = b"xcscr\x1a\r\n";
 /// The number of this format.
-const FORMAT: u32 = 10;
+const FORMAT: u32 = 11;
 /// Magic, format and length before the content; a checksum after it.
 const HEAD: usize = MAGIC.len() + 4 + 8;
 const TAIL: usize = 4;

@@ -74,8 +74,9 @@ impl Plan {
 }
 
 impl Plan {
-    /// The method to take where none is asked for: `xcscr-plus`, or `xcscr-memory` where that cannot
-    /// succeed because cells look alike that need different actions, in a world that its charts hold.
+    /// Returns the method to take where none is named: `xcscr-memory` where only its map helps, else
+    /// `xcscr-plus`. The map helps against observation errors (`sensor.flips`), and where cells look alike
+    /// that need different actions. It holds small worlds only.
     pub fn usual_method(&self) -> Method {
         let plan = self.clone().method(Method::XcscrPlus).settled();
         let Self { maze, config } = &plan;
@@ -83,7 +84,8 @@ impl Plan {
             let paths = Paths::with_slip(maze, config.settings.arena.slip);
             look_alike(config, maze, &paths).is_some()
         };
-        match is_charted(config.sensor, maze) && misled() {
+        let needs_map = || config.settings.sensor.flips > 0.0 || misled();
+        match is_charted(config.sensor, maze) && needs_map() {
             true => Method::XcscrMemory,
             false => Method::XcscrPlus,
         }
@@ -421,6 +423,21 @@ mod tests {
         assert_eq!(usual("maze4", Sensor::Lidar), Sensor::Lidar);
         let said = said("dfs-48-1", Method::XcscrPlus, Sensor::Lidar, &[]).concat();
         assert!(said.contains("try `--sensor lidar-position`"), "{said}");
+    }
+
+    #[test]
+    fn with_observation_errors_the_usual_method_has_a_map_if_it_can() {
+        let usual = |sensor, flips| {
+            let mut settings = Settings::default();
+            settings.sensor.flips = flips;
+            let plan = Plan::new(maze("maze4")).sensor(sensor);
+            plan.settings(settings).usual_method()
+        };
+        assert_eq!(usual(Sensor::Lidar, 0.01), Method::XcscrMemory);
+        assert_eq!(usual(Sensor::Neighbours, 0.01), Method::XcscrMemory);
+        // Controls: no errors, and a percept of which no map can be drawn.
+        assert_eq!(usual(Sensor::Neighbours, 0.0), Method::XcscrPlus);
+        assert_eq!(usual(Sensor::Position, 0.01), Method::XcscrPlus);
     }
 
     #[test]

@@ -9,7 +9,6 @@ mod auxiliary;
 mod ceilings;
 mod examples;
 mod exporting;
-mod exporting_filter;
 mod exporting_frame;
 mod exporting_memory;
 mod exporting_refusals;

@@ -2,9 +2,7 @@
 
 use crate::kit::trial::on_the_grid;
 use xcscr::agent::{Knowledge, Method};
-use xcscr::sensor::Sensor;
 use xcscr::trial::{Checkpoint, GreedySteps, Settings, Trial, seal, unseal};
-use xcscr::xcs::Percept;
 
 /// A trial in a world of which each bit of a percept flips with this probability.
 fn trial(world: &str, method: Method, episodes: u32, flips: f64) -> Trial {
@@ -171,82 +169,4 @@ fn as_many_percepts_are_misread_as_bits_that_flip_foretell() {
     assert!((share - 0.149).abs() < 0.02, "{misread} of {steps}");
     let clean = finished(trial("maze5", Method::QLearning, 20, 0.0));
     assert_eq!(clean.progress().mistakes.misread, 0, "control");
-}
-
-/// The same with a filter that remembers at most so many steps, for `xcscr-plus` or `r-max`.
-fn filtered(world: &str, method: Method, [episodes, doubts]: [u32; 2], flips: f64) -> Trial {
-    let mut plan = trial(world, method, episodes, flips).plan().clone();
-    let settings = &mut plan.config.settings;
-    (settings.plus.doubts, settings.tabular.doubts) = (doubts, doubts);
-    Trial::new(plan).unwrap()
-}
-
-fn ratio(trial: &Trial) -> f64 {
-    let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
-    greedy.ratio(trial.plan()).unwrap()
-}
-
-#[test]
-fn a_filter_tells_what_was_misread_from_what_is_new_for_rules_and_tables() {
-    for method in [Method::XcscrPlus, Method::DynaQ] {
-        let steps = |doubts| ratio(&finished(filtered("maze4", method, [25, doubts], 0.02)));
-        let (doubting, trusting) = (steps(20_000), steps(0));
-        let name = method.name();
-        assert!(doubting < 1.1, "{name}: {doubting} times the bound");
-        assert!(trusting > 1.15, "control, {name}: {trusting} times");
-    }
-}
-
-#[test]
-fn the_filter_knows_a_place_for_nearly_every_percept_and_few_others() {
-    let trial = finished(filtered("maze5", Method::XcscrPlus, [100, 20_000], 0.02));
-    let Knowledge::Doubting { places, .. } = trial.method().knowledge() else {
-        panic!("one percept in four is misread");
-    };
-    let maze = &trial.plan().maze;
-    let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
-    let right = cells.map(|cell| Sensor::Neighbours.perceive_at(maze, cell));
-    let right: std::collections::BTreeSet<Percept> = right.collect();
-    let known = right
-        .iter()
-        .filter(|percept| places.number(percept).is_some());
-    assert!(known.count() * 10 >= right.len() * 8, "{places:?}");
-    let misread = trial.progress().mistakes.misread as usize;
-    // Control: without a filter each of these would be a place of its own.
-    assert!(
-        misread > 300 && places.len() < 2 * right.len(),
-        "{misread}, {}",
-        places.len()
-    );
-}
-
-#[test]
-fn percepts_that_are_right_pass_the_filter_unchanged_also_where_moves_slip() {
-    for slip in [0.0, 0.25] {
-        let learned = |doubts, flips| {
-            let mut plan = filtered("maze4", Method::XcscrPlus, [12, doubts], flips);
-            let mut own = plan.plan().clone();
-            own.config.settings.arena.slip = slip;
-            plan = finished(Trial::new(own).unwrap());
-            (plan.method().knowledge(), plan.progress().steps)
-        };
-        assert_eq!(learned(20_000, 0.0), learned(0, 0.0), "slip {slip}");
-        assert_ne!(learned(20_000, 0.02), learned(0, 0.02), "control");
-    }
-}
-
-#[test]
-fn what_a_filter_remembers_is_bounded() {
-    let size = |episodes, doubts| {
-        let trial = finished(filtered(
-            "maze4",
-            Method::QLearning,
-            [episodes, doubts],
-            0.02,
-        ));
-        let without = finished(filtered("maze4", Method::QLearning, [episodes, 0], 0.02));
-        trial.method().memory().len() as isize - without.method().memory().len() as isize
-    };
-    assert!(size(300, 100) < 20_000, "{}", size(300, 100));
-    assert!(size(300, 20_000) > 2 * size(300, 100), "control");
 }

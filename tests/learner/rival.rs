@@ -93,13 +93,11 @@ fn where_moves_slip_it_plans_too() {
 }
 
 #[test]
-fn foresight_and_filter_of_tables_count_for_nothing_beside_charts_and_dyna_q_has_no_memory() {
+fn foresight_of_tables_counts_for_nothing_beside_charts_and_dyna_q_has_no_memory() {
     let learned = |method, memory, extras| {
         let mut plan = plan("woods101", method, memory).episodes(8);
         let settings = &mut plan.config.settings;
         settings.tabular.foresight = extras;
-        settings.tabular.doubts = if extras { 1_000 } else { 0 };
-        settings.sensor.flips = 0.02;
         plan.run().unwrap().method().memory()
     };
     let r_max = |memory, extras| learned(Method::RMax, memory, extras);

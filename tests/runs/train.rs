@@ -586,6 +586,29 @@ fn where_cells_cannot_be_distinguished_xcscr_memory_learns_unless_a_method_is_na
 }
 
 #[test]
+fn with_observation_errors_xcscr_memory_learns_unless_a_method_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let trained = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let what =
+            "train worlds/maze4.json --arena grid --record none --quiet --json --episodes 4 --out";
+        let what = what.split_whitespace().chain([out.to_str().unwrap()]);
+        let (report, said) = expect(0, &what.chain(more.iter().copied()).collect::<Vec<_>>());
+        let report: Value = serde_json::from_str(&report).unwrap();
+        (report["method"].as_str().unwrap().to_owned(), said)
+    };
+    let flips = ["--set", "sensor.flips=0.02"];
+    let (method, said) = trained("usual", &flips);
+    let words = "note: the sensor `neighbours` has observation errors (`sensor.flips`); \
+                 learning with `xcscr-memory` (`--method` overrides)";
+    assert_eq!((method.as_str(), said.trim_end()), ("xcscr-memory", words));
+    let named = [&flips[..], &["--method", "xcscr-plus"]].concat();
+    let plus = ("xcscr-plus".to_owned(), String::new());
+    assert_eq!(trained("named", &named), plus);
+    assert_eq!(trained("right", &[]), plus, "control: no errors");
+}
+
+#[test]
 fn a_failure_names_cells_that_look_alike_and_a_percept_that_tells_them_apart() {
     let folder = tempfile::tempdir().unwrap();
     let rows = ["########", "#S.....#", "#.####.#", "#.....G#", "########"];

@@ -34,8 +34,5 @@ settings! {
         /// The power to which the forecast of a collision (a share of votes) is raised before it is
         /// believed. At 1, votes that are not yet sorted out send the robot on detours.
         certainty: u32 = 32, in 1..=1000;
-        /// Steps that are remembered at most, to tell misread percepts from new ones. With 0 every percept
-        /// is taken for right.
-        doubts: u32 = 20_000, in 0..=1_000_000;
     }
 }

@@ -22,14 +22,10 @@ settings! {
         optimistic_policy: bool = true;
         /// Do R-max and Dyna-Q foretell collisions and ways back, as `xcscr-plus` does by default?
         foresight: bool = false;
-        /// The filter of `xcscr-plus` (`plus.doubts`) for tabular methods: steps that are remembered at most, to
-        /// tell misread percepts from new ones. With 0 every percept is taken for right.
-        doubts: u32 = 0, in 0..=1_000_000;
         /// Does R-max remember as `xcscr-memory` does? It then draws the same charts (`memory.*`), believes and
         /// explores in the same way, and plans on beliefs, but its plan chooses, and no rules are learned. Where
         /// cells are misread and moves are exact, it plans on in each step for what it believes.
-        /// `foresight` and `doubts` count for nothing then: charts foresee by themselves, and have the filter
-        /// `memory.doubts`. Dyna-Q has no such form and ignores this: it replays what percepts led to, and holds no belief.
+        /// `foresight` counts for nothing then: charts foresee by themselves. Dyna-Q has no such form and ignores this: it replays what percepts led to, and holds no belief.
         memory: bool = false;
     }
 }

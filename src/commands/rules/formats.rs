@@ -45,7 +45,7 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
         .try_into()
         .expect("some rules of a population form one");
     let knowledge = shown.knowledge;
-    let printed = match knowledge.undoubting() {
+    let printed = match knowledge {
         Knowledge::RulesOverMatchSet(_) if shown.condensed.is_none() => {
             Knowledge::RulesOverMatchSet(rules)
         }
@@ -61,7 +61,7 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
     Ok(writeln!(
         out,
         "{}",
-        serde_json::to_string_pretty(&knowledge.filtering(printed))?
+        serde_json::to_string_pretty(&printed)?
     )?)
 }
 
