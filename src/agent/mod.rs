@@ -31,7 +31,7 @@ pub(crate) use model::pomdp;
 pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 use plus::Plus;
-pub use plus::{Discovery, PlusParams};
+pub use plus::PlusParams;
 pub(crate) use power::power;
 pub(crate) use recall::{
     ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Demand, Map, PERCEPT_BITS, Part, contexts, demands,

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::kit::trial::on_the_grid;
 use xcs::random::Stream;
 use xcs::{Action, Condition, Percept, Population};
-use xcscr::agent::{Agent, Chooser, Discovery, Explorer, Frozen, Knowledge, Method};
+use xcscr::agent::{Agent, Chooser, Explorer, Frozen, Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::sensor::Sensor;
@@ -160,16 +160,6 @@ fn control_cut_down_to_its_eight_fittest_rules_it_mostly_finds_no_shortest_path(
         let cut = trials.iter().filter(|trial| suffice(trial, 8)).count();
         assert_eq!(whole, 20, "{maze}: with all rules");
         assert!(cut <= most, "{maze}: {cut} with eight rules");
-    }
-}
-
-#[test]
-fn the_genetic_algorithm_finds_rules_too() {
-    let mut settings = Settings::default();
-    settings.plus.discovery = Discovery::Ga;
-    for seed in 1..=2 {
-        let (trial, _) = trained("maze4", seed, &settings);
-        assert!(trial.progress().optimal, "seed {seed}");
     }
 }
 

@@ -5,17 +5,15 @@
 //! else. Behind them stands a model of what followed each action, which never acts where there is
 //! nothing to explore. It does two things:
 //! * it teaches: `model::known` turns what was tried into lessons (this percept: these actions are the
-//!   best), from which rules are discovered, by induction ([`xcs::Induction`]) or by the
-//!   genetic algorithm (`evolution`);
+//!   best), from which rules are discovered by induction ([`xcs::Induction`]);
 //! * it explores: `model::exploration` plans the way to an action that promises more than what is known,
 //!   foretelling collisions and ways back.
 //!
 //! The study `repairs` switches each part off in turn.
 
-mod evolution;
 mod params;
 
-pub use params::{Discovery, PlusParams};
+pub use params::PlusParams;
 
 use super::Params;
 use super::credit::step_credit;
@@ -46,7 +44,7 @@ pub struct Plus {
     induction: Induction,
     collisions: CollisionRules,
     exploration: Exploration,
-    /// Decides between equally promising ways, and what is rehearsed.
+    /// Decides between equally promising ways.
     stream: Stream,
     /// The steps of this episode.
     path: Vec<Taken>,
@@ -78,9 +76,13 @@ impl Plus {
         [evolution, planning]: [Stream; 2],
     ) -> Self {
         let ring = if own.turned_rules { ring } else { 0 };
+        let xcs = XcsParams {
+            worth_over_match_set: false,
+            ..xcs
+        };
         let known = Known::new(actions, &params);
         Self {
-            xcs: Xcs::new(evolution::params(xcs, own.discovery), actions, evolution),
+            xcs: Xcs::new(xcs, actions, evolution),
             match_set: MatchSet::default(),
             memory: Transitions::default(),
             lessons: Lessons::default(),
@@ -175,13 +177,8 @@ impl Plus {
         for (number, lesson) in self.known.news(&self.memory) {
             self.lessons.give(number, lesson);
         }
-        if !self.lessons.have_changed() && self.own.discovery == Discovery::Induction {
-            return;
-        }
-        let Self { xcs, lessons, .. } = self;
-        match self.own.discovery {
-            Discovery::Induction => xcs.induce(&mut self.induction, lessons),
-            Discovery::Ga => evolution::rehearse(xcs, lessons, &mut self.stream),
+        if self.lessons.have_changed() {
+            self.xcs.induce(&mut self.induction, &mut self.lessons);
         }
     }
 

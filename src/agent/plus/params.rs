@@ -1,19 +1,6 @@
 //! Parameters and switches of `xcscr-plus`.
 
-use serde::{Deserialize, Serialize};
-
 use xcs::settings;
-
-/// How rules are discovered from lessons.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Discovery {
-    /// By induction: rules that agree with all lessons.
-    #[default]
-    Induction,
-    /// By XCS with its genetic algorithm, paid for right answers.
-    Ga,
-}
 
 settings! {
     section "plus";
@@ -21,8 +8,6 @@ settings! {
     /// Parts of `xcscr-plus`, each with its switch. Rewards, discount and step-threshold are those of
     /// all methods (`reward.*`), the greatest population is that of XCS (`xcs.population_size`).
     pub struct PlusParams {
-        /// How rules are discovered: `induction` or `ga`.
-        discovery: Discovery = Discovery::Induction;
         /// Does exploration follow a plan toward untried actions? If not, it is random (p_explr).
         planned_exploration: bool = true;
         /// Do general rules learned from bumps spare later ones?
