@@ -8,7 +8,7 @@ use crate::signal::Action;
 
 /// A macro-classifier: `numerosity` identical rules that share their figures.
 ///
-/// Two cache lines (without the feature `wide`): the first is the condition's, all that a learning
+/// Two cache lines: the first is the condition's, all that a learning
 /// step needs lies in the second.
 #[repr(align(64))]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -44,7 +44,7 @@ fn no_mapping() -> f32 {
     1.0
 }
 
-const _: () = assert!(size_of::<Classifier>() == if cfg!(feature = "wide") { 1088 } else { 128 });
+const _: () = assert!(size_of::<Classifier>() == 128);
 
 impl Classifier {
     /// A covering rule, which knows nothing yet.

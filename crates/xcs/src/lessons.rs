@@ -3,9 +3,8 @@
 use fixedbitset::FixedBitSet;
 use serde::{Deserialize, Serialize};
 
-use super::by_action::ByAction;
 use super::prediction::PredictionArray;
-use super::signal::{Action, MAX_ACTIONS, Percept};
+use super::signal::{Action, ByAction, MAX_ACTIONS, Percept};
 
 /// What a teacher says of one percept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -66,7 +65,7 @@ impl Lessons {
                 self.ones[bit].grow_and_insert(number);
             }
         }
-        for (lessons, is_best) in self.best.iter_mut().zip(lesson.best.0) {
+        for (lessons, is_best) in self.best.iter_mut().zip(lesson.best) {
             lessons.grow(number + 1);
             lessons.set(number, is_best);
         }

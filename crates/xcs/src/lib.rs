@@ -40,15 +40,13 @@
 //! [`Xcs::evolve`]. With an adaptive mapping it is XCSAM: see [`Xcs::with_adaptive_mapping`].
 //! [`compact`] condenses what was learned. The examples show the 11-multiplexer and a corridor.
 //!
-//! Percepts have up to 256 bits, and there are up to 8 actions. With the feature `wide` it is 4,096
-//! and 256, at a cost: rules take 1,088 bytes instead of 128 then, however narrow the percepts are.
+//! Percepts have up to 256 bits, and there are up to 8 actions.
 
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
 pub mod bounds;
 pub mod random;
 
-mod by_action;
 mod classifier;
 mod compaction;
 mod condition;
@@ -70,7 +68,6 @@ mod signal;
 #[cfg(test)]
 mod utmost;
 
-pub use by_action::ByAction;
 pub use classifier::Classifier;
 pub use compaction::compact;
 pub use condition::{Condition, ConditionError};
@@ -83,7 +80,9 @@ pub use population::{Population, PopulationError};
 pub use prediction::{PredictionArray, PredictionSums};
 pub use runner::{Environment, Episode, Response, Runner};
 pub use sets::{ActionSet, MatchSet};
-pub use signal::{Action, MAX_ACTIONS, MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept, PerceptError};
+pub use signal::{
+    Action, ByAction, MAX_ACTIONS, MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept, PerceptError,
+};
 
 /// Its example is tested with the others.
 #[cfg(doctest)]

@@ -1,8 +1,7 @@
 //! The prediction array: the worth of each action (Eq. 6).
 
-use super::by_action::ByAction;
 use super::classifier::Classifier;
-use crate::signal::{Action, MAX_ACTIONS};
+use crate::signal::{Action, ByAction, MAX_ACTIONS};
 
 /// The worth of each action in one percept; actions that no rule advocates have none.
 #[derive(Debug, Clone, Copy, PartialEq)]

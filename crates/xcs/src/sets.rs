@@ -1,10 +1,9 @@
 //! The match set \[M\] and the action set \[A\].
 
-use super::by_action::ByAction;
 use super::classifier::Classifier;
 use super::handles::ClassifierId;
 use super::prediction::{PredictionArray, PredictionSums};
-use crate::signal::{Action, Percept};
+use crate::signal::{Action, ByAction, Percept};
 
 /// \[M\]: the rules that match a percept, as they were when it was formed. Reused from step to
 /// step.
@@ -48,7 +47,7 @@ impl MatchSet {
 
     /// The ids of its rules, by action.
     pub(super) fn members(&self) -> &[Vec<ClassifierId>] {
-        &*self.members
+        &self.members
     }
 
     /// Micro-classifiers in \[M\] when it was formed.

@@ -6,11 +6,14 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 /// Machine words in a [`Percept`]; 64 bits each.
-pub const PERCEPT_WORDS: usize = if cfg!(feature = "wide") { 64 } else { 4 };
+pub const PERCEPT_WORDS: usize = 4;
 /// The widest percept, in bits.
 pub const MAX_PERCEPT_BITS: usize = 64 * PERCEPT_WORDS;
 /// The largest number of actions that a learner can tell apart.
-pub const MAX_ACTIONS: usize = if cfg!(feature = "wide") { 256 } else { 8 };
+pub const MAX_ACTIONS: usize = 8;
+
+/// A value for each action, also for those that an environment does not have.
+pub type ByAction<T> = [T; MAX_ACTIONS];
 
 /// What is perceived: a string of at most [`MAX_PERCEPT_BITS`] bits.
 ///

@@ -1,4 +1,4 @@
-//! The widest percept and all actions that there can be, with the feature `wide` and without.
+//! The widest percept and all actions that there can be.
 
 use crate::{
     Action, ByAction, Environment, Lesson, Lessons, MAX_ACTIONS, MAX_PERCEPT_BITS, Params, Percept,
@@ -64,9 +64,7 @@ fn opened(tells: bool) -> (usize, Population) {
 
 #[test]
 fn the_bounds_are_those_of_the_documentation() {
-    let wide = cfg!(feature = "wide");
-    let expected = if wide { (4096, 256) } else { (256, 8) };
-    assert_eq!((MAX_PERCEPT_BITS, MAX_ACTIONS), expected);
+    assert_eq!((MAX_PERCEPT_BITS, MAX_ACTIONS), (256, 8));
 }
 
 #[test]

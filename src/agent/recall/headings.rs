@@ -25,10 +25,7 @@ impl Headings {
     /// Of so many actions, none of which is known.
     pub fn unknown(actions: usize) -> Self {
         let likely = [[1.0 / DISPLACEMENTS as f64; DISPLACEMENTS]; MAX_ACTIONS];
-        Self {
-            actions,
-            likely: ByAction(likely),
-        }
+        Self { actions, likely }
     }
 
     /// Of so many actions, all of which are known.

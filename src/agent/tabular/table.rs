@@ -42,8 +42,7 @@ impl Table {
 
     /// The table of planned values, of the percepts for which they were planned.
     pub fn from_values(memory: &Transitions, values: &Values, actions: usize) -> Self {
-        let row =
-            |(percept, number): (&Percept, usize)| Some((*percept, ByAction(values.get(number)?)));
+        let row = |(percept, number): (&Percept, usize)| Some((*percept, values.get(number)?));
         let rows = memory.sorted().filter_map(row).collect();
         Self { actions, rows }
     }
