@@ -123,7 +123,7 @@ fn cost(method: Method, size: u16, rate: f64, most: u64) -> Result<String, Box<d
         .method(method)
         .arena(ArenaKind::Grid);
     let sensor = match method {
-        Method::XcscrMemory => Sensor::Neighbours,
+        Method::XcscrPlus => Sensor::Neighbours,
         _ => Sensor::Position,
     };
     let plan = plan.sensor(sensor).episodes(10_000).settled();

@@ -242,7 +242,7 @@ pub enum Misfit {
     /// They are of another kind than the method's.
     #[error(
         "the method `{0}` cannot start from these rules: give XCS methods rules of one of them, \
-         and xcscr-plus and xcscr-memory rules of their own; tabular methods start from nothing"
+         and xcscr-plus rules of its own; tabular methods start from nothing"
     )]
     Useless(&'static str),
 }

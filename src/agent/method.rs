@@ -2,10 +2,14 @@
 
 use strum::{IntoStaticStr, VariantArray};
 
+use super::composed::{Composed, Estimator};
+use super::map_learner::MapLearner;
+use super::percept_learner::PerceptLearner;
+use super::policy::PolicyKind;
 use super::recall::Vision;
 use super::{
-    Agent, Combined, Knowledge, MemoryParams, Params, Plus, PlusParams, Recall, Sharing, Standard,
-    Tabular, TabularParams,
+    Agent, Combined, Knowledge, MemoryParams, Params, PlusParams, Sharing, Standard, Tabular,
+    TabularParams,
 };
 use crate::streams::StreamName;
 use xcs::Xcs;
@@ -38,17 +42,15 @@ pub enum Method {
     Xcscr,
     /// The same; what is imprinted is decided by two XCS that co-evolve with it.
     XcscrCoevolved,
-    /// Rules that a model teaches.
+    /// Few best-action rules, distilled from the decisions of a planner on a learned model.
     XcscrPlus,
-    /// Rules that remember where they are, and tell places apart that look alike.
-    XcscrMemory,
     /// Q-learning in a table.
     QLearning,
     /// Sarsa with eligibility traces in a table.
     SarsaLambda,
     /// Q-learning that replays remembered transitions.
     DynaQ,
-    /// Planning on a model that takes the unknown for the best.
+    /// The learner of `xcscr-plus` without rules: its plan chooses.
     RMax,
 }
 
@@ -65,8 +67,7 @@ impl Method {
     /// that only look at percepts.
     pub fn of(knowledge: &Knowledge) -> Option<Self> {
         match knowledge {
-            Knowledge::Foresighted { .. } => Some(Self::XcscrPlus),
-            Knowledge::Remembering { .. } => Some(Self::XcscrMemory),
+            Knowledge::Foresighted { .. } | Knowledge::Remembering { .. } => Some(Self::XcscrPlus),
             Knowledge::Planned(_) => Some(Self::RMax),
             Knowledge::Rules(_) | Knowledge::RulesOverMatchSet(_) | Knowledge::Table(_) => None,
         }
@@ -84,15 +85,14 @@ impl Method {
     pub fn learns_rules(self) -> bool {
         match self {
             Self::Xcs | Self::Xcsam | Self::AdaptedEven | Self::AdaptedDiscounted => true,
-            Self::Xcscr | Self::XcscrCoevolved | Self::XcscrPlus | Self::XcscrMemory => true,
+            Self::Xcscr | Self::XcscrCoevolved | Self::XcscrPlus => true,
             Self::QLearning | Self::SarsaLambda | Self::DynaQ | Self::RMax => false,
         }
     }
 
-    /// Does it draw charts, with these settings, and tell places apart that look alike? Then it needs
-    /// percepts that begin with the eight cells around the robot.
-    pub fn draws_charts(self, tabular: &TabularParams) -> bool {
-        self == Self::XcscrMemory || self == Self::RMax && tabular.memory
+    /// May the method draw a map, with these settings, and tell cells apart that share a percept?
+    pub fn may_draw_maps(self, plus: &PlusParams) -> bool {
+        matches!(self, Self::XcscrPlus | Self::RMax) && plus.estimator != Estimator::Percept
     }
 
     /// A learner that knows nothing yet, for `actions` actions and percepts whose first `ring` bits
@@ -105,6 +105,7 @@ impl Method {
             plus,
             memory,
             sensed,
+            shows_surroundings,
         } = setup;
         let stream = |name| Stream::new(seed, name);
         let learner = || Xcs::new(xcs.clone(), actions, stream(StreamName::Evolution));
@@ -112,25 +113,27 @@ impl Method {
             let imprinting = stream(StreamName::Imprinting);
             Box::new(Combined::new(learner(), reward, imprinting))
         };
-        let recall = |reward| {
-            let vision = match sensed {
-                true => Vision::Lidar,
-                false => Vision::LookedUp,
+        let composed = |reward: Params, policy| -> Box<dyn Agent> {
+            let vision = if sensed {
+                Vision::Lidar
+            } else {
+                Vision::LookedUp
             };
-            Recall::new(
-                (actions, vision),
-                xcs.clone(),
-                reward,
-                memory,
-                stream(StreamName::Replay),
-            )
-        };
-        let (foresight, certainty) = (tabular.foresight, plus.certainty);
-        let rival = |tabular: Tabular| -> Box<dyn Agent> {
-            match foresight {
-                true => Box::new(tabular.with_foresight(ring, certainty)),
-                false => Box::new(tabular),
-            }
+            let estimator = match plus.estimator {
+                Estimator::Auto if !shows_surroundings => Estimator::Percept,
+                chosen => chosen,
+            };
+            let step_threshold = reward.step_threshold;
+            let planning = || (policy, stream(StreamName::Replay));
+            let own = (actions, vision);
+            let map = MapLearner::new(own, xcs.clone(), reward.clone(), memory, planning());
+            let rules = xcs::Params {
+                worth_over_match_set: false,
+                ..xcs.clone()
+            };
+            let rules = Xcs::new(rules, actions, stream(StreamName::Evolution));
+            let percept = PerceptLearner::new(rules, ring, reward, plus, planning());
+            Box::new(Composed::new(estimator, percept, map, step_threshold))
         };
         match self {
             Self::Xcs => Box::new(Standard::new(learner(), reward)),
@@ -143,19 +146,14 @@ impl Method {
                 let method = Combined::new(learner(), reward, stream(StreamName::Imprinting));
                 Box::new(method.with_experts(streams.map(stream)))
             }
-            Self::XcscrPlus => {
-                let streams = [StreamName::Evolution, StreamName::Replay].map(stream);
-                Box::new(Plus::new(xcs, [actions, ring], reward, plus, streams))
-            }
-            Self::XcscrMemory => Box::new(recall(reward)),
+            Self::XcscrPlus => composed(reward, PolicyKind::Rules),
+            Self::RMax => composed(reward, PolicyKind::Plan),
             Self::QLearning => Box::new(Tabular::q_learning(actions, reward, tabular)),
             Self::SarsaLambda => Box::new(Tabular::sarsa_lambda(actions, reward, tabular)),
             Self::DynaQ => {
                 let replay = stream(StreamName::Replay);
-                rival(Tabular::dyna_q(actions, reward, tabular, replay))
+                Box::new(Tabular::dyna_q(actions, reward, tabular, replay))
             }
-            Self::RMax if tabular.memory => Box::new(recall(reward).by_plan()),
-            Self::RMax => rival(Tabular::r_max(actions, reward, tabular)),
         }
     }
 }
@@ -170,10 +168,12 @@ pub struct Setup {
     pub reward: Params,
     /// Tabular methods.
     pub tabular: TabularParams,
-    /// The repairs of `xcscr-plus`.
+    /// `xcscr-plus` and `r-max`.
     pub plus: PlusParams,
-    /// `xcscr-memory`, and `r-max` with `tabular.memory`.
+    /// Their maps.
     pub memory: MemoryParams,
     /// Is the percept what a robot senses, which shows neither goals nor hidden corners?
     pub sensed: bool,
+    /// Does the percept begin with the eight cells around the robot, and tell nothing of its position?
+    pub shows_surroundings: bool,
 }

@@ -1,25 +1,30 @@
 //! Who learns: an [`Agent`] decides who is credited, with what, and when.
 //!
-//! [`Method`] is the closed set of agents, by the names they have on the command line. `credit/`
-//! has standard XCS and the paper's mechanisms, one file each; `model/` what is known and foreseen;
-//! `plus/` the method whose rules a model teaches; `tabular/` the rivals. All reward numbers live here.
+//! [`Method`] is the closed set of agents, by the names they have on the command line. `credit/` has standard XCS
+//! and the paper's mechanisms, one file each. `xcscr-plus` and `r-max` are compositions (`composed`) of a state
+//! estimator, a model (`model/`), a planner and a policy (`policy/`). `tabular/` has the baselines with a table. All
+//! reward numbers live here.
 
 mod choice;
+mod composed;
 mod credit;
 mod explorer;
 mod frozen;
 mod knowledge;
+mod map_learner;
 mod memory;
 mod method;
 mod model;
 mod params;
-mod plus;
+mod percept_learner;
+mod plus_params;
+mod policy;
 mod power;
 mod recall;
-mod remembering;
 mod tabular;
 
 pub use choice::{Choice, Chooser, Chosen};
+pub use composed::Estimator;
 use credit::{Combined, Standard};
 pub use explorer::Explorer;
 pub use frozen::Frozen;
@@ -30,15 +35,13 @@ pub use method::{Method, Setup};
 pub(crate) use model::pomdp;
 pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
-use plus::Plus;
-pub use plus::PlusParams;
+pub use plus_params::PlusParams;
 pub(crate) use power::power;
 pub(crate) use recall::{
     ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Demand, Map, PERCEPT_BITS, Part, contexts, demands,
     words as memory_words,
 };
 pub use recall::{MemoryParams, Odometry};
-use remembering::Recall;
 use tabular::Tabular;
 pub use tabular::TabularParams;
 

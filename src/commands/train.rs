@@ -32,15 +32,13 @@ pub struct TrainArgs {
     /// The world file, such as worlds/maze4.json.
     #[arg(required_unless_present = "resume")]
     world: Option<PathBuf>,
-    /// How the robot learns [default: xcscr-plus, or xcscr-memory where the sensor cannot distinguish
-    /// some cells or has observation errors].
-    #[arg(long, value_parser = choices::method())]
-    method: Option<Method>,
+    /// How the robot learns.
+    #[arg(long, default_value = "xcscr-plus", value_parser = choices::method())]
+    method: Method,
     /// Where the robot acts: in simulated physics, or on the bare grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
-    /// What the robot perceives [default: lidar in physics, neighbours on the grid; in large worlds
-    /// with cells that it cannot distinguish, the robot's cell as well].
+    /// What the robot perceives [default: lidar in physics, neighbours on the grid].
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
     /// Number of episodes.
@@ -84,7 +82,7 @@ impl TrainArgs {
     fn plan(&self, world: &Path) -> Result<Plan, Failure> {
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            method: self.method.unwrap_or(Method::XcscrPlus),
+            method: self.method,
             arena: self.arena,
             sensor: self.sensor.unwrap_or(Sensor::usual_in(self.arena)),
             episodes: self.episodes,
@@ -97,43 +95,8 @@ impl TrainArgs {
             settings: self.settings.resolve(&Settings::default())?.settings,
         };
         let maze = Maze::load(world)?;
-        let plan = Plan { maze, config };
-        Ok(match (self.method, self.sensor) {
-            (Some(_), _) => plan,
-            (None, Some(_)) => with_usual_method(plan),
-            (None, None) => with_usual_sensor(with_usual_method(plan)),
-        })
+        Ok(Plan { maze, config })
     }
-}
-
-/// The same on the percept that suits it; if that is another than most plans have, says so.
-fn with_usual_sensor(plan: Plan) -> Plan {
-    let (sensor, before) = (plan.usual_sensor(), plan.config.sensor);
-    if sensor != before {
-        say(&format!(
-            "note: the sensor `{}` cannot distinguish some cells; learning with `{}` (`--sensor` overrides)",
-            before.name(),
-            sensor.name()
-        ));
-    }
-    plan.sensor(sensor)
-}
-
-/// The same by the method that suits it; if that is another than most plans have, says so.
-fn with_usual_method(plan: Plan) -> Plan {
-    let method = plan.usual_method();
-    if method == Method::XcscrMemory {
-        let reason = match plan.config.settings.sensor.flips > 0.0 {
-            true => "has observation errors (`sensor.flips`)",
-            false => "cannot distinguish some cells",
-        };
-        say(&format!(
-            "note: the sensor `{}` {reason}; learning with `{}` (`--method` overrides)",
-            plan.config.sensor.name(),
-            method.name()
-        ));
-    }
-    plan.method(method)
 }
 
 /// Trains, records, saves and reports.

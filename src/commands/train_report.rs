@@ -8,7 +8,7 @@ use xcscr::agent::{Chosen, Method, Odometry};
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
-use xcscr::trial::{Condensed, Plan, Trial};
+use xcscr::trial::{Plan, Trial};
 use xcscr::world::{Cell, Facts, Maze};
 
 use super::failure::Failure;
@@ -19,6 +19,9 @@ use super::terminal::print_maze;
 const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
 /// What the arrows mean where the best action depends on what came before.
 const BEGINNINGS: &str = "arrows: as if an episode began there";
+
+/// What the state is where percepts do not determine what follows.
+const ON_A_MAP: &str = "the cell on a map that it drew: percepts do not tell all cells apart";
 
 /// The result of a training run, as `--json` prints it.
 #[derive(Debug, Serialize)]
@@ -51,8 +54,8 @@ pub struct TrainReport {
     /// What these are: `rules`, or the pairs of a table, or the beliefs of a plan.
     #[serde(skip)]
     counted: &'static str,
-    /// How many are left of them when they are condensed; `null` for a table.
-    condensed_rules: Option<usize>,
+    /// What the state was taken for at the end: `percept`, or `map` for a cell on a map that the learner drew.
+    estimator: &'static str,
     run_dir: String,
     #[serde(skip)]
     folder: PathBuf,
@@ -66,7 +69,6 @@ impl TrainReport {
         let facts = Facts::new(maze);
         let path = trial.greedy_path();
         let knowledge = trial.method().knowledge();
-        let condensed = Condensed::new(&knowledge, config.sensor, maze, trial.paths());
         Self {
             world: facts.world,
             method: config.method.name(),
@@ -89,7 +91,10 @@ impl TrainReport {
             chosen_before: progress.chosen_before,
             rules: trial.method().rule_count(),
             counted: knowledge.counts(),
-            condensed_rules: condensed.map(|condensed| condensed.rules.len()),
+            estimator: match trial.method().remembers() {
+                true => "map",
+                false => "percept",
+            },
             run_dir: disk::named(folder),
             folder: folder.to_owned(),
         }
@@ -111,7 +116,10 @@ impl TrainReport {
         let (steps, collisions) = (self.steps, self.collisions);
         writeln!(out, "  steps, collisions    {steps}, {collisions}")?;
         writeln!(out, "  chosen by            {}", self.chosen)?;
-        writeln!(out, "  {:<20} {}", self.counted, self.rules())?;
+        if self.estimator == "map" {
+            writeln!(out, "  state                {ON_A_MAP}")?;
+        }
+        writeln!(out, "  {:<20} {}", self.counted, self.rules)?;
         let curve = sparkline(steps_per_episode);
         writeln!(out, "  steps per episode    {curve}")?;
         let maze = &trial.plan().maze;
@@ -193,11 +201,6 @@ impl TrainReport {
         Ok(())
     }
 
-    fn rules(&self) -> String {
-        let condensed = self.condensed_rules.map(|few| format!(", condensed {few}"));
-        format!("{}{}", self.rules, condensed.unwrap_or_default())
-    }
-
     fn print_files(&self, recording: &RecordSummary, out: &mut impl Write) -> Result<(), Failure> {
         let files = recording.files.len();
         if files == 0 {
@@ -251,16 +254,14 @@ fn way_out(trial: &Trial) -> String {
         true => "--sensor lidar-position",
         false => "--sensor neighbours-position",
     };
-    let draws_charts = config.method.draws_charts(&config.settings.tabular);
+    let draws_maps = trial.method().remembers();
     let other = match config.method {
-        Method::XcscrPlus => position.to_owned(),
-        // It was chosen because places look alike.
-        _ if draws_charts => format!("--method xcscr-plus {position}"),
-        _ => "--method xcscr-plus".to_owned(),
+        Method::XcscrPlus => position,
+        _ => "--method xcscr-plus",
     };
     // Which way actions go is either known, or takes episodes to learn.
     let known = match config.settings.memory.odometry {
-        Odometry::None if draws_charts => "--set memory.odometry=known, ",
+        Odometry::None if draws_maps => "--set memory.odometry=known, ",
         _ => "",
     };
     format!("{known}{other}, another --seed, or --episodes {more}")
@@ -305,6 +306,7 @@ fn picture(maze: &Maze, policy: &PolicyMap) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use xcscr::agent::Estimator;
     use xcscr::sensor::Sensor;
     use xcscr::trial::Settings;
 
@@ -314,6 +316,7 @@ mod tests {
         let world = format!(r#"{{ "rows": {rows:?} }}"#);
         let mut settings = Settings::default();
         settings.memory.odometry = odometry;
+        settings.plus.estimator = Estimator::Map;
         let plan = Plan::new(Maze::from_json(world.as_bytes(), "tiny").unwrap())
             .method(method)
             .sensor(Sensor::Neighbours)
@@ -325,11 +328,10 @@ mod tests {
     #[test]
     fn who_learns_which_way_its_actions_go_is_advised_to_be_told() {
         let told = "--set memory.odometry=known, ";
-        let rest =
-            "--method xcscr-plus --sensor neighbours-position, another --seed, or --episodes 60";
-        let learns = advice(Method::XcscrMemory, Odometry::None);
+        let rest = "--sensor neighbours-position, another --seed, or --episodes 60";
+        let learns = advice(Method::XcscrPlus, Odometry::None);
         assert_eq!(learns, format!("{told}{rest}"));
-        assert_eq!(advice(Method::XcscrMemory, Odometry::Known), rest);
+        assert_eq!(advice(Method::XcscrPlus, Odometry::Known), rest);
         // Other methods do not use the setting.
         let others = "--method xcscr-plus, another --seed, or --episodes 60";
         assert_eq!(advice(Method::Xcs, Odometry::None), others);

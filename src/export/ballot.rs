@@ -111,8 +111,8 @@ pub enum ExportError {
     OverMatchSet,
     /// A plan on charts.
     #[error(
-        "what was learned is a plan on charts (`tabular.memory`), which chooses without rules and \
-         cannot be exported: train xcscr-memory, which learns rules from such a plan"
+        "what was learned is a plan on a map, which chooses without rules and cannot be exported: train xcscr-plus, which \
+         distils rules from such a plan"
     )]
     Planned,
 }

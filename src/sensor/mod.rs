@@ -125,6 +125,11 @@ impl Sensor {
         )
     }
 
+    /// Is the percept made of the eight cells around the robot, and of nothing else?
+    pub fn shows_only_surroundings(self) -> bool {
+        matches!(self, Self::Neighbours | Self::Lidar)
+    }
+
     /// All that can be perceived in a maze from the middle of a free cell that is no goal, each
     /// percept once, in order.
     pub fn percepts(self, maze: &Maze) -> Vec<Percept> {

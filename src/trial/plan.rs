@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::settings::Settings;
-use crate::agent::{Agent, Knowledge, Method, Misfit, Setup};
+use crate::agent::{Agent, Estimator, Knowledge, Method, Misfit, Setup};
 use crate::arena::{
     Arena, ArenaKind, GridArena, Localisation, MisreadingArena, PhysicsArena, PhysicsError,
     PhysicsParams, RewardingArena, SlippingArena, check_fit,
@@ -117,6 +117,7 @@ impl Config {
             plus,
             memory,
             sensed: self.sensor.is_sensed(),
+            shows_surroundings: self.sensor.shows_only_surroundings(),
         };
         let actions = maze.action_count();
         let ring = self.sensor.ring(actions);
@@ -218,7 +219,9 @@ impl Plan {
         } = &self.config;
         within("episodes", self.config.episodes, 1..=1_000_000)?;
         settings.check()?;
-        if method.draws_charts(&settings.tabular) && !sensor.begins_with_neighbours() {
+        let maps =
+            method.may_draw_maps(&settings.plus) && settings.plus.estimator == Estimator::Map;
+        if maps && !sensor.begins_with_neighbours() {
             return Err(PlanError::NoSurroundings {
                 method: method.name(),
                 sensor: sensor.name(),
@@ -257,7 +260,8 @@ pub enum PlanError {
     Knowledge(#[from] Misfit),
     /// The method needs another percept.
     #[error(
-        "`{method}` draws charts, and needs a percept that begins with the eight cells around the robot, which `{sensor}` does not; choose `neighbours` or `neighbours-position`"
+        "`{method}` with `plus.estimator` = `map` needs a percept that begins with the eight cells around the robot, which \
+         `{sensor}` does not; choose `neighbours` or `neighbours-position`, or in physics `lidar` or `lidar-position`"
     )]
     NoSurroundings {
         /// The method.

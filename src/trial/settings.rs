@@ -23,9 +23,9 @@ pub struct Settings {
     pub xcs: xcs::Params,
     /// Rewards and reward methods.
     pub reward: agent::Params,
-    /// The repairs of `xcscr-plus`.
+    /// `xcscr-plus` and `r-max`.
     pub plus: agent::PlusParams,
-    /// `xcscr-memory`, and `r-max` with `tabular.memory`.
+    /// Their maps.
     pub memory: agent::MemoryParams,
     /// Tabular methods.
     pub tabular: agent::TabularParams,

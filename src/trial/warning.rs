@@ -3,15 +3,13 @@
 use std::fmt;
 
 use super::plan::{Config, Plan};
-use crate::agent::Method;
 use crate::sensor::{Alike, Sensor, alike_among};
 use crate::world::{Cell, Facts, Maze, Paths};
 
 /// How many groups of cells, and how many cells of each, a warning names.
 const MOST_NAMED: usize = 3;
-/// Cells along a side of the largest worlds in which `xcscr-memory` was measured; in larger ones it takes
-/// minutes, and its charts end 48 cells from the goal.
-const CHARTED: u16 = 40;
+/// Cells along a side of the largest worlds in which percepts of many bits were seen to be learned.
+const SMALL: u16 = 40;
 /// The largest step-threshold that settings can hold.
 const MOST: u32 = 1_000_000;
 
@@ -31,8 +29,6 @@ pub enum Warning {
         sensor: Sensor,
         /// One that does.
         instead: Sensor,
-        /// May `xcscr-memory` tell them apart?
-        charts: bool,
         /// The cells, group by group.
         groups: Vec<Vec<Cell>>,
     },
@@ -73,36 +69,6 @@ impl Plan {
     }
 }
 
-impl Plan {
-    /// Returns the method to take where none is named: `xcscr-memory` where only its map helps, else
-    /// `xcscr-plus`. The map helps against observation errors (`sensor.flips`), and where cells look alike
-    /// that need different actions. It holds small worlds only.
-    pub fn usual_method(&self) -> Method {
-        let plan = self.clone().method(Method::XcscrPlus).settled();
-        let Self { maze, config } = &plan;
-        let misled = || {
-            let paths = Paths::with_slip(maze, config.settings.arena.slip);
-            look_alike(config, maze, &paths).is_some()
-        };
-        let needs_map = || config.settings.sensor.flips > 0.0 || misled();
-        match is_charted(config.sensor, maze) && needs_map() {
-            true => Method::XcscrMemory,
-            false => Method::XcscrPlus,
-        }
-    }
-
-    /// Returns the percept to take where neither a method nor a percept is asked for: the plan's own, or one
-    /// with the robot's cell where cells cannot be distinguished and the world is too large for `xcscr-memory`.
-    pub fn usual_sensor(&self) -> Sensor {
-        let Self { maze, config } = &self.clone().settled();
-        let paths = || Paths::with_slip(maze, config.settings.arena.slip);
-        match is_charted(config.sensor, maze) || look_alike(config, maze, &paths()).is_none() {
-            true => config.sensor,
-            false => with_position(config.sensor),
-        }
-    }
-}
-
 fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
     let steps = config.settings.reward.step_threshold;
     let longest = paths.longest(maze);
@@ -111,7 +77,8 @@ fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
 
 /// Only cells that an optimal policy comes through matter, and only to who forgets how it got there.
 fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
-    if config.method.draws_charts(&config.settings.tabular) {
+    let may_draw = config.method.may_draw_maps(&config.settings.plus);
+    if may_draw && config.sensor.shows_only_surroundings() {
         return None;
     }
     let sensor = config.sensor;
@@ -119,18 +86,12 @@ fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
     (!groups.is_empty()).then(|| Warning::LookAlike {
         sensor,
         instead: telling_apart(sensor, maze, paths),
-        charts: is_charted(sensor, maze),
         groups,
     })
 }
 
-/// Does the percept show the cells around the robot, in a world that is no larger than was tried?
-fn is_charted(sensor: Sensor, maze: &Maze) -> bool {
-    sensor.begins_with_neighbours() && is_small(maze)
-}
-
 fn is_small(maze: &Maze) -> bool {
-    maze.width().max(maze.height()) <= CHARTED
+    maze.width().max(maze.height()) <= SMALL
 }
 
 fn time_out(config: &Config, maze: &Maze) -> Option<Warning> {
@@ -190,15 +151,8 @@ impl Warning {
                 steps @ ..=MOST => format!("`--set reward.step_threshold={steps}`"),
                 _ => "a smaller maze".to_owned(),
             },
-            Self::LookAlike {
-                instead, charts, ..
-            } => {
-                let sensor = format!("`--sensor {}` (in a study file: `sensors`)", instead.name());
-                let remembers = Method::XcscrMemory.name();
-                match charts {
-                    true => format!("{sensor} or `--method {remembers}` (`methods`)"),
-                    false => sensor,
-                }
+            Self::LookAlike { instead, .. } => {
+                format!("`--sensor {}` (in a study file: `sensors`)", instead.name())
             }
             Self::OutOfReach(_) => "to open a way in `rows`".to_owned(),
             Self::TimeOut { move_s, .. } => {
@@ -271,6 +225,7 @@ fn named(cells: &[Cell]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::agent::Method;
     use crate::arena::ArenaKind;
     use crate::trial::{Resolved, Settings};
     use crate::world::Recipe;
@@ -405,58 +360,9 @@ mod tests {
         let words = "cells look alike to the sensor `neighbours`, and no action is best in all of \
                      them: ";
         assert!(named.len() == 1 && named[0].starts_with(words), "{named:?}");
-        let way_out = "; try `--sensor neighbours-position` (in a study file: `sensors`) or `--method \
-                       xcscr-memory` (`methods`)";
+        let way_out = "; try `--sensor neighbours-position` (in a study file: `sensors`)";
         assert!(named[0].ends_with(way_out), "{named:?}");
         assert_eq!(said(Method::Xcscr, Sensor::NeighboursPosition), [""; 0]);
-        assert_eq!(said(Method::XcscrMemory, Sensor::Neighbours), [""; 0]);
-    }
-
-    #[test]
-    fn in_large_worlds_where_cells_mislead_the_usual_percept_has_the_position() {
-        let usual = |world, sensor| Plan::new(maze(world)).sensor(sensor).usual_sensor();
-        assert_eq!(usual("dfs-48-1", Sensor::Lidar), Sensor::LidarPosition);
-        let looked_up = usual("dfs-48-1", Sensor::Neighbours);
-        assert_eq!(looked_up, Sensor::NeighboursPosition);
-        // Controls: small enough for a memory, and cells that do not mislead.
-        assert_eq!(usual("dfs-12-1", Sensor::Lidar), Sensor::Lidar);
-        assert_eq!(usual("maze4", Sensor::Lidar), Sensor::Lidar);
-        let said = said("dfs-48-1", Method::XcscrPlus, Sensor::Lidar, &[]).concat();
-        assert!(said.contains("try `--sensor lidar-position`"), "{said}");
-    }
-
-    #[test]
-    fn with_observation_errors_the_usual_method_has_a_map_if_it_can() {
-        let usual = |sensor, flips| {
-            let mut settings = Settings::default();
-            settings.sensor.flips = flips;
-            let plan = Plan::new(maze("maze4")).sensor(sensor);
-            plan.settings(settings).usual_method()
-        };
-        assert_eq!(usual(Sensor::Lidar, 0.01), Method::XcscrMemory);
-        assert_eq!(usual(Sensor::Neighbours, 0.01), Method::XcscrMemory);
-        // Controls: no errors, and a percept of which no map can be drawn.
-        assert_eq!(usual(Sensor::Neighbours, 0.0), Method::XcscrPlus);
-        assert_eq!(usual(Sensor::Position, 0.01), Method::XcscrPlus);
-    }
-
-    #[test]
-    fn where_cells_mislead_on_the_way_the_usual_method_remembers_if_it_can() {
-        let usual = |world, sensor| Plan::new(maze(world)).sensor(sensor).usual_method();
-        assert_eq!(usual("dfs-12-1", Sensor::Lidar), Method::XcscrMemory);
-        for (world, sensor) in [
-            ("maze4", Sensor::Lidar),
-            ("dfs-12-1", Sensor::LidarPosition),
-            // Nothing in it tells which cells are beside the robot.
-            ("dfs-12-1", Sensor::LidarRanges),
-            // Too large.
-            ("dfs-48-1", Sensor::Lidar),
-        ] {
-            assert_eq!(
-                usual(world, sensor),
-                Method::XcscrPlus,
-                "{world} {sensor:?}"
-            );
-        }
+        assert_eq!(said(Method::XcscrPlus, Sensor::Neighbours), [""; 0]);
     }
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use xcscr::agent::{Agent, Explorer, Method, Setup};
+use xcscr::agent::{Agent, Estimator, Explorer, Method, Setup};
 use xcscr::arena::{Arena, ArenaKind, GridArena, PhysicsArena, PhysicsParams};
 use xcscr::episode::{self, Observer};
 use xcscr::record::{RecordError, RecordMode, RecordSummary, Recorder, RobotShape, RunInfo};
@@ -26,6 +26,12 @@ pub fn maze(name: &str) -> Maze {
 pub fn on_the_grid(world: &str, method: Method) -> Plan {
     let plan = Plan::new(maze(world)).method(method);
     plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours)
+}
+
+/// The same plan, in which the learner takes the cell on a map for its state from the first step.
+pub fn on_a_map(mut plan: Plan) -> Plan {
+    plan.config.settings.plus.estimator = Estimator::Map;
+    plan
 }
 
 /// A trial of so many episodes.

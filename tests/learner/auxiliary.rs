@@ -1,5 +1,6 @@
 //! Cells that pay once in an episode, and a learner that remembers them.
 
+use crate::kit::trial::on_a_map;
 use xcscr::agent::{Agent, Explorer, Frozen, Method};
 use xcscr::arena::{Arena, ArenaKind, Outcome};
 use xcscr::sensor::Sensor;
@@ -16,7 +17,7 @@ fn maze(rows: &[&str], reward: f64) -> Maze {
 fn finished(maze: Maze, episodes: u32, slip: f64) -> Trial {
     let mut settings = Settings::default();
     settings.arena.slip = slip;
-    let plan = Plan::new(maze).method(Method::XcscrMemory);
+    let plan = on_a_map(Plan::new(maze).method(Method::XcscrPlus));
     let plan = plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours);
     let plan = plan.episodes(episodes).seed(3);
     plan.settings(settings).run().unwrap()

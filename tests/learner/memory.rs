@@ -1,6 +1,6 @@
 //! A learner with a memory where places look alike, and one without.
 
-use crate::kit::trial::on_the_grid;
+use crate::kit::trial::{on_a_map, on_the_grid};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
@@ -12,7 +12,7 @@ fn finished(world: &str, method: Method, episodes: u32, slip: f64) -> Trial {
     let mut settings = Settings::default();
     settings.reward.step_threshold = 100;
     settings.arena.slip = slip;
-    let plan = on_the_grid(&format!("classic/{world}"), method).episodes(episodes);
+    let plan = on_a_map(on_the_grid(&format!("classic/{world}"), method)).episodes(episodes);
     plan.seed(5).settings(settings).run().unwrap()
 }
 
@@ -25,7 +25,7 @@ fn rules_with_a_memory_reach_the_belief_bound_and_those_without_stay_far_from_it
     for world in [
         "woods101", "woods102", "maze10", "mazef4", "mazef8", "maze7",
     ] {
-        let trial = finished(world, Method::XcscrMemory, 100, 0.0);
+        let trial = finished(world, Method::XcscrPlus, 100, 0.0);
         let maze = &trial.plan().maze;
         let bound = Bounds::of_belief(maze, Sensor::Neighbours).unwrap();
         let (steps, rules) = (greedy(&trial), trial.method().rule_count());
@@ -44,7 +44,7 @@ fn rules_with_a_memory_reach_the_belief_bound_and_those_without_stay_far_from_it
 
 #[test]
 fn in_mazee3_where_hardly_a_place_can_be_told_from_others_rules_reach_the_belief_bound() {
-    let trial = finished("mazee3", Method::XcscrMemory, 25, 0.0);
+    let trial = finished("mazee3", Method::XcscrPlus, 25, 0.0);
     let bound = Bounds::of_belief(&trial.plan().maze, Sensor::Neighbours).unwrap();
     assert!((bound - 4.54).abs() < 0.01, "{bound}");
     assert!(trial.progress().optimal, "{} steps", greedy(&trial));
@@ -53,7 +53,7 @@ fn in_mazee3_where_hardly_a_place_can_be_told_from_others_rules_reach_the_belief
 
 #[test]
 fn a_trial_with_a_memory_counts_as_optimal_when_it_reaches_the_belief_bound() {
-    let trial = finished("maze7", Method::XcscrMemory, 60, 0.0);
+    let trial = finished("maze7", Method::XcscrPlus, 60, 0.0);
     let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
     assert_eq!(greedy.ratio(trial.plan()), Some(1.0));
     assert!(trial.progress().optimal, "{:?}", trial.progress());
@@ -66,7 +66,7 @@ fn rules_are_taught_for_the_one_start_that_a_world_has_also_if_it_looks_like_no_
     let trained = |starts: &str| {
         let json = recipe.maze().unwrap().to_json().replace("#S.", starts);
         let maze = Maze::from_json(json.as_bytes(), "rooms.json").unwrap();
-        let plan = Plan::new(maze).method(Method::XcscrMemory);
+        let plan = on_a_map(Plan::new(maze).method(Method::XcscrPlus));
         let plan = plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours);
         plan.episodes(20).seed(2).run().unwrap()
     };
@@ -85,7 +85,7 @@ fn rules_are_taught_for_the_one_start_that_a_world_has_also_if_it_looks_like_no_
 fn what_is_far_is_looked_for_on_from_where_the_episode_before_had_to_give_up() {
     for (world, shortest) in [("corridors-30-2", 141.0), ("rooms-30-1", 90.0)] {
         let recipe: Recipe = world.parse().unwrap();
-        let plan = Plan::new(recipe.maze().unwrap()).method(Method::XcscrMemory);
+        let plan = on_a_map(Plan::new(recipe.maze().unwrap()).method(Method::XcscrPlus));
         let plan = plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours);
         let trial = plan.episodes(12).seed(3).run().unwrap();
         assert_eq!(greedy(&trial), shortest, "{world}");
@@ -94,7 +94,9 @@ fn what_is_far_is_looked_for_on_from_where_the_episode_before_had_to_give_up() {
 
 /// The rules that look at more than the sixteen bits of the percept, and all.
 fn rules_beyond_the_percept(world: &str) -> [usize; 2] {
-    let plan = on_the_grid(world, Method::XcscrMemory).episodes(40).seed(3);
+    let plan = on_a_map(on_the_grid(world, Method::XcscrPlus))
+        .episodes(40)
+        .seed(3);
     let trial = plan.run().unwrap();
     assert!(trial.progress().optimal, "{world}");
     let knowledge = trial.method().knowledge();
@@ -120,7 +122,7 @@ fn rules_look_at_the_percept_alone_where_that_is_enough_and_at_the_place_where_i
 
 #[test]
 fn where_moves_slip_the_charts_are_drawn_all_the_same() {
-    let trial = finished("woods101", Method::XcscrMemory, 60, 0.21875);
+    let trial = finished("woods101", Method::XcscrPlus, 60, 0.21875);
     let steps = greedy(&trial);
     // The estimate of the belief bound is 4.06, the mean of 500 episodes good to some 0.25 steps.
     assert!(steps < 4.8, "{steps} steps");
@@ -129,7 +131,7 @@ fn where_moves_slip_the_charts_are_drawn_all_the_same() {
 
 #[test]
 fn the_rules_are_the_cause_of_what_is_done() {
-    let trial = finished("mazef4", Method::XcscrMemory, 60, 0.0);
+    let trial = finished("mazef4", Method::XcscrPlus, 60, 0.0);
     let before = greedy(&trial);
     let Knowledge::Remembering { rules, map } = trial.method().knowledge() else {
         panic!("the method remembers");
@@ -149,7 +151,7 @@ fn the_rules_are_the_cause_of_what_is_done() {
 /// wrong one must go. How many of the others go with it, at most.
 fn most_lost_with_a_wrong_rule(world: &str, episodes: u32) -> usize {
     let mut most = 0;
-    let plan = on_the_grid(world, Method::XcscrMemory).seed(5);
+    let plan = on_a_map(on_the_grid(world, Method::XcscrPlus)).seed(5);
     let finished = plan.clone().episodes(episodes).run().unwrap();
     let Knowledge::Remembering { rules, map } = finished.method().knowledge() else {
         panic!("the method remembers");
@@ -191,9 +193,9 @@ fn a_rule_that_is_wrong_is_corrected_and_the_others_stay() {
 /// The steps until a policy was optimal, in so many episodes that start from what was learned in
 /// another world, or from nothing.
 fn steps_to_the_optimum(world: &str, from: Option<&str>, episodes: u32) -> Option<u64> {
-    let mut plan = on_the_grid(&format!("classic/{world}"), Method::XcscrMemory);
+    let mut plan = on_the_grid(&format!("classic/{world}"), Method::XcscrPlus);
     plan.config.initial = from.map(|other| {
-        finished(other, Method::XcscrMemory, 40, 0.0)
+        finished(other, Method::XcscrPlus, 40, 0.0)
             .method()
             .knowledge()
     });

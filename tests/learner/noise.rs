@@ -1,6 +1,6 @@
 //! Percepts of which bits flip.
 
-use crate::kit::trial::on_the_grid;
+use crate::kit::trial::{on_a_map, on_the_grid};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::trial::{Checkpoint, GreedySteps, Settings, Trial, seal, unseal};
 
@@ -20,7 +20,7 @@ fn finished(mut trial: Trial) -> Trial {
 
 #[test]
 fn a_trial_with_flipping_bits_goes_on_from_a_checkpoint_as_if_it_had_never_stopped() {
-    for method in [Method::Xcscr, Method::XcscrMemory, Method::XcscrPlus] {
+    for method in [Method::Xcscr, Method::XcscrPlus, Method::RMax] {
         let plan = || trial("maze4", method, 12, 0.02);
         let whole = finished(plan());
         let mut half = plan();
@@ -41,7 +41,7 @@ fn a_memory_tells_two_goals_apart_where_cells_are_misread() {
         settings.sensor.flips = 0.01;
         settings.memory.charts = charts;
         let ratio = |seed| {
-            let plan = on_the_grid("classic/woods102", Method::XcscrMemory).episodes(60);
+            let plan = on_a_map(on_the_grid("classic/woods102", Method::XcscrPlus)).episodes(60);
             let trial = plan.seed(seed).settings(settings.clone()).run().unwrap();
             let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
             greedy.ratio(trial.plan()).unwrap()
@@ -60,7 +60,7 @@ fn a_memory_does_not_hold_moves_that_never_slip_for_slipping_where_cells_are_mis
         settings.reward.step_threshold = 100;
         settings.sensor.flips = 0.02;
         settings.arena.slip = slip;
-        let plan = on_the_grid(world, Method::XcscrMemory).episodes(40);
+        let plan = on_a_map(on_the_grid(world, Method::XcscrPlus)).episodes(40);
         let trial = plan.seed(5502).settings(settings).run().unwrap();
         match trial.method().knowledge() {
             Knowledge::Remembering { map, .. } => map.pomdp.slip(),
@@ -86,7 +86,7 @@ fn learned_in_mazef4(bumps: bool, flips: f64) -> (u64, f64) {
     settings.memory.bumps = bumps;
     let (mut steps, mut ratios) = (0, Vec::new());
     for seed in 1..=8 {
-        let plan = on_the_grid("classic/mazef4", Method::XcscrMemory).episodes(40);
+        let plan = on_a_map(on_the_grid("classic/mazef4", Method::XcscrPlus)).episodes(40);
         let trial = plan.seed(seed).settings(settings.clone()).run().unwrap();
         let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
         steps += trial.progress().steps;
@@ -109,7 +109,7 @@ fn a_memory_that_feels_no_bumps_needs_more_steps_to_learn_only_where_cells_are_m
 fn rules_and_checkpoints_tell_that_bumps_are_not_felt() {
     for bumps in [true, false] {
         let plan = || {
-            let mut plan = on_the_grid("maze4", Method::XcscrMemory).episodes(6);
+            let mut plan = on_a_map(on_the_grid("maze4", Method::XcscrPlus)).episodes(6);
             plan.config.settings.memory.bumps = bumps;
             plan
         };
@@ -133,7 +133,7 @@ fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
             let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
             (greedy.ratio(trial.plan()).unwrap(), trial)
         };
-        let (ratio, trial) = steps(Method::XcscrMemory);
+        let (ratio, trial) = steps(Method::XcscrPlus);
         assert!(
             ratio < 1.2,
             "{world}: {ratio} times the bound of percepts that are right"

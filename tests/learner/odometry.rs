@@ -1,6 +1,6 @@
 //! What a robot learns of how its actions displace it, if it does not know.
 
-use xcscr::agent::{Explorer, Frozen, MemoryParams, Method, Odometry, Setup};
+use xcscr::agent::{Estimator, Explorer, Frozen, MemoryParams, Method, Odometry, Setup};
 use xcscr::arena::{Arena, GridArena, Lasting, Outcome, View};
 use xcscr::episode;
 use xcscr::sensor::Sensor;
@@ -10,7 +10,7 @@ use xcscr::world::{Cell, Maze};
 use xcscr::xcs::Action;
 use xcscr::xcs::random::Stream;
 
-use crate::kit::trial::{maze, on_the_grid};
+use crate::kit::trial::{maze, on_a_map, on_the_grid};
 
 /// A grid on which other moves than usual belong to the actions, of which some slip.
 struct Relabelled {
@@ -93,7 +93,8 @@ fn ratio(world: &str, told: Told, episodes: u32) -> f64 {
         ..Setup::default()
     };
     setup.reward.step_threshold = LIMIT;
-    let mut method = Method::XcscrMemory.build(8, 16, setup, seed);
+    setup.plus.estimator = Estimator::Map;
+    let mut method = Method::XcscrPlus.build(8, 16, setup, seed);
     let mut arena = Relabelled::new(maze.clone(), shuffled, slip, seed);
     let mut explorer = Explorer::new(0.0, Stream::new(seed, StreamName::Exploration));
     let (starts, sensor) = (maze.start_cells(), Sensor::Neighbours);
@@ -184,7 +185,7 @@ fn what_actions_do_is_learned_where_they_slip_too() {
 #[test]
 fn who_neither_knows_its_moves_nor_feels_bumps_finds_the_shortest_way() {
     for seed in 1..=3 {
-        let mut plan = on_the_grid("maze4", Method::XcscrMemory).episodes(30);
+        let mut plan = on_a_map(on_the_grid("maze4", Method::XcscrPlus)).episodes(30);
         plan.config.settings.memory.odometry = Odometry::None;
         plan.config.settings.memory.bumps = false;
         let trial = plan.seed(seed).run().unwrap();

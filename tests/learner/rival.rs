@@ -1,15 +1,18 @@
-//! `r-max` with the memory of `xcscr-memory`: the same charts, belief and plan, but no rules.
+//! `r-max`: the learner of `xcscr-plus` whose plan chooses, without rules.
 
 use crate::kit::trial::on_the_grid;
 use serde_json::Value;
-use xcscr::agent::{Knowledge, Method};
+use xcscr::agent::{Estimator, Knowledge, Method};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Bounds, GreedySteps, Plan, Trial, seal};
 
-fn plan(world: &str, method: Method, memory: bool) -> Plan {
+fn plan(world: &str, method: Method, map: bool) -> Plan {
     let mut plan = on_the_grid(&format!("classic/{world}"), method).seed(5);
     plan.config.settings.reward.step_threshold = 100;
-    plan.config.settings.tabular.memory = memory;
+    plan.config.settings.plus.estimator = match map {
+        true => Estimator::Map,
+        false => Estimator::Percept,
+    };
     plan
 }
 
@@ -22,10 +25,10 @@ fn as_json(trial: &Trial) -> Value {
 }
 
 #[test]
-fn by_its_plan_alone_it_reaches_the_belief_bound_and_without_a_memory_it_stays_far_from_it() {
+fn by_its_plan_alone_it_reaches_the_bound_and_without_a_map_it_stays_far_from_it() {
     for world in ["woods101", "maze10", "mazef4"] {
-        let run = |memory| {
-            let plan = plan(world, Method::RMax, memory);
+        let run = |map| {
+            let plan = plan(world, Method::RMax, map);
             plan.episodes(50).run().unwrap()
         };
         let trial = run(true);
@@ -46,13 +49,13 @@ fn by_its_plan_alone_it_reaches_the_belief_bound_and_without_a_memory_it_stays_f
         let without = greedy(&run(false));
         assert!(
             without > 2.0 * bound,
-            "control, {world}: {without} steps without a memory, bound {bound}"
+            "control, {world}: {without} steps without a map, bound {bound}"
         );
     }
 }
 
 #[test]
-fn it_draws_the_same_charts_as_the_learner_of_rules() {
+fn it_draws_the_same_maps_as_the_learner_of_rules() {
     let charts = |method, kind, episodes| {
         let plan = plan("maze10", method, true).episodes(episodes);
         as_json(&plan.run().unwrap())[kind]["map"].clone()
@@ -61,7 +64,7 @@ fn it_draws_the_same_charts_as_the_learner_of_rules() {
     assert!(own(60)["spots"].is_array());
     assert_eq!(
         own(60),
-        charts(Method::XcscrMemory, "remembering", 60),
+        charts(Method::XcscrPlus, "remembering", 60),
         "once all is seen"
     );
     assert_ne!(own(60), own(1), "control");
@@ -93,27 +96,12 @@ fn where_moves_slip_it_plans_too() {
 }
 
 #[test]
-fn foresight_of_tables_counts_for_nothing_beside_charts_and_dyna_q_has_no_memory() {
-    let learned = |method, memory, extras| {
-        let mut plan = plan("woods101", method, memory).episodes(8);
-        let settings = &mut plan.config.settings;
-        settings.tabular.foresight = extras;
-        plan.run().unwrap().method().memory()
-    };
-    let r_max = |memory, extras| learned(Method::RMax, memory, extras);
-    assert!(r_max(true, false) == r_max(true, true));
-    assert!(r_max(false, false) != r_max(false, true), "control");
-    assert!(learned(Method::DynaQ, true, false) == learned(Method::DynaQ, false, false));
-    assert!(r_max(true, false) != r_max(false, false), "control");
-}
-
-#[test]
 fn it_needs_to_perceive_the_eight_cells_around_and_is_then_not_misled_where_cells_look_alike() {
-    let on = |sensor, memory| plan("woods101", Method::RMax, memory).sensor(sensor);
+    let on = |sensor, map| plan("woods101", Method::RMax, map).sensor(sensor);
     let refused = on(Sensor::Position, true).check().unwrap_err().to_string();
     assert!(refused.contains("choose `neighbours`"), "{refused}");
     assert!(on(Sensor::Position, false).check().is_ok(), "control");
-    let warned = |memory| on(Sensor::Neighbours, memory).warnings().len();
+    let warned = |map| on(Sensor::Neighbours, map).warnings().len();
     assert_eq!((warned(true), warned(false)), (0, 1));
 }
 

@@ -15,6 +15,13 @@ impl Desk {
         desk
     }
 
+    /// The same, with the cell on a map as the state from the first step.
+    fn on_a_map() -> Self {
+        let desk = Self(tempfile::tempdir().unwrap());
+        desk.fine(&[&train("xcscr-plus", "maze4", "run")[..], &ON_A_MAP].concat());
+        desk
+    }
+
     fn xcscr(&self, args: &[&str]) -> Output {
         let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
         command.current_dir(self.0.path()).args(args);
@@ -48,6 +55,8 @@ fn world(name: &str) -> &'static str {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("worlds/{name}.json"));
     Box::leak(path.to_str().unwrap().to_owned().into_boxed_str())
 }
+
+const ON_A_MAP: [&str; 4] = ["--set", "plus.estimator=map", "--sensor", "neighbours"];
 
 fn train<'a>(method: &'a str, maze: &str, out: &'a str) -> Vec<&'a str> {
     let start = ["train", world(maze), "--method", method, "--arena", "grid"];
@@ -190,15 +199,9 @@ fn a_run_that_began_with_rules_is_repeated_from_its_recording() {
 }
 
 #[test]
-fn rules_with_a_memory_are_refused_by_methods_without_one_before_anything_is_written() {
-    let desk = Desk::new("xcscr-memory");
-    for method in [
-        "xcs",
-        "adapted-even",
-        "xcscr",
-        "xcscr-coevolved",
-        "xcscr-plus",
-    ] {
+fn rules_with_a_map_are_refused_by_methods_without_one_before_anything_is_written() {
+    let desk = Desk::on_a_map();
+    for method in ["xcs", "adapted-even", "xcscr", "xcscr-coevolved", "r-max"] {
         let start = train(method, "maze4", "next");
         let (code, message) = desk.refused(&[&start[..], &["--init-rules", "run"]].concat());
         let named = format!("the method `{method}` cannot start from these rules");
@@ -355,10 +358,9 @@ fn diff_shows_the_rules_that_only_one_has_and_where_they_part() {
 }
 
 #[test]
-fn a_plan_on_charts_is_driven_by_and_drawn_but_has_no_rules_to_print_or_to_export() {
-    let desk = Desk::new("xcscr-plus");
-    let memory = ["--set", "tabular.memory=true", "--sensor", "neighbours"];
-    let said = desk.fine(&[&train("r-max", "maze4", "planned")[..], &memory].concat());
+fn a_plan_on_a_map_is_driven_by_and_drawn_but_has_no_rules_to_print_or_to_export() {
+    let desk = Desk::on_a_map();
+    let said = desk.fine(&[&train("r-max", "maze4", "planned")[..], &ON_A_MAP].concat());
     assert!(
         said.contains("\n  beliefs  ") && !said.contains("\n  rules"),
         "{said}"
@@ -371,11 +373,11 @@ fn a_plan_on_charts_is_driven_by_and_drawn_but_has_no_rules_to_print_or_to_expor
     for (args, words) in [
         (
             &["rules", "planned"][..],
-            "a plan on charts; it has no rules",
+            "a plan on a map; it has no rules",
         ),
         (
             &["export", "planned", "--target", "c99"],
-            "train xcscr-memory",
+            "train xcscr-plus",
         ),
     ] {
         let (code, message) = desk.refused(args);

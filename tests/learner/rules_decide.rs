@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::kit::trial::on_the_grid;
 use xcs::random::Stream;
 use xcs::{Action, Condition, Percept, Population};
-use xcscr::agent::{Agent, Chooser, Explorer, Frozen, Knowledge, Method};
+use xcscr::agent::{Agent, Chooser, Estimator, Explorer, Frozen, Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::episode::{Episode, Learned, Observer, Step};
 use xcscr::sensor::Sensor;
@@ -152,9 +152,10 @@ fn suffice(trial: &Trial, number: usize) -> bool {
 #[test]
 fn control_cut_down_to_its_eight_fittest_rules_it_mostly_finds_no_shortest_path() {
     for (maze, most) in [("maze4", 9), ("maze5", 1), ("maze6", 9)] {
-        let settings = Settings::default();
+        let mut on_percepts = Settings::default();
+        on_percepts.plus.estimator = Estimator::Percept;
         let trials: Vec<_> = (1..=20)
-            .map(|seed| trained(maze, seed, &settings).0)
+            .map(|seed| trained(maze, seed, &on_percepts).0)
             .collect();
         let whole = trials.iter().filter(|trial| suffice(trial, 100)).count();
         let cut = trials.iter().filter(|trial| suffice(trial, 8)).count();

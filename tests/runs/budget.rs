@@ -319,14 +319,7 @@ fn bounds_of_a_world_without_landmarks_are_unknown_and_take_no_memory() {
         assert!(stdout.contains("belief      unknown"), "{side}: {stdout}");
     }
     let args = [
-        &[
-            "train",
-            world,
-            "--arena",
-            "grid",
-            "--method",
-            "xcscr-memory",
-        ][..],
+        &["train", world, "--arena", "grid", "--method", "xcscr-plus"][..],
         &[
             "--set",
             "reward.step_threshold=50",

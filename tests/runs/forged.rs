@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::kit::chance::{dice, rounds};
 use crate::kit::folder::replace;
 use serde_json::{Value, json};
-use xcscr::agent::{Knowledge, Method};
+use xcscr::agent::{Estimator, Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::study::{Overrides, PlannedStudy, Protocol, Report, Shard, StudyFile, StudyFolder};
 use xcscr::trial::{Config, Plan, Trial};
@@ -221,14 +221,16 @@ fn forged_tasks() {
 }
 
 /// What was learned in one episode, as little as it is, and what is foreseen.
-fn learned((method, memory): (Method, bool)) -> Value {
+fn learned((method, map): (Method, bool)) -> Value {
     let maze = Maze::load(Path::new("worlds/maze4.json")).unwrap();
     let mut plan = Plan::new(maze).method(method).arena(ArenaKind::Grid);
-    plan.config.settings.tabular.memory = memory;
+    if map {
+        plan.config.settings.plus.estimator = Estimator::Map;
+    }
     let trial = plan.episodes(1).run().unwrap();
     let mut known = serde_json::to_value(trial.method().knowledge()).unwrap();
     // The parts of a map must be as many as each other.
-    if !memory {
+    if !map {
         shorten(&mut known);
     }
     known
@@ -251,7 +253,7 @@ fn forged_rules() {
     let methods = [
         (Method::Xcscr, false),
         (Method::XcscrPlus, false),
-        (Method::XcscrMemory, true),
+        (Method::XcscrPlus, true),
         (Method::QLearning, false),
         (Method::RMax, true),
     ];

@@ -12,7 +12,7 @@ use crate::kit::chance::{dice, rounds};
 use crate::kit::folder::{assert_same, contents};
 use crate::kit::program::{ended, expect, signal, spawn};
 use crate::kit::trial::on_the_grid;
-use xcscr::agent::{Method, Odometry};
+use xcscr::agent::{Estimator, Method, Odometry};
 use xcscr::arena::ArenaKind;
 use xcscr::record::{self, RecordMode, Recorder, RecorderMemory, RobotShape, RunInfo};
 use xcscr::sensor::Sensor;
@@ -155,11 +155,11 @@ fn every_method_resumes_after_episodes_of_one_step() {
 fn a_memory_that_learns_its_moves_resumes_after_any_episode_on_any_percept() {
     let sensors = [(8, Sensor::Neighbours), (9, Sensor::Lidar)];
     let of = |method| sensors.map(|(seed, sensor)| (method, seed, sensor));
-    for (method, seed, sensor) in [Method::XcscrMemory, Method::RMax].map(of).concat() {
+    for (method, seed, sensor) in [Method::XcscrPlus, Method::RMax].map(of).concat() {
         let mut plan = plan("classic/maze10", method, ArenaKind::Grid, 8);
         plan = plan.seed(seed).sensor(sensor);
         let settings = &mut plan.config.settings;
-        settings.tabular.memory = true;
+        settings.plus.estimator = Estimator::Map;
         settings.memory.odometry = Odometry::None;
         (settings.arena.slip, settings.sensor.flips) = (0.4, 0.02);
         settings.reward.step_threshold_from_maze = false;

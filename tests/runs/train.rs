@@ -172,13 +172,7 @@ fn every_combination_that_makes_sense_runs_and_the_others_say_why_not() {
                 let result = plan.arena(arena).sensor(sensor).run();
                 let what = format!("{world}, {method:?}, {arena:?}, {sensor:?}");
                 // Where a combination makes no sense, the words that lead out of it.
-                let ways_out = [
-                    (!is_drivable && arena == ArenaKind::Physics, "--arena grid"),
-                    (
-                        method == Method::XcscrMemory && !sensor.begins_with_neighbours(),
-                        "choose `neighbours`",
-                    ),
-                ];
+                let ways_out = [(!is_drivable && arena == ArenaKind::Physics, "--arena grid")];
                 let makes_sense = !ways_out.iter().any(|(applies, _)| *applies);
                 match result {
                     Ok(trial) => {
@@ -365,7 +359,6 @@ fn a_recorded_evaluation_of_a_lone_file_names_the_method_that_it_is_of() {
         "--record",
     ];
     for (method, named) in [
-        ("xcscr-memory", "xcscr-memory"),
         ("xcscr-plus", "xcscr-plus"),
         ("xcs", "xcscr"), // Its rules are like those of `xcscr`.
     ] {
@@ -510,7 +503,7 @@ fn a_policy_that_takes_a_reward_on_its_way_is_told_to_arrive_and_one_that_does_n
         "#.######G#",
         "##########",
     ];
-    let told = |reward: &str, method: &str, episodes: &str| {
+    let told = |reward: &str, [option, value]: [&str; 2], episodes: &str| {
         let name = format!("detour-{reward}-{episodes}");
         let world = folder.path().join(format!("{name}.json"));
         fs::write(
@@ -521,21 +514,22 @@ fn a_policy_that_takes_a_reward_on_its_way_is_told_to_arrive_and_one_that_does_n
         let out = folder.path().join(name);
         let [world, out] = [&world, &out].map(|path| path.to_str().unwrap());
         let what = "train --arena grid --sensor neighbours-position --record none";
-        let chosen = ["--method", method, "--episodes", episodes, "--out", out];
+        let chosen = [option, value, "--episodes", episodes, "--out", out];
         let what = what.split_whitespace().chain(chosen).chain([world]);
         expect(0, &what.collect::<Vec<_>>()).0
     };
-    let rich = told("500", "xcscr-memory", "60");
+    let map = ["--set", "plus.estimator=map"];
+    let rich = told("500", map, "60");
     assert!(
         rich.contains("greedy policy now    14 steps, not globally optimal\n")
             && rich.contains("it takes             14 steps to the goal, by way of a reward\n")
             && !rich.contains("try  "),
         "{rich}"
     );
-    let poor = told("0.001", "xcscr-memory", "60");
+    let poor = told("0.001", map, "60");
     assert!(poor.contains("12 steps, globally optimal\n"), "{poor}");
     assert!(!poor.contains("by way of"), "control: {poor}");
-    let young = told("500", "xcs", "1");
+    let young = told("500", ["--method", "xcs"], "1");
     assert!(
         !young.contains("to the goal") && young.contains("try  "),
         "control: {young}"
@@ -546,7 +540,7 @@ fn a_policy_that_takes_a_reward_on_its_way_is_told_to_arrive_and_one_that_does_n
 fn recordings_and_trial_agree_when_a_policy_with_a_memory_is_optimal() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");
-    let more = "--method xcscr-memory --arena grid --sensor neighbours --episodes 12";
+    let more = "--arena grid --sensor neighbours --episodes 12";
     let more: Vec<&str> = more.split_whitespace().collect();
     let report = train(&run, "classic/mazef4", &more);
     let first = report["first_optimal_episode"].as_u64().unwrap();
@@ -561,73 +555,32 @@ fn recordings_and_trial_agree_when_a_policy_with_a_memory_is_optimal() {
 }
 
 #[test]
-fn where_cells_cannot_be_distinguished_xcscr_memory_learns_unless_a_method_is_named() {
+fn where_cells_share_a_percept_the_learner_changes_to_a_map_by_itself() {
     let folder = tempfile::tempdir().unwrap();
-    let world = "worlds/classic/mazef4.json";
-    let trained = |name: &str, more: &[&str]| {
+    let trained = |name: &str, world: &str, more: &[&str]| {
         let out = folder.path().join(name);
-        let what = "train --arena grid --record none --quiet --json --episodes 12 --out";
+        let what = "train --arena grid --record none --quiet --json --episodes 20 --out";
         let what = what
             .split_whitespace()
             .chain([out.to_str().unwrap(), world]);
         let (report, said) = expect(0, &what.chain(more.iter().copied()).collect::<Vec<_>>());
+        assert_eq!(said, "", "no warning is due");
         let report: Value = serde_json::from_str(&report).unwrap();
-        (report, said)
+        (report["estimator"].clone(), report["retained"].clone())
     };
-    let (report, said) = trained("usual", &[]);
-    let words = "note: the sensor `neighbours` cannot distinguish some cells; \
-                 learning with `xcscr-memory`";
-    assert!(said.starts_with(words), "{said}");
-    assert_eq!(report["retained"], true, "{report}");
-    let (_, said) = trained("named", &["--method", "xcscr-plus"]);
-    assert!(said.starts_with("warning: cells look alike"), "{said}");
-    let (_, said) = trained("told", &["--sensor", "neighbours-position"]);
-    assert_eq!(said, "", "control: the position tells them apart");
-}
-
-#[test]
-fn with_observation_errors_xcscr_memory_learns_unless_a_method_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let trained = |name: &str, more: &[&str]| {
-        let out = folder.path().join(name);
-        let what =
-            "train worlds/maze4.json --arena grid --record none --quiet --json --episodes 4 --out";
-        let what = what.split_whitespace().chain([out.to_str().unwrap()]);
-        let (report, said) = expect(0, &what.chain(more.iter().copied()).collect::<Vec<_>>());
-        let report: Value = serde_json::from_str(&report).unwrap();
-        (report["method"].as_str().unwrap().to_owned(), said)
-    };
-    let flips = ["--set", "sensor.flips=0.02"];
-    let (method, said) = trained("usual", &flips);
-    let words = "note: the sensor `neighbours` has observation errors (`sensor.flips`); \
-                 learning with `xcscr-memory` (`--method` overrides)";
-    assert_eq!((method.as_str(), said.trim_end()), ("xcscr-memory", words));
-    let named = [&flips[..], &["--method", "xcscr-plus"]].concat();
-    let plus = ("xcscr-plus".to_owned(), String::new());
-    assert_eq!(trained("named", &named), plus);
-    assert_eq!(trained("right", &[]), plus, "control: no errors");
-}
-
-#[test]
-fn a_failure_names_cells_that_look_alike_and_a_percept_that_tells_them_apart() {
-    let folder = tempfile::tempdir().unwrap();
-    let rows = ["########", "#S.....#", "#.####.#", "#.....G#", "########"];
-    let world = folder.path().join("ring.json");
-    fs::write(&world, format!(r#"{{"rows": {rows:?}}}"#)).unwrap();
-    let told = |sensor: &str| {
-        let out = folder.path().join(sensor);
-        let [world, out] = [&world, &out].map(|path| path.to_str().unwrap());
-        let what = "train --method xcs --arena grid --record none --episodes 1 --sensor";
-        let chosen = [sensor, "--out", out, world];
-        let what = what.split_whitespace().chain(chosen);
-        expect(0, &what.collect::<Vec<_>>()).0
-    };
-    let alike = told("lidar");
-    let words = "  look alike to it     3,1 and 4,1; `world info` lists all\n";
-    assert!(alike.contains(words), "{alike}");
-    let control = told("lidar-position");
-    assert!(
-        control.contains("  try  ") && !control.contains("look alike"),
-        "{control}"
+    let aliased = "worlds/classic/mazef4.json";
+    assert_eq!(trained("usual", aliased, &[]), ("map".into(), true.into()));
+    let noisy = ["--set", "sensor.flips=0.02"];
+    let maze5 = "worlds/maze5.json";
+    assert_eq!(trained("noisy", maze5, &noisy).0, "map");
+    // Controls: percepts that are right tell all cells of Maze5 apart, and a position does so anywhere.
+    assert_eq!(
+        trained("clear", maze5, &[]),
+        ("percept".into(), true.into())
+    );
+    let told = ["--sensor", "neighbours-position"];
+    assert_eq!(
+        trained("told", aliased, &told),
+        ("percept".into(), true.into())
     );
 }

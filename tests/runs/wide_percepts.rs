@@ -1,4 +1,4 @@
-//! Sensors with more bits than the contexts of `xcscr-memory` keep of a percept.
+//! Sensors with more bits than the contexts of rules with a map keep of a percept.
 
 use crate::kit::program::expect;
 
@@ -12,8 +12,9 @@ fn a_map_is_learned_shown_exported_and_transferred_with_sensors_wider_than_a_con
         };
         let run = path("run");
         let train = |rest: &[&str]| {
-            let method = ["train", "worlds/maze4.json", "--method", "xcscr-memory"];
-            let rest = [&["--arena", "grid", "--sensor", sensor, "--quiet"], rest].concat();
+            let method = ["train", "worlds/maze4.json", "--method", "xcscr-plus"];
+            let map = ["--set", "plus.estimator=map", "--arena", "grid"];
+            let rest = [&map[..], &["--sensor", sensor, "--quiet"], rest].concat();
             expect(0, &[&method[..], &rest].concat())
         };
         train(&["--episodes", "40", "--out", &run]);

@@ -327,6 +327,35 @@ impl Known {
             .collect()
     }
 
+    /// Returns the values of the actions in a percept, those of the best exactly alike; nothing where no path to a
+    /// goal is known.
+    pub fn action_values(
+        &self,
+        memory: &Transitions,
+        percept: usize,
+    ) -> impl Iterator<Item = (Action, f64)> {
+        let is_known = self.value(percept) > 0.0;
+        let greatest = if is_known {
+            self.greatest(memory, percept)
+        } else {
+            0.0
+        };
+        let actions = Action::all(self.actions).filter(move |_| is_known);
+        actions.filter_map(move |action| {
+            let value = self.value_of(memory, percept, action)?;
+            let is_best = value >= greatest * (1.0 - TIE);
+            Some((
+                action,
+                self.floor() + if is_best { greatest } else { value },
+            ))
+        })
+    }
+
+    /// Is an action one of the best in a percept, as far as is known?
+    pub fn is_best(&self, memory: &Transitions, percept: usize, action: Action) -> bool {
+        self.value(percept) > 0.0 && self.lesson(memory, percept).best[action.index()]
+    }
+
     /// What is best in a percept.
     fn lesson(&self, memory: &Transitions, percept: usize) -> Lesson {
         let value = self.values[percept];

@@ -7,7 +7,6 @@ pub(super) mod exploration;
 mod foresight;
 pub(super) mod known;
 mod outcomes;
-pub(super) mod planner;
 pub mod pomdp;
 pub(super) mod return_rules;
 mod slips;

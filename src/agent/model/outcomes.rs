@@ -95,11 +95,18 @@ impl Outcomes {
             return Leads::Unknown;
         };
         let tries = self.tries();
-        match slips.explain(tries - self.count_of(likeliest), tries) {
+        match self.is_explained(slips) {
             false => Leads::Elsewhere,
             true if lead >= slips.lead() || tries >= MANY => Leads::To(likeliest),
             true => Leads::Unknown,
         }
+    }
+
+    /// Do slips explain everything that followed but what followed most often?
+    pub(super) fn is_explained(&self, slips: Slips) -> bool {
+        let tries = self.tries();
+        let likeliest = self.likeliest();
+        likeliest.is_none_or(|(next, _)| slips.explain(tries - self.count_of(next), tries))
     }
 
     /// What the pair, of this percept, tells of slips; a collision costs more than a `step`.

@@ -42,6 +42,11 @@ impl Transitions {
         number
     }
 
+    /// The number of a percept; `None` if it was never met.
+    pub fn number_of(&self, percept: &Percept) -> Option<usize> {
+        self.numbers.get(percept).copied()
+    }
+
     /// Do all numbers, in a memory that was read from a file, name what they should?
     pub fn is_sound(&self) -> bool {
         let met = self.percepts.len();
@@ -81,14 +86,27 @@ impl Transitions {
         self.slips
     }
 
-    /// Estimates how often moves slip; true if that is news. A collision costs more than a `step`.
-    pub fn notice_slips(&mut self, step: f64) -> bool {
+    /// The share of moves that slip, estimated from all pairs. A collision costs more than a `step`.
+    fn estimated_slips(&self, step: f64) -> Slips {
         let mut evidence = Evidence::default();
         for &(percept, action) in &self.tried {
             self.outcomes(percept, action)
                 .tell(percept, step, &mut evidence);
         }
-        let slips = evidence.slips();
+        evidence.slips()
+    }
+
+    /// Does what came of some pair contradict that its percept is a state: more came of it than slips explain? A
+    /// collision costs more than a `step`.
+    pub fn is_refuted(&self, step: f64) -> bool {
+        let slips = self.estimated_slips(step);
+        let mut tried = self.tried.iter();
+        tried.any(|&(percept, action)| !self.outcomes(percept, action).is_explained(slips))
+    }
+
+    /// Estimates how often moves slip; true if that is news. A collision costs more than a `step`.
+    pub fn notice_slips(&mut self, step: f64) -> bool {
+        let slips = self.estimated_slips(step);
         let is_news = !slips.is_like(self.slips);
         if is_news {
             self.slips = slips;

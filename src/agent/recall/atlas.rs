@@ -36,6 +36,8 @@ const LEAST_MISREAD: f64 = 0.0005;
 const RIGHT: f64 = 0.002;
 /// How often moves slip counts as so many steps if it is brought from another world.
 const BROUGHT_STEPS: f64 = 100.0;
+/// So many cells must have differed before percepts are taken for noisy.
+const LEAST_DIFFERING: f64 = 3.0;
 /// Cells that were shown twice count beside so many that did not differ.
 const SHOWN_AT_FIRST: f64 = 50.0;
 /// How many times likelier an episode must be on a blank chart, to open one for it.
@@ -209,6 +211,14 @@ impl Atlas {
         let sums = self.misread.iter_mut().zip(differing);
         sums.for_each(|(sum, count)| *sum = *sum * fading + count);
         self.settle_misread();
+    }
+
+    /// Compares successive percepts; true once more than [`RIGHT`] of the cells are misread.
+    pub fn notices_noise(&mut self, steps: &[Seen]) -> bool {
+        if self.params.doubts {
+            self.compare(steps);
+        }
+        self.misread[0] >= LEAST_DIFFERING && self.habits.misread >= RIGHT
     }
 
     fn settle_misread(&mut self) {

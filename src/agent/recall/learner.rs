@@ -17,6 +17,7 @@ use super::place::Vision;
 use super::planned::plan_for;
 use super::wander::Sketch;
 use crate::agent::model::pomdp::{BeliefPlanner, Effort};
+use crate::arena::Outcome;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
 use xcs::{Classifier, Params, Population, PredictionArray};
@@ -216,13 +217,26 @@ impl Learner {
     pub fn act(&mut self, percept: &Percept, action: Action, felt: Felt, found: f64) {
         self.stale |= self.meet(action);
         self.tracker.act(action, felt);
-        let around = self.atlas.habits().vision.around(percept);
-        self.steps.push(Seen {
-            around,
+        self.steps.push(self.seen(percept, action, felt, found));
+    }
+
+    /// Counts cells that successive percepts show differently; `true` once observation errors are frequent.
+    pub fn notices_noise(&mut self, steps: &[(Percept, Action, Outcome)]) -> bool {
+        let seen = steps.iter().map(|(percept, action, outcome)| {
+            self.seen(percept, *action, (*outcome).into(), outcome.found())
+        });
+        let seen: Vec<Seen> = seen.collect();
+        self.atlas.notices_noise(&seen)
+    }
+
+    /// A step as maps are drawn from it.
+    fn seen(&self, percept: &Percept, action: Action, felt: Felt, found: f64) -> Seen {
+        Seen {
+            around: self.atlas.habits().vision.around(percept),
             action,
             found,
             bumped: self.atlas.bumped(felt),
-        });
+        }
     }
 
     /// Ends the episode: learns charts, plan and rules.

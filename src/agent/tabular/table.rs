@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::agent::knowledge::Knowledge;
-use crate::agent::model::planner::Values;
-use crate::agent::model::transitions::{Transition, Transitions};
+use crate::agent::model::transitions::Transition;
 use xcs::PredictionArray;
 use xcs::{Action, ByAction, Percept};
 
@@ -38,13 +37,6 @@ impl Table {
             .flat_map(|row| row.iter())
             .all(|number| number.is_finite());
         is_sound.then_some(Self { actions, rows })
-    }
-
-    /// The table of planned values, of the percepts for which they were planned.
-    pub fn from_values(memory: &Transitions, values: &Values, actions: usize) -> Self {
-        let row = |(percept, number): (&Percept, usize)| Some((*percept, values.get(number)?));
-        let rows = memory.sorted().filter_map(row).collect();
-        Self { actions, rows }
     }
 
     pub fn actions(&self) -> usize {

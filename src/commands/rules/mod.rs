@@ -156,7 +156,7 @@ fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
         .map_err(|misfit| Failure::new(Exit::BadData, misfit.to_string()))?;
     let message = match knowledge {
         _ if knowledge.rules().is_some() => return Ok(()),
-        Knowledge::Planned(_) => "what was learned is a plan on charts; it has no rules",
+        Knowledge::Planned(_) => "what was learned is a plan on a map; it has no rules",
         _ => "what was learned is a table of a tabular method; it has no rules",
     };
     Err(Failure::new(Exit::BadData, message))

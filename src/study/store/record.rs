@@ -82,7 +82,7 @@ impl Figures {
         let cells = usize::from(maze.width()) * usize::from(maze.height());
         let most =
             (cells * maze.action_count()).max(2 * config.settings.xcs.population_size as usize);
-        let most = match config.method.draws_charts(&config.settings.tabular) {
+        let most = match config.method.may_draw_maps(&config.settings.plus) {
             true => most.max(MOST_BELIEFS),
             false => most,
         };
@@ -193,16 +193,16 @@ fn words(panic: &(dyn std::any::Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::agent::Method;
+    use crate::agent::{Estimator, Method};
 
     #[test]
     fn a_plan_on_charts_may_hold_more_beliefs_than_a_table_has_pairs() {
         let world = r######"{ "rows": ["####", "#.G#", "####"] }"######;
         let maze = Maze::from_json(world.as_bytes(), "short.json").unwrap();
-        let is_accepted = |memory, rules| {
+        let is_accepted = |estimator, rules| {
             let mut config = Plan::new(maze.clone()).method(Method::RMax).config;
             config.episodes = 1;
-            config.settings.tabular.memory = memory;
+            config.settings.plus.estimator = estimator;
             let figures = Figures {
                 progress: Progress {
                     episodes: 1,
@@ -217,7 +217,9 @@ mod tests {
             };
             figures.check(&maze, &config).is_ok()
         };
-        assert!(is_accepted(true, MOST_BELIEFS) && !is_accepted(true, MOST_BELIEFS + 1));
-        assert!(is_accepted(false, 10) && !is_accepted(false, MOST_BELIEFS));
+        let map = Estimator::Auto;
+        assert!(is_accepted(map, MOST_BELIEFS) && !is_accepted(map, MOST_BELIEFS + 1));
+        let percept = Estimator::Percept;
+        assert!(is_accepted(percept, 10) && !is_accepted(percept, MOST_BELIEFS));
     }
 }

@@ -158,7 +158,7 @@ fn control_the_percept_of_another_sensor_or_a_map_without_joined_edges_differs()
 #[test]
 fn with_a_memory_the_percept_is_the_number_that_the_tracker_takes() {
     for sensor in [Sensor::Neighbours, Sensor::Lidar] {
-        let plan = Plan::new(maze("maze4")).method(Method::XcscrMemory);
+        let plan = Plan::new(maze("maze4")).method(Method::XcscrPlus);
         let learned = Learned::new(plan.arena(ArenaKind::Grid).sensor(sensor).episodes(20));
         let maze = &learned.plan.maze;
         for target in LANGUAGES {

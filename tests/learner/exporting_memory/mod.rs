@@ -15,19 +15,19 @@ use xcscr::trial::Plan;
 use xcscr::world::{Maze, Recipe};
 
 use crate::exporting::{compile_c, compile_rust, fed, folder};
-use crate::kit::trial::{maze, on_the_grid};
+use crate::kit::trial::{maze, on_a_map, on_the_grid};
 use driver::{Learned, drives_alike};
 use programs::{C_SIZES, LANGUAGES, Maker, RUST_SIZES, compiled, compiled_rust};
 
 /// A plan on the grid of a maze of one's own.
 fn own(json: &str) -> Plan {
     let plan = Plan::new(Maze::from_json(json.as_bytes(), "own.json").unwrap());
-    let plan = plan.method(Method::XcscrMemory).arena(ArenaKind::Grid);
+    let plan = on_a_map(plan.method(Method::XcscrPlus).arena(ArenaKind::Grid));
     plan.sensor(Sensor::Neighbours).episodes(60).seed(3)
 }
 
 fn classic(world: &str) -> Plan {
-    let mut plan = on_the_grid(&format!("classic/{world}"), Method::XcscrMemory);
+    let mut plan = on_a_map(on_the_grid(&format!("classic/{world}"), Method::XcscrPlus));
     plan.config.settings.reward.step_threshold = 100;
     plan.episodes(60).seed(5)
 }
@@ -167,7 +167,7 @@ fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() 
     assert!(last > Some(0), "{last:?}: one chart");
     for flips in [0.0, 0.01] {
         let maze = "rooms-20-1".parse::<Recipe>().unwrap().maze().unwrap();
-        let plan = Plan::new(maze).method(Method::XcscrMemory);
+        let plan = on_a_map(Plan::new(maze).method(Method::XcscrPlus));
         let mut plan = plan
             .arena(ArenaKind::Grid)
             .sensor(Sensor::Lidar)
@@ -180,7 +180,7 @@ fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() 
 
 #[test]
 fn it_drives_so_in_physics_with_all_senses_of_its_own() {
-    let mut plan = Plan::new(maze("maze4")).method(Method::XcscrMemory);
+    let mut plan = on_a_map(Plan::new(maze("maze4")).method(Method::XcscrPlus));
     plan = plan
         .arena(ArenaKind::Physics)
         .sensor(Sensor::Lidar)

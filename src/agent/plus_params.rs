@@ -1,13 +1,17 @@
-//! Parameters and switches of `xcscr-plus`.
+//! Parameters and switches of `xcscr-plus` and `r-max`.
 
+use super::composed::Estimator;
 use xcs::settings;
 
 settings! {
     section "plus";
 
-    /// Parts of `xcscr-plus`, each with its switch. Rewards, discount and step-threshold are those of
+    /// Parts of `xcscr-plus` and `r-max`, each with its switch. Rewards, discount and step-threshold are those of
     /// all methods (`reward.*`), the greatest population is that of XCS (`xcs.population_size`).
     pub struct PlusParams {
+        /// What the state is taken for: `percept`, the percept; `map`, the cell on a map that the learner draws;
+        /// `auto`, the percept until experience contradicts that, then the cell.
+        estimator: Estimator = Estimator::Auto;
         /// Does exploration follow a plan toward untried actions? If not, it is random (p_explr).
         planned_exploration: bool = true;
         /// Do general rules learned from bumps spare later ones?

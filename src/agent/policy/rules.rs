@@ -1,0 +1,71 @@
+//! A policy of rules: the decisions of a plan, distilled by sequential covering (CN2, Clark and Niblett 1989).
+
+use crate::agent::StepCredit;
+use crate::agent::credit::step_credit;
+use xcs::{Action, Induction, Learned, Lesson, Lessons, MatchSet, Percept, PredictionArray, Xcs};
+
+/// A population of best-action rules, and the labelled examples that it is distilled from.
+#[derive(Debug, Clone)]
+pub struct RulePolicy {
+    xcs: Xcs,
+    match_set: MatchSet,
+    examples: Lessons,
+    induction: Induction,
+}
+
+impl RulePolicy {
+    /// Creates a policy without rules and examples.
+    pub fn new(xcs: Xcs) -> Self {
+        Self {
+            xcs,
+            match_set: MatchSet::default(),
+            examples: Lessons::default(),
+            induction: Induction::default(),
+        }
+    }
+
+    /// The classifier system that holds the rules.
+    pub fn xcs(&self) -> &Xcs {
+        &self.xcs
+    }
+
+    /// Takes new examples, by the number of their percept, and corrects the rules if any example has changed.
+    pub fn distil(&mut self, examples: Vec<(usize, Lesson)>) {
+        for (number, example) in examples {
+            self.examples.give(number, example);
+        }
+        if self.examples.have_changed() {
+            self.xcs.induce(&mut self.induction, &mut self.examples);
+        }
+    }
+
+    /// Returns the value of each action in a percept, and forms the match set of [`credit`](Self::credit).
+    pub fn predict(&mut self, percept: &Percept) -> PredictionArray {
+        self.xcs
+            .match_without_covering(percept, &mut self.match_set);
+        self.xcs.predict(&self.match_set)
+    }
+
+    /// Describes the rules that advocated an action in the percept of the last [`predict`](Self::predict).
+    pub fn credit(&self, action: Action, short_term_reward: f64) -> StepCredit {
+        let action_set = self.match_set.action_set(action);
+        let action_set =
+            action_set.expect("`predict` forms the match set before an action is chosen");
+        step_credit(&self.xcs, &self.match_set, &action_set, short_term_reward)
+    }
+
+    /// The part of the policy that learning changes, for a checkpoint.
+    pub fn state(&self) -> (Learned, &Lessons) {
+        (self.xcs.learned(), &self.examples)
+    }
+
+    /// Resumes from a checkpoint; `false` if the rules or the examples do not fit `percepts`.
+    pub fn resume(&mut self, (rules, examples): (Learned, Lessons), percepts: &[Percept]) -> bool {
+        let fits = |(number, example): (usize, &Lesson)| {
+            percepts.get(number) == Some(&example.percept) && example.value.is_finite()
+        };
+        let sound = examples.iter().all(fits) && self.xcs.resume(rules);
+        self.examples = examples;
+        sound
+    }
+}
