@@ -4,11 +4,11 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use xcscr::trial::{Resolved, Settings};
+use xcscr::trial::{ReadBy, Resolved, Settings};
 
 /// The page of the documentation, as the declarations have it.
 fn page() -> String {
-    let mut page = "# Settings\n\nEvery setting with its default and its range. This page is made from the declarations in the source \
+    let mut page = "# Settings\n\nEvery setting with its default, its range and what reads it. A setting that nothing in a run reads is refused. This page is made from the declarations in the source \
         (`UPDATE_DOCS=1 cargo test --test settings` writes it anew).\n"
         .to_owned();
     let resolved = Resolved::new(&Settings::default(), &[], &[]).unwrap();
@@ -21,13 +21,19 @@ fn page() -> String {
         let (of, name) = setting.key.rsplit_once('.').unwrap();
         if of != section {
             section = of;
-            let head = "| setting | default | range | what it is |\n|---|---|---|---|";
+            let head =
+                "| setting | default | range | read by | what it is |\n|---|---|---|---|---|";
             writeln!(page, "\n## {section}\n\n{head}").unwrap();
         }
         let range = setting.range.as_deref().unwrap_or_default();
         let about = setting.about.split_whitespace().collect::<Vec<_>>();
         let about = about.join(" ").replace('|', "\\|");
-        writeln!(page, "| `{name}` | {value} | {range} | {about} |").unwrap();
+        let readers = ReadBy::of(key).unwrap();
+        writeln!(
+            page,
+            "| `{name}` | {value} | {range} | {readers} | {about} |"
+        )
+        .unwrap();
     }
     page
 }

@@ -59,15 +59,14 @@ impl SettingsArgs {
         let text = self.config.as_deref().map(read).transpose()?;
         let name = self.config.as_ref().map(|path| path.display().to_string());
         let robot = self.robot.as_deref().map(RobotProfile::load).transpose()?;
-        let robot = robot.map(|robot| (format!("robot {}", robot.name()), robot.settings_toml()));
-        let robot = robot
-            .as_ref()
-            .map(|(name, text)| (name.as_str(), text.as_str()));
-        let files: Vec<_> = robot
-            .into_iter()
-            .chain(name.as_deref().zip(text.as_deref()))
-            .collect();
-        Ok(Resolved::new(base, &files, &self.set)?)
+        let file = name.as_deref().zip(text.as_deref());
+        let files: Vec<_> = file.into_iter().collect();
+        Ok(Resolved::with_robot(
+            base,
+            robot.as_ref(),
+            &files,
+            &self.set,
+        )?)
     }
 }
 

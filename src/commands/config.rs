@@ -5,10 +5,14 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
-use xcscr::trial::{Resolved, Settings};
+use toml::{Table, Value};
+use xcscr::agent::Method;
+use xcscr::arena::ArenaKind;
+use xcscr::sensor::Sensor;
+use xcscr::trial::{ReadBy, Resolved, Scope, Settings};
 use xcscr::world::Maze;
 
-use super::choices::SettingsArgs;
+use super::choices::{self, SettingsArgs};
 use super::failure::{Exit, Failure};
 
 /// What to do with settings.
@@ -26,6 +30,17 @@ pub struct ShowArgs {
     /// As they are in this world, which decides the step-threshold unless it is set.
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
+    /// Print only the settings that have an effect with this method [default, with --arena or --sensor:
+    /// xcscr-plus].
+    #[arg(long, value_parser = choices::method())]
+    method: Option<Method>,
+    /// Print only the settings that have an effect in this arena [default, with --method or --sensor: physics].
+    #[arg(long, value_parser = choices::arena())]
+    arena: Option<ArenaKind>,
+    /// Print only the settings that have an effect on this percept [default, with --method or --arena: lidar
+    /// in physics, neighbours on the grid].
+    #[arg(long, value_parser = choices::sensor())]
+    sensor: Option<Sensor>,
     /// Print each setting on a line of its own, with where it came from.
     #[arg(long)]
     resolved: bool,
@@ -41,6 +56,23 @@ struct Entry<'a> {
     origin: &'a str,
     range: Option<&'a str>,
     about: &'a str,
+    read_by: String,
+}
+
+impl ShowArgs {
+    /// What decides which settings are printed; `None` for all.
+    fn scope<'a>(&self, settings: &'a Settings) -> Option<Scope<'a>> {
+        if (self.method, self.arena, self.sensor) == (None, None, None) {
+            return None;
+        }
+        let arena = self.arena.unwrap_or(ArenaKind::Physics);
+        Some(Scope {
+            method: Some(self.method.unwrap_or(Method::XcscrPlus)),
+            arena,
+            sensor: self.sensor.unwrap_or(Sensor::usual_in(arena)),
+            settings,
+        })
+    }
 }
 
 /// Runs one of the config commands.
@@ -51,40 +83,73 @@ pub fn run(command: &ConfigCommand, out: &mut impl Write) -> Result<(), Failure>
         Some(world) => resolved.in_maze(&Maze::load(world)?),
         None => resolved,
     };
+    let scope = args.scope(&resolved.settings);
+    if let Some(scope) = scope {
+        resolved.check_read(scope.method, scope.arena, scope.sensor)?;
+    }
+    let counts = |key: &str| scope.is_none_or(|scope| scope.reads(key));
     match (args.json, args.resolved) {
-        (true, _) => print_json(&resolved, out),
-        (_, true) => print_origins(&resolved, out),
-        _ => Ok(write!(out, "{}", as_file(&resolved)?)?),
+        (true, _) => print_json(&resolved, counts, out),
+        (_, true) => print_origins(&resolved, counts, out),
+        _ => Ok(write!(out, "{}", as_file(&resolved, counts)?)?),
     }
 }
 
-/// A settings file that gives these settings again.
-fn as_file(resolved: &Resolved) -> Result<String, Failure> {
-    toml::to_string(&resolved.settings)
-        .map_err(|fault| Failure::new(Exit::Internal, format!("no TOML for settings: {fault}")))
+/// A settings file that gives those of these settings again that count.
+fn as_file(resolved: &Resolved, counts: impl Fn(&str) -> bool) -> Result<String, Failure> {
+    let no_toml = |fault: toml::ser::Error| {
+        Failure::new(Exit::Internal, format!("no TOML for settings: {fault}"))
+    };
+    let all = Table::try_from(&resolved.settings).map_err(no_toml)?;
+    toml::to_string(&counting(all, "", &counts)).map_err(no_toml)
 }
 
-fn print_origins(resolved: &Resolved, out: &mut impl Write) -> Result<(), Failure> {
-    for (key, value, origin) in resolved.entries() {
+/// The part of a table of settings that counts; `section` stands before its names, with a dot.
+fn counting(table: Table, section: &str, counts: &impl Fn(&str) -> bool) -> Table {
+    let kept = table.into_iter().filter_map(|(name, value)| {
+        let key = format!("{section}{name}");
+        let value = match value {
+            Value::Table(inner) => Value::Table(counting(inner, &format!("{key}."), counts)),
+            value => return counts(&key).then_some((name, value)),
+        };
+        let is_empty = value.as_table().is_some_and(Table::is_empty);
+        (!is_empty).then_some((name, value))
+    });
+    kept.collect()
+}
+
+fn print_origins(
+    resolved: &Resolved,
+    counts: impl Fn(&str) -> bool,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    for (key, value, origin) in resolved.entries().filter(|(key, ..)| counts(key)) {
         writeln!(out, "{key:34} = {value:<12} # {origin}")?;
     }
     Ok(())
 }
 
-fn print_json(resolved: &Resolved, out: &mut impl Write) -> Result<(), Failure> {
+fn print_json(
+    resolved: &Resolved,
+    counts: impl Fn(&str) -> bool,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
     let values = serde_json::to_value(&resolved.settings)?;
     let origins = resolved
         .entries()
         .map(|(key, _, origin)| (key, origin.to_string()));
     let origins: BTreeMap<&str, String> = origins.collect();
-    let declared = Settings::declared();
+    let mut declared = Settings::declared();
+    declared.retain(|setting| counts(setting.key));
     let entries = declared.iter().map(|setting| {
         let path = format!("/{}", setting.key.replace('.', "/"));
+        let readers = ReadBy::of(setting.key);
         let entry = Entry {
             value: values.pointer(&path).cloned().unwrap_or_default(),
             origin: &origins[setting.key],
             range: setting.range.as_deref(),
             about: setting.about,
+            read_by: readers.map(ToString::to_string).unwrap_or_default(),
         };
         (setting.key, entry)
     });

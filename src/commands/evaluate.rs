@@ -57,7 +57,9 @@ impl EvaluateArgs {
         let config = &mut plan.config;
         config.seed = self.seed;
         config.arena = self.arena.unwrap_or(config.arena);
-        config.settings = self.settings.resolve(&config.settings)?.settings;
+        let resolved = self.settings.resolve(&config.settings)?;
+        resolved.check_read(None, config.arena, config.sensor)?;
+        config.settings = resolved.settings;
         Ok((plan, knowledge))
     }
 }

@@ -80,6 +80,7 @@ pub struct TrainArgs {
 
 impl TrainArgs {
     fn plan(&self, world: &Path) -> Result<Plan, Failure> {
+        let resolved = self.settings.resolve(&Settings::default())?;
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: self.method,
@@ -92,9 +93,11 @@ impl TrainArgs {
                 .as_deref()
                 .map(choices::read_rules)
                 .transpose()?,
-            settings: self.settings.resolve(&Settings::default())?.settings,
+            settings: resolved.settings.clone(),
         };
         let maze = Maze::load(world)?;
+        let Config { method, arena, sensor, .. } = config;
+        resolved.check_read(Some(method), arena, sensor)?;
         Ok(Plan { maze, config })
     }
 }

@@ -20,6 +20,8 @@ pub struct Resolved {
     /// The checked settings.
     pub settings: Settings,
     values: BTreeMap<String, (Value, SettingOrigin)>,
+    /// What was set by hand: by `--set`, or to another value by a settings file.
+    pub(super) given: Vec<(String, SettingOrigin)>,
 }
 
 impl Resolved {
@@ -33,11 +35,28 @@ impl Resolved {
         files: &[(&str, &str)],
         sets: &[String],
     ) -> Result<Self, SettingsError> {
+        Self::on(base, None, files, sets)
+    }
+
+    /// The same, with the settings of a robot, and its name, between `base` and the files.
+    pub(super) fn on(
+        base: &Settings,
+        robot: Option<(&str, &Table)>,
+        files: &[(&str, &str)],
+        sets: &[String],
+    ) -> Result<Self, SettingsError> {
         let defaults = Table::try_from(base).expect("settings are plain data");
         let mut values = BTreeMap::new();
         for (key, value) in flatten(defaults) {
             values.insert(key, (value, SettingOrigin::Default));
         }
+        if let Some((name, table)) = robot {
+            let origin = SettingOrigin::Robot(name.to_owned());
+            for (key, value) in flatten(table.clone()) {
+                overlay(&mut values, key, value, &origin)?;
+            }
+        }
+        let mut given = Vec::new();
         for (name, text) in files {
             let origin = SettingOrigin::File((*name).to_owned());
             let table: Table = text.parse().map_err(|fault: toml::de::Error| {
@@ -45,22 +64,23 @@ impl Resolved {
                 SettingsError::Syntax { origin, fault }
             })?;
             for (key, value) in flatten(table) {
-                overlay(&mut values, key, value, &origin)?;
+                if overlay(&mut values, key.clone(), value, &origin)? {
+                    given.push((key, origin.clone()));
+                }
             }
         }
         for set in sets {
             let assigned = set.split_once('=');
             let (key, text) = assigned.ok_or_else(|| SettingsError::NoValue(set.clone()))?;
-            overlay(
-                &mut values,
-                key.trim().to_owned(),
-                value_of(text.trim()),
-                &SettingOrigin::Set,
-            )?;
+            let key = key.trim().to_owned();
+            let value = value_of(text.trim());
+            overlay(&mut values, key.clone(), value, &SettingOrigin::Set)?;
+            given.push((key, SettingOrigin::Set));
         }
         Ok(Self {
             settings: checked(&values)?,
             values,
+            given,
         })
     }
 
@@ -108,14 +128,14 @@ pub fn flatten(table: Table) -> Vec<(String, Value)> {
     flat
 }
 
-/// Replaces a value by one of the same type; whole numbers serve as fractions, too. Who sets the
-/// step-threshold does not want the maze to.
+/// Replaces a value by one of the same type, and returns whether they differ; whole numbers serve as
+/// fractions, too. Who sets the step-threshold does not want the maze to.
 fn overlay(
     values: &mut BTreeMap<String, (Value, SettingOrigin)>,
     key: String,
     value: Value,
     origin: &SettingOrigin,
-) -> Result<(), SettingsError> {
+) -> Result<bool, SettingsError> {
     let Some((present, _)) = values.get(&key) else {
         return Err(SettingsError::Unknown {
             suggestion: similar(&key, values.keys().map(String::as_str)),
@@ -135,12 +155,13 @@ fn overlay(
             key,
         });
     }
+    let differs = *present != value;
     if key == STEP_THRESHOLD {
         let no = (Value::Boolean(false), origin.clone());
         values.insert(FROM_MAZE.to_owned(), no);
     }
     values.insert(key, (value, origin.clone()));
-    Ok(())
+    Ok(differs)
 }
 
 /// What a setting takes that now has this value.

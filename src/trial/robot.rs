@@ -130,18 +130,28 @@ impl RobotProfile {
         flat.into_iter().map(with_source).collect()
     }
 
-    /// Returns the profile as the text of a settings file.
-    pub fn settings_toml(&self) -> String {
-        self.settings.to_string()
-    }
-
     /// Returns `base` with this robot's values in place of its own.
     ///
     /// # Errors
     /// When a setting is unknown or out of range.
     pub fn settings_over(&self, base: &Settings) -> Result<Settings, SettingsError> {
-        let (name, text) = (format!("robot {}", self.name), self.settings_toml());
-        Ok(Resolved::new(base, &[(&name, &text)], &[])?.settings)
+        Ok(Resolved::with_robot(base, Some(self), &[], &[])?.settings)
+    }
+}
+
+impl Resolved {
+    /// Does the same as [`Resolved::new`], with a robot between `base` and the files.
+    ///
+    /// # Errors
+    /// The first fault, with its place and the way out.
+    pub fn with_robot(
+        base: &Settings,
+        robot: Option<&RobotProfile>,
+        files: &[(&str, &str)],
+        sets: &[String],
+    ) -> Result<Self, SettingsError> {
+        let robot = robot.map(|robot| (robot.name(), &robot.settings));
+        Self::on(base, robot, files, sets)
     }
 }
 

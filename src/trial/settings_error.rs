@@ -11,6 +11,8 @@ pub enum SettingOrigin {
     Default,
     /// A settings file, by its name.
     File(String),
+    /// A robot profile, by its name.
+    Robot(String),
     /// `--set` on the command line.
     Set,
     /// Nobody set it, and the default is not enough for the maze.
@@ -22,6 +24,7 @@ impl fmt::Display for SettingOrigin {
         match self {
             Self::Default => f.write_str("default"),
             Self::File(name) => f.write_str(name),
+            Self::Robot(name) => write!(f, "robot {name}"),
             Self::Set => f.write_str("--set"),
             Self::Maze => f.write_str("the maze"),
         }
@@ -64,6 +67,19 @@ pub enum SettingsError {
         /// What it must be.
         wanted: String,
     },
+    /// Nothing in the run reads the setting.
+    #[error("{origin}: `{key}` has no effect: {why}")]
+    Unread {
+        /// The setting.
+        key: String,
+        /// Where.
+        origin: SettingOrigin,
+        /// Why it has no effect, and what reads it.
+        why: String,
+    },
+    /// A robot was chosen for an arena that has none.
+    #[error("the robot profile has no effect: the arena `grid` has no robot, `physics` has one")]
+    NoRobot,
     /// The value lies outside of its range.
     #[error("{origin}: {fault}")]
     Range {

@@ -25,4 +25,5 @@ mod rules;
 mod rules_decide;
 mod slips;
 mod trust;
+mod unread;
 mod xcs_invariants;

@@ -17,5 +17,6 @@ mod resume;
 mod robots;
 mod robustness;
 mod train;
+mod unread;
 mod warnings;
 mod wide_percepts;

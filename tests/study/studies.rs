@@ -279,7 +279,7 @@ fn status_does_not_list_a_hundred_arms_that_have_not_begun() {
     let desk = Desk::new();
     desk.write(
         "wide.toml",
-        &(SMALL.to_owned() + "[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.3, 0.4]\n"),
+        &(SMALL.to_owned() + "[sweep]\n\"xcs.mu\" = [0.1, 0.2, 0.3, 0.4]\n"),
     );
     desk.done("run wide.toml --out a --trials 2 --episodes 2 --shard 1/32");
     let status = desk.done("status a");

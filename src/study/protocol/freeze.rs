@@ -4,6 +4,7 @@ use toml::Table;
 
 use super::file::{Document, NOTHING};
 use super::overrides::Overrides;
+use super::unread::{refuse_twins, refuse_unread};
 use super::variants::{product, told, variants};
 use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
@@ -113,6 +114,12 @@ fn arms(
         }
     }
     arms.retain(|arm| arm.after.as_ref() != Some(&arm.world));
+    refuse_unread(file, overrides, &variants, &arms)?;
+    arms.retain(|arm| !arm.leaves_out_nothing());
+    // A sample is drawn for all methods together: what one of them does not read, another one does.
+    if file.document.sample.is_none() {
+        refuse_twins(&file.origin, &arms)?;
+    }
     Ok(arms)
 }
 
@@ -201,14 +208,14 @@ mod tests {
     #[test]
     fn a_sweep_tries_every_combination_in_every_world() {
         let study = protocol(
-            "[sweep]\n\"xcs.beta\" = [0.1, 0.2]\nxcs.ga = [true, false]\n",
+            "[sweep]\n\"xcs.alpha\" = [0.1, 0.2]\nxcs.ga = [true, false]\n",
             &[],
         )
         .unwrap();
         assert_eq!(study.arms.len(), 2 * 2 * 4);
         assert_eq!(
             study.arms[1].variant.to_string(),
-            "xcs.beta=0.1 xcs.ga=false"
+            "xcs.alpha=0.1 xcs.ga=false"
         );
         assert!(!study.arms[1].settings.xcs.ga);
         assert_eq!(study.len(), 48);
@@ -267,11 +274,11 @@ mod tests {
 
     #[test]
     fn settings_of_a_method_win_over_the_study_and_the_command_line_over_both() {
-        let text = "[settings]\n\"xcs.beta\" = 0.1\n\"xcs.mu\" = 0.1\n[method-settings.xcscr]\nxcs.beta = 0.3\nxcs.alpha = 0.3\n";
+        let text = "[settings]\n\"xcs.chi\" = 0.1\n\"xcs.mu\" = 0.1\n[method-settings.xcscr]\nxcs.chi = 0.3\nxcs.alpha = 0.3\n";
         let study = protocol(text, &["xcs.alpha=0.4"]).unwrap();
         let figures = |arm: usize| {
             let xcs = &study.arms[arm].settings.xcs;
-            (xcs.beta, xcs.mu, xcs.alpha)
+            (xcs.chi, xcs.mu, xcs.alpha)
         };
         assert_eq!(figures(0), (0.1, 0.1, 0.4));
         assert_eq!(figures(1), (0.3, 0.1, 0.4));

@@ -4,6 +4,7 @@ mod file;
 mod freeze;
 mod overrides;
 mod shipped;
+mod unread;
 mod variants;
 
 use std::collections::BTreeMap;
@@ -15,6 +16,7 @@ use serde_json::value::RawValue;
 pub(super) use file::NOTHING;
 pub use file::StudyFile;
 pub use overrides::Overrides;
+pub(super) use unread::refuse_twins;
 
 use super::error::StudyError;
 use crate::agent::Method;

@@ -20,12 +20,15 @@ const DRAW_STREAM: u64 = 8;
 /// Settings of a sweep, each with its values.
 type Sweep = [(String, Vec<Value>)];
 
+/// A variant, with the settings that make it.
+pub(super) type Variation = (Table, Variant);
+
 /// All combinations of the swept values, of the listed tables, and of the switches to turn off; a single empty one when
 /// nothing is varied. Each with the settings that make it.
 pub(super) fn variants(
     file: &StudyFile,
     overrides: &Overrides,
-) -> Result<Vec<(Table, Variant)>, StudyError> {
+) -> Result<Vec<Variation>, StudyError> {
     let sweep = file.sweep()?;
     for (key, _) in &sweep {
         refuse_set(file, overrides, key)?;
@@ -70,7 +73,7 @@ pub(super) fn product<'a, 'b, A, B>(
         .flat_map(move |a| second.iter().map(move |b| (a, b)))
 }
 
-fn every_combination(sweep: &Sweep) -> Vec<(Table, Variant)> {
+fn every_combination(sweep: &Sweep) -> Vec<Variation> {
     let nothing = vec![(Table::new(), Variant::default())];
     sweep.iter().fold(nothing, |variants, (key, values)| {
         product(&variants, values)
@@ -83,8 +86,8 @@ fn every_combination(sweep: &Sweep) -> Vec<(Table, Variant)> {
 fn with_listed(
     file: &StudyFile,
     overrides: &Overrides,
-    variants: Vec<(Table, Variant)>,
-) -> Result<Vec<(Table, Variant)>, StudyError> {
+    variants: Vec<Variation>,
+) -> Result<Vec<Variation>, StudyError> {
     if file.document.variants.is_empty() {
         return Ok(variants);
     }
@@ -102,7 +105,7 @@ fn with_listed(
 }
 
 /// So many different combinations, each with the same chance; all when there are no more.
-fn drawn_combinations(sweep: &Sweep, sample: usize) -> Vec<(Table, Variant)> {
+fn drawn_combinations(sweep: &Sweep, sample: usize) -> Vec<Variation> {
     let sizes = sweep.iter().map(|(_, values)| values.len());
     if sizes.fold(1, usize::saturating_mul) <= sample {
         return every_combination(sweep);
@@ -149,7 +152,7 @@ fn refuse_swept(
 }
 
 /// A variant with one setting more.
-fn varied((table, variant): &(Table, Variant), key: &str, value: &Value) -> (Table, Variant) {
+fn varied((table, variant): &Variation, key: &str, value: &Value) -> Variation {
     let (mut table, mut variant) = (table.clone(), variant.clone());
     table.insert(key.to_owned(), value.clone());
     let json = serde_json::to_value(value).expect("plain data becomes JSON");

@@ -1,7 +1,7 @@
 //! What is chosen among: combinations of settings, each in all worlds of a study.
 
 use crate::study::error::StudyError;
-use crate::study::protocol::{Arm, Protocol};
+use crate::study::protocol::{Arm, Protocol, refuse_twins};
 use crate::study::store::folder::StudyFolder;
 
 /// One combination of settings, method, arena and percept.
@@ -17,8 +17,9 @@ impl Candidate {
     /// All candidates of a study, in its order.
     ///
     /// # Errors
-    /// When there are less than two, or one of them is not in all worlds.
+    /// When there are less than two, two of them are the same, or one of them is not in all worlds.
     pub fn all(protocol: &Protocol) -> Result<Vec<Self>, StudyError> {
+        refuse_twins(&protocol.name, &protocol.arms)?;
         let mut all: Vec<Self> = Vec::new();
         for (i, arm) in protocol.arms.iter().enumerate() {
             let name = name(arm);

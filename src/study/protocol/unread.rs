@@ -1,0 +1,275 @@
+//! Refuses settings of a study that have no effect, and trials that would be run twice.
+
+use std::collections::HashMap;
+
+use toml::Table;
+
+use super::overrides::Overrides;
+use super::variants::Variation;
+use super::{Arm, NOTHING, StudyFile};
+use crate::arena::ArenaKind;
+use crate::study::error::StudyError;
+use crate::trial::{Scope, SettingOrigin, SettingsError, flatten};
+
+impl Arm {
+    /// What decides which settings count.
+    fn scope(&self) -> Scope<'_> {
+        Scope {
+            method: Some(self.method),
+            arena: self.arena,
+            sensor: self.sensor,
+            settings: &self.settings,
+        }
+    }
+
+    /// Does it leave out a part that its method does not have?
+    pub(super) fn leaves_out_nothing(&self) -> bool {
+        let part = self.variant.0.get("without").and_then(|part| part.as_str());
+        let part = part.filter(|part| *part != NOTHING);
+        part.is_some_and(|key| !self.scope().reads(key))
+    }
+
+    /// Everything that its trials depend on, as text.
+    fn all_that_counts(&self) -> String {
+        let table = Table::try_from(&self.settings).expect("settings are plain data");
+        let mut settings = flatten(table);
+        settings.retain(|(key, _)| self.scope().reads(key));
+        format!("{} {settings:?}", self.place())
+    }
+
+    /// All but its settings.
+    fn place(&self) -> String {
+        let Self {
+            world,
+            method,
+            arena,
+            sensor,
+            after,
+            ..
+        } = self;
+        format!(
+            "{world:?} {} {} {} {after:?}",
+            method.name(),
+            arena.name(),
+            sensor.name()
+        )
+    }
+
+    /// What messages call it.
+    fn name(&self) -> String {
+        let words = [self.method.name(), self.arena.name(), self.sensor.name()];
+        let name = format!("{} {} {}", self.world, words.join(" "), self.variant);
+        name.trim_end().to_owned()
+    }
+}
+
+/// Refuses what the study file or the command line sets for arms none of which reads it, and a robot that
+/// no arm drives.
+pub(super) fn refuse_unread(
+    file: &StudyFile,
+    overrides: &Overrides,
+    variations: &[Variation],
+    arms: &[Arm],
+) -> Result<(), StudyError> {
+    let document = &file.document;
+    if document.robot.is_some() && arms.iter().all(|arm| arm.arena == ArenaKind::Grid) {
+        return Err(SettingsError::NoRobot.into());
+    }
+    let part = |name: &str| SettingOrigin::File(format!("{}, {name}", file.origin));
+    let all: Vec<&Arm> = arms.iter().collect();
+    let sets = overrides
+        .sets
+        .iter()
+        .filter_map(|set| set.split('=').next());
+    let sets = sets.map(|key| key.trim().to_owned()).collect();
+    refuse(sets, SettingOrigin::Set, &all)?;
+    refuse(names(&document.settings), part("settings"), &all)?;
+    for (world, table) in &document.world_settings {
+        let there: Vec<&Arm> = arms.iter().filter(|arm| arm.world == *world).collect();
+        refuse(names(table), part("world-settings"), &there)?;
+    }
+    for (method, table) in &document.method_settings {
+        let own = arms.iter().filter(|arm| arm.method.name() == method);
+        refuse(
+            names(table),
+            part("method-settings"),
+            &own.collect::<Vec<_>>(),
+        )?;
+    }
+    for (table, _) in variations {
+        refuse(names(table), part("sweep, variants or without"), &all)?;
+    }
+    Ok(())
+}
+
+/// The full names of the settings in a table.
+fn names(table: &Table) -> Vec<String> {
+    let flat = flatten(table.clone()).into_iter();
+    flat.map(|(key, _)| key).collect()
+}
+
+/// Refuses the first of these settings that none of these arms reads.
+fn refuse(keys: Vec<String>, origin: SettingOrigin, arms: &[&Arm]) -> Result<(), SettingsError> {
+    let Some(first) = arms.first() else {
+        return Ok(());
+    };
+    let is_read = |key: &str| arms.iter().any(|arm| arm.scope().reads(key));
+    let unread = keys.into_iter().find(|key| !is_read(key));
+    unread.map_or(Ok(()), |key| {
+        let why = first.scope().why_unread(&key);
+        Err(SettingsError::Unread { key, origin, why })
+    })
+}
+
+/// Refuses arms that differ in nothing that their trials depend on, whose rows would be identical.
+pub(in crate::study) fn refuse_twins(origin: &str, arms: &[Arm]) -> Result<(), StudyError> {
+    let mut places: HashMap<String, usize> = HashMap::new();
+    for arm in arms {
+        *places.entry(arm.place()).or_default() += 1;
+    }
+    let mut met: HashMap<String, &Arm> = HashMap::new();
+    for arm in arms.iter().filter(|arm| places[&arm.place()] > 1) {
+        let Some(twin) = met.insert(arm.all_that_counts(), arm) else {
+            continue;
+        };
+        let (mine, its) = (&arm.variant.0, &twin.variant.0);
+        let mut keys = mine.keys().filter(|key| its.get(*key) != mine.get(*key));
+        let why = keys.next().map_or(String::new(), |key| {
+            format!(" (`{key}`: {})", arm.scope().why_unread(key))
+        });
+        let fault = format!(
+            "`{}` and `{}` would be the same trials{why}: leave out one, or make two studies of it",
+            twin.name(),
+            arm.name()
+        );
+        return Err(StudyError::file(origin, &fault));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::Protocol;
+    use super::*;
+
+    fn protocol(methods: &str, more: &str, sets: &[&str]) -> Result<Protocol, StudyError> {
+        let text = format!(
+            "name = \"s\"\nworlds = [\"maze4\"]\nmethods = [{methods}]\ntrials = 1\nepisodes = 1\n{more}"
+        );
+        let file = StudyFile::parse(&text, "s.toml", Path::new(""))?;
+        let sets = sets.iter().map(|set| (*set).to_owned()).collect();
+        let overrides = Overrides {
+            sets,
+            ..Overrides::default()
+        };
+        Protocol::new(&file, &overrides)
+    }
+
+    fn refusal(methods: &str, more: &str, sets: &[&str]) -> String {
+        protocol(methods, more, sets).unwrap_err().to_string()
+    }
+
+    const TABLE: &str = "\"q-learning\"";
+    const BOTH: &str = "\"q-learning\", \"xcs\"";
+
+    #[test]
+    fn what_no_arm_reads_is_refused_wherever_it_is_set() {
+        for (more, place) in [
+            ("[settings]\n\"xcs.mu\" = 0.1\n", "s.toml, settings"),
+            (
+                "[world-settings.maze4]\n\"xcs.mu\" = 0.1\n",
+                "s.toml, world-settings",
+            ),
+            (
+                "[method-settings.q-learning]\n\"xcs.mu\" = 0.1\n",
+                "s.toml, method-settings",
+            ),
+            (
+                "[sweep]\n\"xcs.mu\" = [0.1]\n",
+                "s.toml, sweep, variants or without",
+            ),
+            (
+                "variants = [{ \"xcs.mu\" = 0.1 }]\n",
+                "s.toml, sweep, variants or without",
+            ),
+            (
+                "without = [\"xcs.ga\"]\n",
+                "s.toml, sweep, variants or without",
+            ),
+        ] {
+            let message = refusal(TABLE, more, &[]);
+            let said = message.starts_with(&format!("{place}: `xcs."))
+                && message
+                    .contains("has no effect: the method `q-learning` does not read it; `xcs`, ");
+            assert!(said, "{message}");
+            let another_reads_it = protocol(BOTH, more, &[]).is_ok();
+            assert_eq!(
+                another_reads_it,
+                !more.contains("method-settings"),
+                "{more}"
+            );
+        }
+        let message = refusal(TABLE, "", &["xcs.mu=0.1"]);
+        assert!(
+            message.starts_with("--set: `xcs.mu` has no effect"),
+            "{message}"
+        );
+        protocol(BOTH, "", &["xcs.mu=0.1"]).unwrap();
+    }
+
+    #[test]
+    fn a_sweep_that_an_arm_does_not_read_is_refused_with_the_arm() {
+        let sweep = "[sweep]\n\"xcs.mu\" = [0.1, 0.2]\n";
+        let message = refusal(BOTH, sweep, &[]);
+        let arms = "`maze4 q-learning grid neighbours xcs.mu=0.1` and `maze4 q-learning grid neighbours xcs.mu=0.2` \
+            would be the same trials (`xcs.mu`: the method `q-learning` does not read it";
+        assert!(message.contains(arms), "{message}");
+        assert_eq!(protocol("\"xcs\"", sweep, &[]).unwrap().arms.len(), 2);
+        let arenas = "arenas = [\"grid\", \"physics\"]\n[sweep]\n\"physics.noise\" = [0.0, 1.0]\n";
+        let message = refusal(TABLE, arenas, &[]);
+        assert!(
+            message.contains("the arena `grid` does not read it"),
+            "{message}"
+        );
+        protocol(TABLE, &arenas.replace("\"grid\", ", ""), &[]).unwrap();
+    }
+
+    #[test]
+    fn a_sample_is_run_but_not_tuned_with_twins() {
+        let sample = "sample = 2\n[sweep]\n\"xcs.mu\" = [0.1, 0.2]\n";
+        let study = protocol(BOTH, sample, &[]).unwrap();
+        let fault = refuse_twins("s", &study.arms).unwrap_err().to_string();
+        assert!(fault.contains("would be the same trials"), "{fault}");
+        let study = protocol("\"xcs\"", sample, &[]).unwrap();
+        refuse_twins("s", &study.arms).unwrap();
+    }
+
+    #[test]
+    fn a_part_is_left_out_only_of_methods_that_have_it() {
+        let study = protocol(BOTH, "without = [\"xcs.ga\"]\n", &[]).unwrap();
+        let arms = study
+            .arms
+            .iter()
+            .map(|arm| format!("{} {}", arm.method.name(), arm.variant));
+        let expected = [
+            "q-learning without=nothing",
+            "xcs without=nothing",
+            "xcs without=xcs.ga",
+        ];
+        assert!(arms.eq(expected), "{:?}", study.arms);
+    }
+
+    #[test]
+    fn a_robot_needs_an_arm_in_physics() {
+        let robot = "robot = \"turtlebot3-burger\"\n";
+        let message = refusal(TABLE, robot, &[]);
+        assert!(
+            message.contains("the arena `grid` has no robot"),
+            "{message}"
+        );
+        let driven = format!("{robot}arenas = [\"physics\"]\n");
+        protocol(TABLE, &driven, &[]).expect("control");
+    }
+}
