@@ -1,5 +1,7 @@
 //! What a condition demands of a percept, in words.
 
+use std::ops::Range;
+
 use super::{Sensor, lidar, neighbours, position};
 use crate::world::{Direction, Maze};
 
@@ -124,22 +126,81 @@ fn beams(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     (0..16).filter_map(word).collect()
 }
 
-/// The bits of column and row.
+/// More ranges of columns or rows than these are abridged.
+const MOST_RANGES: usize = 8;
+
+/// The columns and the rows that the bits allow, as ranges.
 fn place(maze: &Maze, alleles: Alleles<'_>) -> Vec<String> {
     let of_col = position::col_width(maze);
-    let bits = |range: std::ops::Range<usize>| {
-        let letter = |at| alleles(at).map_or('#', |bit| if bit { '1' } else { '0' });
-        range.map(letter).collect::<String>()
-    };
-    let parts = [
-        ("column", bits(0..of_col)),
-        ("row", bits(of_col..position::width(maze))),
-    ];
-    let demanding = parts
+    let column = coordinate(maze.width(), 0..of_col, alleles);
+    let row = coordinate(maze.height(), of_col..position::width(maze), alleles);
+    let column = column.map(|words| format!("column {words}"));
+    column
         .into_iter()
-        .filter(|(_, bits)| bits.contains(['0', '1']));
-    let words = demanding.map(|(name, bits)| format!("{name} {bits}"));
-    words.collect()
+        .chain(row.map(|words| format!("row {words}")))
+        .collect()
+}
+
+/// Which of `count` columns or rows the binary digits at `bits`, highest first, allow, such as `4 to 7` or
+/// `at most 3 or 8`; `None` if all of them.
+fn coordinate(count: u16, bits: Range<usize>, alleles: Alleles<'_>) -> Option<String> {
+    let of_width = 1_u32 << bits.len();
+    let (mut free, mut ones) = (0, 0);
+    for (at, bit) in bits.rev().enumerate() {
+        match alleles(bit) {
+            None => free |= 1_u32 << at,
+            Some(one) => ones |= u32::from(one) << at,
+        }
+    }
+    if free + 1 == of_width {
+        return None;
+    }
+    let count = u32::from(count);
+    let all = ranges_of(free, ones);
+    let inside = all.iter().filter(|[first, _]| *first < count);
+    let inside: Vec<_> = inside
+        .map(|&[first, last]| [first, last.min(count - 1)])
+        .collect();
+    Some(match inside.is_empty() {
+        // Only a misread percept is such a one.
+        true => format!("{} (outside the world)", in_words(&all, of_width)),
+        false => in_words(&inside, count),
+    })
+}
+
+/// The numbers with these ones, whatever the free digits are, as ranges from the least on.
+fn ranges_of(free: u32, ones: u32) -> Vec<[u32; 2]> {
+    // The lowest free digits make a range, each choice of the others another one.
+    let within = (1 << free.trailing_ones()) - 1;
+    let others = free & !within;
+    let mut ranges = Vec::new();
+    let mut chosen = 0_u32;
+    loop {
+        let first = ones | chosen;
+        ranges.push([first, first + within]);
+        chosen = chosen.wrapping_sub(others) & others;
+        if chosen == 0 {
+            return ranges;
+        }
+    }
+}
+
+/// Ranges of numbers below `count`.
+fn in_words(ranges: &[[u32; 2]], count: u32) -> String {
+    let word = |&[first, last]: &[u32; 2]| match (first, last) {
+        _ if first == last => first.to_string(),
+        (0, _) => format!("at most {last}"),
+        _ if last + 1 == count => format!("at least {first}"),
+        _ => format!("{first} to {last}"),
+    };
+    let words: Vec<String> = ranges.iter().map(word).collect();
+    match &words[..] {
+        [first, second, third, .., last] if words.len() > MOST_RANGES => {
+            let numbers: u32 = ranges.iter().map(|[first, last]| last - first + 1).sum();
+            format!("{first} or {second} or {third} or ... or {last} ({numbers} in all)")
+        }
+        _ => words.join(" or "),
+    }
 }
 
 #[cfg(test)]
@@ -199,17 +260,68 @@ mod tests {
     }
 
     #[test]
-    fn positions_are_bits_of_column_and_row() {
+    fn positions_are_ranges_of_columns_and_rows() {
+        let words = |condition: &str| Sensor::Position.words(&maze(), &allele(condition));
+        assert_eq!(words("01###"), "column 2 to 3");
+        assert_eq!(words("0####"), "column at most 3");
+        assert_eq!(words("1####"), "column 4");
+        assert_eq!(words("##1#1"), "column 1 or 3, row 1");
+        assert_eq!(words("00101"), "column 1, row 1");
+        // There are five columns and three rows.
+        assert_eq!(words("###1#"), "row 2");
+        assert_eq!(words("11###"), "column at least 6 (outside the world)");
         assert_eq!(
-            Sensor::Position.words(&maze(), &allele("01###")),
-            "column 01#"
-        );
-        assert_eq!(
-            Sensor::Position.words(&maze(), &allele("1###1")),
-            "column 1##, row #1"
+            words("1#111"),
+            "column 5 or 7 (outside the world), row 3 (outside the world)"
         );
         let alleles = allele("01##############1####");
         let words = Sensor::NeighboursPosition.words(&maze(), &alleles);
-        assert_eq!(words, "north wall, column 1##");
+        assert_eq!(words, "north wall, column 4");
+    }
+
+    /// The numbers that words allow, read as a person would.
+    fn read(words: &str, count: u32) -> Vec<u32> {
+        let number = |text: &str| text.parse::<u32>().unwrap();
+        let part = |part: &str| match part.split(' ').collect::<Vec<_>>()[..] {
+            ["at", "most", last] => 0..number(last) + 1,
+            ["at", "least", first] => number(first)..count,
+            [first, "to", last] => number(first)..number(last) + 1,
+            [one] => number(one)..number(one) + 1,
+            _ => panic!("{part}"),
+        };
+        words.split(" or ").flat_map(part).collect()
+    }
+
+    #[test]
+    fn ranges_hold_exactly_the_numbers_that_the_bits_allow() {
+        for count in 9..=16_u16 {
+            for pattern in 0..81_usize {
+                let digit = |at: usize| pattern / 3_usize.pow(at as u32) % 3;
+                let alleles = |at: usize| [None, Some(false), Some(true)][digit(at)];
+                let allows = |number: &u32| {
+                    let fits = |at: usize| {
+                        alleles(at).is_none_or(|one| (number >> (3 - at) & 1 == 1) == one)
+                    };
+                    (0..4).all(fits)
+                };
+                let numbers: Vec<u32> = (0..u32::from(count)).filter(allows).collect();
+                match coordinate(count, 0..4, &alleles) {
+                    None => assert_eq!(numbers.len(), usize::from(count)),
+                    Some(words) if words.ends_with("(outside the world)") => {
+                        assert!(numbers.is_empty())
+                    }
+                    Some(words) => assert_eq!(read(&words, u32::from(count)), numbers, "{words}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn many_ranges_are_abridged() {
+        let odd = |at: usize| (at == 5).then_some(true);
+        let words = coordinate(64, 0..6, &odd).unwrap();
+        assert_eq!(words, "1 or 3 or 5 or ... or 63 (32 in all)");
+        let words = coordinate(16, 2..6, &odd).unwrap();
+        assert_eq!(words, "1 or 3 or 5 or 7 or 9 or 11 or 13 or 15");
     }
 }

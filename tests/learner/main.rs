@@ -18,6 +18,7 @@ mod memory;
 mod noise;
 mod odometry;
 mod paper;
+mod place_words;
 mod readings;
 mod readme;
 mod rival;
