@@ -2,8 +2,7 @@
 //! percepts.
 //!
 //! `cargo bench --bench scale` prints, as rows of tables, microseconds of CPU per step on the grid, in
-//! mazes of winding passages whose cells all look different (the sensor `position`; for `xcscr-memory`,
-//! which must sense its surroundings, `neighbours`), and in brackets the rules or stored pairs at the
+//! mazes of winding passages whose cells all look different (the sensor `position`), and in brackets the rules or stored pairs at the
 //! end; with `1%`, each bit of a percept is flipped with that chance. A trial ends after 20,000 steps
 //! or 10 s. `cargo bench --bench scale -- METHOD SIZE FLIPS STEPS` runs one of them, for a profile; its
 //! flips count in parts of 10,000.
@@ -26,8 +25,6 @@ const SIZES: [u16; 6] = [8, 16, 32, 64, 128, 256];
 const FLIPS: [f64; 2] = [0.0, 0.01];
 const MOST_STEPS: u64 = 20_000;
 const MOST_NS: u64 = 10_000_000_000;
-/// The widest maze in which an episode of R-max ends within a minute.
-const WIDEST_FOR_R_MAX: u16 = 64;
 
 /// A learner whose percepts arrive with flipped bits.
 struct Flipped {
@@ -111,9 +108,6 @@ fn method_called(name: &str) -> Option<Method> {
 
 /// Microseconds per step, and the rules.
 fn cost(method: Method, size: u16, rate: f64, most: u64) -> Result<String, Box<dyn Error>> {
-    if method == Method::RMax && size > WIDEST_FOR_R_MAX {
-        return Ok("-".to_owned());
-    }
     let recipe = Recipe {
         kind: MazeKind::Dfs,
         size,
@@ -122,11 +116,7 @@ fn cost(method: Method, size: u16, rate: f64, most: u64) -> Result<String, Box<d
     let plan = Plan::new(recipe.maze()?)
         .method(method)
         .arena(ArenaKind::Grid);
-    let sensor = match method {
-        Method::XcscrPlus => Sensor::Neighbours,
-        _ => Sensor::Position,
-    };
-    let plan = plan.sensor(sensor).episodes(10_000).settled();
+    let plan = plan.sensor(Sensor::Position).episodes(10_000).settled();
     let agent = Flipped {
         agent: plan.config.build_method(&plan.maze)?,
         rate,

@@ -96,7 +96,12 @@ impl TrainArgs {
             settings: resolved.settings.clone(),
         };
         let maze = Maze::load(world)?;
-        let Config { method, arena, sensor, .. } = config;
+        let Config {
+            method,
+            arena,
+            sensor,
+            ..
+        } = config;
         resolved.check_read(Some(method), arena, sensor)?;
         Ok(Plan { maze, config })
     }

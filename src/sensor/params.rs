@@ -8,9 +8,8 @@ settings! {
     /// Settings of what is perceived.
     pub struct SensorParams {
         /// The probability that a bit of what is perceived is flipped, whatever the percept: each
-        /// bit for itself, and anew after each action. Only `xcscr-memory`, and `r-max` with
-        /// `tabular.memory`, correct such errors, with their map; all other methods take every
-        /// percept for right.
+        /// bit for itself, and anew after each action. Only `xcscr-plus` and `r-max`
+        /// correct such errors, with their map; all other methods take every percept for right.
         flips: f64 = 0.0, in 0.0..=0.1;
     }
 }

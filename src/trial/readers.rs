@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use super::resolve::Resolved;
 use super::settings::Settings;
 use super::settings_error::{SettingOrigin, SettingsError};
-use crate::agent::{Method, Sharing};
+use crate::agent::{Estimator, Method, Sharing};
 use crate::arena::{ArenaKind, Localisation};
 use crate::sensor::Sensor;
 
@@ -65,6 +65,7 @@ const XCS: [Method; 6] = [
 ];
 const STANDARD: [Method; 2] = [Method::Xcs, Method::Xcsam];
 const XCSCR: [Method; 2] = [Method::Xcscr, Method::XcscrCoevolved];
+const COMPOSED: [Method; 2] = [Method::XcscrPlus, Method::RMax];
 const VALUE_TABLES: [Method; 3] = [Method::QLearning, Method::SarsaLambda, Method::DynaQ];
 
 const UNPLANNED: Condition = Condition {
@@ -87,17 +88,13 @@ const ALTERNATING: Condition = Condition {
     text: "episode.alternate=true",
     holds: |all| all.episode.alternate,
 };
-const WITH_MAP: Condition = Condition {
-    text: "tabular.memory=true",
-    holds: |all| all.tabular.memory,
+const ON_PERCEPTS: Condition = Condition {
+    text: "plus.estimator=auto|percept",
+    holds: |all| all.plus.estimator != Estimator::Map,
 };
-const WITHOUT_MAP: Condition = Condition {
-    text: "tabular.memory=false",
-    holds: |all| !all.tabular.memory,
-};
-const WITH_FORESIGHT: Condition = Condition {
-    text: "tabular.foresight=true",
-    holds: |all| all.tabular.foresight && !all.tabular.memory,
+const ON_A_MAP: Condition = Condition {
+    text: "plus.estimator=auto|map",
+    holds: |all| all.plus.estimator != Estimator::Percept,
 };
 
 /// The readers of each setting, by its full name, or by the section of all that have no line of their own.
@@ -116,9 +113,8 @@ static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
                 [
                     always(&[Xcs, Xcsam]),
                     always(&XCSCR),
-                    always(&[XcscrPlus, XcscrMemory]),
+                    always(&COMPOSED),
                     always(&VALUE_TABLES),
-                    always(&[RMax]),
                 ]
                 .concat(),
             ),
@@ -129,9 +125,8 @@ static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
                 [
                     always(&[Xcs, Xcsam]),
                     always(&XCSCR),
-                    always(&[XcscrPlus]),
+                    when(ON_PERCEPTS, &COMPOSED),
                     always(&VALUE_TABLES),
-                    when(WITHOUT_MAP, &[RMax]),
                 ]
                 .concat(),
             ),
@@ -146,9 +141,8 @@ static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
                 [
                     always(&[Xcs, Xcsam, AdaptedDiscounted]),
                     when(DISCOUNTED, &XCSCR),
-                    always(&[XcscrPlus, XcscrMemory]),
+                    always(&COMPOSED),
                     always(&VALUE_TABLES),
-                    always(&[RMax]),
                 ]
                 .concat(),
             ),
@@ -163,7 +157,7 @@ static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
             Methods(
                 [
                     always(&XCS),
-                    when(UNPLANNED, &[XcscrPlus]),
+                    when(UNPLANNED, &COMPOSED),
                     always(&VALUE_TABLES),
                 ]
                 .concat(),
@@ -171,7 +165,7 @@ static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
         ),
         (
             "xcs.population_size",
-            Methods([always(&XCS), always(&[XcscrPlus, XcscrMemory])].concat()),
+            Methods([always(&XCS), always(&[XcscrPlus])].concat()),
         ),
         (
             "xcs.beta",
@@ -187,28 +181,12 @@ static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
         ("xcs.ga_clock", Methods(when(ALTERNATING, &XCS))),
         ("xcs.zeta", Methods(always(&[Xcsam]))),
         ("xcs.*", Methods(always(&XCS))),
-        (
-            "plus.certainty",
-            Methods([always(&[XcscrPlus]), when(WITH_FORESIGHT, &[DynaQ, RMax])].concat()),
-        ),
-        ("plus.*", Methods(always(&[XcscrPlus]))),
-        (
-            "memory.*",
-            Methods([always(&[XcscrMemory]), when(WITH_MAP, &[RMax])].concat()),
-        ),
+        ("plus.estimator", Methods(always(&COMPOSED))),
+        ("plus.*", Methods(when(ON_PERCEPTS, &COMPOSED))),
+        ("memory.*", Methods(when(ON_A_MAP, &COMPOSED))),
         ("tabular.alpha", Methods(always(&VALUE_TABLES))),
         ("tabular.lambda", Methods(always(&[SarsaLambda]))),
         ("tabular.replays", Methods(always(&[DynaQ]))),
-        (
-            "tabular.foresight",
-            Methods([always(&[DynaQ]), when(WITHOUT_MAP, &[RMax])].concat()),
-        ),
-        (
-            "tabular.doubts",
-            Methods([always(&VALUE_TABLES), when(WITHOUT_MAP, &[RMax])].concat()),
-        ),
-        ("tabular.memory", Methods(always(&[RMax]))),
-        ("tabular.*", Methods(when(WITHOUT_MAP, &[RMax]))),
         ("physics.localisation", RobotWithLookedUpPercepts),
         ("physics.position_noise_m", ToldRobot),
         ("physics.heading_noise_rad", ToldRobot),
@@ -392,6 +370,6 @@ mod tests {
         assert_eq!(words("reward.goal"), "every method");
         assert_eq!(words("physics.care.when"), "the arena `physics`");
         assert!(words("physics.lidar.beams").starts_with("a robot in `physics` that estimates"));
-        assert!(words("memory.bumps").ends_with("`r-max` with `tabular.memory=true`"));
+        assert!(words("memory.bumps").ends_with("`r-max` with `plus.estimator=auto|map`"));
     }
 }

@@ -21,8 +21,8 @@ const BASES: [&str; 11] = [
     "plus.planned_exploration=false",
     "reward.sharing=even",
     "reward.learning_rate_switching=false",
-    "tabular.memory=true",
-    "tabular.foresight=true",
+    "plus.estimator=map",
+    "plus.estimator=percept",
     "physics.care.when=always",
     "physics.faults.stuck_encoder=true",
 ];
@@ -160,7 +160,7 @@ const UNSEEN: [&str; 5] = [
 fn a_setting_that_some_run_is_said_to_read_changes_one() {
     // Cheap ones first.
     let mut methods = Method::ALL.to_vec();
-    methods.sort_by_key(|method| matches!(method, Method::XcscrPlus | Method::XcscrMemory));
+    methods.sort_by_key(|method| matches!(method, Method::XcscrPlus | Method::RMax));
     let on_the_grid = methods.into_iter().map(grid);
     let in_physics = [Sensor::Lidar, Sensor::Neighbours].map(driven);
     let choices: Vec<Choice> = on_the_grid.chain(in_physics).collect();

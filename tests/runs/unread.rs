@@ -31,11 +31,7 @@ fn train_refuses_what_its_method_arena_or_percept_does_not_read() {
             "q-learning",
             "the method `q-learning` does not read it; `xcs`, ",
         ),
-        (
-            "xcs.population_size=64",
-            "q-learning",
-            "`xcscr-plus`, `xcscr-memory` do",
-        ),
+        ("xcs.population_size=64", "q-learning", "`xcscr-plus` do"),
         (
             "physics.noise=0",
             "xcs",
@@ -145,7 +141,6 @@ fn config_show_lists_what_counts() {
         "reward.step_threshold_from_maze",
         "sensor.flips",
         "tabular.alpha",
-        "tabular.doubts",
     ];
     assert_eq!(keys(&["--method", "q-learning", "--arena", "grid"]), table);
     let all = keys(&[]);

@@ -1,4 +1,4 @@
-//! XCS with a memory: rules that tell places apart that look alike.
+//! A state estimator with a map: cells that share a percept are told apart.
 //!
 //! The robot keeps charts of the world, one around each goal that it can tell from the others
 //! ([`atlas`]), drawn from episodes that reached it ([`align`]). On them it tracks where it may be
@@ -19,8 +19,7 @@
 //! are hidden from it, and count neither for nor against a place ([`Vision`]). If episodes always begin in
 //! one place, the robot learns that ([`Map::begin`]).
 //!
-//! Its rival has the same charts, belief and plan, but no rules: the plan acts ([`Decider::Plan`], `r-max`
-//! with `tabular.memory`).
+//! The baseline `r-max` has the same maps, belief and plan, but no rules: the plan acts ([`Decider::Plan`]).
 //!
 //! Built in are that the first sixteen bits of a percept are the eight cells around the robot, what
 //! the letters mean (free, wall, goal), that a move goes one cell its way unless there is a wall, that

@@ -1,4 +1,4 @@
-//! Parameters and switches of `xcscr-memory`.
+//! Parameters and switches of maps.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,9 +19,9 @@ pub enum Odometry {
 settings! {
     section "memory";
 
-    /// Settings of `xcscr-memory`, and of `r-max` with `tabular.memory`. What it remembers is bounded: on each chart
-    /// the cells that are at most 48 from the goal, in the sketch those that are at most 48 from the start, the last
-    /// 200 steps of the last 100 episodes, and 50,000 beliefs.
+    /// Settings of the maps of `xcscr-plus` and `r-max`. Their size is bounded: on each map the cells that are at most
+    /// 48 from the goal, in the sketch those that are at most 48 from the start, the last 200 steps of the last 100
+    /// episodes, and 50,000 beliefs.
     pub struct MemoryParams {
         /// What the robot knows of how its actions displace it: `known`, the direction of each, or
         /// `none`, so that it learns them from what successive percepts share.

@@ -67,10 +67,7 @@ const STUDIES: [(&str, &str); 15] = [
     ("ablation", include_str!("presets/ablation.toml")),
     ("plus", include_str!("presets/plus.toml")),
     ("repairs", include_str!("presets/repairs.toml")),
-    (
-        "repairs-memory",
-        include_str!("presets/repairs-memory.toml"),
-    ),
+    ("repairs-map", include_str!("presets/repairs-map.toml")),
     (
         "repairs-aliased",
         include_str!("presets/repairs-aliased.toml"),
