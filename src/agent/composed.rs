@@ -5,13 +5,12 @@
 //! states than slips explain; successive percepts disagree about cells that both show; an auxiliary reward was found,
 //! which is paid once.
 
-use serde::{Deserialize, Serialize};
-
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::map_learner::MapLearner;
 use super::memory::{self, MemoryError};
 use super::percept_learner::PerceptLearner;
+use super::plus_params::Estimator;
 use super::{Agent, Choice, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::{Action, Percept, PredictionArray};
@@ -19,34 +18,20 @@ use xcs::{Action, Percept, PredictionArray};
 /// An episode of so many steps, or of a power of two times as many, is examined before it ends.
 const FIRST_EXAMINED: usize = 64;
 
-/// What the state is taken for.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Estimator {
-    /// The percept, until experience contradicts that; then the cell on a map.
-    #[default]
-    Auto,
-    /// The percept.
-    Percept,
-    /// The cell on a map that the learner draws.
-    Map,
-}
-
-/// The learner of the present estimator.
+/// The learner of the present state estimator.
 #[derive(Debug, Clone)]
 enum Current {
-    Percept(Box<PerceptLearner>),
-    Map,
+    /// The percept is the state. The map learner waits, untrained but for its noise estimate; there is none where the
+    /// percept stays the state.
+    Percept(Box<PerceptLearner>, Option<Box<MapLearner>>),
+    /// The cell on a map is the state.
+    Map(Box<MapLearner>),
 }
 
 /// The methods `xcscr-plus` and `r-max`.
 #[derive(Debug, Clone)]
 pub struct Composed {
     current: Current,
-    /// Untrained but for its noise estimate, until it is needed.
-    map: MapLearner,
-    /// May the estimator change? Only where percepts show the cells around the robot, which maps are drawn from.
-    adapts: bool,
     step_threshold: u32,
     /// The steps of this episode, as long as the estimator may change.
     steps: Vec<(Percept, Action, Outcome)>,
@@ -61,13 +46,13 @@ impl Composed {
         map: MapLearner,
         step_threshold: u32,
     ) -> Self {
+        let (percept, map) = (Box::new(percept), Box::new(map));
         Self {
             current: match estimator {
-                Estimator::Map => Current::Map,
-                Estimator::Auto | Estimator::Percept => Current::Percept(Box::new(percept)),
+                Estimator::Auto => Current::Percept(percept, Some(map)),
+                Estimator::Percept => Current::Percept(percept, None),
+                Estimator::Map => Current::Map(map),
             },
-            map,
-            adapts: estimator == Estimator::Auto,
             step_threshold,
             steps: Vec::new(),
         }
@@ -76,33 +61,37 @@ impl Composed {
     /// Does experience contradict that the percept is the state?
     fn is_refuted(&self) -> bool {
         match &self.current {
-            Current::Percept(learner) => {
-                self.adapts && (self.found_reward() || learner.is_refuted())
-            }
-            Current::Map => false,
+            Current::Percept(learner, Some(_)) => self.found_reward() || learner.is_refuted(),
+            Current::Percept(_, None) | Current::Map(_) => false,
         }
     }
 
     /// Was an auxiliary reward found in this episode? It is paid once, which no percept shows.
     fn found_reward(&self) -> bool {
-        self.steps
-            .iter()
-            .any(|(_, _, outcome)| outcome.found() != 0.0)
+        let mut steps = self.steps.iter();
+        steps.any(|(_, _, outcome)| outcome.found() != 0.0)
     }
 
-    /// Takes the cell on a map as the state from now on, and lets the map learner live through this episode again.
+    /// Takes the cell on a map as the state from now on, if there may be one, and lets the map learner live through
+    /// this episode again.
     fn change_to_map(&mut self) {
-        self.current = Current::Map;
+        let Current::Percept(_, waiting) = &mut self.current else {
+            return;
+        };
+        let Some(mut map) = waiting.take() else {
+            return;
+        };
         for (percept, action, outcome) in std::mem::take(&mut self.steps) {
-            self.map.observe(&percept);
-            self.map.update(action, outcome);
+            map.observe(&percept);
+            map.update(action, outcome);
         }
+        self.current = Current::Map(map);
     }
 }
 
 impl Agent for Composed {
     fn begin(&mut self, _: bool) {
-        if let Current::Percept(learner) = &mut self.current {
+        if let Current::Percept(learner, _) = &mut self.current {
             learner.begin();
         }
     }
@@ -113,39 +102,43 @@ impl Agent for Composed {
             self.change_to_map();
         }
         match &mut self.current {
-            Current::Percept(learner) => learner.observe(percept),
-            Current::Map => self.map.observe(percept),
+            Current::Percept(learner, _) => learner.observe(percept),
+            Current::Map(learner) => learner.observe(percept),
         }
     }
 
     fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
         match &mut self.current {
-            Current::Percept(learner) => learner.choose(worth, explorer),
-            Current::Map => self.map.choose(worth, explorer),
+            Current::Percept(learner, _) => learner.choose(worth, explorer),
+            Current::Map(learner) => learner.choose(worth, explorer),
         }
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         match &mut self.current {
-            Current::Percept(learner) => {
-                if self.adapts {
+            Current::Percept(learner, waiting) => {
+                if waiting.is_some() {
                     self.steps.push((learner.percept(), action, outcome));
                 }
                 learner.update(action, outcome)
             }
-            Current::Map => self.map.update(action, outcome),
+            Current::Map(learner) => learner.update(action, outcome),
         }
     }
 
     fn finish(&mut self, reached_goal: bool) -> EndCredit {
-        let Current::Percept(learner) = &mut self.current else {
-            return self.map.end_episode(reached_goal);
+        let (learner, waiting) = match &mut self.current {
+            Current::Percept(learner, waiting) => (learner, waiting),
+            Current::Map(learner) => return learner.end_episode(reached_goal),
         };
         let credit = learner.end_episode(reached_goal);
-        let is_noisy = self.adapts && self.map.notices_noise(&self.steps);
+        let steps = &self.steps;
+        let is_noisy = waiting.as_mut().is_some_and(|map| map.notices_noise(steps));
         if is_noisy || self.is_refuted() {
             self.change_to_map();
-            self.map.end_episode(reached_goal);
+            if let Current::Map(learner) = &mut self.current {
+                learner.end_episode(reached_goal);
+            }
         }
         self.steps.clear();
         credit
@@ -157,69 +150,75 @@ impl Agent for Composed {
 
     fn worth(&self, percept: &Percept) -> PredictionArray {
         match &self.current {
-            Current::Percept(learner) => learner.values(percept),
-            Current::Map => self.map.values(percept),
+            Current::Percept(learner, _) => learner.values(percept),
+            Current::Map(learner) => learner.values(percept),
         }
     }
 
     fn knowledge(&self) -> Knowledge {
         match &self.current {
-            Current::Percept(learner) => learner.knowledge(),
-            Current::Map => self.map.knowledge(),
+            Current::Percept(learner, _) => learner.knowledge(),
+            Current::Map(learner) => learner.knowledge(),
         }
     }
 
-    /// Takes over the map of another world only if maps may be drawn.
+    /// Takes over the map of another world only where maps may be drawn.
     fn bring(&mut self, knowledge: &Knowledge) -> bool {
-        match (knowledge, &mut self.current) {
-            (Knowledge::Foresighted { foresight, .. }, Current::Percept(learner)) => {
-                learner.warm_start(foresight);
-                true
-            }
-            (Knowledge::Remembering { rules, map }, current) => {
-                let may_draw = self.adapts || matches!(current, Current::Map);
-                let takes = may_draw && self.map.warm_start(rules, map);
-                if takes {
-                    *current = Current::Map;
+        match knowledge {
+            Knowledge::Foresighted { foresight, .. } => match &mut self.current {
+                Current::Percept(learner, _) => {
+                    learner.warm_start(foresight);
+                    true
                 }
-                takes
+                Current::Map(_) => false,
+            },
+            Knowledge::Remembering { rules, map } => {
+                self.change_to_map();
+                match &mut self.current {
+                    Current::Map(learner) => learner.warm_start(rules, map),
+                    Current::Percept(..) => false,
+                }
             }
             _ => false,
         }
     }
 
     fn remembers(&self) -> bool {
-        matches!(self.current, Current::Map)
+        matches!(self.current, Current::Map(_))
     }
 
     fn rule_count(&self) -> usize {
         match &self.current {
-            Current::Percept(learner) => learner.size(),
-            Current::Map => self.map.size(),
+            Current::Percept(learner, _) => learner.size(),
+            Current::Map(learner) => learner.size(),
         }
     }
 
     fn memory(&self) -> Vec<u8> {
-        let percept = match &self.current {
-            Current::Percept(learner) => Some(learner.checkpoint()),
-            Current::Map => None,
+        let state: (Option<Vec<u8>>, Option<Vec<u8>>) = match &self.current {
+            Current::Percept(learner, waiting) => {
+                let waiting = waiting.as_ref().map(|map| map.checkpoint());
+                (Some(learner.checkpoint()), waiting)
+            }
+            Current::Map(learner) => (None, Some(learner.checkpoint())),
         };
-        memory::of(&(percept, self.map.checkpoint()))
+        memory::of(&state)
     }
 
     fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
         let mut method = self.clone();
-        let (percept, map): (Option<Vec<u8>>, Vec<u8>) = memory::recall(saved)?;
-        let fits = match (percept, &mut method.current) {
-            (Some(saved), Current::Percept(learner)) => learner.resume(&saved)?,
-            (None, current) => {
-                let may_draw = self.adapts || matches!(current, Current::Map);
-                *current = Current::Map;
-                may_draw
+        let (percept, map): (Option<Vec<u8>>, Option<Vec<u8>>) = memory::recall(saved)?;
+        if percept.is_none() {
+            method.change_to_map();
+        }
+        let fits = match (&mut method.current, percept, map) {
+            (Current::Percept(learner, None), Some(percept), None) => learner.resume(&percept)?,
+            (Current::Percept(learner, Some(waiting)), Some(percept), Some(map)) => {
+                learner.resume(&percept)? && waiting.resume(&map)?
             }
-            (Some(_), Current::Map) => false,
+            (Current::Map(learner), None, Some(map)) => learner.resume(&map)?,
+            _ => false,
         };
-        let fits = method.map.resume(&map)? && fits;
         memory::resumed(method, fits)
     }
 }

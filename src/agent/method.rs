@@ -2,14 +2,14 @@
 
 use strum::{IntoStaticStr, VariantArray};
 
-use super::composed::{Composed, Estimator};
+use super::composed::Composed;
 use super::map_learner::MapLearner;
 use super::percept_learner::PerceptLearner;
 use super::policy::PolicyKind;
 use super::recall::Vision;
 use super::{
-    Agent, Combined, Knowledge, MemoryParams, Params, PlusParams, Sharing, Standard, Tabular,
-    TabularParams,
+    Agent, Combined, Estimator, Knowledge, MemoryParams, Params, PlusParams, Sharing, Standard,
+    Tabular, TabularParams,
 };
 use crate::streams::StreamName;
 use xcs::Xcs;

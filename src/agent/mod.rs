@@ -24,7 +24,6 @@ mod recall;
 mod tabular;
 
 pub use choice::{Choice, Chooser, Chosen};
-pub use composed::Estimator;
 use credit::{Combined, Standard};
 pub use explorer::Explorer;
 pub use frozen::Frozen;
@@ -35,7 +34,7 @@ pub use method::{Method, Setup};
 pub(crate) use model::pomdp;
 pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
-pub use plus_params::PlusParams;
+pub use plus_params::{Estimator, PlusParams};
 pub(crate) use power::power;
 pub(crate) use recall::{
     ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Demand, Map, PERCEPT_BITS, Part, contexts, demands,

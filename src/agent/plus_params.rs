@@ -1,7 +1,21 @@
 //! Parameters and switches of `xcscr-plus` and `r-max`.
 
-use super::composed::Estimator;
+use serde::{Deserialize, Serialize};
+
 use xcs::settings;
+
+/// What the state is taken for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Estimator {
+    /// The percept, until experience contradicts that; then the cell on a map.
+    #[default]
+    Auto,
+    /// The percept.
+    Percept,
+    /// The cell on a map that the learner draws.
+    Map,
+}
 
 settings! {
     section "plus";

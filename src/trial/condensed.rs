@@ -62,7 +62,7 @@ impl Condensed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::agent::Method;
+    use crate::agent::{Estimator, Method};
     use crate::trial::{Plan, Trial};
 
     #[test]
@@ -78,7 +78,9 @@ mod tests {
             let plan = plan
                 .method(Method::XcscrPlus)
                 .arena(crate::arena::ArenaKind::Grid);
-            let mut trial = Trial::new(plan.episodes(40).seed(seed)).unwrap();
+            let mut plan = plan.episodes(40).seed(seed);
+            plan.config.settings.plus.estimator = Estimator::Percept;
+            let mut trial = Trial::new(plan).unwrap();
             let _ = trial.run(&mut ());
             let knowledge = trial.method().knowledge();
             let sensor = trial.plan().config.sensor;

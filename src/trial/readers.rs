@@ -261,7 +261,8 @@ impl fmt::Display for ReadBy {
 }
 
 fn write_readers(readers: &[Reader], f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    if readers.len() == Method::ALL.len() {
+    let always = readers.iter().all(|reader| reader.condition.is_none());
+    if always && readers.len() == Method::ALL.len() {
         return f.write_str("every method");
     }
     for (i, reader) in readers.iter().enumerate() {

@@ -17,10 +17,10 @@ fn maze(rows: &[&str], reward: f64) -> Maze {
 fn finished(maze: Maze, episodes: u32, slip: f64) -> Trial {
     let mut settings = Settings::default();
     settings.arena.slip = slip;
-    let plan = on_a_map(Plan::new(maze).method(Method::XcscrPlus));
+    let plan = Plan::new(maze).method(Method::XcscrPlus);
     let plan = plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours);
     let plan = plan.episodes(episodes).seed(3);
-    plan.settings(settings).run().unwrap()
+    on_a_map(plan.settings(settings)).run().unwrap()
 }
 
 fn arena(trial: &Trial) -> Box<dyn Arena> {

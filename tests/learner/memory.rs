@@ -12,8 +12,8 @@ fn finished(world: &str, method: Method, episodes: u32, slip: f64) -> Trial {
     let mut settings = Settings::default();
     settings.reward.step_threshold = 100;
     settings.arena.slip = slip;
-    let plan = on_a_map(on_the_grid(&format!("classic/{world}"), method)).episodes(episodes);
-    plan.seed(5).settings(settings).run().unwrap()
+    let plan = on_the_grid(&format!("classic/{world}"), method).episodes(episodes);
+    on_a_map(plan.seed(5).settings(settings)).run().unwrap()
 }
 
 fn greedy(trial: &Trial) -> f64 {

@@ -41,8 +41,9 @@ fn a_memory_tells_two_goals_apart_where_cells_are_misread() {
         settings.sensor.flips = 0.01;
         settings.memory.charts = charts;
         let ratio = |seed| {
-            let plan = on_a_map(on_the_grid("classic/woods102", Method::XcscrPlus)).episodes(60);
-            let trial = plan.seed(seed).settings(settings.clone()).run().unwrap();
+            let plan = on_the_grid("classic/woods102", Method::XcscrPlus).episodes(60);
+            let plan = on_a_map(plan.seed(seed).settings(settings.clone()));
+            let trial = plan.run().unwrap();
             let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
             greedy.ratio(trial.plan()).unwrap()
         };
@@ -60,8 +61,8 @@ fn a_memory_does_not_hold_moves_that_never_slip_for_slipping_where_cells_are_mis
         settings.reward.step_threshold = 100;
         settings.sensor.flips = 0.02;
         settings.arena.slip = slip;
-        let plan = on_a_map(on_the_grid(world, Method::XcscrPlus)).episodes(40);
-        let trial = plan.seed(5502).settings(settings).run().unwrap();
+        let plan = on_the_grid(world, Method::XcscrPlus).episodes(40);
+        let trial = on_a_map(plan.seed(5502).settings(settings)).run().unwrap();
         match trial.method().knowledge() {
             Knowledge::Remembering { map, .. } => map.pomdp.slip(),
             _ => panic!("it remembers"),
@@ -86,8 +87,10 @@ fn learned_in_mazef4(bumps: bool, flips: f64) -> (u64, f64) {
     settings.memory.bumps = bumps;
     let (mut steps, mut ratios) = (0, Vec::new());
     for seed in 1..=8 {
-        let plan = on_a_map(on_the_grid("classic/mazef4", Method::XcscrPlus)).episodes(40);
-        let trial = plan.seed(seed).settings(settings.clone()).run().unwrap();
+        let plan = on_the_grid("classic/mazef4", Method::XcscrPlus).episodes(40);
+        let trial = on_a_map(plan.seed(seed).settings(settings.clone()))
+            .run()
+            .unwrap();
         let greedy = GreedySteps::of(trial.plan(), &trial.method().knowledge());
         steps += trial.progress().steps;
         ratios.push(greedy.ratio(trial.plan()).unwrap());

@@ -79,7 +79,7 @@ fn train_warns_before_it_works() {
     let (world, out) = (winding(folder.path()), folder.path().join("run"));
     let [world, run] = [&world, &out].map(|path| path.to_str().unwrap());
     let train = ["train", world, "--arena", "grid", "--episodes", "1"];
-    let method = ["--method", "xcscr-plus", "--out", run, "--quiet"];
+    let method = ["--method", "xcscr", "--out", run, "--quiet"];
     let sets = ["--set", "reward.step_threshold=43"];
     let (_, stderr) = expect(0, &[&train[..], &method, &sets].concat());
     let lines: Vec<&str> = stderr.lines().collect();

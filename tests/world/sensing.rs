@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::kit::tally::{Tally, mean, quantile, script, true_cell};
-use xcscr::agent::Method;
+use xcscr::agent::{Estimator, Method};
 use xcscr::arena::{Arena, Care, FaultParams, Localisation, PhysicsArena, PhysicsParams, Snapshot};
 use xcscr::episode::Mistakes;
 use xcscr::sensor::Sensor;
@@ -448,22 +448,25 @@ fn a_robot_whose_estimate_lies_in_a_wall_or_outside_is_lost() {
 }
 
 /// Learned by `xcscr-plus` in a world of 20 x 20 rooms, from what the robot senses.
-fn learned_in_rooms(sensor: Sensor) -> Trial {
+fn learned_in_rooms(sensor: Sensor, estimator: Estimator) -> Trial {
     let recipe: Recipe = "rooms-20-1".parse().unwrap();
-    let plan = Plan::new(recipe.maze().unwrap()).method(Method::XcscrPlus);
+    let mut plan = Plan::new(recipe.maze().unwrap()).method(Method::XcscrPlus);
+    plan.config.settings.plus.estimator = estimator;
     plan.sensor(sensor).episodes(10).run().unwrap()
 }
 
 #[test]
 fn a_world_of_20_x_20_rooms_is_learned_and_driven_on_sensed_percepts_alone() {
-    let trial = learned_in_rooms(Sensor::LidarPosition);
-    assert!(trial.progress().optimal, "{:?}", trial.progress());
-    let driven = Evaluation::after(&trial, 3).unwrap();
-    assert!(driven.is_optimal(), "54 steps each: {driven:?}");
-    let control = learned_in_rooms(Sensor::Lidar);
+    for sensor in [Sensor::LidarPosition, Sensor::Lidar] {
+        let trial = learned_in_rooms(sensor, Estimator::Auto);
+        assert!(trial.progress().optimal, "{:?}", trial.progress());
+        let driven = Evaluation::after(&trial, 3).unwrap();
+        assert!(driven.is_optimal(), "54 steps each: {driven:?}");
+    }
+    let control = learned_in_rooms(Sensor::Lidar, Estimator::Percept);
     assert!(
         !control.progress().optimal,
-        "places look alike to the lidar alone"
+        "the lidar alone does not tell all cells apart"
     );
 }
 
