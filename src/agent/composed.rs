@@ -1,9 +1,9 @@
 //! A model-based learner: state estimator x model x planner x policy (`xcscr-plus`, and `r-max` without rules).
 //!
 //! The learner begins with the percept as its state. Once its own experience contradicts that, the state becomes a cell
-//! of a map that the learner draws itself. Three observations contradict it: one percept and action have led to more
-//! states than slips explain; successive percepts disagree about cells that both show; an auxiliary reward was found,
-//! which is paid once.
+//! of a map that the learner draws itself. Four observations contradict it: one percept and one move have led to
+//! different percepts; successive percepts disagree about cells that both show; an auxiliary reward was found, which is
+//! paid once; where no move slips, the policy takes more steps than there are percepts.
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
@@ -11,12 +11,9 @@ use super::map_learner::MapLearner;
 use super::memory::{self, MemoryError};
 use super::percept_learner::PerceptLearner;
 use super::plus_params::Estimator;
-use super::{Agent, Choice, EndCredit, StepCredit};
+use super::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use crate::arena::Outcome;
 use xcs::{Action, Percept, PredictionArray};
-
-/// An episode of so many steps, or of a power of two times as many, is examined before it ends.
-const FIRST_EXAMINED: usize = 64;
 
 /// The learner of the present state estimator.
 #[derive(Debug, Clone)]
@@ -35,6 +32,8 @@ pub struct Composed {
     step_threshold: u32,
     /// The steps of this episode, as long as the estimator may change.
     steps: Vec<(Percept, Action, Outcome)>,
+    /// How many of the last steps the policy chose, without exploration or chance.
+    exploited: usize,
 }
 
 impl Composed {
@@ -55,21 +54,24 @@ impl Composed {
             },
             step_threshold,
             steps: Vec::new(),
+            exploited: 0,
         }
     }
 
-    /// Does experience contradict that the percept is the state?
-    fn is_refuted(&self) -> bool {
-        match &self.current {
-            Current::Percept(learner, Some(_)) => self.found_reward() || learner.is_refuted(),
-            Current::Percept(_, None) | Current::Map(_) => false,
-        }
-    }
-
-    /// Was an auxiliary reward found in this episode? It is paid once, which no percept shows.
-    fn found_reward(&self) -> bool {
-        let mut steps = self.steps.iter();
-        steps.any(|(_, _, outcome)| outcome.found() != 0.0)
+    /// Learns from the last step whether its percept was the state, and from what was perceived after it, `None` at a
+    /// goal; `true` if that was contradicted.
+    fn is_contradicted(&mut self, next: Option<&Percept>) -> bool {
+        let Current::Percept(learner, Some(map)) = &mut self.current else {
+            return false;
+        };
+        let Some((percept, action, outcome)) = self.steps.last() else {
+            return false;
+        };
+        // An auxiliary reward is paid once, which no percept shows.
+        let found = outcome.found() != 0.0;
+        // A policy over states arrives, or explores, before it comes into one twice.
+        let circles = learner.has_met_fewer_than(self.exploited);
+        map.notices_aliasing((percept, *action, *outcome), next) || found || circles
     }
 
     /// Takes the cell on a map as the state from now on, if there may be one, and lets the map learner live through
@@ -97,8 +99,7 @@ impl Agent for Composed {
     }
 
     fn consider(&mut self, percept: &Percept) -> PredictionArray {
-        let steps = self.steps.len();
-        if steps >= FIRST_EXAMINED && steps.is_power_of_two() && self.is_refuted() {
+        if self.is_contradicted(Some(percept)) {
             self.change_to_map();
         }
         match &mut self.current {
@@ -108,10 +109,15 @@ impl Agent for Composed {
     }
 
     fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        match &mut self.current {
+        let choice = match &mut self.current {
             Current::Percept(learner, _) => learner.choose(worth, explorer),
-            Current::Map(learner) => learner.choose(worth, explorer),
-        }
+            Current::Map(learner) => return learner.choose(worth, explorer),
+        };
+        self.exploited = match choice.chooser {
+            Chooser::Rules | Chooser::Table => self.exploited + 1,
+            Chooser::Planner | Chooser::Chance => 0,
+        };
+        choice
     }
 
     fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
@@ -127,6 +133,7 @@ impl Agent for Composed {
     }
 
     fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        let contradicted = reached_goal && self.is_contradicted(None);
         let (learner, waiting) = match &mut self.current {
             Current::Percept(learner, waiting) => (learner, waiting),
             Current::Map(learner) => return learner.end_episode(reached_goal),
@@ -134,13 +141,14 @@ impl Agent for Composed {
         let credit = learner.end_episode(reached_goal);
         let steps = &self.steps;
         let is_noisy = waiting.as_mut().is_some_and(|map| map.notices_noise(steps));
-        if is_noisy || self.is_refuted() {
+        if is_noisy || contradicted {
             self.change_to_map();
             if let Current::Map(learner) = &mut self.current {
                 learner.end_episode(reached_goal);
             }
         }
         self.steps.clear();
+        self.exploited = 0;
         credit
     }
 

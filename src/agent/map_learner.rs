@@ -119,6 +119,16 @@ impl MapLearner {
         self.learner.size()
     }
 
+    /// Learns from a step and the percept after it, `None` at a goal, whether several cells share a percept; `true` once
+    /// that is certain.
+    pub fn notices_aliasing(
+        &mut self,
+        step: (&Percept, Action, Outcome),
+        next: Option<&Percept>,
+    ) -> bool {
+        self.learner.notices_aliasing(step, next)
+    }
+
     /// Counts cells that successive percepts of an episode show differently; `true` once observation errors are so
     /// frequent that a percept cannot be taken for the state.
     pub fn notices_noise(&mut self, steps: &[(Percept, Action, Outcome)]) -> bool {

@@ -183,9 +183,9 @@ impl PerceptLearner {
         self.present.expect("`observe` comes first").0
     }
 
-    /// Has one percept and action led to more than one state and slips can explain? Then several states share a percept.
-    pub fn is_refuted(&self) -> bool {
-        self.memory.is_refuted(self.params.step)
+    /// Were fewer different percepts met than so many, where no moves slip?
+    pub fn has_met_fewer_than(&self, steps: usize) -> bool {
+        self.memory.percepts().len() < steps && !self.memory.slips().any()
     }
 
     /// Returns the policy's action values in a percept.

@@ -96,14 +96,6 @@ impl Transitions {
         evidence.slips()
     }
 
-    /// Does what came of some pair contradict that its percept is a state: more came of it than slips explain? A
-    /// collision costs more than a `step`.
-    pub fn is_refuted(&self, step: f64) -> bool {
-        let slips = self.estimated_slips(step);
-        let mut tried = self.tried.iter();
-        tried.any(|&(percept, action)| !self.outcomes(percept, action).is_explained(slips))
-    }
-
     /// Estimates how often moves slip; true if that is news. A collision costs more than a `step`.
     pub fn notice_slips(&mut self, step: f64) -> bool {
         let slips = self.estimated_slips(step);

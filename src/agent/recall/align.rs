@@ -78,6 +78,21 @@ impl Habits {
         }
     }
 
+    /// The directions into which some action may have moved the robot, by what was seen before and after the step (nothing
+    /// at the goal).
+    pub fn possible_moves(
+        &self,
+        step: &Seen,
+        next: Option<&Around>,
+    ) -> impl Iterator<Item = usize> {
+        (0..AROUND.len()).filter(move |&along| {
+            let mut actions = Action::all(self.headings.actions());
+            let is_aimed_at =
+                actions.any(|action| self.headings.of(action).any(|(to, _)| to == along));
+            is_aimed_at && step.around[along] != Letter::Wall && self.fit(step, next, along) == 1.0
+        })
+    }
+
     /// By displacement, how likely a step was a slip if it displaced the robot so.
     fn slipped(&self, step: &Seen) -> [f64; DISPLACEMENTS] {
         let mut chosen = [0.0; DISPLACEMENTS];

@@ -6,6 +6,7 @@ pub use deciding::Decider;
 
 use serde::{Deserialize, Serialize};
 
+use super::aliasing::Aliasing;
 use super::align::Seen;
 use super::atlas::Atlas;
 use super::context::{CONTEXT_BITS, Felt, Tracker, View};
@@ -51,6 +52,8 @@ pub struct Learner {
     actions: usize,
     worth: Worth,
     atlas: Atlas,
+    /// Evidence from the time before maps were drawn.
+    aliasing: Aliasing,
     /// Follows from the atlas.
     map: Map,
     planner: BeliefPlanner,
@@ -72,6 +75,7 @@ pub struct Learner {
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Kept {
     atlas: Atlas,
+    aliasing: Aliasing,
     planner: BeliefPlanner,
     rules: Population,
     met: Cases,
@@ -97,6 +101,7 @@ impl Learner {
             actions,
             worth,
             atlas: Atlas::new(actions, vision, params),
+            aliasing: Aliasing::default(),
             map: Map::default(),
             planner: BeliefPlanner::default(),
             rules: Population::default(),
@@ -114,6 +119,7 @@ impl Learner {
     pub fn kept(&self) -> Kept {
         Kept {
             atlas: self.atlas.clone(),
+            aliasing: self.aliasing.clone(),
             planner: self.planner.clone(),
             rules: self.rules.clone(),
             met: self.met.clone(),
@@ -137,6 +143,7 @@ impl Learner {
             return false;
         }
         self.atlas = kept.atlas.with_settings_of(&self.atlas);
+        self.aliasing = kept.aliasing;
         self.map = self.atlas.map(&self.worth);
         self.planner = kept.planner;
         self.rules = kept.rules;
@@ -218,6 +225,19 @@ impl Learner {
         self.stale |= self.meet(action);
         self.tracker.act(action, felt);
         self.steps.push(self.seen(percept, action, felt, found));
+    }
+
+    /// Learns from a step and the percept after it, `None` at a goal, whether several cells share a percept; `true` once
+    /// that is certain.
+    pub fn notices_aliasing(
+        &mut self,
+        (percept, action, outcome): (&Percept, Action, Outcome),
+        next: Option<&Percept>,
+    ) -> bool {
+        let step = self.seen(percept, action, outcome.into(), outcome.found());
+        let habits = self.atlas.habits();
+        self.aliasing.learn(percept, &step, next, habits);
+        self.aliasing.is_certain(habits.vision)
     }
 
     /// Counts cells that successive percepts show differently; `true` once observation errors are frequent.

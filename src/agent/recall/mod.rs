@@ -36,6 +36,7 @@
 //! what should be seen in the likeliest place instead.
 
 mod align;
+mod aliasing;
 mod atlas;
 mod bumped;
 mod chart;

@@ -1,6 +1,6 @@
 //! Finding the goal, and what is not yet known: the robot's own sketch of where it has been.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeSet, VecDeque};
 
 use serde::{Deserialize, Serialize};
 
@@ -112,12 +112,17 @@ impl Sketch {
         let moves: Vec<_> = Action::all(headings.actions())
             .filter_map(certain)
             .collect();
-        // By place: steps from here, and the first actions of the ways there as bits.
-        let mut ways: BTreeMap<Place, (u32, u32)> = BTreeMap::from([(self.here, (0, 0))]);
+        let mut ways = Ways::default();
+        let Some(start) = ways.at(self.here) else {
+            return Vec::new();
+        };
+        *start = Some((0, 0));
         let mut queue = VecDeque::from([self.here]);
         let (mut found, mut firsts) = (u32::MAX, 0);
         while let Some(place) = queue.pop_front() {
-            let (steps, first) = ways[&place];
+            let Some((steps, first)) = ways.at(place).and_then(|way| *way) else {
+                continue;
+            };
             if steps > found {
                 break;
             }
@@ -141,18 +146,42 @@ impl Sketch {
                 } else {
                     first
                 };
-                match ways.get_mut(&to) {
-                    Some(way) if way.0 == steps + 1 => way.1 |= first,
-                    Some(_) => {}
-                    None => {
-                        ways.insert(to, (steps + 1, first));
+                match ways.at(to) {
+                    Some(Some(way)) if way.0 == steps + 1 => way.1 |= first,
+                    Some(way @ None) => {
+                        *way = Some((steps + 1, first));
                         queue.push_back(to);
                     }
+                    _ => {}
                 }
             }
         }
         let is_first = |action: &Action| firsts >> action.index() & 1 == 1;
         moves.iter().map(|one| one.0).filter(is_first).collect()
+    }
+}
+
+/// By place: the steps from where a search began, and the first actions of the shortest paths there as bits.
+struct Ways(Vec<Option<(u32, u32)>>);
+
+impl Ways {
+    /// One place more than a chart has, on each side.
+    const REACH: i32 = FURTHEST as i32 + 1;
+    const SIDE: i32 = 2 * Self::REACH + 1;
+
+    /// The entry of a place; `None` if it is too far away for a chart.
+    fn at(&mut self, place: Place) -> Option<&mut Option<(u32, u32)>> {
+        let [east, north] = [place.east, place.north].map(|along| i32::from(along) + Self::REACH);
+        let is_near = [east, north]
+            .iter()
+            .all(|along| (0..Self::SIDE).contains(along));
+        is_near.then(|| &mut self.0[(east * Self::SIDE + north) as usize])
+    }
+}
+
+impl Default for Ways {
+    fn default() -> Self {
+        Self(vec![None; (Self::SIDE * Self::SIDE) as usize])
     }
 }
 
