@@ -9,12 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use super::align::{Habits, Seen};
 use super::bumped::Bumped;
-use super::place::Vision;
 use xcs::Percept;
 
-/// Contradictions that are needed: one where percepts are looked up, and more where a single one may be misread.
-const NEEDED: u32 = 1;
-const NEEDED_BY_LIDAR: u32 = 2;
+/// Contradictions that are needed: a percept may be misread, and what is met once or twice hardly matters.
+const NEEDED: u32 = 3;
 /// Steps without a slip after which all moves are taken for exact.
 const STEPS_WITHOUT_SLIP: u32 = 64;
 
@@ -67,12 +65,8 @@ impl Aliasing {
     }
 
     /// Do several cells share a percept?
-    pub fn is_certain(&self, vision: Vision) -> bool {
-        let needed = match vision {
-            Vision::LookedUp => NEEDED,
-            Vision::Lidar => NEEDED_BY_LIDAR,
-        };
+    pub fn is_certain(&self) -> bool {
         let are_exact = self.slipped == 0 && self.steps >= STEPS_WITHOUT_SLIP;
-        self.contradicted_moves >= needed || are_exact && self.contradicted_choices >= needed
+        self.contradicted_moves >= NEEDED || are_exact && self.contradicted_choices >= NEEDED
     }
 }

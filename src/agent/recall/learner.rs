@@ -237,7 +237,7 @@ impl Learner {
         let step = self.seen(percept, action, outcome.into(), outcome.found());
         let habits = self.atlas.habits();
         self.aliasing.learn(percept, &step, next, habits);
-        self.aliasing.is_certain(habits.vision)
+        self.aliasing.is_certain()
     }
 
     /// Counts cells that successive percepts show differently; `true` once observation errors are frequent.

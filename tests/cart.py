@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Compares the size of the rules of xcscr-plus with that of decision trees (CART) for the same decisions.
+
+Usage: cart.py XCSCR WORLD... [--trials N]     needs scikit-learn
+
+For each world and seed, xcscr-plus learns on the grid with the percept as its state. The decisions of its rules in all
+cells are then given to scikit-learn. Of equally good actions the tree may use any: each of 100 fits draws one at random,
+and the tree with the fewest leaves counts. A rule's conditions are its bits that are not "don't care"; a tree's
+conditions are the tests on the paths to all of its leaves.
+"""
+
+import argparse
+import json
+import random
+import statistics
+import subprocess
+import tempfile
+from pathlib import Path
+
+from sklearn.tree import DecisionTreeClassifier
+
+FITS = 100
+# Column and row, clockwise from north.
+AROUND = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)]
+
+
+def percepts(world):
+    """Returns the percept `neighbours` of each free cell that is no goal, without repetition."""
+    rows = json.loads(Path(world).read_text())["rows"]
+
+    def bits(column, row):
+        cell = rows[row][column]
+        return {"#": "01", "G": "11"}.get(cell, "00")
+
+    found = {
+        "".join(bits(column + x, row + y) for x, y in AROUND)
+        for row, line in enumerate(rows)
+        for column, cell in enumerate(line)
+        if cell not in "#G"
+    }
+    return sorted(found)
+
+
+def best_actions(rules, percept):
+    """Returns the actions of the greatest fitness-weighted prediction; none where no rule matches."""
+    sums = {}
+    for rule in rules:
+        if all(c in ("#", bit) for c, bit in zip(rule["condition"], percept)):
+            weighed, fitness = sums.get(rule["action"], (0.0, 0.0))
+            sums[rule["action"]] = (weighed + rule["prediction"] * rule["fitness"], fitness + rule["fitness"])
+    values = {action: weighed / fitness for action, (weighed, fitness) in sums.items()}
+    greatest = max(values.values(), default=None)
+    return [action for action, value in values.items() if value == greatest]
+
+
+def smallest_tree(decisions, seed):
+    """Returns leaves and conditions of the smallest tree of many fits."""
+    chance = random.Random(seed)
+    inputs = [[int(bit) for bit in percept] for percept, _ in decisions]
+    sizes = []
+    for fit in range(FITS):
+        labels = [chance.choice(actions) for _, actions in decisions]
+        tree = DecisionTreeClassifier(random_state=fit).fit(inputs, labels)
+        paths = tree.decision_path(inputs).sum(axis=1).A1 - 1
+        by_leaf = dict(zip(tree.apply(inputs), paths))
+        sizes.append((tree.get_n_leaves(), int(sum(by_leaf.values()))))
+    return min(sizes)
+
+
+def compare(xcscr, world, seed):
+    with tempfile.TemporaryDirectory() as folder:
+        what = ["--arena", "grid", "--record", "none", "--quiet", "--json", "--set", "plus.estimator=percept"]
+        command = [xcscr, "train", world, *what, "--seed", str(seed), "--out", f"{folder}/run"]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        rules = json.loads(Path(f"{folder}/run/rules.json").read_text())["foresighted"]["rules"]
+    decided = [(percept, best_actions(rules, percept)) for percept in percepts(world)]
+    decisions = [one for one in decided if one[1]]
+    conditions = sum(16 - rule["condition"].count("#") for rule in rules)
+    return (len(decisions), len(rules), conditions, *smallest_tree(decisions, seed))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("xcscr")
+    parser.add_argument("worlds", nargs="+")
+    parser.add_argument("--trials", type=int, default=10)
+    args = parser.parse_args()
+    print("| world | percepts | rules | conditions of rules | leaves of CART | conditions of CART |")
+    print("|---|---|---|---|---|---|")
+    for world in args.worlds:
+        sizes = [compare(args.xcscr, world, seed) for seed in range(1, args.trials + 1)]
+        medians = [f"{statistics.median(column):g}" for column in zip(*sizes)]
+        print(f"| `{Path(world).stem}` | {' | '.join(medians)} |")
+
+
+if __name__ == "__main__":
+    main()
