@@ -70,3 +70,55 @@ impl Aliasing {
         self.contradicted_moves >= NEEDED || are_exact && self.contradicted_choices >= NEEDED
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::headings::Headings;
+    use super::super::place::{Around, Letter, Vision, percept_of};
+    use super::*;
+    use xcs::Action;
+
+    /// A corridor from west to east, at its western end, in its middle, and at its eastern end.
+    fn corridor(free: [bool; 2]) -> Around {
+        let mut around = [Letter::Wall; 8];
+        for (at, _) in [6, 2].into_iter().zip(free).filter(|one| one.1) {
+            around[at] = Letter::Free;
+        }
+        around
+    }
+
+    /// Learns from moves to the east between such places, as often as that.
+    fn learned(moves: &[(Around, Around)], times: usize) -> Aliasing {
+        let habits = Habits {
+            headings: Headings::known(4),
+            vision: Vision::LookedUp,
+            slip: 1e-4,
+            misread: 1e-4,
+        };
+        let mut aliasing = Aliasing::default();
+        for (around, next) in moves.iter().cycle().take(times * moves.len()) {
+            let step = Seen {
+                around: *around,
+                action: Action::new(1).unwrap(),
+                found: 0.0,
+                bumped: Bumped::No,
+            };
+            let next = percept_of(next);
+            aliasing.learn(&percept_of(around), &step, Some(&next), &habits);
+        }
+        aliasing
+    }
+
+    #[test]
+    fn one_percept_from_which_a_move_leads_to_two_is_that_of_several_cells_unless_moves_slip() {
+        let [west, middle, east] = [[false, true], [true, true], [true, false]].map(corridor);
+        // Of a corridor of four cells and one of three: the second cells share a percept.
+        let exact = [(west, middle), (middle, middle), (middle, east)];
+        assert!(learned(&exact, 30).is_certain());
+        assert!(!learned(&exact, 3).is_certain(), "too few steps");
+        let slips = [exact[0], exact[1], exact[2], (middle, west)];
+        assert!(!learned(&slips, 30).is_certain(), "the last one went west");
+        let alike = [exact[0], exact[2]];
+        assert!(!learned(&alike, 100).is_certain(), "control: three cells");
+    }
+}
