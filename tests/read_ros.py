@@ -58,7 +58,7 @@ def check_scan(scan, constants):
     assert math.isclose(beams * scan.time_increment, scan.scan_time, rel_tol=1e-6)
     assert 0 < scan.range_min < scan.range_max
     for r in scan.ranges:
-        assert math.isnan(r) or r == math.inf or 0.99 * scan.range_min <= r <= 1.01 * scan.range_max, r
+        assert math.isnan(r) or math.isinf(r) or 0.99 * scan.range_min <= r <= 1.01 * scan.range_max, r
     return any(math.isnan(r) for r in scan.ranges)
 
 

@@ -46,7 +46,8 @@ pub struct Beam {
     pub time_ns: u64,
     /// Its direction, counted from the robot's heading.
     pub bearing: UnitComplex<f64>,
-    /// What was measured, in metres; `None` when nothing came back.
+    /// The measured range in metres; minus infinity when something is nearer than
+    /// [`nearest_m`](super::LidarParams::nearest_m), and `None` when nothing came back.
     pub range_m: Option<f64>,
 }
 

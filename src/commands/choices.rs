@@ -53,7 +53,7 @@ pub struct SettingsArgs {
 }
 
 impl SettingsArgs {
-    /// The settings laid over `base`.
+    /// Returns the settings laid over `base`. A robot replaces the whole robot of `base`.
     pub fn resolve(&self, base: &Settings) -> Result<Resolved, Failure> {
         let read = |path: &Path| read_text(path, Settings::MOST_BYTES);
         let text = self.config.as_deref().map(read).transpose()?;

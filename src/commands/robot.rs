@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 use xcscr::arena::PhysicsArena;
-use xcscr::trial::{PlanError, RobotProfile, Settings};
+use xcscr::sensor::Sensor;
+use xcscr::trial::{Plan, PlanError, RobotProfile, Settings};
 use xcscr::world::Maze;
 
 use super::failure::Failure;
@@ -55,11 +56,15 @@ fn list(out: &mut impl Write) -> Result<(), Failure> {
 }
 
 fn show(profile: &RobotProfile, out: &mut impl Write) -> Result<(), Failure> {
-    writeln!(out, "title = {:?}", profile.title())?;
+    writeln!(out, "title = {}", profile.title_toml())?;
     for (key, value, source) in profile.entries() {
         let setting = format!("{key} = {value}");
         match source {
-            Some(source) => writeln!(out, "{setting:42} # {source}")?,
+            // One line each, whatever a file says.
+            Some(source) => {
+                let source = source.replace(char::is_control, " ");
+                writeln!(out, "{setting:42} # {source}")?;
+            }
             None => writeln!(out, "{setting}")?,
         }
     }
@@ -69,9 +74,17 @@ fn show(profile: &RobotProfile, out: &mut impl Write) -> Result<(), Failure> {
 fn check(profile: &RobotProfile, maze: Option<Maze>, out: &mut impl Write) -> Result<(), Failure> {
     let physics = profile.settings_over(&Settings::default())?.physics;
     let least_m = physics.least_cell_m();
+    let mut warnings = Vec::new();
     let fits = match maze {
         None => format!("it fits into cells of at least {least_m:.3} m"),
         Some(maze) => {
+            // A robot that senses; the learner does not matter here.
+            let plan = Plan::new(maze.clone()).sensor(Sensor::Lidar);
+            let settings = Settings {
+                physics: physics.clone(),
+                ..Settings::default()
+            };
+            warnings = plan.settings(settings).robot_warnings();
             let size_m = maze.cell_size_m();
             let name = maze.name().to_owned();
             PhysicsArena::new(maze, physics.clone(), 1).map_err(PlanError::from)?;
@@ -82,8 +95,9 @@ fn check(profile: &RobotProfile, maze: Option<Maze>, out: &mut impl Write) -> Re
             )
         }
     };
-    Ok(write_words(
-        out,
-        &format!("{} is valid: {fits}", profile.name()),
-    )?)
+    write_words(out, &format!("{} is valid: {fits}", profile.name()))?;
+    for warning in warnings {
+        write_words(out, &format!("warning: {warning}"))?;
+    }
+    Ok(())
 }

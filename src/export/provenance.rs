@@ -15,8 +15,9 @@ pub struct Provenance {
     sensor: Sensor,
     /// The robot's figures, in physics.
     robot: Option<Robot>,
-    /// How far a lidar beam that does not come back is followed, in metres.
-    lost_beam_range_m: f64,
+    /// How far lidar beams are taken to go that hit something too near to be measured, or do not come
+    /// back, in metres.
+    assumed_ranges_m: [f64; 2],
     /// Do conditions demand more than percepts tell?
     remembers: bool,
     /// What is known of the run.
@@ -74,9 +75,9 @@ impl Provenance {
                 max_speed_mps: robot.max_speed_mps,
                 max_turn_radps: robot.max_turn_radps,
             }),
-            lost_beam_range_m: {
+            assumed_ranges_m: {
                 let lidar = &config.settings.physics.lidar;
-                lidar.lost_beam_range_m(maze.cell_size_m())
+                [lidar.nearest_m, lidar.lost_beam_range_m(maze.cell_size_m())]
             },
             remembers: knowledge.remembers(),
             facts,
@@ -98,9 +99,10 @@ impl Provenance {
         self.robot
     }
 
-    /// How far a lidar beam that does not come back is followed, in metres.
-    pub(super) fn lost_beam_range_m(&self) -> f64 {
-        self.lost_beam_range_m
+    /// How far lidar beams are taken to go that hit something too near to be measured, or do not come
+    /// back, in metres.
+    pub(super) fn assumed_ranges_m(&self) -> [f64; 2] {
+        self.assumed_ranges_m
     }
 
     /// The facts as lines for a comment. Names of worlds hold nothing that ends one.

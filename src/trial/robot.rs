@@ -11,6 +11,7 @@ use super::resolve::{Resolved, flatten, similar};
 use super::settings::Settings;
 use super::settings_error::SettingsError;
 use super::toml_text::{MOST_TOML_BYTES, shortened};
+use crate::arena::PhysicsParams;
 use crate::disk;
 
 /// The profiles that come with the program, by name.
@@ -120,6 +121,11 @@ impl RobotProfile {
         &self.title
     }
 
+    /// Returns the title as a TOML string.
+    pub fn title_toml(&self) -> String {
+        Value::String(self.title.clone()).to_string()
+    }
+
     /// Returns each setting of the robot with its value as written in TOML, and its source where given.
     pub fn entries(&self) -> Vec<(String, String, Option<&str>)> {
         let with_source = |(key, value): (String, Value)| {
@@ -130,7 +136,9 @@ impl RobotProfile {
         flat.into_iter().map(with_source).collect()
     }
 
-    /// Returns `base` with this robot's values in place of its own.
+    /// Returns `base` with this robot in place of its own. Settings that the profile does not name have their
+    /// defaults, except for the noise level, the friction of the floor, the localisation, the faults and the engine's
+    /// shortcut, which stay.
     ///
     /// # Errors
     /// When a setting is unknown or out of range.
@@ -139,8 +147,25 @@ impl RobotProfile {
     }
 }
 
+/// Returns `settings` with the default robot in place of their own.
+fn without_robot(settings: &Settings) -> Settings {
+    let own = &settings.physics;
+    let physics = PhysicsParams {
+        noise: own.noise,
+        shortcut: own.shortcut,
+        friction: own.friction,
+        localisation: own.localisation,
+        faults: own.faults.clone(),
+        ..PhysicsParams::default()
+    };
+    Settings {
+        physics,
+        ..settings.clone()
+    }
+}
+
 impl Resolved {
-    /// Does the same as [`Resolved::new`], with a robot between `base` and the files.
+    /// Does the same as [`Resolved::new`], with a robot in place of that of `base`, below the files.
     ///
     /// # Errors
     /// The first fault, with its place and the way out.
@@ -150,8 +175,9 @@ impl Resolved {
         files: &[(&str, &str)],
         sets: &[String],
     ) -> Result<Self, SettingsError> {
+        let replaced = robot.map(|_| without_robot(base));
         let robot = robot.map(|robot| (robot.name(), &robot.settings));
-        Self::on(base, robot, files, sets)
+        Self::on(replaced.as_ref().unwrap_or(base), robot, files, sets)
     }
 }
 
@@ -234,6 +260,24 @@ mod tests {
             lidar.rate_hz,
         ];
         assert_eq!((own, lidar.beams), (sheet, 360));
+    }
+
+    #[test]
+    fn a_profile_replaces_the_whole_robot_and_leaves_noise_and_floor() {
+        let [default, burger] =
+            ["default", "turtlebot3-burger"].map(|name| RobotProfile::load(name).unwrap());
+        let mut base = burger.settings_over(&Settings::default()).unwrap();
+        assert_eq!(default.settings_over(&base).unwrap(), Settings::default());
+        assert_ne!(base, Settings::default(), "control");
+        base.physics.noise = 2.0;
+        base.physics.friction = 0.5;
+        base.reward.goal = 7.0;
+        let replaced = default.settings_over(&base).unwrap();
+        let physics = &replaced.physics;
+        assert_eq!(
+            (physics.noise, physics.friction, replaced.reward.goal),
+            (2.0, 0.5, 7.0)
+        );
     }
 
     #[test]

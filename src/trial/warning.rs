@@ -60,12 +60,18 @@ impl Plan {
             step_limit(config, maze, &paths),
             look_alike(config, maze, &paths),
             out_of_reach(maze),
-            time_out(config, maze),
-            short_lidar(config, maze),
         ]
         .into_iter()
         .flatten()
+        .chain(self.robot_warnings())
         .collect()
+    }
+
+    /// Returns the warnings about the robot in cells of this size.
+    pub fn robot_warnings(&self) -> Vec<Warning> {
+        let Self { maze, config } = self;
+        let warnings = [time_out(config, maze), short_lidar(config, maze)];
+        warnings.into_iter().flatten().collect()
     }
 }
 

@@ -48,7 +48,7 @@ settings! {
         beams: u32 = 32, in 4..=2048;
         /// Turns per second.
         rate_hz: f64 = 5.0, in 1.0..=20.0;
-        /// Nothing comes back from nearer than this, in m.
+        /// The shortest range that is measured, in m. A beam that hits something nearer tells only that.
         nearest_m: f64 = 0.12, in 0.0..=1.0;
         /// Nothing comes back from farther than this, in m.
         range_m: f64 = 8.0, in 1.0..=100.0;

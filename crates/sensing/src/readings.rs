@@ -2,6 +2,9 @@
 
 use nalgebra::UnitComplex;
 
+/// The range of a beam that hit something too near to be measured, as ROS has it (REP 117).
+pub(crate) const TOO_NEAR: f64 = f64::NEG_INFINITY;
+
 /// What came back of one beam of the lidar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Return {
@@ -11,7 +14,8 @@ pub struct Return {
     pub moment: f64,
     /// The beam's nominal direction, counted from the robot's heading.
     pub bearing: UnitComplex<f64>,
-    /// The measured range in metres; `None` when nothing came back.
+    /// The measured range in metres; minus infinity when something is nearer than
+    /// [`nearest_m`](crate::LidarParams::nearest_m), and `None` when nothing came back.
     pub range_m: Option<f64>,
 }
 

@@ -28,12 +28,15 @@ pub enum PhysicsError {
     },
     /// The robot is too large for the cells.
     #[error(
-        "the robot does not fit into world `{world}`: in column {}, row {} (at {:.2}, {:.2} m) the wall is {distance_m:.3} m from the middle of the cell, but the robot needs {:.3} m (its radius of {radius_m:.3} m, and {tolerance_m:.3} m because it may stop that far from the middle); use cells of at least {least_cell_m:.3} m (`cell_size_m`), or a robot with a radius of at most {largest_radius_m:.3} m (`--robot`, `physics.radius_m`)",
+        "the robot does not fit into world `{world}`: in column {}, row {} (at {:.2}, {:.2} m) the wall is {distance_m:.3} m from the middle of the cell, but the robot needs {:.3} m (its radius of {radius_m:.3} m, and {tolerance_m:.3} m because it may stop that far from the middle); use cells of at least {least_cell_m:.3} m (`cell_size_m`){}",
         cell.col,
         cell.row,
         at_m[0],
         at_m[1],
-        radius_m + tolerance_m
+        radius_m + tolerance_m,
+        largest_radius_m.map_or_else(String::new, |radius_m| format!(
+            ", or a robot with a radius of at most {radius_m:.3} m (`--robot`, `physics.radius_m`)"
+        ))
     )]
     TooNarrow {
         /// The world's name.
@@ -50,8 +53,9 @@ pub enum PhysicsError {
         tolerance_m: f64,
         /// The smallest size of a cell into which this robot fits, in metres.
         least_cell_m: f64,
-        /// The largest radius that fits into these cells, in metres.
-        largest_radius_m: f64,
+        /// The largest radius that fits into these cells, in metres. `None` if it is below the smallest
+        /// allowed value of `physics.radius_m`.
+        largest_radius_m: Option<f64>,
     },
     /// The world is so large that the engine's single precision cannot hold a millimetre.
     #[error(

@@ -33,13 +33,23 @@ pub(crate) fn check_fit(maze: &Maze, params: &PhysicsParams) -> Result<(), Physi
         radius_m: params.radius_m,
         tolerance_m: params.arrival_m,
         least_cell_m: params.least_cell_m(),
-        largest_radius_m: rounded_down_mm(distance_m - params.arrival_m),
+        largest_radius_m: Some(rounded_down_mm(distance_m - params.arrival_m))
+            .filter(|&radius_m| is_allowed(radius_m, params)),
     })
 }
 
-/// Rounds down to whole millimetres; 0 where nothing fits.
+/// Rounds down to whole millimetres.
 fn rounded_down_mm(length_m: f64) -> f64 {
-    ((length_m * 1000.0 + 1e-6).floor() / 1000.0).max(0.0)
+    (length_m * 1000.0 + 1e-6).floor() / 1000.0
+}
+
+/// Returns whether the settings allow this radius.
+fn is_allowed(radius_m: f64, params: &PhysicsParams) -> bool {
+    let params = PhysicsParams {
+        radius_m,
+        ..params.clone()
+    };
+    params.check().is_ok()
 }
 
 #[cfg(test)]
@@ -75,6 +85,18 @@ mod tests {
         ] {
             assert!(message.contains(part), "{part}: {message}");
         }
+    }
+
+    #[test]
+    fn a_radius_below_the_smallest_allowed_one_is_not_named() {
+        // The default robot stops up to 34 mm from the middle, and no robot has a radius below 20 mm.
+        let [named, unnamed] = [0.11, 0.1].map(|size_m| refusal(size_m, 0.3).unwrap());
+        assert!(named.contains("a radius of at most 0.021 m"), "{named}");
+        assert!(!unnamed.contains("radius of at most"), "{unnamed}");
+        assert!(
+            unnamed.ends_with("use cells of at least 0.668 m (`cell_size_m`)"),
+            "{unnamed}"
+        );
     }
 
     #[test]

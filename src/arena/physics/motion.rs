@@ -24,3 +24,11 @@ pub(super) struct Command {
     /// Turn rate in rad/s, counter-clockwise.
     pub turn_radps: f64,
 }
+
+impl Command {
+    /// Stand still.
+    pub const REST: Self = Self {
+        forward_mps: 0.0,
+        turn_radps: 0.0,
+    };
+}

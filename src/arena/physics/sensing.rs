@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::controller::Maneuver;
 use super::discretiser::cell_from_position;
-use super::motion::Motion;
+use super::motion::{Command, Motion};
 use super::params::{Localisation, PhysicsParams};
 use super::{PhysicsArena, STEP_NS, vector};
 use crate::arena::{Beam, Estimate, Outcome, Sensed, Surroundings};
@@ -179,14 +179,17 @@ impl PhysicsArena {
         }
     }
 
-    /// Drives until the manoeuvre ends. True when it did within the time.
+    /// Drives until the manoeuvre ends, and the lidar has turned round. True when that happened within the
+    /// time.
     fn perform_by_senses(&mut self, sensing: &mut Sensing, maneuver: &mut Maneuver) -> bool {
         let bias = self.noise.wheel_bias();
-        for _ in 0..self.most_steps() {
+        for step in 0..self.most_steps() {
             let seen = sensing.motion();
             let slips = sensing.onboard.slips();
-            let Some(command) = maneuver.command(&seen, self.profile(slips)) else {
-                return true;
+            let command = match maneuver.command(&seen, self.profile(slips)) {
+                Some(command) => command,
+                None if step < sensing.steps_per_turn => Command::REST,
+                None => return true,
             };
             let motion = self.motion();
             self.drive(command, &motion, bias, slips);

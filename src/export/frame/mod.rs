@@ -209,6 +209,7 @@ fn constants(provenance: &Provenance) -> Vec<Constant> {
         ("ROW_BITS", Whole(of_row, "usize"), "bits that show the row"),
     ]);
     if let Some(reach) = reach(sensor) {
+        let [nearest_m, lost_m] = provenance.assumed_ranges_m();
         all.extend([
             (
                 "SCAN_REACH",
@@ -216,8 +217,13 @@ fn constants(provenance: &Provenance) -> Vec<Constant> {
                 "cells that a scan looks at, each way",
             ),
             (
+                "SCAN_NEAREST_M",
+                Real(nearest_m),
+                "shortest range that the lidar measures, m",
+            ),
+            (
                 "SCAN_LOST_RANGE_M",
-                Real(provenance.lost_beam_range_m()),
+                Real(lost_m),
                 "how far a beam that does not come back is followed, m",
             ),
         ]);

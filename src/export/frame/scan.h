@@ -1,27 +1,29 @@
 
 /*
- * A percept from a scan: begin with the estimated pose, add the beams one by one, and take the percept.
- * A robot that moves meanwhile tells each new pose before the beams that were sent from there, and at last
- * the pose in which it stands; a new scan begins where a new action begins. Walls lie on the lines of the
- * grid. A cell about which too little is known counts as a wall.
+ * A percept from a scan. Begin at the estimated pose, add the beams one by one, and take the percept.
+ * Begin a new scan with each action. If the robot moves during the scan, call xcscr_scan_move with the pose
+ * of each beam before adding the beam, and at the end with the pose at which the robot stands.
+ * Walls lie on the lines of the grid. A cell with too little evidence counts as a wall.
  */
 #define XCSCR_SCAN_SIDE (2 * XCSCR_SCAN_REACH + 1)
-/* A cell is free with more evidence than this. Evidence of a beam that came back, and of one that did not: */
+/* A cell is free if its evidence exceeds FREE. HIT is the evidence of a beam that came back, LOST the
+ * evidence of a beam that did not. */
 #define XCSCR_SCAN_FREE 30
 #define XCSCR_SCAN_HIT 20
 #define XCSCR_SCAN_LOST 7
 #define XCSCR_SCAN_MOST 1000000000
-/* Lengths in metres: a beam that is in a cell for less than GRAZE, and this share of its range, says nothing
- * about the cell; one that ends farther than STRAY from every line is an outlier. */
+/* A beam gives no evidence about a cell in which it travels less than GRAZE_M metres plus GRAZE_SHARE of its
+ * range. A beam that ends more than STRAY_M metres from every line is an outlier. In cells of less than 1 m,
+ * GRAZE_M and STRAY_M shrink in proportion. */
 #define XCSCR_SCAN_GRAZE_M 0.15
 #define XCSCR_SCAN_GRAZE_SHARE 0.02
 #define XCSCR_SCAN_STRAY_M 0.2
-/* The range of a beam of which nothing came back, and a range that no lidar has. */
-#define XCSCR_NOTHING (-1.0)
+/* The range of a beam that did not come back; every range from MOST_M metres on means the same. */
+#define XCSCR_NOTHING 1.0e30
 #define XCSCR_SCAN_MOST_M 1.0e4
 #define XCSCR_SCAN_NEVER 1.0e30
 
-/* The cells around a robot, as beams show them; columns to the east, rows to the north. */
+/* Evidence about the cells around a robot; columns count to the east, rows to the north. */
 struct xcscr_scan {
     double east_m; /* the pose of the next beams in the grid frame */
     double north_m;
@@ -32,7 +34,7 @@ struct xcscr_scan {
     int32_t evidence[XCSCR_SCAN_SIDE][XCSCR_SCAN_SIDE];
 };
 
-/* The robot has moved: the pose of the beams that follow; cosine and sine are those of the heading. */
+/* Sets the pose of the next beams in the map frame: metres, cosine and sine of the heading. */
 static inline void xcscr_scan_move(struct xcscr_scan *scan, double x_m, double y_m, double cosine, double sine)
 {
     xcscr_grid_from_map(x_m, y_m, &scan->east_m, &scan->north_m);
@@ -42,7 +44,7 @@ static inline void xcscr_scan_move(struct xcscr_scan *scan, double x_m, double y
     scan->here[1] = xcscr_floor(scan->north_m / XCSCR_CELL_SIZE_M);
 }
 
-/* Begins a scan at a pose of the map frame, and forgets what was seen before. */
+/* Begins a scan at a pose of the map frame and clears all evidence. */
 static inline void xcscr_scan_begin(struct xcscr_scan *scan, double x_m, double y_m, double cosine, double sine)
 {
     int x;
@@ -58,7 +60,7 @@ static inline void xcscr_scan_begin(struct xcscr_scan *scan, double x_m, double 
     }
 }
 
-/* Is the cell near enough to know something about it? */
+/* Returns 1 if the scan stores evidence about the cell. */
 static inline int xcscr_scan_holds(const struct xcscr_scan *scan, int32_t column, int32_t row)
 {
     const int32_t x = column - scan->middle[0];
@@ -118,19 +120,27 @@ static inline void xcscr_cross(struct xcscr_axis *axis)
     axis->next += axis->every;
 }
 
-/* Adds a beam: cosine and sine of its bearing, counter-clockwise from the heading, and its range. A range
- * that is not above 0, or no number, means that nothing came back (XCSCR_NOTHING). */
+/* Adds a beam: cosine and sine of its bearing, counter-clockwise from the heading, and its range in metres,
+ * as in a LaserScan message (REP 117). Infinity or XCSCR_NOTHING means that nothing came back. A range below
+ * the lidar's shortest one, such as 0 or minus infinity, means that something is too near to be measured.
+ * NaN adds nothing. */
 static inline void xcscr_scan_add(struct xcscr_scan *scan, double cosine, double sine, double range_m)
 {
-    const int came_back = range_m > 0.0 && range_m < XCSCR_SCAN_MOST_M;
+    const int came_back = range_m < XCSCR_SCAN_MOST_M;
     const int32_t weight = came_back ? XCSCR_SCAN_HIT : XCSCR_SCAN_LOST;
-    const double range = came_back ? range_m : XCSCR_SCAN_LOST_RANGE_M;
-    const double graze = XCSCR_SCAN_GRAZE_M + XCSCR_SCAN_GRAZE_SHARE * range;
+    const double measured = range_m > XCSCR_SCAN_NEAREST_M ? range_m : XCSCR_SCAN_NEAREST_M;
+    const double range = came_back ? measured : XCSCR_SCAN_LOST_RANGE_M;
+    const double scale = XCSCR_CELL_SIZE_M < 1.0 ? XCSCR_CELL_SIZE_M : 1.0;
+    const double graze = XCSCR_SCAN_GRAZE_M * scale + XCSCR_SCAN_GRAZE_SHARE * range;
+    const double stray = XCSCR_SCAN_STRAY_M * scale;
     struct xcscr_axis x = xcscr_axis(scan->east_m, scan->cosine * cosine - scan->sine * sine);
     struct xcscr_axis y = xcscr_axis(scan->north_m, scan->cosine * sine + scan->sine * cosine);
     double entered = 0.0;
 
-    /* The cells that a ray enters after it left those of the scan do not matter. */
+    if (range_m != range_m) {
+        return;
+    }
+    /* Cells beyond those of the scan do not matter. */
     while (xcscr_scan_holds(scan, x.cell, y.cell)) {
         const int32_t column = x.cell;
         const int32_t row = y.cell;
@@ -138,20 +148,20 @@ static inline void xcscr_scan_add(struct xcscr_scan *scan, double cosine, double
         const double stay = left - entered;
         double following;
         int ends;
-        if (!(left <= range + XCSCR_SCAN_STRAY_M)) {
+        if (!(left <= range + stray)) {
             return;
         }
         xcscr_cross(x.next < y.next ? &x : &y);
         following = xcscr_nearer(&x, &y);
         ends = came_back && range < (left + following) / 2.0;
-        if (ends && (left - range > XCSCR_SCAN_STRAY_M || range - left > XCSCR_SCAN_STRAY_M)) {
+        if (ends && (left - range > stray || range - left > stray)) {
             return;
         }
         if (stay > graze) {
             xcscr_scan_mark(scan, column, row, weight);
         }
         if (ends) {
-            /* Near a corner it may have ended one cell before or behind. */
+            /* Near a corner the beam may have ended in the cell before or behind. */
             if (following - left > graze && (entered <= 0.0 || stay > graze)) {
                 xcscr_scan_mark(scan, x.cell, y.cell, -XCSCR_SCAN_HIT);
             }
@@ -161,7 +171,7 @@ static inline void xcscr_scan_add(struct xcscr_scan *scan, double cosine, double
     }
 }
 
-/* Was the cell so many cells to the east and to the north of the robot seen to be free? */
+/* Returns 1 if the scan shows that the cell so many cells east and north of the robot is free. */
 static inline int xcscr_scan_is_free(const void *seen, int east, int north)
 {
     const struct xcscr_scan *scan = (const struct xcscr_scan *)seen;
@@ -173,7 +183,7 @@ static inline int xcscr_scan_is_free(const void *seen, int east, int north)
                             [row - scan->middle[1] + XCSCR_SCAN_REACH] > XCSCR_SCAN_FREE;
 }
 
-/* Writes the percept where the robot stands now. */
+/* Writes the percept at the current pose. */
 static inline void xcscr_scan_percept(const struct xcscr_scan *scan, xcscr_word *percept)
 {
     int32_t column = scan->here[0];

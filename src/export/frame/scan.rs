@@ -1,23 +1,25 @@
 
 const SIDE: usize = 2 * SCAN_REACH as usize + 1;
-/// A cell is free with more evidence than this.
+/// A cell is free if its evidence exceeds this.
 const FREE: i32 = 30;
-/// Evidence of a beam that came back, and of one that did not.
+/// Evidence of a beam that came back, and of a beam that did not.
 const HIT: i32 = 20;
 const LOST: i32 = 7;
-/// A beam that is in a cell for less than this, in metres, and this share of its range, says nothing about it.
-const GRAZE_M: f64 = 0.15;
+/// Cells of less than 1 m shrink the two lengths below in proportion.
+const SCALE: f64 = if CELL_SIZE_M < 1.0 { CELL_SIZE_M } else { 1.0 };
+/// A beam gives no evidence about a cell in which it travels less than this, in metres, plus a share of its range.
+const GRAZE_M: f64 = 0.15 * SCALE;
 const GRAZE_SHARE: f64 = 0.02;
-/// A beam that ends farther than this from every line of the grid, in metres, is an outlier.
-const STRAY_M: f64 = 0.2;
-/// A range in metres that no lidar has.
+/// A beam that ends more than this from every line of the grid, in metres, is an outlier.
+const STRAY_M: f64 = 0.2 * SCALE;
+/// From this range in metres on, nothing came back.
 const MOST_M: f64 = 1e4;
 
-/// A percept from a scan: begin with the estimated pose, add the beams one by one, and take the percept.
+/// A percept from a scan. Begin at the estimated pose, add the beams one by one, and take the percept.
 ///
-/// A robot that moves meanwhile tells each new pose before the beams that were sent from there, and at last
-/// the pose in which it stands; a new scan begins where a new action begins. Walls lie on the lines of the
-/// grid. A cell about which too little is known counts as a wall.
+/// Begin a new scan with each action. If the robot moves during the scan, call `move_to` with the pose of each
+/// beam before adding the beam, and at the end with the pose at which the robot stands. Walls lie on the lines
+/// of the grid. A cell with too little evidence counts as a wall.
 #[derive(Clone)]
 pub struct Scan {
     /// The pose of the next beams in the grid frame: metres, cosine and sine of the heading.
@@ -30,7 +32,7 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// Begins at a pose of the map frame: metres, cosine and sine of the heading.
+    /// Begins a scan at a pose of the map frame: metres, cosine and sine of the heading.
     pub fn begin(x_m: f64, y_m: f64, cosine: f64, sine: f64) -> Self {
         let mut scan = Self {
             position: [0.0; 2],
@@ -44,7 +46,7 @@ impl Scan {
         scan
     }
 
-    /// The robot has moved: the pose of the beams that follow.
+    /// Sets the pose of the next beams in the map frame: metres, cosine and sine of the heading.
     pub fn move_to(&mut self, x_m: f64, y_m: f64, cosine: f64, sine: f64) {
         self.position = grid_from_map(x_m, y_m);
         self.heading = [
@@ -55,11 +57,16 @@ impl Scan {
     }
 
     /// Adds a beam: cosine and sine of its bearing, counter-clockwise from the heading, and its range in
-    /// metres; `None`, or what is not above 0 or no number, means that nothing came back.
+    /// metres, as in a LaserScan message (REP 117). Infinity or `None` means that nothing came back. A range below
+    /// the lidar's shortest one, such as 0 or minus infinity, means that something is too near to be measured.
+    /// NaN adds nothing.
     pub fn add(&mut self, cosine: f64, sine: f64, range_m: Option<f64>) {
-        let came_back = range_m.filter(|&range| range > 0.0 && range < MOST_M);
+        if range_m.is_some_and(f64::is_nan) {
+            return;
+        }
+        let came_back = range_m.filter(|&range| range < MOST_M);
         let (weight, range) = match came_back {
-            Some(range) => (HIT, range),
+            Some(range) => (HIT, range.max(SCAN_NEAREST_M)),
             None => (LOST, SCAN_LOST_RANGE_M),
         };
         let graze = GRAZE_M + GRAZE_SHARE * range;
@@ -67,7 +74,7 @@ impl Scan {
         let mut x = Axis::new(self.position[0], ahead * cosine - aside * sine);
         let mut y = Axis::new(self.position[1], ahead * sine + aside * cosine);
         let mut entered = 0.0;
-        // The cells that a ray enters after it left those of the scan do not matter.
+        // Cells beyond those of the scan do not matter.
         while let Some(cell) = self.index(x.cell, y.cell) {
             let left = x.next.min(y.next);
             if left.is_nan() || left > range + STRAY_M {
@@ -84,7 +91,7 @@ impl Scan {
                 self.mark(cell, weight);
             }
             if ends {
-                // Near a corner it may have ended one cell before or behind.
+                // Near a corner the beam may have ended in the cell before or behind.
                 let is_wall = following - left > graze && (entered <= 0.0 || stay > graze);
                 if let Some(cell) = self.index(x.cell, y.cell).filter(|_| is_wall) {
                     self.mark(cell, -HIT);
@@ -95,7 +102,7 @@ impl Scan {
         }
     }
 
-    /// The percept where the robot stands now.
+    /// Returns the percept at the current pose.
     pub fn percept(&self) -> Percept {
         let [east, north] = self.here;
         let column = east.clamp(0, i32::from(COLUMNS) - 1) as u16;
@@ -108,7 +115,7 @@ impl Scan {
         percept
     }
 
-    /// Where the evidence about a cell is, if it is near enough to know something about it.
+    /// Returns where the evidence about a cell is stored, if the scan stores it.
     fn index(&self, column: i32, row: i32) -> Option<[usize; 2]> {
         let index = [column - self.middle[0], row - self.middle[1]].map(|at| (at + SCAN_REACH) as usize);
         index.iter().all(|&at| at < SIDE).then_some(index)
@@ -123,9 +130,9 @@ impl Scan {
 struct Axis {
     cell: i32,
     step: i32,
-    /// How far along the ray the next cell begins.
+    /// Distance along the ray to the next cell.
     next: f64,
-    /// From one cell to the next.
+    /// Distance along the ray between two crossings.
     every: f64,
 }
 

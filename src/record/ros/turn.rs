@@ -1,4 +1,4 @@
-//! The beams of the lidar as whole turns.
+//! Groups the beams of the lidar into whole turns.
 
 use std::f64::consts::TAU;
 
@@ -13,19 +13,19 @@ pub struct Turns {
     turn: Option<Turn>,
 }
 
-/// A turn that is not over.
+/// An unfinished turn.
 struct Turn {
-    /// When its first beam was due.
+    /// The time of its first beam.
     begin_ns: u64,
     /// The number of its last beam.
     last: usize,
-    /// By the number of a beam, counted from ahead: infinity where nothing came back (REP 117), not a
-    /// number where no beam was sent.
+    /// The ranges by beam number, counted from straight ahead. By REP 117 infinity means that nothing came
+    /// back, and minus infinity that something is too near. NaN means that no beam was sent.
     ranges: Vec<f32>,
 }
 
 impl Turns {
-    /// Of such a lidar, which sees as far as `range_max_m` metres.
+    /// Creates an empty group for a lidar with a maximum range of `range_max_m` metres.
     pub fn new(lidar: LidarParams, range_max_m: f64) -> Self {
         Self {
             lidar,
@@ -34,7 +34,8 @@ impl Turns {
         }
     }
 
-    /// Adds a beam; gives the turn before it when it begins a new one, and its own when it ends one.
+    /// Adds a beam. Returns the previous turn if the beam starts a new turn, or its own turn if the beam is the
+    /// last one.
     pub fn beam(&mut self, beam: &Beam) -> Option<LaserScan> {
         let beams = self.lidar.beams as usize;
         let apart_rad = TAU / beams as f64;
@@ -58,7 +59,7 @@ impl Turns {
         }
     }
 
-    /// Ends a turn, also one that lacks beams.
+    /// Ends the current turn, even if beams are missing.
     pub fn end(&mut self) -> Option<LaserScan> {
         let Turn {
             begin_ns, ranges, ..
@@ -101,14 +102,15 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_ends_with_its_last_beam_and_where_beams_are_missing_nothing_is_claimed() {
+    fn a_turn_ends_with_its_last_beam_and_missing_beams_are_not_a_number() {
         let mut turns = turns();
         let mut sent = |number, range_m| ranges(turns.beam(&beam(number, range_m)));
         // The first turn begins in the middle; of the second the last beam is lost.
         assert_eq!(sent(2, Some(1.5)), None);
         assert_eq!(sent(3, None).unwrap(), ["NaN", "NaN", "1.5", "inf"]);
-        assert_eq!([sent(4, Some(1.0)), sent(6, Some(3.0))], [None, None]);
-        assert_eq!(sent(8, None).unwrap(), ["1", "NaN", "3", "NaN"]);
+        let too_near = Some(f64::NEG_INFINITY);
+        assert_eq!([sent(4, Some(1.0)), sent(6, too_near)], [None, None]);
+        assert_eq!(sent(8, None).unwrap(), ["1", "NaN", "-inf", "NaN"]);
         assert_eq!(ranges(turns.end()).unwrap(), ["inf", "NaN", "NaN", "NaN"]);
         assert!(turns.end().is_none());
     }

@@ -62,14 +62,16 @@ fn last_turn(beams: &[Beam]) -> &[Beam] {
     &beams[beams.len().saturating_sub(in_a_turn.max(1))..]
 }
 
-/// Where a beam began and what it hit, in the grid frame; `None` if nothing came back.
+/// Where a beam began and what it hit, in the grid frame; `None` without a measured range.
 fn ray(view: &View<'_>, beam: &Beam) -> Option<(Point2<f64>, Point2<f64>)> {
     let after = view
         .trace
         .partition_point(|sample| sample.time_ns <= beam.time_ns);
     let pose = view.trace.get(after.saturating_sub(1))?.robot_in_map;
     let from = Point2::from(pose.translation.vector);
-    let ahead = pose.rotation * beam.bearing * Vector2::new(beam.range_m?, 0.0);
+    let ahead = pose.rotation
+        * beam.bearing
+        * Vector2::new(beam.range_m.filter(|range_m| range_m.is_finite())?, 0.0);
     let in_grid = |point| view.maze.point_in_grid(point);
     Some((in_grid(from), in_grid(from + ahead)))
 }

@@ -52,7 +52,7 @@ fn scan(beams: &[Beam], time_ns: u64) -> Option<(u64, LaserScan)> {
     Some((time_ns, message))
 }
 
-/// Nothing came back: infinity, as ROS has it (REP 117).
+/// The range as ROS has it (REP 117): infinity when nothing came back, minus infinity when something is too near.
 fn range(beam: &Beam) -> f64 {
     beam.range_m.map_or(f64::INFINITY, rounded)
 }

@@ -1,11 +1,8 @@
 //! Where the grid lies on a map.
 
 use super::MapError;
-use super::cells::{Cells, Layout};
+use super::cells::{Cells, Layout, ROUNDING};
 use super::raster::{Raster, Sums};
-
-/// The most shifts that are tried along an axis.
-const MOST_SHIFTS: f64 = 16.0;
 
 /// Which grid is wanted.
 pub(super) struct Wanted<'a> {
@@ -83,10 +80,10 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// The shifts that are tried, to the left and downward by less than a cell, in whole pixels.
+/// All shifts to the left and downward by less than a cell, in whole pixels. Larger cells have more shifts,
+/// but each shift has fewer cells, so that the time depends on the size of the map alone.
 fn shifts(cell_px: f64) -> impl Iterator<Item = [f64; 2]> {
-    let step = (cell_px / MOST_SHIFTS).ceil();
-    let count = (cell_px / step - 1e-6).ceil() as u32;
-    let along = move || (0..count).map(move |number| -f64::from(number) * step);
+    let count = (cell_px - ROUNDING).ceil() as u32;
+    let along = move || (0..count).map(|number| -f64::from(number));
     along().flat_map(move |down| along().map(move |left| [left, down]))
 }

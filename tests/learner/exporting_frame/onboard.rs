@@ -154,14 +154,15 @@ impl<'a> Drive<'a> {
         let wanted = UnitComplex::new_unchecked(Complex::new(f64::from(east), f64::from(-south)));
         let turn_rad = (self.pose.rotation.inverse() * wanted).angle();
         (0..6).for_each(|_| self.step(0.0, turn_rad / 6.0));
+        let size_m = self.maze.cell_size_m();
         match self.maze.step(cell, direction) {
             Some(next) => {
-                (0..20).for_each(|_| self.step(0.05, 0.0));
+                (0..20).for_each(|_| self.step(0.05 * size_m, 0.0));
                 next
             }
             None => {
-                (0..4).for_each(|_| self.step(0.04, 0.0));
-                (0..4).for_each(|_| self.step(-0.04, 0.0));
+                (0..4).for_each(|_| self.step(0.04 * size_m, 0.0));
+                (0..4).for_each(|_| self.step(-0.04 * size_m, 0.0));
                 cell
             }
         }
@@ -202,26 +203,7 @@ fn small_rotation(angle_rad: f64) -> UnitComplex<f64> {
 
 #[test]
 fn the_same_beams_from_the_same_poses_give_the_same_percept_bit_for_bit() {
-    let maze = maze("maze6");
-    let mut cell = maze.free_cells().next().unwrap();
-    let (mut drive, mut random) = (Drive::new(&maze, cell), Stream::new(5, 0_u64));
-    for _ in 0..ACTIONS {
-        drive.begin_action();
-        cell = drive.act(cell, Direction::MAIN[random.below(4)]);
-    }
-    for target in LANGUAGES {
-        for (at, sensor) in SCANNING.into_iter().enumerate() {
-            let found = seen(&drive.questions, target, &maze, sensor);
-            let name = format!("{} {}", target.name(), sensor.name());
-            assert_eq!(found.len(), drive.perceived.len(), "{name}");
-            for (found, wanted) in found.iter().zip(&drive.perceived) {
-                assert_eq!(found, &wanted[at], "{name}");
-            }
-        }
-    }
-    let policy = exported(Target::C99, &maze, Sensor::LidarBeams, ArenaKind::Physics);
-    let right = drive.questions.answers(Target::C99, &policy, &maze);
-    for (constant, other) in [
+    let controls = [
         ("FREE 30", "FREE 60"),
         ("HIT 20", "HIT 10"),
         ("LOST 7", "LOST 20"),
@@ -229,11 +211,45 @@ fn the_same_beams_from_the_same_poses_give_the_same_percept_bit_for_bit() {
         ("GRAZE_SHARE 0.02", "GRAZE_SHARE 0.1"),
         ("STRAY_M 0.2", "STRAY_M 0.05"),
         ("LOST_RANGE_M 3.0", "LOST_RANGE_M 1.0"),
-    ] {
+    ];
+    compare_with_exports(&maze("maze6"), &controls);
+}
+
+#[test]
+fn beams_that_hit_something_too_near_give_the_same_percept_in_small_cells() {
+    let text = maze("maze6").to_json();
+    let small = text.replace("\"cell_size_m\": 1.0", "\"cell_size_m\": 0.25");
+    let small = Maze::from_json(small.as_bytes(), "small.json").unwrap();
+    assert_eq!(small.cell_size_m(), 0.25);
+    compare_with_exports(&small, &[("NEAREST_M 0.12", "NEAREST_M 0.0")]);
+}
+
+/// Compares the percepts of a driving robot with those of exported code in all languages. Each control
+/// changes a constant, which must change a percept.
+fn compare_with_exports(maze: &Maze, controls: &[(&str, &str)]) {
+    let mut cell = maze.free_cells().next().unwrap();
+    let (mut drive, mut random) = (Drive::new(maze, cell), Stream::new(5, 0_u64));
+    for _ in 0..ACTIONS {
+        drive.begin_action();
+        cell = drive.act(cell, Direction::MAIN[random.below(4)]);
+    }
+    for target in LANGUAGES {
+        for (at, sensor) in SCANNING.into_iter().enumerate() {
+            let found = seen(&drive.questions, target, maze, sensor);
+            let name = format!("{} {}", target.name(), sensor.name());
+            assert_eq!(found.len(), drive.perceived.len(), "{name}");
+            for (found, wanted) in found.iter().zip(&drive.perceived) {
+                assert_eq!(found, &wanted[at], "{name}");
+            }
+        }
+    }
+    let policy = exported(Target::C99, maze, Sensor::LidarBeams, ArenaKind::Physics);
+    let right = drive.questions.answers(Target::C99, &policy, maze);
+    for (constant, other) in controls {
         let [constant, other] = [constant, other].map(|name| format!("#define XCSCR_SCAN_{name}"));
         assert!(policy.contains(&constant), "{constant}");
         let changed = policy.replace(&constant, &other);
-        let found = drive.questions.answers(Target::C99, &changed, &maze);
+        let found = drive.questions.answers(Target::C99, &changed, maze);
         assert!(found != right, "control: {other}");
     }
 }

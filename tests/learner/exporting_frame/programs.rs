@@ -11,7 +11,7 @@ use crate::exporting::{compile_c, compile_rust, fed, folder};
 
 /// Lines of input: `c x y` asks for the cell of a point, `p column row` for the middle of a cell, `m column
 /// row` for the percept there; `b` begins a scan at a pose (x, y, cosine, sine), `v` moves the robot there,
-/// `a cosine sine range` adds a beam (`-` if nothing came back), `q` asks for the percept. Numbers are hexadecimal
+/// `a cosine sine range` adds a beam (infinite if nothing came back), `q` asks for the percept. Numbers are hexadecimal
 /// bits of doubles where they are no cells. The argument is the map, row by row.
 const C_MAIN: &str = r#"
 #include "policy.h"
@@ -160,7 +160,7 @@ const RUST_BEGIN: &str = "let mut scan = policy::Scan::begin(0.0, 0.0, 1.0, 0.0)
 const RUST_SCAN: &str = r#"
             "b" => scan = policy::Scan::begin(real[0], real[1], real[2], real[3]),
             "v" => scan.move_to(real[0], real[1], real[2], real[3]),
-            "a" => scan.add(real[0], real[1], Some(real[2]).filter(|range| !range.is_nan())),
+            "a" => scan.add(real[0], real[1], Some(real[2]).filter(|&range| range != f64::INFINITY)),
             "q" => println!("{}", scan.percept().shown()),
 "#;
 
@@ -250,7 +250,7 @@ impl Questions {
 
     /// A beam: cosine and sine of its bearing, and its range.
     pub fn beam(&mut self, [cosine, sine]: [f64; 2], range_m: Option<f64>) {
-        self.say('a', [cosine, sine, range_m.unwrap_or(f64::NAN), 0.0]);
+        self.say('a', [cosine, sine, range_m.unwrap_or(f64::INFINITY), 0.0]);
     }
 
     /// What is perceived after the scan?

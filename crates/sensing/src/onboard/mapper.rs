@@ -14,30 +14,38 @@ use crate::whole::floor;
 const HIT: i32 = 20;
 /// ... and for free cells when nothing came back: it may have got lost.
 const LOST: i32 = 7;
-/// A beam that is in a cell for less than this, in metres, says nothing about it: the pose that the
-/// robot believes in may be off by as much ...
+/// A beam that is in a cell for less than this, in metres, says nothing about it: the estimated pose may
+/// be off by as much. In small cells the limit is the same share of the cell ...
 const GRAZE_M: f64 = 0.15;
-/// ... and this share of its range.
+/// ... and in all cells this share of the range is added.
 const GRAZE_SHARE: f64 = 0.02;
-/// A beam that ends farther than this from every crossing, in metres, is an outlier.
+/// A beam that ends farther than this from every crossing, in metres, is an outlier. In small cells the
+/// limit is the same share of the cell.
 const STRAY_M: f64 = 0.2;
 
 /// Adds the evidence of a beam to a map with cells of `cell_size_m`. A beam that does not come back is
-/// followed for `lost_range_m`.
-pub(super) fn mark(map: &mut Surroundings, ray: &Ray, cell_size_m: f64, lost_range_m: f64) {
+/// followed for `lost_m`, and one that hit something too near to be measured is taken to end after
+/// `nearest_m`.
+pub(super) fn mark(
+    map: &mut Surroundings,
+    ray: &Ray,
+    cell_size_m: f64,
+    [nearest_m, lost_m]: [f64; 2],
+) {
     let (weight, range) = match ray.range {
-        Some(range) => (HIT, range),
-        None => (LOST, lost_range_m),
+        Some(range) => (HIT, range.max(nearest_m)),
+        None => (LOST, lost_m),
     };
     // The farther away, the less is known about where it was.
-    let graze = GRAZE_M + GRAZE_SHARE * range;
+    let graze = GRAZE_M * cell_size_m.min(1.0) + GRAZE_SHARE * range;
+    let stray = STRAY_M * cell_size_m.min(1.0);
     let mut x = Axis::new(ray.origin.x, ray.direction.x, cell_size_m);
     let mut y = Axis::new(ray.origin.y, ray.direction.y, cell_size_m);
     let mut entered = 0.0;
     loop {
         let cell = [x.cell, y.cell];
         let left = x.next.min(y.next);
-        if left.is_nan() || left > range + STRAY_M {
+        if left.is_nan() || left > range + stray {
             return;
         }
         if x.next < y.next {
@@ -47,7 +55,7 @@ pub(super) fn mark(map: &mut Surroundings, ray: &Ray, cell_size_m: f64, lost_ran
         };
         let following = x.next.min(y.next);
         let ends = ray.range.is_some() && range < (left + following) / 2.0;
-        if ends && (left - range).abs() > STRAY_M {
+        if ends && (left - range).abs() > stray {
             return;
         }
         let stay = left - entered;

@@ -32,7 +32,8 @@ pub struct Onboard {
     bumped: [bool; 2],
     over_marker: bool,
     cell_size_m: f64,
-    lost_range_m: f64,
+    /// How far beams are taken to go that hit something too near to be measured, or do not come back.
+    assumed_ranges_m: [f64; 2],
 }
 
 impl Onboard {
@@ -46,7 +47,10 @@ impl Onboard {
             bumped: [false; 2],
             over_marker: false,
             cell_size_m: robot.cell_size_m,
-            lost_range_m: robot.lidar.lost_beam_range_m(robot.cell_size_m),
+            assumed_ranges_m: [
+                robot.lidar.nearest_m,
+                robot.lidar.lost_beam_range_m(robot.cell_size_m),
+            ],
         }
     }
 
@@ -74,8 +78,8 @@ impl Onboard {
         };
         self.estimator.step(&taken);
         for ray in self.estimator.rays(&self.taken) {
-            let (size_m, lost_m) = (self.cell_size_m, self.lost_range_m);
-            mapper::mark(&mut self.surroundings, &ray, size_m, lost_m);
+            let (size_m, ranges_m) = (self.cell_size_m, self.assumed_ranges_m);
+            mapper::mark(&mut self.surroundings, &ray, size_m, ranges_m);
         }
         self.surroundings.stand_in(self.cell());
         self.bumped = readings.bumped;

@@ -303,7 +303,7 @@ fn each_action_begins_without_knowing_how_the_wheels_will_roll() {
 /// Marks a beam of a robot that stands in the middle of a cell and heads east.
 fn mark(map: &mut Surroundings, beam: &Return) {
     let ray = estimator(0.5, 0.5).ray(beam, UnitComplex::identity());
-    mapper::mark(map, &ray, 1.0, 3.0);
+    mapper::mark(map, &ray, 1.0, [0.12, 3.0]);
 }
 
 #[test]
@@ -321,6 +321,34 @@ fn a_beam_marks_free_cells_and_the_wall_that_it_ends_in() {
         map.is_free(-1, 0) && !map.is_free(1, 0),
         "as seen from there"
     );
+}
+
+#[test]
+fn a_beam_that_hits_something_too_near_is_evidence_for_a_wall_and_moves_no_estimate() {
+    let close = estimator(0.12, 0.5);
+    let ray = |beam: &Return| close.ray(beam, UnitComplex::identity());
+    let mut map = Surroundings::unknown([0, 0]);
+    let mark = |map: &mut Surroundings, beam: &Return, nearest_m: f64| {
+        mapper::mark(map, &ray(beam), 1.0, [nearest_m, 3.0]);
+    };
+    // Outliers alone would make the wall free.
+    for _ in 0..3 {
+        mark(&mut map, &beam(-1.0, 0.0, 3.12), 0.15);
+    }
+    assert!(map.is_free(-1, 0), "control");
+    for _ in 0..3 {
+        mark(&mut map, &beam(-1.0, 0.0, f64::NEG_INFINITY), 0.15);
+    }
+    assert!(!map.is_free(-1, 0));
+    let mut sensed = close.clone();
+    sensed.step(&readings(
+        [0.0; 2],
+        0.0,
+        &[beam(-1.0, 0.0, f64::NEG_INFINITY)],
+    ));
+    let mut blind = close.clone();
+    blind.step(&readings([0.0; 2], 0.0, &[]));
+    assert_eq!(sensed.belief(), blind.belief());
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{Complex, UnitComplex, Vector2};
 
 use super::{Moment, Terrain, ahead, ray};
+use crate::readings::TOO_NEAR;
 use crate::{LidarParams, Return};
 use xcs::random::Stream;
 
@@ -126,7 +127,10 @@ impl Lidar {
         let truth = ray::cast(terrain, origin, direction, range_m)?;
         let deviation = self.level * (self.params.noise_m + self.params.noise_share * truth);
         let range = truth * self.scale + self.offset + deviation * noise;
-        (nearest_m..=range_m).contains(&range).then_some(range)
+        match range {
+            range if range < nearest_m => Some(TOO_NEAR),
+            range => Some(range).filter(|&range| range <= range_m),
+        }
     }
 }
 
@@ -185,6 +189,25 @@ mod tests {
             }
         }
         count
+    }
+
+    #[test]
+    fn a_beam_that_hits_something_too_near_is_told_from_one_that_does_not_come_back() {
+        let params = LidarParams {
+            nearest_m: 0.2,
+            range_m: 1.0,
+            ..LidarParams::default()
+        };
+        let mut lidar = Lidar::new(&params, 0.0, Stream::new(1, 8_u64));
+        let mut measure =
+            |x: f64| lidar.measure(&Closet, Vector2::new(x, 0.5), UnitComplex::identity());
+        assert_eq!(measure(0.75), Some(0.25));
+        assert_eq!(measure(0.85), Some(f64::NEG_INFINITY));
+        assert_eq!(
+            measure(-0.5),
+            None,
+            "control: farther than the lidar measures"
+        );
     }
 
     #[test]

@@ -123,7 +123,7 @@ pub(crate) struct Ray {
     pub origin: Vector2<f64>,
     /// A unit vector.
     pub direction: Vector2<f64>,
-    /// `None` when nothing came back.
+    /// Minus infinity when something is too near to be measured; `None` when nothing came back.
     pub range: Option<f64>,
 }
 
@@ -252,7 +252,7 @@ impl Estimator {
 
     /// Corrects by a beam that ends on a line, unless it could end on two.
     fn take_in(&mut self, ray: &Ray) {
-        let Some(range) = ray.range else {
+        let Some(range) = ray.range.filter(|&range| range > 0.0) else {
             return;
         };
         let mut fits = self.fits(ray, range);
