@@ -38,7 +38,8 @@ pub struct TrainArgs {
     /// Where the robot acts: in simulated physics, or on the bare grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
-    /// What the robot perceives [default: lidar in physics, neighbours on the grid].
+    /// What the robot perceives [default: lidar in physics, neighbours on the grid; in mazes of
+    /// more than 1,024 cells the same with the robot's position].
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
     /// Number of episodes.
@@ -81,11 +82,14 @@ pub struct TrainArgs {
 impl TrainArgs {
     fn plan(&self, world: &Path) -> Result<Plan, Failure> {
         let resolved = self.settings.resolve(&Settings::default())?;
+        let maze = Maze::load(world)?;
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: self.method,
             arena: self.arena,
-            sensor: self.sensor.unwrap_or(Sensor::usual_in(self.arena)),
+            sensor: self
+                .sensor
+                .unwrap_or_else(|| Sensor::usual_for(self.arena, &maze)),
             episodes: self.episodes,
             seed: self.seed,
             initial: self
@@ -95,7 +99,6 @@ impl TrainArgs {
                 .transpose()?,
             settings: resolved.settings.clone(),
         };
-        let maze = Maze::load(world)?;
         let Config {
             method,
             arena,

@@ -53,6 +53,9 @@ pub enum Sensor {
     LidarPosition,
 }
 
+/// Cells of the largest maze in which the usual percept tells nothing of the robot's position.
+const MOST_MAPPED: u32 = 1024;
+
 impl Sensor {
     /// All sensors.
     pub const ALL: &[Self] = Self::VARIANTS;
@@ -63,6 +66,17 @@ impl Sensor {
         match arena {
             ArenaKind::Physics => Self::Lidar,
             ArenaKind::Grid => Self::Neighbours,
+        }
+    }
+
+    /// The percept where none is chosen to learn in a maze: [`usual_in`](Self::usual_in), or the same with the robot's
+    /// position in mazes of more than 1,024 cells. A learner without the position draws a map there, which takes minutes.
+    pub fn usual_for(arena: ArenaKind, maze: &Maze) -> Self {
+        let cells = u32::from(maze.width()) * u32::from(maze.height());
+        match Self::usual_in(arena) {
+            usual if cells <= MOST_MAPPED => usual,
+            Self::Lidar => Self::LidarPosition,
+            _ => Self::NeighboursPosition,
         }
     }
 

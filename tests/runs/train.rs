@@ -584,3 +584,20 @@ fn where_cells_share_a_percept_the_learner_changes_to_a_map_by_itself() {
         ("percept".into(), true.into())
     );
 }
+
+#[test]
+fn in_mazes_of_more_than_1024_cells_the_usual_percept_has_the_position() {
+    let folder = tempfile::tempdir().unwrap();
+    for (size, sensor) in [("32", "neighbours"), ("33", "neighbours-position")] {
+        let args = ["world", "generate", "--kind", "dfs", "--size", size];
+        let world = folder.path().join(format!("{size}.json"));
+        fs::write(&world, expect(0, &args).0).unwrap();
+        let [world, out] = [world, folder.path().join(size)];
+        let [world, out] = [&world, &out].map(|path| path.to_str().unwrap());
+        let what = "train --arena grid --record none --quiet --json --episodes 1 --out";
+        let what = what.split_whitespace().chain([out, world]);
+        let (report, _) = expect(0, &what.collect::<Vec<_>>());
+        let report: Value = serde_json::from_str(&report).unwrap();
+        assert_eq!(report["sensor"], sensor, "{size}");
+    }
+}
