@@ -1,9 +1,10 @@
 //! A model-based learner: state estimator x model x planner x policy (`xcscr-plus`, and `r-max` without rules).
 //!
 //! The learner begins with the percept as its state. Once its own experience contradicts that, the state becomes a cell
-//! of a map that the learner draws itself. Four observations contradict it: one percept and one move have led to
-//! different percepts; successive percepts disagree about cells that both show; an auxiliary reward was found, which is
-//! paid once; where no move slips, the policy takes more steps than there are percepts.
+//! of a map that the learner draws itself. Its experience contradicts it where one percept and one move have led to
+//! different percepts; where moves slip and more came of an action than slips explain; where successive percepts disagree
+//! about cells that both show; where an auxiliary reward was found, which is paid once; and where no move slips, but the
+//! policy takes more steps than there are percepts.
 
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
@@ -139,6 +140,7 @@ impl Agent for Composed {
             Current::Map(learner) => return learner.end_episode(reached_goal),
         };
         let credit = learner.end_episode(reached_goal);
+        let contradicted = contradicted || learner.is_refuted();
         let steps = &self.steps;
         let is_noisy = waiting.as_mut().is_some_and(|map| map.notices_noise(steps));
         if is_noisy || contradicted {

@@ -183,6 +183,11 @@ impl PerceptLearner {
         self.present.expect("`observe` comes first").0
     }
 
+    /// Where moves slip: has one percept and action led to more than slips explain?
+    pub fn is_refuted(&self) -> bool {
+        self.memory.is_refuted()
+    }
+
     /// Were fewer different percepts met than so many, where no moves slip?
     pub fn has_met_fewer_than(&self, steps: usize) -> bool {
         self.memory.percepts().len() < steps && !self.memory.slips().any()

@@ -21,7 +21,7 @@ const LEGEND: &str = "→ best action   + several are best   ? nothing known   G
 const BEGINNINGS: &str = "arrows: as if an episode began there";
 
 /// What the state is where percepts do not determine what follows.
-const ON_A_MAP: &str = "the cell on a map that it drew: percepts do not tell all cells apart";
+const ON_A_MAP: &str = "cell on its own map: percepts do not tell all cells apart";
 
 /// The result of a training run, as `--json` prints it.
 #[derive(Debug, Serialize)]

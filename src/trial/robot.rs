@@ -270,13 +270,13 @@ mod tests {
         assert_eq!(default.settings_over(&base).unwrap(), Settings::default());
         assert_ne!(base, Settings::default(), "control");
         base.physics.noise = 2.0;
-        base.physics.friction = 0.5;
+        base.physics.friction = 0.9;
         base.reward.goal = 7.0;
         let replaced = default.settings_over(&base).unwrap();
         let physics = &replaced.physics;
         assert_eq!(
             (physics.noise, physics.friction, replaced.reward.goal),
-            (2.0, 0.5, 7.0)
+            (2.0, 0.9, 7.0)
         );
     }
 

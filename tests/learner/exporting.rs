@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
-use xcscr::agent::{Knowledge, Method};
+use xcscr::agent::{Estimator, Knowledge, Method};
 use xcscr::export::{ExportError, Policy, Provenance, Target};
 use xcscr::sensor::Sensor;
 use xcscr::trial::Plan;
@@ -64,7 +64,8 @@ pub struct Learned {
 
 impl Learned {
     pub fn new(world: &str, method: Method, sensor: Sensor) -> Self {
-        let plan = on_the_grid(world, method).sensor(sensor);
+        let mut plan = on_the_grid(world, method).sensor(sensor);
+        plan.config.settings.plus.estimator = Estimator::Percept;
         let trial = plan.episodes(60).run().unwrap();
         Self {
             plan: trial.plan().clone(),

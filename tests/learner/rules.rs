@@ -18,7 +18,15 @@ impl Desk {
     /// The same, with the cell on a map as the state from the first step.
     fn on_a_map() -> Self {
         let desk = Self(tempfile::tempdir().unwrap());
-        desk.fine(&[&train("xcscr-plus", "maze4", "run")[..], &ON_A_MAP].concat());
+        let start = [
+            "train",
+            world("maze4"),
+            "--arena",
+            "grid",
+            "--record",
+            "none",
+        ];
+        desk.fine(&[&start[..], &["--quiet", "--out", "run"], &ON_A_MAP].concat());
         desk
     }
 
@@ -58,10 +66,15 @@ fn world(name: &str) -> &'static str {
 
 const ON_A_MAP: [&str; 4] = ["--set", "plus.estimator=map", "--sensor", "neighbours"];
 
+/// With the percept as the state where there is a choice.
 fn train<'a>(method: &'a str, maze: &str, out: &'a str) -> Vec<&'a str> {
     let start = ["train", world(maze), "--method", method, "--arena", "grid"];
     let end = ["--record", "none", "--quiet", "--out", out];
-    [&start[..], &end].concat()
+    let estimator = match method {
+        "xcscr-plus" => &["--set", "plus.estimator=percept"][..],
+        _ => &[],
+    };
+    [&start[..], &end, estimator].concat()
 }
 
 #[test]

@@ -202,7 +202,7 @@ fn exports_stories_maps_and_manual_pages_want_force_for_a_file_that_exists() {
     let trained = ["train", WORLD, "--episodes", "6", "--quiet", "--out", &run];
     expect(
         0,
-        &[&trained[..], &["--arena", "grid", "--method", "r-max"]].concat(),
+        &[&trained[..], &["--arena", "grid", "--method", "q-learning"]].concat(),
     );
     let out = desk.folder("out", &["p.py", "s.mcap", "m.yaml", "m.pgm", "xcscr.1"]);
     let [export, story, map] = ["p.py", "s.mcap", "m.yaml"].map(|name| format!("{out}/{name}"));

@@ -96,6 +96,15 @@ impl Transitions {
         evidence.slips()
     }
 
+    /// Where moves slip: did more come of some pair than slips explain? Then several cells share its percept.
+    pub fn is_refuted(&self) -> bool {
+        let mut tried = self.tried.iter();
+        let unexplained = |&(percept, action): &(usize, Action)| {
+            self.outcomes(percept, action).leads_to == Leads::Elsewhere
+        };
+        self.slips.any() && tried.any(unexplained)
+    }
+
     /// Estimates how often moves slip; true if that is news. A collision costs more than a `step`.
     pub fn notice_slips(&mut self, step: f64) -> bool {
         let slips = self.estimated_slips(step);

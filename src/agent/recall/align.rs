@@ -89,7 +89,11 @@ impl Habits {
             let mut actions = Action::all(self.headings.actions());
             let is_aimed_at =
                 actions.any(|action| self.headings.of(action).any(|(to, _)| to == along));
-            is_aimed_at && step.around[along] != Letter::Wall && self.fit(step, next, along) == 1.0
+            // The robot comes from a free cell.
+            let opposite = (along + AROUND.len() / 2) % AROUND.len();
+            let is_closed = next.is_some_and(|next| next[opposite] == Letter::Wall);
+            let is_possible = step.around[along] != Letter::Wall && !is_closed;
+            is_aimed_at && is_possible && self.fit(step, next, along) == 1.0
         })
     }
 
