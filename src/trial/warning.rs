@@ -41,12 +41,14 @@ pub enum Warning {
         /// `physics.time_out_s`.
         time_out_s: f64,
     },
-    /// The lidar does not see across the cells beside the robot.
+    /// The lidar is too short to tell free cells of this size from walls.
     ShortLidar {
         /// `physics.lidar.range_m`.
         range_m: f64,
         /// Edge length of a cell in metres.
         cell_size_m: f64,
+        /// The size of the largest cells that the lidar can tell from walls, in metres.
+        largest_cell_m: f64,
     },
 }
 
@@ -108,10 +110,12 @@ fn time_out(config: &Config, maze: &Maze) -> Option<Warning> {
 
 fn short_lidar(config: &Config, maze: &Maze) -> Option<Warning> {
     let (lidar, cell_size_m) = (&config.robot()?.lidar, maze.cell_size_m());
-    let is_short = config.sensor.is_sensed() && !lidar.sees_neighbours(cell_size_m);
+    let largest_cell_m = lidar.largest_cell_m();
+    let is_short = config.sensor.is_sensed() && cell_size_m > largest_cell_m;
     is_short.then_some(Warning::ShortLidar {
         range_m: lidar.range_m,
         cell_size_m,
+        largest_cell_m,
     })
 }
 
@@ -164,9 +168,10 @@ impl Warning {
             Self::TimeOut { move_s, .. } => {
                 format!("`--set physics.time_out_s={}`", (3.0 * move_s).ceil())
             }
-            Self::ShortLidar { range_m, .. } => format!(
+            Self::ShortLidar { largest_cell_m, .. } => format!(
                 "cells of at most {:.2} m (`cell_size_m`), or a robot with a longer lidar (`--robot`)",
-                range_m / 1.5
+                // Rounded down, so that the size that is named raises no warning.
+                (100.0 * largest_cell_m).floor() / 100.0
             ),
         }
     }
@@ -199,9 +204,10 @@ impl fmt::Display for Warning {
             Self::ShortLidar {
                 range_m,
                 cell_size_m,
+                ..
             } => write!(
                 f,
-                "the lidar sees {range_m} m, too little to tell that the next cell of {cell_size_m} m is free"
+                "the lidar has a range of {range_m} m, too short to tell free cells of {cell_size_m} m from walls"
             ),
         }?;
         write!(f, "; try {}", self.way_out())
@@ -314,11 +320,11 @@ mod tests {
                     physics.time_out_s=62`";
         let slow_robot = ["physics.max_speed_mps=0.05", "physics.arrival_mps=0.02"];
         assert_eq!(said(1.0, &slow_robot), [slow]);
-        assert_eq!(said(5.0, &[]), [""; 0], "the lidar sees 8 m");
-        let short = said(2.0, &["physics.lidar.range_m=2.5"]);
-        let wanted = "the lidar sees 2.5 m, too little to tell that the next cell of 2 m is free; try \
-                      cells of at most 1.67 m (`cell_size_m`), or a robot with a longer lidar (`--robot`)";
-        assert_eq!(short, [wanted]);
+        let wanted = "the lidar has a range of 8 m, too short to tell free cells of 5 m from walls; try cells of at \
+                      most 4.21 m (`cell_size_m`), or a robot with a longer lidar (`--robot`)";
+        assert_eq!(said(5.0, &[]), [wanted]);
+        assert_eq!(said(4.21, &[]), [""; 0], "the size that the warning names");
+        assert_eq!(said(4.22, &[]).len(), 1, "control");
     }
 
     #[test]

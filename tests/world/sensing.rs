@@ -100,6 +100,22 @@ fn a_small_robot_tells_walls_from_free_cells_in_cells_of_every_size() {
 }
 
 #[test]
+fn the_lidar_tells_free_cells_from_walls_up_to_the_largest_cells_that_it_names() {
+    for robot in ["default", "turtlebot3-burger"] {
+        let profile = RobotProfile::load(robot).unwrap();
+        let lidar = profile.settings_over(&Settings::default()).unwrap();
+        let lidar = lidar.physics.lidar;
+        let wrong_percepts = |cell_size_m: f64| {
+            let mut arena = profiled("maze5", cell_size_m, robot);
+            Tally::of(&mut arena, 1, moves(200)).wrong_percepts
+        };
+        assert_eq!(wrong_percepts(lidar.largest_cell_m()), 0, "{robot}");
+        let too_large = wrong_percepts(lidar.range_m / 1.5);
+        assert!(too_large > 50, "control: {robot}: {too_large}");
+    }
+}
+
+#[test]
 fn a_robot_drives_no_faster_and_sees_no_farther_than_its_profile_says() {
     for (robot, cell_size_m, top_mps, top_radps, [nearest_m, farthest_m]) in [
         ("turtlebot3-burger", 0.5, 0.22, 2.84, [0.12, 3.5]),

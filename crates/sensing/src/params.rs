@@ -5,6 +5,11 @@ use nalgebra::{Complex, UnitComplex};
 use crate::STEP_S;
 use xcs::settings;
 
+/// The range that a lidar needs, in cells. A beam crosses a neighbouring cell on the diagonal after 1.5 to 2.1 cells,
+/// and two beams must. In 300 moves in a hall the default robot misread 264 percepts with a range of 1.5 cells, 44 with
+/// 1.75, 11 with 1.8, and none with 1.9.
+const RANGE_IN_CELLS: f64 = 1.9;
+
 /// A robot, as its sensors and its own computer need to know it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
@@ -86,10 +91,10 @@ impl LidarParams {
         (3.0 * cell_size_m.max(1.0)).min(self.range_m)
     }
 
-    /// Does the lidar see across the cells beside the robot, from the middle of a cell of this size? Otherwise
-    /// it cannot tell that they are free.
-    pub fn sees_neighbours(&self, cell_size_m: f64) -> bool {
-        self.lost_beam_range_m(cell_size_m) >= 1.5 * cell_size_m
+    /// Returns the size in metres of the largest cells that the lidar can tell from walls. In larger cells too few
+    /// beams cross a neighbouring cell on the diagonal before they reach [`range_m`](Self::range_m).
+    pub fn largest_cell_m(&self) -> f64 {
+        self.range_m / RANGE_IN_CELLS
     }
 
     /// Physics steps in which the lidar turns round once.
