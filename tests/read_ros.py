@@ -47,6 +47,12 @@ def same(a, b, tolerance=1e-9):
     return max(abs(a[0] - b[0]), abs(a[1] - b[1]), abs(turn)) < tolerance
 
 
+def in_grid(at, origin):
+    """A point of the map frame in the frame of the grid, whose lower left corner has the pose `origin`."""
+    x, y, sine, cosine = at.x - origin[0], at.y - origin[1], math.sin(origin[2]), math.cos(origin[2])
+    return cosine * x + sine * y, cosine * y - sine * x
+
+
 def check_scan(scan, constants):
     """Whole turns with the same constants."""
     now = [getattr(scan, name) for name in SCAN]
@@ -63,8 +69,9 @@ def check_scan(scan, constants):
 
 
 def main(path, world):
-    rows = json.load(open(world))["rows"]
-    walls = [[letter == "#" for letter in row] for row in reversed(rows)]
+    world = json.load(open(world))
+    origin = world.get("origin", [0, 0, 0])
+    walls = [[letter == "#" for letter in row] for row in reversed(world["rows"])]
     counts = dict.fromkeys(TYPES, 0)
     parents, constants, poses, odometry = {}, {}, {}, {}
     last_ns, partial, drift_m, size = 0, 0, 0.0, None
@@ -94,7 +101,8 @@ def main(path, world):
                 continue
             stamp_ns = nanoseconds(decoded.header.stamp)
             if topic == "/map":
-                size = decoded.info.resolution
+                size, corner = decoded.info.resolution, decoded.info.origin
+                assert same(planar(corner.position, corner.orientation), origin), "another origin"
                 assert (decoded.info.width, decoded.info.height) == (len(walls[0]), len(walls))
                 wanted = [100 if wall else 0 for row in walls for wall in row]
                 assert list(decoded.data) == wanted, "walls of another world"
@@ -117,7 +125,8 @@ def main(path, world):
             elif topic == "/ground_truth/odom":
                 assert (decoded.header.frame_id, decoded.child_frame_id) == ("map", "base_link_true")
                 at = decoded.pose.pose.position
-                assert not walls[int(at.y / size)][int(at.x / size)], "in a wall"
+                x, y = in_grid(at, origin)
+                assert x > 0 and y > 0 and not walls[int(y / size)][int(x / size)], "in a wall"
                 drift_m = max(drift_m, math.dist((at.x, at.y), poses[now_ns][:2]))
             else:
                 partial += check_scan(decoded, constants)
