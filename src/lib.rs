@@ -46,16 +46,8 @@
 
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
-// In flow order, which is the import order; `tests/layering.rs` watches over it.
-pub mod streams;
 pub mod disk;
 pub mod page;
-pub mod world;
-pub mod arena;
-pub mod sensor;
-pub mod agent;
-pub mod episode;
-pub mod trial;
 pub mod export;
 pub mod record;
 pub mod run;
@@ -63,3 +55,7 @@ pub mod picture;
 pub mod study;
 
 pub use xcs;
+#[doc(inline)]
+pub use xcscr_learner::{agent, episode, trial};
+#[doc(inline)]
+pub use xcscr_robot::{arena, sensor, streams, world};

@@ -108,6 +108,16 @@ fn xcscr_exports_no_other_names() {
 }
 
 #[test]
+fn xcscr_robot_exports_no_other_names() {
+    insta::assert_snapshot!(exported("crates/robot/src"));
+}
+
+#[test]
+fn xcscr_learner_exports_no_other_names() {
+    insta::assert_snapshot!(exported("crates/learner/src"));
+}
+
+#[test]
 fn xcs_exports_no_other_names() {
     insta::assert_snapshot!(exported("crates/xcs/src"));
 }

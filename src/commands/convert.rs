@@ -4,6 +4,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use xcscr::picture::map_preview;
 use xcscr::world::{Gridded, Gridding, MapError, Maze, OccupancyMap};
 
 use super::failure::{Exit, Failure};
@@ -134,9 +135,8 @@ fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     print_map(&map, args.unknown, out)?;
     let gridded = gridding.of(&map)?;
     if let Some(file) = preview {
-        let png = gridded
-            .preview(&map)
-            .map_err(|fault| Failure::new(Exit::BadData, fault))?;
+        let png =
+            map_preview(&gridded, &map).map_err(|fault| Failure::new(Exit::BadData, fault))?;
         file.write(&png)?;
     }
     world.write(gridded.maze.to_json().as_bytes())?;

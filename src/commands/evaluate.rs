@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
+use xcscr::run::{clear_evaluation, record_evaluation};
 use xcscr::study::{ConditionResult, Robustness};
 use xcscr::trial::{Evaluation, Plan};
 
@@ -105,8 +106,8 @@ fn evaluate(
         return Ok((Evaluation::run(plan, knowledge, args.episodes)?, None));
     }
     let folder = args.out.clone().unwrap_or_else(|| args.learned.beside());
-    Evaluation::clear(&folder, args.force)?;
-    let (evaluation, _) = Evaluation::record(plan, knowledge, args.episodes, &folder)?;
+    clear_evaluation(&folder, args.force)?;
+    let (evaluation, _) = record_evaluation(plan, knowledge, args.episodes, &folder)?;
     Ok((evaluation, Some(folder)))
 }
 

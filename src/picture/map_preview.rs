@@ -15,44 +15,42 @@ const SMALLEST_CELL: f64 = 5.0;
 /// The radius of the mark of the start, in cells.
 const START_MARK: f32 = 0.3;
 
-impl Gridded {
-    /// A PNG file: what the maze takes of the map in grey, free cells framed in blue, goals green, the start an orange
-    /// disc.
-    ///
-    /// # Errors
-    /// When the picture is too large.
-    pub fn preview(&self, map: &OccupancyMap) -> Result<Vec<u8>, String> {
-        let too_large = || format!("{} x {} pixels are too many", map.width, map.height);
-        let cell_px = self.maze.cell_size_m() / map.resolution_m;
-        let [left, top] = self.corner_px.map(|edge| (edge - cell_px) as f32);
-        let length = |cells: u16| ((f64::from(cells) + 2.0) * cell_px) as f32;
-        let (width, height) = (length(self.maze.width()), length(self.maze.height()));
-        let scale = (SIDE / width.max(height)).clamp(0.05, 16.0);
-        let side = |pixels: f32| ((pixels * scale).ceil() as u32).max(1);
-        let mut canvas = Pixmap::new(side(width), side(height)).ok_or_else(too_large)?;
-        let plan = plan(map).ok_or_else(too_large)?;
-        let look = Transform::from_translate(-left, -top).post_scale(scale, scale);
-        let paint = PixmapPaint {
-            quality: if scale < 1.0 {
-                FilterQuality::Bilinear
-            } else {
-                FilterQuality::Nearest
-            },
-            ..PixmapPaint::default()
-        };
-        canvas.fill(Color::WHITE);
-        canvas.draw_pixmap(0, 0, plan.as_ref(), &paint, look, None);
-        for cell in self.maze.free_cells() {
-            draw_cell(
-                &mut canvas,
-                self,
-                cell,
-                (self.cell_corner_px(map, cell), cell_px),
-                look,
-            );
-        }
-        pixels::encoded(&canvas)
+/// A PNG file: what the maze takes of the map in grey, free cells framed in blue, goals green, the start an orange
+/// disc.
+///
+/// # Errors
+/// When the picture is too large.
+pub fn map_preview(gridded: &Gridded, map: &OccupancyMap) -> Result<Vec<u8>, String> {
+    let too_large = || format!("{} x {} pixels are too many", map.width, map.height);
+    let cell_px = gridded.maze.cell_size_m() / map.resolution_m;
+    let [left, top] = gridded.corner_px.map(|edge| (edge - cell_px) as f32);
+    let length = |cells: u16| ((f64::from(cells) + 2.0) * cell_px) as f32;
+    let (width, height) = (length(gridded.maze.width()), length(gridded.maze.height()));
+    let scale = (SIDE / width.max(height)).clamp(0.05, 16.0);
+    let side = |pixels: f32| ((pixels * scale).ceil() as u32).max(1);
+    let mut canvas = Pixmap::new(side(width), side(height)).ok_or_else(too_large)?;
+    let plan = plan(map).ok_or_else(too_large)?;
+    let look = Transform::from_translate(-left, -top).post_scale(scale, scale);
+    let paint = PixmapPaint {
+        quality: if scale < 1.0 {
+            FilterQuality::Bilinear
+        } else {
+            FilterQuality::Nearest
+        },
+        ..PixmapPaint::default()
+    };
+    canvas.fill(Color::WHITE);
+    canvas.draw_pixmap(0, 0, plan.as_ref(), &paint, look, None);
+    for cell in gridded.maze.free_cells() {
+        draw_cell(
+            &mut canvas,
+            gridded,
+            cell,
+            (gridded.cell_corner_px(map, cell), cell_px),
+            look,
+        );
     }
+    pixels::encoded(&canvas)
 }
 
 /// The pixels of the map.

@@ -12,3 +12,4 @@ mod shapes;
 mod svg;
 
 pub use film::{Film, FilmError, Moment, Scenes};
+pub use map_preview::map_preview;

@@ -13,62 +13,57 @@ use crate::record::reader::Recording;
 use crate::record::{Extent, RecordMode, RecordSummary, Recorder, RunInfo};
 use crate::trial::{Evaluation, Plan, PlanError};
 
-impl Evaluation {
-    /// Runs `episodes` episodes of the greedy policy that follows from `knowledge`, and records all of
-    /// them in `folder`, which is made if it is missing.
-    ///
-    /// # Errors
-    /// When the plan cannot be run, the knowledge is that of another world, or a file cannot be
-    /// written.
-    pub fn record(
-        plan: &Plan,
-        knowledge: &Knowledge,
-        episodes: u32,
-        folder: &Path,
-    ) -> Result<(Self, RecordSummary), RunError> {
-        record_drives(plan, knowledge, episodes, folder, RecordMode::All)
-    }
+/// Runs `episodes` episodes of the greedy policy that follows from `knowledge`, and records all of
+/// them in `folder`, which is made if it is missing.
+///
+/// # Errors
+/// When the plan cannot be run, the knowledge is that of another world, or a file cannot be
+/// written.
+pub fn record_evaluation(
+    plan: &Plan,
+    knowledge: &Knowledge,
+    episodes: u32,
+    folder: &Path,
+) -> Result<(Evaluation, RecordSummary), RunError> {
+    record_drives(plan, knowledge, episodes, folder, RecordMode::All)
+}
 
-    /// Makes room for a recorded evaluation: the folder must be missing or empty; with `force`, the
-    /// files of an earlier evaluation are removed from it, and nothing else.
-    ///
-    /// # Errors
-    /// When the folder holds something else, or cannot be read or emptied.
-    pub fn clear(folder: &Path, force: bool) -> Result<(), RunFolderError> {
-        let unreadable = |cause| RunFolderError::Io {
-            path: folder.to_owned(),
-            cause,
-        };
-        let entries: Vec<fs::DirEntry> = match folder.read_dir().and_then(Iterator::collect) {
-            Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
-            entries => entries.map_err(unreadable)?,
-        };
-        if entries.is_empty() {
-            return Ok(());
-        }
-        let names = entries.iter().map(fs::DirEntry::file_name);
-        let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
-        let run = Extent::Run.file_name();
-        let is_evaluation =
-            Recording::open(&folder.join(&run)).is_ok_and(|run| run.is_evaluation());
-        if !is_evaluation
-            || names.len() < entries.len()
-            || !names.iter().all(|name| is_of_a_run(name))
-        {
-            return Err(RunFolderError::Foreign(folder.to_owned()));
-        }
-        if !force {
-            return Err(RunFolderError::Exists(folder.to_owned()));
-        }
-        // That by which it is known as an evaluation goes last.
-        names.retain(|name| *name != run);
-        names.push(run);
-        for name in names {
-            let path = folder.join(name);
-            disk::remove(&path).map_err(|cause| RunFolderError::Write { path, cause })?;
-        }
-        Ok(())
+/// Makes room for a recorded evaluation: the folder must be missing or empty; with `force`, the
+/// files of an earlier evaluation are removed from it, and nothing else.
+///
+/// # Errors
+/// When the folder holds something else, or cannot be read or emptied.
+pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError> {
+    let unreadable = |cause| RunFolderError::Io {
+        path: folder.to_owned(),
+        cause,
+    };
+    let entries: Vec<fs::DirEntry> = match folder.read_dir().and_then(Iterator::collect) {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
+        entries => entries.map_err(unreadable)?,
+    };
+    if entries.is_empty() {
+        return Ok(());
     }
+    let names = entries.iter().map(fs::DirEntry::file_name);
+    let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
+    let run = Extent::Run.file_name();
+    let is_evaluation = Recording::open(&folder.join(&run)).is_ok_and(|run| run.is_evaluation());
+    if !is_evaluation || names.len() < entries.len() || !names.iter().all(|name| is_of_a_run(name))
+    {
+        return Err(RunFolderError::Foreign(folder.to_owned()));
+    }
+    if !force {
+        return Err(RunFolderError::Exists(folder.to_owned()));
+    }
+    // That by which it is known as an evaluation goes last.
+    names.retain(|name| *name != run);
+    names.push(run);
+    for name in names {
+        let path = folder.join(name);
+        disk::remove(&path).map_err(|cause| RunFolderError::Write { path, cause })?;
+    }
+    Ok(())
 }
 
 /// Records an evaluation, in some mode.

@@ -31,6 +31,7 @@ mod verify;
 mod way_on;
 
 pub use error::{RunError, RunFolderError};
+pub use evaluation::{clear_evaluation, record_evaluation};
 pub use folder::RunFolder;
 pub use session::{Finished, Resumed, Session};
 pub use source::Source;

@@ -7,13 +7,14 @@ use std::path::Path;
 use tempfile::TempDir;
 
 use super::error::RunError;
+use super::evaluation::record_evaluation;
 use super::facts::run_info;
 use super::source::Source;
 use super::story;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::record::{self, Extent, RecordMode, Recorder};
-use crate::trial::{Evaluation, Plan, Trial};
+use crate::trial::{Plan, Trial};
 
 /// A recorded run that was made again, into a folder that goes away with this.
 pub struct Again {
@@ -35,7 +36,7 @@ impl Again {
         let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
         if let Some(knowledge) = &source.evaluated {
             let episodes = plan.config.episodes;
-            Evaluation::record(plan, knowledge, episodes, folder.path())?;
+            record_evaluation(plan, knowledge, episodes, folder.path())?;
             return Ok(Self {
                 plan: plan.clone(),
                 mode,

@@ -217,3 +217,16 @@ fn rows_of_the_front_page_stand_among_the_results() {
         assert!(results.contains(row), "the results lack\n{row}");
     }
 }
+
+#[test]
+fn every_file_that_the_readme_names_exists() {
+    let (root, readme) = (Path::new(env!("CARGO_MANIFEST_DIR")), text("README.md"));
+    let folders = ["tests/", "src/", "examples/", "crates/"];
+    let named = readme.split('`');
+    let named = named.filter(|word| folders.iter().any(|folder| word.starts_with(folder)));
+    let named: Vec<&str> = named.filter(|word| !word.contains([' ', '\n'])).collect();
+    assert!(!named.is_empty());
+    for file in named {
+        assert!(root.join(file).exists(), "README.md names {file}");
+    }
+}

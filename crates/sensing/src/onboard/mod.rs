@@ -1,7 +1,6 @@
 //! The robot's own computer: all that it knows comes from its sensors.
 //!
-//! Nothing in this folder may name the sensors, the walls or a true pose; `tests/layering.rs` of
-//! xcscr watches over it. The robot is told where it is put down, and gets [`Readings`] from
+//! Nothing in this folder may name the sensors, the walls or a true pose; `tests/onboard.rs` checks that. The robot is told where it is put down, and gets [`Readings`] from
 //! then on.
 
 mod angle;

@@ -1,0 +1,180 @@
+//! XCSCR: the combined reward method of the paper.
+//!
+//! Four mechanisms in a fixed order, each in its own file and with its own switch:
+//! 1. [`short_term_filter`](super::short_term_filter): a collision lowers the worth of the rules that caused it, at once;
+//! 2. [`learning_rate`](super::learning_rate): successes are learned fast, failures slowly;
+//! 3. [`imprinting`](super::imprinting): after a failure, one of the best policies so far is rehearsed;
+//! 4. [`step_threshold`](super::step_threshold): the time allowed shrinks toward the best policy.
+
+use super::experts::{self, Experts};
+use super::imprinting::{self, Imprinting, Lesson, Policy};
+use super::learning_rate::LearningRate;
+use super::short_term_filter::ShortTermFilter;
+use super::step_threshold::StepThreshold;
+
+use super::stack::{RewardStack, Shares};
+use super::step_credit;
+use crate::agent::knowledge::Knowledge;
+use crate::agent::memory::{self, MemoryError};
+use crate::agent::params::Params;
+use crate::agent::{Agent, EndCredit, StepCredit};
+use xcs::random::Stream;
+use xcs::{Action, Percept};
+use xcs::{MatchSet, PredictionArray, Xcs};
+use xcscr_robot::arena::Outcome;
+
+/// The method `xcscr` (paper, section III and figure 1.c); with all four mechanisms switched off,
+/// the methods `adapted-even` and `adapted-discounted`; with [`Experts`], `xcscr-coevolved`.
+#[derive(Debug, Clone)]
+pub struct Combined {
+    xcs: Xcs,
+    match_set: MatchSet,
+    params: Params,
+    stack: RewardStack,
+    /// Length of the shortest success so far; `usize::MAX` before the first.
+    shortest: usize,
+    filter: ShortTermFilter,
+    learning_rate: LearningRate,
+    imprinting: Imprinting,
+    /// Who decides what is rehearsed, in `xcscr-coevolved`.
+    experts: Option<Experts>,
+    step_threshold: StepThreshold,
+    /// The auxiliary rewards of this episode, which are shared out with r_l at its end.
+    found: f64,
+}
+
+impl Combined {
+    /// Around a learner; `stream` decides about imprinting. The parameters must have been checked.
+    pub fn new(xcs: Xcs, params: Params, stream: Stream) -> Self {
+        Self {
+            filter: ShortTermFilter::new(&params),
+            learning_rate: LearningRate::new(&params, xcs.params().beta),
+            imprinting: Imprinting::new(&params, stream),
+            experts: None,
+            step_threshold: StepThreshold::new(&params),
+            xcs,
+            match_set: MatchSet::default(),
+            params,
+            stack: RewardStack::default(),
+            shortest: usize::MAX,
+            found: 0.0,
+        }
+    }
+
+    /// The same with experts that co-evolve; the streams are for their choices, the keeper of
+    /// \[PS\], and the cloner.
+    pub fn with_experts(mut self, streams: [Stream; 3]) -> Self {
+        let (xcs, goal) = (&self.xcs, self.params.goal);
+        self.experts = Some(Experts::new(xcs.params(), xcs.actions(), goal, streams));
+        self
+    }
+
+    /// What is rehearsed after an episode, if anything is (Alg. 2): one of the best policies, each of
+    /// its steps with its share of the reward of a success (Alg. 4).
+    fn rehearsal(&mut self, reached_goal: bool, policy: &Policy) -> Option<Vec<Lesson>> {
+        let (shortest, params) = (self.shortest, &self.params);
+        let succeeded = |policy: &Policy| {
+            let reward = params.long_term(true, policy.len());
+            imprinting::lessons(policy, &Shares::new(reward, policy.len(), shortest, params))
+        };
+        let imprinting = &mut self.imprinting;
+        match &mut self.experts {
+            None => imprinting.after(reached_goal, policy).map(succeeded),
+            Some(experts) => experts.after(reached_goal, policy, imprinting, succeeded),
+        }
+    }
+}
+
+impl Agent for Combined {
+    fn begin(&mut self, evolves: bool) {
+        self.xcs.let_evolve(evolves);
+    }
+
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.xcs.form_match_set(percept, &mut self.match_set);
+        self.xcs.predict(&self.match_set)
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let set = self.match_set.action_set(action);
+        let set = set.expect("consider comes before credit and forms [M]");
+        let reward = self.params.short_term(outcome);
+        let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
+        let beta = self.learning_rate.after_collision();
+        self.filter.answer(&mut self.xcs, &set, reward, beta);
+        self.found += outcome.found();
+        self.stack
+            .push(&mut self.xcs, set, self.params.stack_evolution);
+        credit
+    }
+
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        let steps = self.stack.len();
+        if reached_goal {
+            self.shortest = self.shortest.min(steps);
+        }
+        let policy = self.stack.policy();
+        let long_term_reward = self.params.long_term(reached_goal, steps);
+        let found = std::mem::take(&mut self.found);
+        let learning_rate = self.learning_rate.after(reached_goal);
+        let reward = long_term_reward + found;
+        let shares = Shares::new(reward, steps, self.shortest, &self.params);
+        let evolution = self.params.stack_evolution;
+        self.stack
+            .unwind(&mut self.xcs, &shares, learning_rate, evolution);
+        let rehearsed = self.rehearsal(reached_goal, &policy);
+        if let Some(lessons) = &rehearsed {
+            let beta = self.learning_rate.after(true);
+            imprinting::clone_behaviour(&mut self.xcs, lessons, beta);
+        }
+        if reached_goal {
+            self.step_threshold.learn(steps);
+        }
+        EndCredit {
+            long_term_reward,
+            learning_rate,
+            imprinted: rehearsed.is_some(),
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.step_threshold.steps()
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.xcs.worth(percept)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        Knowledge::of(&self.xcs)
+    }
+
+    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+        knowledge.bring_to(&mut self.xcs)
+    }
+
+    fn rule_count(&self) -> usize {
+        self.xcs.population().len()
+    }
+
+    fn memory(&self) -> Vec<u8> {
+        memory::of(&(
+            self.xcs.learned(),
+            self.shortest,
+            self.imprinting.kept(),
+            self.step_threshold.kept(),
+            self.experts.as_ref().map(Experts::kept),
+        ))
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
+        let mut method = self.clone();
+        let (learned, shortest, policies, threshold, experts) = memory::recall(saved)?;
+        method.shortest = shortest;
+        let fits = method.xcs.resume(learned)
+            && method.imprinting.resume(policies)
+            && method.step_threshold.resume(threshold)
+            && experts::resume(&mut method.experts, experts);
+        memory::resumed(method, fits)
+    }
+}

@@ -1,0 +1,208 @@
+//! The imprinting mechanism (Alg. 2 to 4).
+
+use serde::{Deserialize, Serialize};
+
+use super::stack::Shares;
+use crate::agent::params::Params;
+use xcs::Xcs;
+use xcs::random::Stream;
+use xcs::{Action, Percept};
+
+/// A policy as it was executed: the percept and action of each step.
+pub(super) type Policy = Vec<(Percept, Action)>;
+
+/// A step of a policy that is rehearsed, and the share of the reward that it gets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lesson {
+    pub percept: Percept,
+    pub action: Action,
+    pub share: f64,
+}
+
+/// The steps of a policy with their shares, the last one first.
+pub(super) fn lessons(policy: &[(Percept, Action)], shares: &Shares) -> Vec<Lesson> {
+    let steps = policy.iter().rev().zip(shares.backward());
+    steps
+        .map(|(&(percept, action), share)| Lesson {
+            percept,
+            action,
+            share,
+        })
+        .collect()
+}
+
+/// Keeps the best executed policies, and decides when one of them is rehearsed.
+#[derive(Debug, Clone)]
+pub(super) struct Imprinting {
+    on: bool,
+    theta_x: f64,
+    /// \[PS\]: different policies of the same, shortest length.
+    policies: Vec<Policy>,
+    stream: Stream,
+}
+
+/// What learning changes in it: \[PS\], and the stream that decides.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Kept(Vec<Policy>, Stream);
+
+impl Imprinting {
+    pub fn new(params: &Params, stream: Stream) -> Self {
+        Self {
+            on: params.imprinting,
+            theta_x: params.theta_x,
+            policies: Vec::new(),
+            stream,
+        }
+    }
+
+    /// What learning has changed so far.
+    pub fn kept(&self) -> Kept {
+        Kept(self.policies.clone(), self.stream.clone())
+    }
+
+    /// Goes on from what was kept; `false` if it is damaged.
+    pub fn resume(&mut self, Kept(policies, stream): Kept) -> bool {
+        (self.policies, self.stream) = (policies, stream);
+        self.policies.iter().all(|policy| !policy.is_empty())
+    }
+
+    /// Alg. 2: a success updates \[PS\]; a failure names, with probability 1 - theta_x, one of its
+    /// policies to be rehearsed.
+    pub fn after(&mut self, reached_goal: bool, policy: &Policy) -> Option<&Policy> {
+        if reached_goal {
+            self.keep(policy);
+            return None;
+        }
+        self.rehearsable()?;
+        self.stream.choose(&self.policies)
+    }
+
+    /// Alg. 2 for those who choose by themselves: the policies of \[PS\], if one of them is to be
+    /// rehearsed after a failure.
+    pub fn rehearsable(&mut self) -> Option<&[Policy]> {
+        let rehearses = self.on && self.stream.unit() > self.theta_x;
+        Some(&self.policies[..]).filter(|all| rehearses && !all.is_empty())
+    }
+
+    /// Is the policy in \[PS\]?
+    pub fn keeps(&self, policy: &Policy) -> bool {
+        self.policies.contains(policy)
+    }
+
+    /// Alg. 3: a shorter policy replaces the set, a different one of the same length joins it.
+    pub fn keep(&mut self, policy: &Policy) {
+        if !self.on {
+            return;
+        }
+        let shortest = self.policies.first().map_or(usize::MAX, Vec::len);
+        if policy.len() < shortest {
+            self.policies = vec![policy.clone()];
+        } else if policy.len() == shortest && !self.policies.contains(policy) {
+            self.policies.push(policy.clone());
+        }
+    }
+}
+
+/// Alg. 4: every (percept, action) pair of a policy is updated as if the policy had just
+/// succeeded, each with its share of the reward.
+pub(super) fn clone_behaviour(xcs: &mut Xcs, lessons: &[Lesson], beta: f64) {
+    for lesson in lessons {
+        let cloned = xcs.matching_action_set(&lesson.percept, lesson.action);
+        xcs.update(&cloned, lesson.share, beta);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use xcs;
+    use xcscr_robot::streams::StreamName;
+
+    /// A policy that takes these actions in as many different percepts.
+    fn policy(actions: &[usize]) -> Policy {
+        let step = |(at, &action): (usize, &usize)| {
+            let percept = Percept::from_bits((0..8).map(|bit| at >> bit & 1 == 1));
+            (percept.unwrap(), Action::new(action).unwrap())
+        };
+        actions.iter().enumerate().map(step).collect()
+    }
+
+    fn imprinting(theta_x: f64) -> Imprinting {
+        let params = Params {
+            theta_x,
+            ..Params::default()
+        };
+        Imprinting::new(&params, Stream::new(1, StreamName::Imprinting))
+    }
+
+    #[test]
+    fn algorithm_3_keeps_the_different_policies_of_the_shortest_length() {
+        let mut imprinting = imprinting(0.5);
+        let lengths = |i: &Imprinting| i.policies.iter().map(Vec::len).collect::<Vec<_>>();
+        imprinting.after(true, &policy(&[0, 1, 2]));
+        imprinting.after(true, &policy(&[0, 1, 3]));
+        imprinting.after(true, &policy(&[0, 1, 2]));
+        assert_eq!(lengths(&imprinting), [3, 3], "the same policy joins once");
+        imprinting.after(true, &policy(&[0, 0, 0, 0]));
+        assert_eq!(lengths(&imprinting), [3, 3], "a longer policy is ignored");
+        imprinting.after(true, &policy(&[2, 1]));
+        assert_eq!(
+            lengths(&imprinting),
+            [2],
+            "a shorter policy replaces the set"
+        );
+    }
+
+    #[test]
+    fn algorithm_2_rehearses_after_failures_only_with_probability_one_minus_theta_x() {
+        let share = |theta_x| {
+            let mut imprinting = imprinting(theta_x);
+            assert!(
+                imprinting.after(false, &policy(&[1])).is_none(),
+                "[PS] is empty"
+            );
+            assert!(
+                imprinting.after(true, &policy(&[0, 1])).is_none(),
+                "a success"
+            );
+            let rehearsals = (0..1000).filter(|_| imprinting.after(false, &policy(&[1])).is_some());
+            rehearsals.count()
+        };
+        assert_eq!((share(0.0), share(1.0)), (1000, 0));
+        assert!((650..750).contains(&share(0.3)), "{}", share(0.3));
+    }
+
+    #[test]
+    fn switched_off_it_never_rehearses() {
+        let params = Params {
+            imprinting: false,
+            theta_x: 0.0,
+            ..Params::default()
+        };
+        let mut imprinting = Imprinting::new(&params, Stream::new(1, StreamName::Imprinting));
+        imprinting.after(true, &policy(&[0, 1]));
+        assert!(imprinting.after(false, &policy(&[1])).is_none());
+    }
+
+    #[test]
+    fn algorithm_4_pays_every_pair_of_the_policy_its_share() {
+        let policy = policy(&[0, 1, 0]);
+        let params = xcs::Params {
+            dont_care: 0.0,
+            ..xcs::Params::default()
+        };
+        let mut xcs = Xcs::new(params, 2, Stream::new(1, StreamName::Evolution));
+        for (percept, _) in &policy {
+            xcs.form_match_set(percept, &mut xcs::MatchSet::default());
+        }
+        let shares = Shares::new(1000.0, 3, 3, &Params::default());
+        clone_behaviour(&mut xcs, &lessons(&policy, &shares), 0.2);
+        let worth = policy.iter().map(|(p, action)| xcs.worth(p).get(*action));
+        assert_eq!(
+            worth.collect::<Vec<_>>(),
+            [Some(810.0), Some(900.0), Some(1000.0)]
+        );
+        let (percept, _) = policy[0];
+        assert_eq!(xcs.worth(&percept).get(Action::new(1).unwrap()), Some(0.0));
+    }
+}

@@ -1,0 +1,150 @@
+//! Standard XCS and XCSAM: the reward travels back one step at a time, as in Q-learning.
+
+use super::step_credit;
+use crate::agent::explorer::Explorer;
+use crate::agent::knowledge::Knowledge;
+use crate::agent::memory::{self, MemoryError};
+use crate::agent::params::{Params, StepLimitUpdate, XcsPayment};
+use crate::agent::{Agent, Choice, EndCredit, StepCredit};
+use xcs::{Action, Percept};
+use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
+use xcscr_robot::arena::Outcome;
+
+/// The methods `xcs` and, around a learner with an adaptive mapping, `xcsam`: the previous \[A\]
+/// is updated with its reward plus gamma times the greatest worth of the present percept; the last
+/// \[A\] of an episode with its reward alone.
+///
+/// [`XcsPayment`] says which rewards these are, [`StepLimitUpdate`] what the step limit means.
+#[derive(Debug, Clone)]
+pub struct Standard {
+    xcs: Xcs,
+    match_set: MatchSet,
+    params: Params,
+    /// The greatest worth of the present percept.
+    greatest: f64,
+    previous: Option<Waiting>,
+    /// Steps of this episode so far.
+    steps: usize,
+}
+
+/// An action set whose payoff is not known yet.
+#[derive(Debug, Clone)]
+struct Waiting {
+    set: ActionSet,
+    /// What it is paid at once.
+    reward: f64,
+    /// The greatest worth of its percept, when its action was chosen.
+    greatest: f64,
+}
+
+impl Standard {
+    /// Around a learner; the parameters must have been checked.
+    pub fn new(xcs: Xcs, params: Params) -> Self {
+        Self {
+            xcs,
+            match_set: MatchSet::default(),
+            params,
+            greatest: 0.0,
+            previous: None,
+            steps: 0,
+        }
+    }
+
+    /// Pays an action set its reward and what followed it.
+    fn learn(&mut self, waiting: &Waiting, followed: f64) {
+        let Waiting { set, greatest, .. } = waiting;
+        let payoff = waiting.reward + followed;
+        let xcs = &mut self.xcs;
+        xcs.adapt_mapping(set, payoff, *greatest);
+        xcs.update(set, payoff, xcs.params().beta);
+        xcs.evolve(set);
+    }
+}
+
+impl Agent for Standard {
+    fn begin(&mut self, evolves: bool) {
+        self.xcs.let_evolve(evolves);
+    }
+
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.xcs.form_match_set(percept, &mut self.match_set);
+        let worth = self.xcs.predict(&self.match_set);
+        self.greatest = worth.greatest().unwrap_or(0.0);
+        worth
+    }
+
+    /// Explores, as Butz and Wilson do, only actions that rules of \[M\] advocate.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose_advocated(worth);
+        Choice::of_rules(action, explores)
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let set = self.match_set.action_set(action);
+        let set = set.expect("consider comes before credit and forms [M]");
+        let reward = self.params.short_term(outcome);
+        let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
+        let greatest = self.greatest;
+        let paid = match self.params.xcs_payment {
+            XcsPayment::All => reward,
+            XcsPayment::Final => outcome.found(),
+        };
+        self.steps += 1;
+        let waiting = Waiting {
+            set,
+            reward: paid,
+            greatest,
+        };
+        if let Some(previous) = self.previous.replace(waiting) {
+            self.learn(&previous, self.params.gamma * greatest);
+        }
+        credit
+    }
+
+    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+        let steps = std::mem::take(&mut self.steps);
+        let long_term_reward = match self.params.xcs_payment {
+            XcsPayment::All if reached_goal => self.params.goal,
+            _ => self.params.long_term(reached_goal, steps),
+        };
+        let counts = reached_goal || self.params.xcs_step_limit == StepLimitUpdate::Failure;
+        if let Some(last) = self.previous.take().filter(|_| counts) {
+            self.learn(&last, long_term_reward);
+        }
+        EndCredit {
+            long_term_reward,
+            learning_rate: self.xcs.params().beta,
+            imprinted: false,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.params.step_threshold
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.xcs.worth(percept)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        Knowledge::of(&self.xcs)
+    }
+
+    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+        knowledge.bring_to(&mut self.xcs)
+    }
+
+    fn rule_count(&self) -> usize {
+        self.xcs.population().len()
+    }
+
+    fn memory(&self) -> Vec<u8> {
+        memory::of(&self.xcs.learned())
+    }
+
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
+        let mut method = self.clone();
+        let fits = method.xcs.resume(memory::recall(saved)?);
+        memory::resumed(method, fits)
+    }
+}

@@ -1,0 +1,110 @@
+//! Explore or exploit.
+
+use xcs::Action;
+use xcs::PredictionArray;
+use xcs::random::Stream;
+
+/// Chooses actions: with probability p_explr any, otherwise one of the best.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Explorer {
+    probability: f64,
+    stream: Stream,
+}
+
+impl Explorer {
+    /// An explorer that draws from `stream`; a probability of 0 is purely greedy.
+    pub fn new(probability: f64, stream: Stream) -> Self {
+        Self {
+            probability,
+            stream,
+        }
+    }
+
+    /// The stream that it draws from.
+    pub fn stream(&self) -> &Stream {
+        &self.stream
+    }
+
+    /// Draws from another stream from now on.
+    pub fn resume(&mut self, stream: Stream) {
+        self.stream = stream;
+    }
+
+    /// From now on explores with this probability.
+    pub fn set_probability(&mut self, probability: f64) {
+        self.probability = probability;
+    }
+
+    /// An action, and whether it was chosen to explore.
+    pub fn choose(&mut self, worth: &PredictionArray) -> (Action, bool) {
+        let explores = self.stream.chance(self.probability);
+        let action = if explores {
+            self.among(Action::all(worth.as_slice().len()))
+        } else {
+            self.exploit(worth)
+        };
+        (action, explores)
+    }
+
+    /// The same, but explores only actions that have a worth, if there are any.
+    pub fn choose_advocated(&mut self, worth: &PredictionArray) -> (Action, bool) {
+        if worth.greatest().is_none() {
+            return self.choose(worth);
+        }
+        let explores = self.stream.chance(self.probability);
+        let action = if explores {
+            let all = Action::all(worth.as_slice().len());
+            self.among(all.filter(|&action| worth.get(action).is_some()))
+        } else {
+            self.exploit(worth)
+        };
+        (action, explores)
+    }
+
+    /// One of the best actions, or any where nothing is known. Ties are broken by chance.
+    pub fn exploit(&mut self, worth: &PredictionArray) -> Action {
+        exploit(worth, &mut self.stream)
+    }
+
+    /// One of some actions, each with the same chance.
+    pub fn among(&mut self, actions: impl Iterator<Item = Action> + Clone) -> Action {
+        among(actions, &mut self.stream)
+    }
+}
+
+/// One of the best actions, or any where nothing is known. Ties are broken by chance.
+pub(super) fn exploit(worth: &PredictionArray, stream: &mut Stream) -> Action {
+    match worth.greatest() {
+        Some(_) => among(worth.best_actions(), stream),
+        None => among(Action::all(worth.as_slice().len()), stream),
+    }
+}
+
+fn among(actions: impl Iterator<Item = Action> + Clone, stream: &mut Stream) -> Action {
+    let chosen = stream.below(actions.clone().count().max(1));
+    let action = actions.clone().nth(chosen);
+    action.expect("there is at least one action to choose from")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use xcscr_robot::streams::StreamName;
+
+    #[test]
+    fn only_actions_with_a_worth_are_explored_unless_there_are_none() {
+        let mut explorer = Explorer::new(1.0, Stream::new(1, StreamName::Exploration));
+        let mut worth = PredictionArray::new(4);
+        let mut tried = |worth: &PredictionArray| {
+            let mut counts = [0; 4];
+            for _ in 0..400 {
+                counts[explorer.choose_advocated(worth).0.index()] += 1;
+            }
+            counts.map(|count| count > 0)
+        };
+        assert_eq!(tried(&worth), [true; 4]);
+        worth.set(Action::new(1).unwrap(), -1.0);
+        worth.set(Action::new(3).unwrap(), 5.0);
+        assert_eq!(tried(&worth), [false, true, false, true]);
+    }
+}

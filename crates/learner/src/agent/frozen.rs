@@ -1,0 +1,118 @@
+//! An agent that only uses what is known.
+
+use serde::Serialize;
+
+use super::knowledge::Knowledge;
+use super::recall::Tracker;
+use super::{Agent, Choice, EndCredit, Explorer, StepCredit};
+use xcs::{Action, Percept, PredictionArray};
+use xcscr_robot::arena::Outcome;
+
+/// A method that no longer learns: it acts on what is known and changes nothing.
+#[derive(Debug, Clone, Serialize)]
+pub struct Frozen {
+    knowledge: Knowledge,
+    actions: usize,
+    step_threshold: u32,
+    /// What it remembers of this episode.
+    tracker: Tracker,
+    /// What it perceived last.
+    #[serde(skip)]
+    percept: Option<Percept>,
+}
+
+impl Frozen {
+    /// Acts on `knowledge` with `actions` actions, for at most `step_threshold` steps an episode.
+    pub fn new(knowledge: Knowledge, actions: usize, step_threshold: u32) -> Self {
+        Self {
+            knowledge,
+            actions,
+            step_threshold,
+            tracker: Tracker::default(),
+            percept: None,
+        }
+    }
+
+    /// Which rules match what was perceived last; none for a table, nor for rules with a memory,
+    /// which are asked in every step of many searches.
+    fn matching(&self, action: Action) -> StepCredit {
+        let mut found = StepCredit::default();
+        let rules = self
+            .knowledge
+            .rules()
+            .filter(|_| !self.knowledge.remembers());
+        let Some((rules, percept)) = rules.zip(self.percept) else {
+            return found;
+        };
+        let (mut error, mut fitness, mut greatest) = (0.0, 0.0, f64::NEG_INFINITY);
+        let rules = rules.rules().iter();
+        for rule in rules.filter(|rule| rule.condition.matches(&percept)) {
+            found.match_set += rule.numerosity;
+            if rule.action != action {
+                continue;
+            }
+            found.action_set += rule.numerosity;
+            error += rule.error * rule.fitness;
+            fitness += rule.fitness;
+            if rule.fitness > greatest {
+                greatest = rule.fitness;
+                found.fired = Some(rule.condition);
+            }
+        }
+        if fitness > 0.0 {
+            found.error = error / fitness;
+        }
+        found
+    }
+}
+
+impl Agent for Frozen {
+    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+        self.percept = Some(*percept);
+        let Some(map) = self.knowledge.map() else {
+            return self.worth(percept);
+        };
+        self.tracker.perceive(map, percept);
+        self.knowledge.plan_for(&self.tracker);
+        self.knowledge.remembered_worth(&self.tracker, self.actions)
+    }
+
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose(worth);
+        let by_chance = explores || worth.greatest().is_none();
+        match self.knowledge.rules() {
+            Some(_) => Choice::of_rules(action, by_chance),
+            None => Choice::of_a_table(action, by_chance),
+        }
+    }
+
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        self.tracker.act(action, outcome.into());
+        self.matching(action)
+    }
+
+    fn finish(&mut self, _: bool) -> EndCredit {
+        self.tracker = Tracker::default();
+        EndCredit {
+            long_term_reward: 0.0,
+            learning_rate: 0.0,
+            imprinted: false,
+        }
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.step_threshold
+    }
+
+    fn worth(&self, percept: &Percept) -> PredictionArray {
+        self.knowledge.worth(percept, self.actions)
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        self.knowledge.clone()
+    }
+
+    fn rule_count(&self) -> usize {
+        self.knowledge.len()
+    }
+}

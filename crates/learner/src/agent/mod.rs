@@ -1,0 +1,145 @@
+//! Who learns: an [`Agent`] decides who is credited, with what, and when.
+//!
+//! [`Method`] is the closed set of agents, by the names they have on the command line. `credit/` has standard XCS
+//! and the paper's mechanisms, one file each. `xcscr-plus` and `r-max` are compositions (`composed`) of a state
+//! estimator, a model (`model/`), a planner and a policy (`policy/`). `tabular/` has the baselines with a table. All
+//! reward numbers live here.
+
+mod choice;
+mod composed;
+mod credit;
+mod explorer;
+mod frozen;
+mod knowledge;
+mod map_learner;
+mod memory;
+mod method;
+mod model;
+mod params;
+mod percept_learner;
+mod plus_params;
+mod policy;
+mod power;
+mod recall;
+mod tabular;
+
+pub use choice::{Choice, Chooser, Chosen};
+use credit::{Combined, Standard};
+pub use explorer::Explorer;
+pub use frozen::Frozen;
+pub use knowledge::Knowledge;
+pub use knowledge::Misfit;
+pub use memory::MemoryError;
+pub use method::{Method, Setup};
+pub use model::pomdp;
+pub use model::{CollisionRule, Foresight, ReturnRule};
+pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
+pub use plus_params::{Estimator, PlusParams};
+pub use power::power;
+pub use recall::{
+    ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Demand, Map, PERCEPT_BITS, Part, contexts, demands,
+    words as memory_words,
+};
+pub use recall::{MemoryParams, Odometry};
+use tabular::Tabular;
+pub use tabular::TabularParams;
+
+use xcs::{Action, Condition, Percept, PredictionArray};
+use xcscr_robot::arena::Outcome;
+
+/// What a reward method made of one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepCredit {
+    /// The short-term reward r_s.
+    pub short_term_reward: f64,
+    /// Fitness-weighted mean prediction error of \[A\]; 0 for tabular methods.
+    pub error: f64,
+    /// Micro-classifiers in \[M\]; 0 for tabular methods.
+    pub match_set: u32,
+    /// Micro-classifiers in \[A\]; 0 for tabular methods.
+    pub action_set: u32,
+    /// The condition of the rule of \[A\] that weighs most; `None` where no rule advocates the
+    /// action.
+    pub fired: Option<Condition>,
+}
+
+/// What a reward method made of the end of an episode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndCredit {
+    /// The long-term reward r_l.
+    pub long_term_reward: f64,
+    /// The learning rate with which it was learned.
+    pub learning_rate: f64,
+    /// Was a policy of \[PS\] imprinted?
+    pub imprinted: bool,
+}
+
+/// A learner and its way of deciding who is credited, with what, and when.
+///
+/// Each episode opens with [`begin`](Self::begin). For each step come
+/// [`consider`](Self::consider), [`choose`](Self::choose) and [`credit`](Self::credit), at the end
+/// of the episode [`finish`](Self::finish).
+pub trait Agent {
+    /// Opens an episode; `evolves`: may rules be discovered by the GA in it? They may until this
+    /// is said for the first time. Methods without a GA need not listen.
+    fn begin(&mut self, evolves: bool) {
+        let _ = evolves;
+    }
+
+    /// The worth of each action under a percept, as a step of learning: forms \[M\] and covers
+    /// missing actions.
+    fn consider(&mut self, percept: &Percept) -> PredictionArray;
+
+    /// Chooses an action: by default, any action with probability p_explr, otherwise one of the
+    /// best by the rules.
+    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose(worth);
+        Choice::of_rules(action, explores)
+    }
+
+    /// Credits the action chosen after the last [`consider`](Self::consider).
+    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit;
+
+    /// Ends the episode: `reached_goal` tells a success from a step limit.
+    fn finish(&mut self, reached_goal: bool) -> EndCredit;
+
+    /// The most steps that the next episode may take.
+    fn step_threshold(&self) -> u32;
+
+    /// The worth of each action under a percept, without changing anything.
+    fn worth(&self, percept: &Percept) -> PredictionArray;
+
+    /// What was learned so far.
+    fn knowledge(&self) -> Knowledge;
+
+    /// Starts from what was learned in another world, before the first episode; `false` if the
+    /// method has no use for it.
+    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+        let _ = knowledge;
+        false
+    }
+
+    /// Does what it does in a percept depend on what came before it in the episode?
+    fn remembers(&self) -> bool {
+        false
+    }
+
+    /// Macro-classifiers in \[P\], or stored pairs of a tabular method.
+    fn rule_count(&self) -> usize;
+
+    /// All that the method keeps from one episode to the next, for [`restored`](Self::restored);
+    /// nothing by default.
+    fn memory(&self) -> Vec<u8> {
+        Vec::new()
+    }
+
+    /// The method that goes on as the one whose [`memory`](Self::memory) this is. `self` must have
+    /// been made with the same settings.
+    ///
+    /// # Errors
+    /// When the memory is that of another method or of other settings, or is damaged; by default, always.
+    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
+        let _ = saved;
+        Err(MemoryError::Foreign)
+    }
+}

@@ -1,0 +1,370 @@
+//! A learner whose state is the percept: a model of what followed each action, a plan on it, and a policy.
+//!
+//! The policy chooses every action that exploits: in training, in evaluations and in exports. The model acts only
+//! where something is left to explore. It has two uses:
+//! * Its plan labels percepts with their best actions ([`Known`]). Rules are distilled from these examples
+//!   ([`RulePolicy`]), or the plan itself is the policy ([`PolicyKind::Plan`]).
+//! * It leads exploration to actions that may be better than what is known ([`Exploration`]), and predicts
+//!   collisions and inverse actions, so that these need not be tried everywhere.
+//!
+//! The study `repairs` switches each part off in turn.
+
+use std::collections::BTreeMap;
+
+use super::explorer::Explorer;
+use super::knowledge::Knowledge;
+use super::memory::{self, MemoryError};
+use super::model::Foresight;
+use super::model::collision_rules::CollisionRules;
+use super::model::exploration::{Exploration, Model};
+use super::model::known::Known;
+use super::model::transitions::{Transition, Transitions};
+use super::policy::{PolicyKind, RulePolicy};
+use super::{Choice, Chooser, EndCredit, Params, PlusParams, StepCredit};
+use xcs::random::Stream;
+use xcs::{Action, Percept, PredictionArray, Xcs};
+use xcscr_robot::arena::Outcome;
+
+/// Model, plan and policy over percepts.
+#[derive(Debug, Clone)]
+pub struct PerceptLearner {
+    actions: usize,
+    params: Params,
+    own: PlusParams,
+    memory: Transitions,
+    known: Known,
+    /// The rules that choose; `None` where the plan does.
+    rules: Option<RulePolicy>,
+    collisions: CollisionRules,
+    exploration: Exploration,
+    /// Decides between equally promising paths.
+    stream: Stream,
+    /// The steps of this episode.
+    path: Vec<Taken>,
+    /// The current percept, and its number.
+    present: Option<(Percept, usize)>,
+    /// The next step of exploration; `None` where the policy decides.
+    heading: Option<Action>,
+}
+
+/// A step that was taken.
+#[derive(Debug, Clone, Copy)]
+struct Taken {
+    percept: Percept,
+    action: Action,
+    reward: f64,
+    /// Did it bump? Then what comes after it is known at once.
+    bumped: bool,
+}
+
+impl PerceptLearner {
+    /// Creates an untrained learner around an empty classifier system. The first `ring` bits of its percepts lie in
+    /// a ring around the robot; `planning` draws between equally promising paths. The parameters must have been
+    /// checked.
+    pub fn new(
+        xcs: Xcs,
+        ring: usize,
+        params: Params,
+        own: PlusParams,
+        (policy, planning): (PolicyKind, Stream),
+    ) -> Self {
+        let actions = xcs.actions();
+        let ring = if own.turned_rules { ring } else { 0 };
+        let known = Known::new(actions, &params);
+        Self {
+            actions,
+            memory: Transitions::default(),
+            rules: (policy == PolicyKind::Rules).then(|| RulePolicy::new(xcs)),
+            collisions: CollisionRules::new(actions, ring, own.certainty),
+            exploration: Exploration::new(actions, &params, known.floor()),
+            known,
+            stream: planning,
+            path: Vec::new(),
+            present: None,
+            heading: None,
+            params,
+            own,
+        }
+    }
+
+    /// Begins an episode.
+    pub fn begin(&mut self) {
+        self.exploration.begin();
+    }
+
+    /// Learns what the last step led to, decides whether to explore, and returns the policy's action values.
+    pub fn observe(&mut self, percept: &Percept) -> PredictionArray {
+        let met = self.memory.percepts().len();
+        let number = self.memory.meet(percept);
+        if number == met {
+            self.exploration.wake();
+        }
+        self.learn_last_step(Some(*percept));
+        self.present = Some((*percept, number));
+        self.heading = self.explore(number);
+        if self.heading.is_none() {
+            self.distil();
+        }
+        match &mut self.rules {
+            Some(rules) => rules.predict(percept),
+            None => self.planned(number),
+        }
+    }
+
+    /// Chooses the next step of exploration, or where there is nothing to explore one of the policy's best actions,
+    /// or any action where the policy says nothing.
+    pub fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        if let Some(action) = self.heading {
+            return Choice::new(action, Chooser::Planner);
+        }
+        let (action, by_chance) = match self.own.planned_exploration {
+            true => (explorer.exploit(values), false),
+            false => explorer.choose(values),
+        };
+        let by_chance = by_chance || values.greatest().is_none();
+        match self.rules {
+            Some(_) => Choice::of_rules(action, by_chance),
+            None => Choice::of_a_table(action, by_chance),
+        }
+    }
+
+    /// Notes the outcome of the action chosen after the last [`observe`](Self::observe).
+    pub fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let (percept, _) = self.present.expect("`observe` comes before `update`");
+        let reward = self.params.short_term(outcome);
+        let credit = match &self.rules {
+            Some(rules) => rules.credit(action, reward),
+            None => StepCredit {
+                short_term_reward: reward,
+                ..StepCredit::default()
+            },
+        };
+        let bumped = matches!(outcome, Outcome::Collided { .. });
+        if self.own.collision_rules && self.collisions.learn(&percept, action, bumped) {
+            self.exploration.wake();
+        }
+        self.path.push(Taken {
+            percept,
+            action,
+            reward,
+            bumped,
+        });
+        credit
+    }
+
+    /// Ends the episode.
+    pub fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
+        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
+        if let Some(last) = self.path.last_mut() {
+            last.reward += long_term_reward;
+            let Taken {
+                percept, bumped, ..
+            } = *last;
+            if reached_goal {
+                self.learn_last_step(None);
+            } else if bumped {
+                self.learn_last_step(Some(percept));
+            }
+        }
+        self.path.clear();
+        self.notice_slips();
+        self.exploration.begin();
+        self.known.tidy();
+        self.distil();
+        EndCredit {
+            long_term_reward,
+            learning_rate: 1.0,
+            imprinted: false,
+        }
+    }
+
+    /// The percept of the last [`observe`](Self::observe).
+    pub fn percept(&self) -> Percept {
+        self.present.expect("`observe` comes first").0
+    }
+
+    /// Where moves slip: has one percept and action led to more than slips explain?
+    pub fn is_refuted(&self) -> bool {
+        self.memory.is_refuted()
+    }
+
+    /// Were fewer different percepts met than so many, where no moves slip?
+    pub fn has_met_fewer_than(&self, steps: usize) -> bool {
+        self.memory.percepts().len() < steps && !self.memory.slips().any()
+    }
+
+    /// Returns the policy's action values in a percept.
+    pub fn values(&self, percept: &Percept) -> PredictionArray {
+        match (&self.rules, self.memory.number_of(percept)) {
+            (Some(rules), _) => rules.xcs().worth(percept),
+            (None, Some(number)) => self.planned(number),
+            (None, None) => PredictionArray::new(self.actions),
+        }
+    }
+
+    /// Returns the planned action values in a percept; none where no path to a goal is known.
+    fn planned(&self, number: usize) -> PredictionArray {
+        let mut array = PredictionArray::new(self.actions);
+        for (action, value) in self.known.action_values(&self.memory, number) {
+            array.set(action, value);
+        }
+        array
+    }
+
+    /// What was learned so far.
+    pub fn knowledge(&self) -> Knowledge {
+        let Some(rules) = &self.rules else {
+            return Knowledge::Table(self.table());
+        };
+        Knowledge::Foresighted {
+            rules: rules.xcs().population().clone(),
+            foresight: Foresight {
+                collisions: self.collisions.rules(),
+                returns: self.known.returns().rules().collect(),
+            },
+        }
+    }
+
+    /// The planned action values of all percepts from which a path to a goal is known.
+    fn table(&self) -> BTreeMap<Percept, Vec<Option<f64>>> {
+        let row = |number| {
+            let values = self.planned(number);
+            let row = Action::all(self.actions).map(|action| values.get(action));
+            values.greatest().map(|_| row.collect())
+        };
+        let rows = self.memory.sorted();
+        rows.filter_map(|(percept, number)| Some((*percept, row(number)?)))
+            .collect()
+    }
+
+    /// Starts from the predictions of another world. Its best actions are not taken over: what is best in one maze
+    /// says nothing about the next.
+    pub fn warm_start(&mut self, foresight: &Foresight) {
+        if self.own.collision_rules {
+            self.collisions.bring(&foresight.collisions);
+        }
+        if self.own.return_rules {
+            self.known.bring(&foresight.returns);
+        }
+    }
+
+    /// The number of rules, or of planned pairs of percept and action.
+    pub fn size(&self) -> usize {
+        match &self.rules {
+            Some(rules) => rules.xcs().population().len(),
+            None => self.memory.percepts().len() * self.actions,
+        }
+    }
+
+    /// What learning has changed, as bytes for [`resume`](Self::resume).
+    pub fn checkpoint(&self) -> Vec<u8> {
+        memory::of(&(
+            (self.rules.as_ref().map(RulePolicy::state), &self.stream),
+            (&self.memory, self.known.kept()),
+            (self.collisions.kept(), self.exploration.kept()),
+        ))
+    }
+
+    /// Resumes from [`checkpoint`](Self::checkpoint); `false` if that was made with other settings.
+    ///
+    /// # Errors
+    /// When the bytes are damaged.
+    pub fn resume(&mut self, saved: &[u8]) -> Result<bool, MemoryError> {
+        let (of_policy, of_model, of_exploration) = memory::recall(saved)?;
+        let (rules, known, collisions, exploration);
+        (rules, self.stream) = of_policy;
+        (self.memory, known) = of_model;
+        (collisions, exploration) = of_exploration;
+        let policy = match (&mut self.rules, rules) {
+            (Some(own), Some(rules)) => own.resume(rules, self.memory.percepts()),
+            (own, rules) => own.is_none() && rules.is_none(),
+        };
+        self.exploration.resume(exploration);
+        Ok(policy
+            && self.memory.is_sound()
+            && self.known.resume(known, &self.memory)
+            && self.collisions.resume(collisions))
+    }
+
+    /// Learns the last step, now that it is known what came after it.
+    fn learn_last_step(&mut self, next: Option<Percept>) {
+        let Some(&Taken {
+            percept,
+            action,
+            reward,
+            bumped,
+        }) = self.path.last()
+        else {
+            return;
+        };
+        self.learn_return(next);
+        let number = self.memory.meet(&percept);
+        let known = self.memory.is_known(number, action);
+        let step = Transition {
+            percept,
+            action,
+            reward,
+            next,
+        };
+        if self.memory.learn(&step, self.memory.slips().lead()) {
+            let next = next.map(|next| self.memory.meet(&next));
+            self.known.learn(&self.memory, (number, action), next);
+        }
+        if self.memory.is_known(number, action) != known {
+            self.exploration.wake();
+        } else if let Some(next) =
+            next.filter(|_| !bumped && self.known.is_best(&self.memory, number, action))
+        {
+            let next = self.memory.meet(&next);
+            if !self.memory.slipped(number, action, next) {
+                self.exploration.follow(number, next);
+            }
+        }
+    }
+
+    /// Estimates how often moves slip; if that has changed, all is judged anew.
+    fn notice_slips(&mut self) {
+        if self.memory.notice_slips(self.params.step) {
+            let slips = self.memory.slips();
+            self.known.reconsider(&self.memory);
+            let margin = if slips.any() { slips.lead() } else { 0 };
+            self.collisions.demand(margin);
+            self.exploration.wake();
+        }
+    }
+
+    /// Learns whether the last two steps led there and back.
+    fn learn_return(&mut self, next: Option<Percept>) {
+        let [.., first, second] = self.path[..] else {
+            return;
+        };
+        if self.own.return_rules && first.percept != second.percept && !second.bumped {
+            let back = next == Some(first.percept);
+            let turn = [first.action, second.action];
+            if self.known.learn_return(&self.memory, turn, back) {
+                self.exploration.wake();
+            }
+        }
+    }
+
+    /// Corrects the rules by what has changed in the plan.
+    fn distil(&mut self) {
+        let examples = self.known.news(&self.memory);
+        if let Some(rules) = &mut self.rules {
+            rules.distil(examples);
+        }
+    }
+
+    /// The next step of exploration; `None` where nothing promises more than what is known.
+    fn explore(&mut self, number: usize) -> Option<Action> {
+        let model = Model {
+            memory: &self.memory,
+            known: &self.known,
+            collisions: &self.collisions,
+        };
+        match self.own.planned_exploration {
+            true => self.exploration.next(number, &model, &mut self.stream),
+            false => None,
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! The episode loop, what it tells to listeners, and the policy that comes of it.
+
+mod choices;
+mod mistakes;
+mod observer;
+mod params;
+mod policy;
+mod run;
+
+pub use choices::BestChoices;
+pub use mistakes::Mistakes;
+pub use mistakes::Watch;
+pub use observer::{Ending, Episode, Learned, Observer, Step};
+pub use params::Params;
+pub use policy::FaultFinder;
+pub use policy::PolicyMap;
+pub use run::run;

@@ -1,0 +1,210 @@
+//! What can be reached at best in a world: by one who always knows the cell, by one who knows the
+//! world but not where the episode began, and by one who knows only the present percept.
+
+mod belief;
+mod memoryless;
+
+use serde::Serialize;
+
+use crate::agent::pomdp::{Belief, BeliefPlanner, GOAL, Pomdp, moved};
+use xcs::Action;
+use xcs::random::Stream;
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::streams::StreamName;
+use xcscr_robot::world::{Cell, Maze, Paths};
+
+/// An episode is given up after so many steps, where a policy may walk in circles.
+const MOST_STEPS: u32 = 100;
+/// Imagined episodes from each start from which an estimate is planned.
+const PLANNED: usize = 100;
+/// Episodes that an estimate is the mean of.
+const RUNS: usize = 5_000;
+/// The most cells of a world that an estimate is made for; beyond, planning takes minutes.
+const MOST_PLANNED: usize = 400;
+/// The most cells of a world that beliefs and policies are weighed for.
+const MOST_WEIGHED: usize = 1 << 16;
+/// What it costs where no way leads to a goal.
+const NEVER: f64 = 65_535.0;
+
+/// Mean steps to a goal over all starts, at best.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bounds {
+    /// What the robot perceives.
+    pub sensor: Sensor,
+    /// The probability that another move is made than the chosen one (`arena.slip`).
+    pub slip: f64,
+    /// The cell is known throughout. Exact.
+    pub full: f64,
+    /// The world is known, and what was perceived and done since the start, but not the start.
+    /// `None` when there are too many sets of cells to weigh, or where moves slip too many cells.
+    pub belief: Option<Estimate>,
+    /// Only the present percept is known: the best of the policies that have one action for each
+    /// percept, its episodes given up after 100 steps. `None` when moves slip, or in a world of too
+    /// many cells.
+    pub memoryless: Option<Estimate>,
+}
+
+/// A number, and how far off it may be.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Mean steps.
+    pub steps: f64,
+    /// 0 where it is exact; otherwise half the width of a 95 % interval, or how much less it may be.
+    pub error: f64,
+}
+
+impl Estimate {
+    fn exact(steps: f64) -> Self {
+        Self { steps, error: 0.0 }
+    }
+}
+
+impl Bounds {
+    /// The bounds of a world for a robot that perceives with `sensor` and slips with probability
+    /// `slip`. At slip 0 they are exact; otherwise the belief bound is what a plan takes that was
+    /// made by real-time dynamic programming, on average over 5,000 imagined episodes.
+    pub fn new(maze: &Maze, sensor: Sensor, slip: f64) -> Self {
+        let paths = Paths::with_slip(maze, slip);
+        let steps = |cell| paths.expected_steps(maze, cell).unwrap_or(NEVER);
+        let full = maze.starts().map(steps).sum::<f64>() / maze.starts().count() as f64;
+        if cells(maze).count() > MOST_WEIGHED {
+            return Self {
+                sensor,
+                slip,
+                full,
+                belief: None,
+                memoryless: None,
+            };
+        }
+        let (pomdp, starts) = known(maze, sensor, slip);
+        let seen: Vec<f64> = cells(maze).map(steps).collect();
+        let exact = slip == 0.0;
+        let belief = match exact {
+            true => belief::steps(&pomdp, &starts, &seen).map(Estimate::exact),
+            false => (seen.len() <= MOST_PLANNED).then(|| estimate(&pomdp, &starts)),
+        };
+        Self {
+            sensor,
+            slip,
+            full,
+            belief,
+            memoryless: exact.then(|| memoryless::steps(&pomdp, &starts)),
+        }
+    }
+
+    /// The belief bound alone, at slip 0; it is found once for a maze and its clones.
+    pub fn of_belief(maze: &Maze, sensor: Sensor) -> Option<f64> {
+        let paths = Paths::new(maze);
+        let steps = |cell| paths.expected_steps(maze, cell).unwrap_or(NEVER);
+        if let Some(start) = maze.start() {
+            // Who begins in a known cell and makes exact moves always knows the cell.
+            return Some(steps(start));
+        }
+        maze.once(sensor.name(), || {
+            if cells(maze).count() > MOST_WEIGHED {
+                return None;
+            }
+            let (pomdp, starts) = known(maze, sensor, 0.0);
+            let seen: Vec<f64> = cells(maze).map(steps).collect();
+            belief::steps(&pomdp, &starts, &seen)
+        })
+    }
+}
+
+/// The free cells that are no goal.
+fn cells(maze: &Maze) -> impl Iterator<Item = Cell> + '_ {
+    maze.free_cells().filter(|&cell| !maze.is_goal(cell))
+}
+
+/// A world for one who knows it, and the states in which an episode can start.
+fn known(maze: &Maze, sensor: Sensor, slip: f64) -> (Pomdp, Vec<u32>) {
+    let cells: Vec<Cell> = cells(maze).collect();
+    let place = |cell: &Cell| (cell.row, cell.col);
+    let state = |cell: Cell| {
+        let at = cells.binary_search_by_key(&place(&cell), place);
+        at.expect("every free cell but the goals is a state") as u32
+    };
+    let seen: Vec<_> = cells
+        .iter()
+        .map(|&cell| sensor.perceive_at(maze, cell))
+        .collect();
+    let next = |from: usize, action: Action| {
+        let direction = maze.direction(action);
+        match direction.and_then(|direction| maze.step(cells[from], direction)) {
+            None => from as u32,
+            Some(cell) if maze.is_goal(cell) => GOAL,
+            Some(cell) => state(cell),
+        }
+    };
+    // There, the random action may be the chosen one.
+    let actions = maze.action_count() as f64;
+    let random = slip * actions / (actions - 1.0);
+    let pomdp = Pomdp::new(maze.action_count(), random.min(1.0), &seen, next);
+    let starts = maze
+        .start_cells()
+        .into_iter()
+        .filter(|&cell| !maze.is_goal(cell));
+    (pomdp, starts.map(state).collect())
+}
+
+/// The starts that look like one of them: what is believed when an episode begins.
+fn alike(pomdp: &Pomdp, starts: &[u32], look: u32) -> Belief {
+    Belief::even(
+        starts
+            .iter()
+            .copied()
+            .filter(|&start| pomdp.look(start) == look),
+    )
+}
+
+/// What a plan takes on average.
+fn estimate(pomdp: &Pomdp, starts: &[u32]) -> Estimate {
+    let mut stream = Stream::new(1, StreamName::Replay);
+    let mut planner = BeliefPlanner::new(pomdp);
+    for _ in 0..PLANNED {
+        for &start in starts {
+            let believed = alike(pomdp, starts, pomdp.look(start));
+            planner.imagine(pomdp, start, believed, &mut stream);
+        }
+    }
+    let steps = |run: usize| {
+        let start = starts[run % starts.len()];
+        f64::from(run_once(
+            pomdp,
+            &planner,
+            start,
+            alike(pomdp, starts, pomdp.look(start)),
+            &mut stream,
+        ))
+    };
+    let runs: Vec<f64> = (0..RUNS).map(steps).collect();
+    let mean = runs.iter().sum::<f64>() / RUNS as f64;
+    let squares: f64 = runs.iter().map(|run| (run - mean) * (run - mean)).sum();
+    Estimate {
+        steps: mean,
+        error: 1.96 * (squares / RUNS as f64 / RUNS as f64).sqrt(),
+    }
+}
+
+/// The steps of an episode that follows a plan.
+fn run_once(
+    pomdp: &Pomdp,
+    planner: &BeliefPlanner,
+    start: u32,
+    mut belief: Belief,
+    stream: &mut Stream,
+) -> u32 {
+    let mut state = start;
+    for step in 1..10 * MOST_STEPS {
+        let action = planner.costs(pomdp, &belief).best();
+        state = moved(pomdp, state, action, stream);
+        if state == GOAL {
+            return step;
+        }
+        belief = belief.after(pomdp, action, pomdp.percept(state));
+        if belief.is_empty() {
+            belief = Belief::even(pomdp.alike(pomdp.look(state)));
+        }
+    }
+    10 * MOST_STEPS
+}

@@ -1,0 +1,97 @@
+//! What was learned in a maze, in few rules.
+
+use crate::agent::{Frozen, Knowledge};
+use crate::episode::FaultFinder;
+use xcs::{Population, compact};
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::world::{Maze, Paths};
+
+/// The rules of a learner condensed for a maze, and put to the test there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Condensed {
+    /// The condensed rules, never more than were learned.
+    pub rules: Population,
+    /// The percepts of the maze of which the learner knows anything.
+    pub percepts: usize,
+    /// In how many of these the condensed rules choose only actions that the learner rates best.
+    pub agreeing: usize,
+    /// Is the condensed policy globally optimal?
+    pub optimal: bool,
+}
+
+impl Condensed {
+    /// Rules are condensed in worlds of at most this many different percepts; beyond, it would take
+    /// minutes.
+    pub const MOST_PERCEPTS: usize = 4096;
+
+    /// Condenses what was learned; `None` for a table, which has no rules, for rules that look at
+    /// more than the percept, and in worlds with more than [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) different percepts.
+    pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze, paths: &Paths) -> Option<Self> {
+        let actions = maze.action_count();
+        if knowledge.remembers() {
+            return None;
+        }
+        let percepts = sensor.at_most_percepts(maze, Self::MOST_PERCEPTS)?;
+        let worth = |percept: &_| knowledge.worth(percept, actions);
+        let learned = knowledge.rules()?;
+        let condensed = compact(learned, &percepts, worth);
+        // Rules that were induced may be fewer, because they vote together.
+        let rules = match condensed.len() > learned.len() {
+            true => learned.clone(),
+            false => condensed,
+        };
+        let condensed = Knowledge::Rules(rules.clone());
+        let known = percepts.iter().filter(|p| worth(p).greatest().is_some());
+        let agrees = |percept: &_| {
+            let wanted = worth(percept);
+            let chosen = condensed.worth(percept, actions);
+            let is_wanted = |action| wanted.best_actions().any(|best| best == action);
+            chosen.greatest().is_some() && chosen.best_actions().all(is_wanted)
+        };
+        let frozen = Frozen::new(condensed.clone(), actions, 1);
+        let fault = FaultFinder::default().find(&frozen, sensor, maze, paths);
+        Some(Self {
+            percepts: known.clone().count(),
+            agreeing: known.filter(|percept| agrees(percept)).count(),
+            optimal: fault.is_none(),
+            rules,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::{Estimator, Method};
+    use crate::trial::{Plan, Trial};
+
+    #[test]
+    fn condensed_rules_are_never_more_than_were_learned_and_choose_the_same() {
+        let mut grown = 0;
+        let trials = ["maze4", "maze5", "maze6"]
+            .into_iter()
+            .flat_map(|maze| (1..=12).map(move |seed| (maze, seed)));
+        for (maze, seed) in trials {
+            let path = format!("{}/../../worlds/{maze}.json", env!("CARGO_MANIFEST_DIR"));
+            let maze = Maze::load(path.as_ref()).unwrap();
+            let plan = Plan::new(maze.clone());
+            let plan = plan
+                .method(Method::XcscrPlus)
+                .arena(xcscr_robot::arena::ArenaKind::Grid);
+            let mut plan = plan.episodes(40).seed(seed);
+            plan.config.settings.plus.estimator = Estimator::Percept;
+            let mut trial = Trial::new(plan).unwrap();
+            let _ = trial.run(&mut ());
+            let knowledge = trial.method().knowledge();
+            let sensor = trial.plan().config.sensor;
+            let condensed = Condensed::new(&knowledge, sensor, &maze, trial.paths()).unwrap();
+            let learned = knowledge.rules().unwrap();
+            assert!(condensed.rules.len() <= learned.len(), "seed {seed}");
+            assert_eq!(condensed.agreeing, condensed.percepts, "seed {seed}");
+            let worth = |percept: &_| knowledge.worth(percept, maze.action_count());
+            let alone = compact(learned, &sensor.percepts(&maze), worth);
+            grown += usize::from(alone.len() > learned.len());
+        }
+        assert!(grown > 0, "control: condensing alone makes more of some");
+    }
+}

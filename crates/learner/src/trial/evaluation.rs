@@ -1,0 +1,235 @@
+//! The greedy policy put to the test.
+
+use serde::{Deserialize, Serialize};
+
+use super::Trial;
+use super::plan::{Plan, PlanError};
+use crate::agent::{Explorer, Frozen, Knowledge};
+use crate::episode::{self, BestChoices, Ending, Observer};
+use xcs::random::Stream;
+use xcscr_robot::arena::Arena;
+use xcscr_robot::streams::StreamName;
+use xcscr_robot::world::{Paths, Starts};
+
+/// Nanoseconds in a second.
+const SECOND_NS: f64 = 1e9;
+
+/// What the greedy policy achieved, without learning or exploring.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Evaluation {
+    /// The world's name.
+    pub world: String,
+    /// The arena's name.
+    pub arena: String,
+    /// The noise level in physics; 0 on the grid.
+    pub noise: f64,
+    /// The root seed of starts and noise.
+    pub seed: u64,
+    /// Episodes run.
+    pub episodes: u32,
+    /// Episodes that reached a goal.
+    pub successes: u32,
+    /// Episodes that reached a goal in as few steps as possible; where actions slip, those in which
+    /// every choice was a best one.
+    pub optimal: u32,
+    /// Mean steps of an episode.
+    pub mean_steps: f64,
+    /// Mean steps of an optimal policy from where the episodes started: without slip the length
+    /// of the shortest paths.
+    pub mean_optimal_steps: f64,
+    /// Collisions in all episodes.
+    pub collisions: u64,
+    /// Mean simulated duration of an episode, in seconds.
+    pub mean_seconds: f64,
+    /// The middle of the start cell in the map frame, in metres; `None` where episodes start anywhere.
+    #[serde(default)]
+    pub start_m: Option<[f64; 2]>,
+    /// The middles of the goal cells in the map frame, in metres.
+    #[serde(default)]
+    pub goals_m: Vec<[f64; 2]>,
+}
+
+impl Evaluation {
+    /// Runs `episodes` episodes (the plan's number is for training) of the greedy policy that
+    /// follows from `knowledge`. Ties are broken by chance.
+    ///
+    /// # Errors
+    /// When the plan cannot be run, or the knowledge is that of another world.
+    pub fn run(plan: &Plan, knowledge: &Knowledge, episodes: u32) -> Result<Self, PlanError> {
+        Self::observed(plan, knowledge, episodes, &mut ())
+    }
+
+    /// The same, while somebody watches who may end it after any episode.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn observed(
+        plan: &Plan,
+        knowledge: &Knowledge,
+        episodes: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, PlanError> {
+        plan.check()?;
+        let arena = plan.config.build_arena(&plan.maze)?;
+        Self::in_arena(plan, arena, knowledge, episodes, observer)
+    }
+
+    /// Runs as many episodes with the robot of a trial as the trial left it, with what has broken
+    /// since. The trial goes on as if nothing had happened.
+    ///
+    /// # Errors
+    /// When the trial's plan cannot be run.
+    pub fn after(trial: &Trial, episodes: u32) -> Result<Self, PlanError> {
+        let plan = trial.plan();
+        let mut arena = plan.config.build_arena(&plan.maze)?;
+        arena.continue_from(&trial.arena.lasting());
+        let knowledge = trial.method().knowledge();
+        Self::in_arena(plan, arena, &knowledge, episodes, &mut ())
+    }
+
+    fn in_arena(
+        plan: &Plan,
+        mut arena: Box<dyn Arena>,
+        knowledge: &Knowledge,
+        episodes: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, PlanError> {
+        let plan = plan.clone().settled();
+        let Plan { maze, config } = &plan;
+        knowledge.check(config.sensor.width(maze), maze.action_count())?;
+        let began_ns = arena.view().now().time_ns;
+        let limit = config.settings.reward.step_threshold;
+        let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
+        let sums = Sums::over(episodes, &plan, &mut *arena, &mut policy, observer);
+        let mean = |sum: u64| sum as f64 / f64::from(episodes.max(1));
+        Ok(Self {
+            world: maze.name().to_owned(),
+            arena: config.arena.name().to_owned(),
+            noise: config.noise(),
+            seed: config.seed,
+            episodes,
+            successes: sums.successes,
+            optimal: sums.optimal,
+            mean_steps: mean(sums.steps),
+            mean_optimal_steps: sums.expected / f64::from(episodes.max(1)),
+            collisions: sums.collisions,
+            mean_seconds: mean(arena.view().now().time_ns - began_ns) / SECOND_NS,
+            start_m: maze.start().map(|cell| maze.centre_m(cell).into()),
+            goals_m: maze
+                .goals()
+                .iter()
+                .map(|&cell| maze.centre_m(cell).into())
+                .collect(),
+        })
+    }
+
+    /// Was every episode [optimal](Self::optimal)?
+    pub fn is_optimal(&self) -> bool {
+        self.optimal == self.episodes
+    }
+}
+
+/// What adds up over the episodes.
+#[derive(Default)]
+struct Sums {
+    successes: u32,
+    optimal: u32,
+    steps: u64,
+    /// Steps that an optimal policy takes on average.
+    expected: f64,
+    collisions: u64,
+}
+
+impl Sums {
+    /// Those of so many episodes of a settled plan.
+    fn over(
+        episodes: u32,
+        Plan { maze, config }: &Plan,
+        arena: &mut dyn Arena,
+        policy: &mut Frozen,
+        observer: &mut dyn Observer,
+    ) -> Self {
+        let paths = Paths::with_slip(maze, config.settings.arena.slip);
+        let mut greedy = Explorer::new(0.0, Stream::new(config.seed, StreamName::Exploration));
+        let mut starts = Stream::new(config.seed, StreamName::Start);
+        let cells = Starts::new(maze);
+        let mut sums = Self::default();
+        for number in 1..=episodes {
+            let start = cells
+                .nth(maze, starts.below(cells.count()))
+                .expect("a checked maze has a start cell");
+            let mut choices = BestChoices::by(&paths);
+            let (episode, flow) = episode::run(
+                number,
+                start,
+                arena,
+                config.sensor,
+                policy,
+                &mut greedy,
+                &mut (&mut choices, &mut *observer),
+            );
+            sums.add(&episode, choices.is_optimal(&episode));
+            sums.expected += paths.expected_steps(maze, start).unwrap_or(0.0);
+            if flow.is_break() {
+                break;
+            }
+        }
+        sums
+    }
+
+    fn add(&mut self, episode: &episode::Episode, was_optimal: bool) {
+        let success = episode.ending == Ending::Goal;
+        self.successes += u32::from(success);
+        self.optimal += u32::from(was_optimal);
+        self.steps += u64::from(episode.steps);
+        self.collisions += u64::from(episode.collisions);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use xcs::Action;
+    use xcscr_robot::arena::ArenaKind;
+    use xcscr_robot::sensor::Sensor;
+    use xcscr_robot::world::{Cell, Maze};
+
+    /// Maze4 with actions that slip, and a policy by position: what value iteration says, but in
+    /// `other` cells the opposite.
+    fn evaluated(other: impl Fn(Cell) -> bool) -> Evaluation {
+        let maze = Maze::load("../../worlds/maze4.json".as_ref()).unwrap();
+        let plan = Plan::new(maze)
+            .arena(ArenaKind::Grid)
+            .sensor(Sensor::Position);
+        let mut plan = plan.seed(3);
+        plan.config.settings.arena.slip = 0.25;
+        plan.config.settings.reward.step_threshold = 1_000;
+        let maze = &plan.maze;
+        let paths = Paths::with_slip(maze, 0.25);
+        let row = |cell: Cell| {
+            let is_best = |action| paths.successor(maze, cell, action).is_some();
+            let worth = |action| Some(f64::from(u8::from(is_best(action) != other(cell))));
+            Action::all(4).map(worth).collect()
+        };
+        let cells = maze.free_cells();
+        let table = cells.map(|cell| (Sensor::Position.perceive_at(maze, cell), row(cell)));
+        let knowledge = Knowledge::Table(table.collect());
+        Evaluation::run(&plan, &knowledge, 200).unwrap()
+    }
+
+    #[test]
+    fn where_actions_slip_an_episode_is_optimal_when_all_choices_were_and_not_when_it_was_short() {
+        let best = evaluated(|_| false);
+        assert!(best.is_optimal() && best.successes == 200, "{best:?}");
+        assert!(best.mean_steps > 12.0, "luck alone makes 10: {best:?}");
+        let expected = best.mean_optimal_steps;
+        assert!((best.mean_steps / expected - 1.0).abs() < 0.1, "{best:?}");
+    }
+
+    #[test]
+    fn control_one_wrong_choice_makes_an_episode_not_optimal() {
+        // The cell south-east of the start, on every path.
+        let wrong = evaluated(|cell| (cell.col, cell.row) == (2, 2));
+        assert!(wrong.optimal < wrong.successes, "{wrong:?}");
+    }
+}

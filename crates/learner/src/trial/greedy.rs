@@ -1,0 +1,215 @@
+//! How many steps the greedy policy takes from all starts.
+
+use serde::{Deserialize, Serialize};
+
+use super::bounds::Bounds;
+use super::drive::Drive;
+use super::plan::Plan;
+use crate::agent::{Explorer, Frozen, Knowledge};
+use crate::episode;
+use xcs::random::Stream;
+use xcscr_robot::arena::{GridArena, MisreadingArena, RewardingArena, SlippingArena};
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::streams::StreamName;
+use xcscr_robot::world::{Cell, Maze, Starts};
+
+/// Episodes that a mean is taken over where moves slip or percepts are misread.
+const RUNS: usize = 500;
+/// The most starts that episodes are run from: those of larger worlds would take longer than the
+/// trial.
+const MOST_STARTS: usize = 1_000;
+
+/// Steps of the greedy policy with everything frozen, counted on the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct GreedySteps {
+    /// Mean steps over all starts, of more than a thousand over so many that are evenly spread; an
+    /// episode that is given up at the step-threshold counts with that. Where moves slip or percepts are misread, over 500 episodes or more, as many from each start.
+    pub mean: f64,
+    /// Episodes that reached a goal.
+    pub arrivals: u32,
+    /// All episodes.
+    pub episodes: u32,
+}
+
+impl GreedySteps {
+    /// Runs the greedy policy that follows from `knowledge` from these starts. The plan must have been
+    /// checked, and the knowledge be that of its world. Ties are broken by chance.
+    pub fn of(plan: &Plan, knowledge: &Knowledge) -> Self {
+        let Plan { maze, config } = plan;
+        let settings = &config.settings;
+        let stream = |name| Stream::new(config.seed, name);
+        let grid = Box::new(GridArena::new(maze.clone()));
+        let paying = Box::new(RewardingArena::new(grid));
+        let slipping = Box::new(SlippingArena::new(paying, settings.arena.slip, config.seed));
+        let (flips, width) = (settings.sensor.flips, config.sensor.width(maze));
+        let mut arena = MisreadingArena::new(slipping, flips, width, config.seed);
+        let limit = settings.reward.step_threshold;
+        let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
+        let mut greedy = Explorer::new(0.0, stream(StreamName::Exploration));
+        let starts = spread(&Starts::new(maze), maze);
+        let rounds = match settings.arena.slip > 0.0 || flips > 0.0 {
+            true => RUNS.div_ceil(starts.len()),
+            false => 1,
+        };
+        let (mut steps, mut arrivals, mut episodes) = (0_u64, 0, 0);
+        for start in (0..rounds).flat_map(|_| &starts) {
+            episodes += 1;
+            let (episode, _) = episode::run(
+                episodes,
+                *start,
+                &mut arena,
+                config.sensor,
+                &mut policy,
+                &mut greedy,
+                &mut (),
+            );
+            steps += u64::from(episode.steps);
+            arrivals += u32::from(episode.ending == episode::Ending::Goal);
+        }
+        Self {
+            mean: steps as f64 / f64::from(episodes.max(1)),
+            arrivals,
+            episodes,
+        }
+    }
+
+    /// How many times the steps of the belief bound these are; `None` where moves slip, for which
+    /// that is only estimated (`world info --bounds --slip`), or where it is unknown.
+    pub fn ratio(&self, plan: &Plan) -> Option<f64> {
+        let Plan { maze, config } = plan;
+        let exact = config.settings.arena.slip == 0.0;
+        let bound = exact
+            .then(|| Bounds::of_belief(maze, config.sensor))
+            .flatten()?;
+        Some(self.mean / bound)
+    }
+}
+
+/// All starts, or some of them in even distances.
+fn spread(starts: &Starts, maze: &Maze) -> Vec<Cell> {
+    let count = starts.count();
+    let taken = count.min(MOST_STARTS);
+    let numbers = (0..taken).map(|number| number * count / taken);
+    numbers
+        .filter_map(|number| starts.nth(maze, number))
+        .collect()
+}
+
+/// Steps that are followed from one start, over all ways that ties leave open.
+const MOST_FOLLOWED: u32 = 10_000;
+
+/// Mean steps of the greedy policy over all starts, where moves are exact: of several best actions
+/// each counts with the same share, so that no luck is in it. `None` if from some start it knows no
+/// action, does not arrive, or leaves too much open.
+pub(super) fn expected_steps(maze: &Maze, sensor: Sensor, policy: &Frozen) -> Option<f64> {
+    let starts = maze.start_cells();
+    let steps = starts
+        .iter()
+        .map(|&start| steps_from(maze, sensor, policy, start));
+    let all: f64 = steps.sum::<Option<f64>>()?;
+    Some(all / starts.len() as f64)
+}
+
+/// The same from one start.
+fn steps_from(maze: &Maze, sensor: Sensor, policy: &Frozen, start: Cell) -> Option<f64> {
+    let mut steps = 0.0;
+    let mut left = MOST_FOLLOWED;
+    let mut open = vec![(Drive::new(policy.clone(), start), 1.0)];
+    while let Some((mut drive, share)) = open.pop() {
+        if maze.is_goal(drive.cell()) {
+            continue;
+        }
+        left = left.checked_sub(1)?;
+        steps += share;
+        let best = drive.best_actions(maze, sensor);
+        let (first, others) = best.split_first()?;
+        let share = share / best.len() as f64;
+        for &other in others {
+            let mut drive = drive.clone();
+            drive.take(maze, other);
+            open.push((drive, share));
+        }
+        drive.take(maze, *first);
+        open.push((drive, share));
+    }
+    Some(steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use xcscr_robot::arena::ArenaKind;
+
+    fn expected_in(plan: &Plan, knowledge: Knowledge) -> Option<f64> {
+        let policy = Frozen::new(knowledge, plan.maze.action_count(), 50);
+        expected_steps(&plan.maze, plan.config.sensor, &policy)
+    }
+
+    /// Mean steps along a corridor of three cells to the goal at its end, from all of them, where
+    /// the first two cells look east or, in some of `ties`, both ways alike.
+    fn in_a_corridor(ties: [bool; 2]) -> Option<f64> {
+        let world = r#######"{ "rows": ["######", "#...G#", "######"] }"#######;
+        let maze = Maze::from_json(world.as_bytes(), "corridor.json").unwrap();
+        let plan = Plan::new(maze)
+            .arena(ArenaKind::Grid)
+            .sensor(Sensor::Position);
+        let maze = &plan.maze;
+        let rows = maze.free_cells().map(|cell| {
+            let west = match ties.get(usize::from(cell.col) - 1) {
+                Some(true) => 1.0,
+                _ => 0.0,
+            };
+            let row = [0.0, 1.0, 0.0, west].map(Some).to_vec();
+            (Sensor::Position.perceive_at(maze, cell), row)
+        });
+        expected_in(&plan, Knowledge::Table(rows.collect()))
+    }
+
+    #[test]
+    fn at_a_tie_every_way_counts_with_its_share() {
+        assert_eq!(in_a_corridor([false, false]), Some(2.0));
+        // From the second cell: 2 steps or, by way of the first, 4 or 6 or ...
+        assert_eq!(in_a_corridor([false, true]), None);
+    }
+
+    #[test]
+    fn control_a_tie_of_ways_that_are_equally_short_changes_nothing() {
+        let world = r#####"{ "rows": ["####", "#S.#", "#.G#", "####"] }"#####;
+        let maze = Maze::from_json(world.as_bytes(), "square.json").unwrap();
+        let plan = Plan::new(maze)
+            .arena(ArenaKind::Grid)
+            .sensor(Sensor::Position);
+        let rows = plan.maze.free_cells().map(|cell| {
+            let row = [0.0, 1.0, 1.0, 0.0].map(Some).to_vec();
+            let row = match (cell.row, cell.col) {
+                (1, 2) => [0.0, 0.0, 1.0, 0.0].map(Some).to_vec(),
+                (2, 1) => [0.0, 1.0, 0.0, 0.0].map(Some).to_vec(),
+                _ => row,
+            };
+            (Sensor::Position.perceive_at(&plan.maze, cell), row)
+        });
+        let table = Knowledge::Table(rows.collect());
+        assert_eq!(expected_in(&plan, table), Some(2.0));
+    }
+
+    #[test]
+    fn all_starts_are_taken_of_a_small_world_and_a_thousand_of_a_large_one() {
+        let side = 40;
+        let open = format!("#{}#", ".".repeat(side));
+        let wall = "#".repeat(side + 2);
+        for (rows, taken) in [(20, 20 * side - 1), (30, MOST_STARTS)] {
+            let mut rows = vec![open.clone(); rows];
+            rows[0].replace_range(1..2, "G");
+            let rows = [vec![wall.clone()], rows, vec![wall.clone()]].concat();
+            let text = format!(r#"{{"rows": {rows:?}}}"#);
+            let maze = Maze::from_json(text.as_bytes(), "open.json").unwrap();
+            let cells = spread(&Starts::new(&maze), &maze);
+            assert_eq!(cells.len(), taken);
+            if taken < MOST_STARTS {
+                assert_eq!(cells, maze.start_cells());
+            }
+            assert!(cells.windows(2).all(|pair| pair[0].row <= pair[1].row));
+            assert_eq!(usize::from(cells[taken - 1].row), rows.len() - 2);
+        }
+    }
+}

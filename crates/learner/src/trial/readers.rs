@@ -1,0 +1,376 @@
+//! Which settings a run reads, so that a setting without effect can be refused.
+
+use std::fmt;
+use std::sync::LazyLock;
+
+use super::resolve::Resolved;
+use super::settings::Settings;
+use super::settings_error::{SettingOrigin, SettingsError};
+use crate::agent::{Estimator, Method, Sharing};
+use xcscr_robot::arena::{ArenaKind, Localisation};
+use xcscr_robot::sensor::Sensor;
+
+/// The parts of the program that read a setting.
+#[derive(Debug, Clone)]
+pub enum ReadBy {
+    /// Every run.
+    Everything,
+    /// Some of the methods, while they learn.
+    Methods(Vec<Reader>),
+    /// The robot in physics.
+    Robot,
+    /// The robot in physics that estimates its pose.
+    SensingRobot,
+    /// The robot in physics that is given its pose with some noise.
+    ToldRobot,
+    /// The robot in physics whose percepts are looked up in the maze: the others always estimate their pose.
+    RobotWithLookedUpPercepts,
+}
+
+/// A method that reads a setting, always or with another setting only.
+#[derive(Debug, Clone, Copy)]
+pub struct Reader {
+    method: Method,
+    condition: Option<Condition>,
+}
+
+/// What must be set so that a method reads a setting.
+#[derive(Debug, Clone, Copy)]
+struct Condition {
+    /// As behind `--set`.
+    text: &'static str,
+    holds: fn(&Settings) -> bool,
+}
+
+/// What decides which settings count: what learns, where, and with which percept.
+#[derive(Debug, Clone, Copy)]
+pub struct Scope<'a> {
+    /// The method; `None` where a finished policy drives and nothing learns.
+    pub method: Option<Method>,
+    /// The arena.
+    pub arena: ArenaKind,
+    /// The percept.
+    pub sensor: Sensor,
+    /// All settings.
+    pub settings: &'a Settings,
+}
+
+const XCS: [Method; 6] = [
+    Method::Xcs,
+    Method::Xcsam,
+    Method::AdaptedEven,
+    Method::AdaptedDiscounted,
+    Method::Xcscr,
+    Method::XcscrCoevolved,
+];
+const STANDARD: [Method; 2] = [Method::Xcs, Method::Xcsam];
+const XCSCR: [Method; 2] = [Method::Xcscr, Method::XcscrCoevolved];
+const COMPOSED: [Method; 2] = [Method::XcscrPlus, Method::RMax];
+const VALUE_TABLES: [Method; 3] = [Method::QLearning, Method::SarsaLambda, Method::DynaQ];
+
+const UNPLANNED: Condition = Condition {
+    text: "plus.planned_exploration=false",
+    holds: |all| !all.plus.planned_exploration,
+};
+const EVEN: Condition = Condition {
+    text: "reward.sharing=even",
+    holds: |all| all.reward.sharing == Sharing::Even,
+};
+const DISCOUNTED: Condition = Condition {
+    text: "reward.sharing=discounted",
+    holds: |all| all.reward.sharing == Sharing::Discounted,
+};
+const ONE_RATE: Condition = Condition {
+    text: "reward.learning_rate_switching=false",
+    holds: |all| !all.reward.learning_rate_switching,
+};
+const ALTERNATING: Condition = Condition {
+    text: "episode.alternate=true",
+    holds: |all| all.episode.alternate,
+};
+const ON_PERCEPTS: Condition = Condition {
+    text: "plus.estimator=auto|percept",
+    holds: |all| all.plus.estimator != Estimator::Map,
+};
+const ON_A_MAP: Condition = Condition {
+    text: "plus.estimator=auto|map",
+    holds: |all| all.plus.estimator != Estimator::Percept,
+};
+
+/// The readers of each setting, by its full name, or by the section of all that have no line of their own.
+static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
+    use Method::*;
+    use ReadBy::{Everything, Methods, Robot, RobotWithLookedUpPercepts, SensingRobot, ToldRobot};
+    vec![
+        ("arena.*", Everything),
+        ("sensor.*", Everything),
+        ("reward.step_threshold", Everything),
+        ("reward.step_threshold_from_maze", Everything),
+        ("reward.goal", Methods(always(Method::ALL))),
+        (
+            "reward.step",
+            Methods(
+                [
+                    always(&[Xcs, Xcsam]),
+                    always(&XCSCR),
+                    always(&COMPOSED),
+                    always(&VALUE_TABLES),
+                ]
+                .concat(),
+            ),
+        ),
+        (
+            "reward.collision",
+            Methods(
+                [
+                    always(&[Xcs, Xcsam]),
+                    always(&XCSCR),
+                    when(ON_PERCEPTS, &COMPOSED),
+                    always(&VALUE_TABLES),
+                ]
+                .concat(),
+            ),
+        ),
+        ("reward.failure", Methods(always(&XCS))),
+        ("reward.xcs_payment", Methods(always(&STANDARD))),
+        ("reward.xcs_step_limit", Methods(always(&STANDARD))),
+        ("reward.stack_evolution", Methods(always(&XCS[2..]))),
+        (
+            "reward.gamma",
+            Methods(
+                [
+                    always(&[Xcs, Xcsam, AdaptedDiscounted]),
+                    when(DISCOUNTED, &XCSCR),
+                    always(&COMPOSED),
+                    always(&VALUE_TABLES),
+                ]
+                .concat(),
+            ),
+        ),
+        (
+            "reward.even_constant",
+            Methods([always(&[AdaptedEven]), when(EVEN, &XCSCR)].concat()),
+        ),
+        ("reward.*", Methods(always(&XCSCR))),
+        (
+            "episode.*",
+            Methods(
+                [
+                    always(&XCS),
+                    when(UNPLANNED, &COMPOSED),
+                    always(&VALUE_TABLES),
+                ]
+                .concat(),
+            ),
+        ),
+        (
+            "xcs.population_size",
+            Methods([always(&XCS), always(&[XcscrPlus])].concat()),
+        ),
+        (
+            "xcs.beta",
+            Methods(
+                [
+                    always(&XCS[..4]),
+                    when(ONE_RATE, &[Xcscr]),
+                    always(&[XcscrCoevolved]),
+                ]
+                .concat(),
+            ),
+        ),
+        ("xcs.ga_clock", Methods(when(ALTERNATING, &XCS))),
+        ("xcs.zeta", Methods(always(&[Xcsam]))),
+        ("xcs.*", Methods(always(&XCS))),
+        ("plus.estimator", Methods(always(&COMPOSED))),
+        ("plus.*", Methods(when(ON_PERCEPTS, &COMPOSED))),
+        ("memory.*", Methods(when(ON_A_MAP, &COMPOSED))),
+        ("tabular.alpha", Methods(always(&VALUE_TABLES))),
+        ("tabular.lambda", Methods(always(&[SarsaLambda]))),
+        ("tabular.replays", Methods(always(&[DynaQ]))),
+        ("physics.localisation", RobotWithLookedUpPercepts),
+        ("physics.position_noise_m", ToldRobot),
+        ("physics.heading_noise_rad", ToldRobot),
+        ("physics.bumper.*", SensingRobot),
+        ("physics.encoders.*", SensingRobot),
+        ("physics.estimator.*", SensingRobot),
+        ("physics.faults.*", SensingRobot),
+        ("physics.gyro.*", SensingRobot),
+        ("physics.lidar.*", SensingRobot),
+        ("physics.*", Robot),
+    ]
+});
+
+fn always(methods: &[Method]) -> Vec<Reader> {
+    let reader = |&method: &Method| Reader {
+        method,
+        condition: None,
+    };
+    methods.iter().map(reader).collect()
+}
+
+fn when(condition: Condition, methods: &[Method]) -> Vec<Reader> {
+    let reader = |&method: &Method| Reader {
+        method,
+        condition: Some(condition),
+    };
+    methods.iter().map(reader).collect()
+}
+
+impl ReadBy {
+    /// Returns what reads the setting with this full name; `None` if there is no such setting.
+    pub fn of(key: &str) -> Option<&'static Self> {
+        Some(&TABLE[row_of(key)?].1)
+    }
+
+    /// The noun behind "does not read it; ".
+    fn are_several(&self) -> bool {
+        matches!(self, Self::Methods(readers) if readers.len() > 1)
+    }
+}
+
+/// The row of a setting: its own, or that of the longest section that it is in.
+fn row_of(key: &str) -> Option<usize> {
+    let fits = |pattern: &str| match pattern.strip_suffix('*') {
+        None => pattern == key,
+        Some(section) => key.starts_with(section),
+    };
+    let rows = TABLE.iter().enumerate().filter(|(_, row)| fits(row.0));
+    let exact_first = |pattern: &str| (!pattern.ends_with('*'), pattern.len());
+    let best = rows.max_by_key(|(_, row)| exact_first(row.0));
+    best.map(|(at, _)| at)
+}
+
+impl fmt::Display for ReadBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let words = match self {
+            Self::Everything => "every run",
+            Self::Methods(readers) => return write_readers(readers, f),
+            Self::Robot => "the arena `physics`",
+            Self::SensingRobot => {
+                "a robot in `physics` that estimates its pose (percept `lidar...`, or `physics.localisation=estimated`)"
+            }
+            Self::ToldRobot => {
+                "a robot in `physics` that does not estimate its pose (another percept than `lidar...`)"
+            }
+            Self::RobotWithLookedUpPercepts => {
+                "a robot in `physics` with another percept than `lidar...`"
+            }
+        };
+        f.write_str(words)
+    }
+}
+
+fn write_readers(readers: &[Reader], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let always = readers.iter().all(|reader| reader.condition.is_none());
+    if always && readers.len() == Method::ALL.len() {
+        return f.write_str("every method");
+    }
+    for (i, reader) in readers.iter().enumerate() {
+        let gap = if i == 0 { "" } else { ", " };
+        write!(f, "{gap}`{}`", reader.method.name())?;
+        if let Some(Condition { text, .. }) = reader.condition {
+            write!(f, " with `{text}`")?;
+        }
+    }
+    Ok(())
+}
+
+impl Scope<'_> {
+    /// Can the setting with this full name have an effect?
+    pub fn reads(&self, key: &str) -> bool {
+        let is_driven = self.arena == ArenaKind::Physics;
+        let is_sensed = self.sensor.is_sensed();
+        let estimates = is_sensed || self.settings.physics.localisation == Localisation::Estimated;
+        ReadBy::of(key).is_some_and(|readers| match readers {
+            ReadBy::Everything => true,
+            ReadBy::Methods(readers) => readers.iter().any(|reader| {
+                let condition = reader.condition;
+                Some(reader.method) == self.method
+                    && condition.is_none_or(|condition| (condition.holds)(self.settings))
+            }),
+            ReadBy::Robot => is_driven,
+            ReadBy::SensingRobot => is_driven && estimates,
+            ReadBy::ToldRobot => is_driven && !estimates,
+            ReadBy::RobotWithLookedUpPercepts => is_driven && !is_sensed,
+        })
+    }
+
+    /// Says why the setting with this full name has no effect, and what reads it.
+    pub fn why_unread(&self, key: &str) -> String {
+        let Some(readers) = ReadBy::of(key) else {
+            return "there is no such setting".to_owned();
+        };
+        let verb = if readers.are_several() { "do" } else { "does" };
+        let who = match (readers, self.method) {
+            (ReadBy::Methods(_), None) => {
+                return "the policy only drives here, and does not learn".to_owned();
+            }
+            (ReadBy::Methods(_), Some(method)) => format!("the method `{}`", method.name()),
+            _ if self.arena == ArenaKind::Grid => "the arena `grid`".to_owned(),
+            _ => format!("a robot with the percept `{}`", self.sensor.name()),
+        };
+        format!("{who} does not read it; {readers} {verb}")
+    }
+}
+
+impl Resolved {
+    /// Accepts the settings when each one that was set by hand can have an effect: with this method, or
+    /// `None` where nothing learns, in this arena, on this percept. A settings file may repeat values that
+    /// hold anyway.
+    ///
+    /// # Errors
+    /// [`SettingsError::NoRobot`], or [`SettingsError::Unread`] for the first setting without effect.
+    pub fn check_read(
+        &self,
+        method: Option<Method>,
+        arena: ArenaKind,
+        sensor: Sensor,
+    ) -> Result<(), SettingsError> {
+        let mut origins = self.entries().map(|(_, _, origin)| origin);
+        let is_robot = |origin: &SettingOrigin| matches!(origin, SettingOrigin::Robot(_));
+        if arena == ArenaKind::Grid && origins.any(is_robot) {
+            return Err(SettingsError::NoRobot);
+        }
+        let scope = Scope {
+            method,
+            arena,
+            sensor,
+            settings: &self.settings,
+        };
+        let unread = self.given.iter().find(|(key, _)| !scope.reads(key));
+        unread.map_or(Ok(()), |(key, origin)| {
+            Err(SettingsError::Unread {
+                key: key.clone(),
+                origin: origin.clone(),
+                why: scope.why_unread(key),
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_setting_has_readers_and_every_row_is_of_some_setting() {
+        let declared = Settings::declared();
+        let rows: Option<BTreeSet<usize>> = declared.iter().map(|one| row_of(one.key)).collect();
+        let used = rows.expect("each setting has a row");
+        let unused = (0..TABLE.len()).find(|at| !used.contains(at));
+        assert_eq!(unused.map(|at| TABLE[at].0), None);
+        assert!(ReadBy::of("xcss.beta").is_none(), "control");
+    }
+
+    #[test]
+    fn the_closest_row_counts() {
+        let words = |key: &str| ReadBy::of(key).unwrap().to_string();
+        assert_eq!(words("xcs.zeta"), "`xcsam`");
+        assert_eq!(words("reward.goal"), "every method");
+        assert_eq!(words("physics.care.when"), "the arena `physics`");
+        assert!(words("physics.lidar.beams").starts_with("a robot in `physics` that estimates"));
+        assert!(words("memory.bumps").ends_with("`r-max` with `plus.estimator=auto|map`"));
+    }
+}

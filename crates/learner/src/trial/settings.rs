@@ -1,0 +1,90 @@
+//! Everything that can be set for a trial.
+
+use serde::{Deserialize, Serialize};
+
+use super::toml_text::MOST_TOML_BYTES;
+use crate::agent;
+use crate::episode;
+use xcs::bounds::{OutOfRange, Setting};
+use xcscr_robot::arena::{ArenaParams, PhysicsParams};
+use xcscr_robot::sensor::SensorParams;
+use xcscr_robot::world::{Maze, Paths};
+
+/// An episode of so many shortest paths leaves room to explore.
+const PATHS_AN_EPISODE: u32 = 4;
+/// The largest step-threshold that settings can hold.
+const MOST_STEPS: u32 = 1_000_000;
+
+/// All settings of a trial, by section.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// The learner.
+    pub xcs: xcs::Params,
+    /// Rewards and reward methods.
+    pub reward: agent::Params,
+    /// `xcscr-plus` and `r-max`.
+    pub plus: agent::PlusParams,
+    /// Their maps.
+    pub memory: agent::MemoryParams,
+    /// Tabular methods.
+    pub tabular: agent::TabularParams,
+    /// Exploration.
+    pub episode: episode::Params,
+    /// What holds in every arena.
+    pub arena: ArenaParams,
+    /// What is perceived.
+    pub sensor: SensorParams,
+    /// The robot and its noise.
+    pub physics: PhysicsParams,
+}
+
+impl Settings {
+    /// The largest file of settings, in bytes.
+    pub const MOST_BYTES: u64 = MOST_TOML_BYTES;
+
+    /// The settings with what the maze decides filled in: the step-threshold, unless it was set.
+    pub fn settled_in(mut self, maze: &Maze) -> Self {
+        if self.reward.step_threshold_from_maze {
+            let longest = Paths::new(maze).longest(maze);
+            let wanted = longest.saturating_mul(PATHS_AN_EPISODE).min(MOST_STEPS);
+            let least = self.reward.step_threshold;
+            self.reward.step_threshold = least.max(wanted);
+        }
+        self
+    }
+
+    /// What is declared of each setting, section by section.
+    pub fn declared() -> Vec<Setting> {
+        let mut all = [
+            xcs::Params::declared(),
+            agent::Params::declared(),
+            agent::PlusParams::declared(),
+            agent::MemoryParams::declared(),
+            agent::TabularParams::declared(),
+            episode::Params::declared(),
+            ArenaParams::declared(),
+            SensorParams::declared(),
+            PhysicsParams::declared_with_parts(),
+        ]
+        .concat();
+        all.sort_by_key(|setting| setting.key);
+        all
+    }
+
+    /// Accepts the settings when each lies in its range.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] for the first that does not.
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        self.xcs.check()?;
+        self.reward.check()?;
+        self.plus.check()?;
+        self.memory.check()?;
+        self.tabular.check()?;
+        self.episode.check()?;
+        self.arena.check()?;
+        self.sensor.check()?;
+        self.physics.check()
+    }
+}

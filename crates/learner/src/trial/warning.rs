@@ -1,0 +1,380 @@
+//! What cannot succeed, said before the work starts.
+
+use std::fmt;
+
+use super::plan::{Config, Plan};
+use xcscr_robot::sensor::{Alike, Sensor, alike_among};
+use xcscr_robot::world::{Cell, Facts, Maze, Paths};
+
+/// How many groups of cells, and how many cells of each, a warning names.
+const MOST_NAMED: usize = 3;
+/// Cells along a side of the largest worlds in which percepts of many bits were seen to be learned.
+const SMALL: u16 = 40;
+/// The largest step-threshold that settings can hold.
+const MOST: u32 = 1_000_000;
+
+/// Why a trial of a plan is bound to fail, or to fall short of the optimum.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// Episodes are shorter than the shortest path, at least from some starts.
+    StepLimit {
+        /// The most steps of an episode.
+        steps: u32,
+        /// The longest of the shortest paths from where episodes start.
+        longest: u32,
+    },
+    /// Cells look alike in which no action is best in all.
+    LookAlike {
+        /// The percept that does not tell them apart.
+        sensor: Sensor,
+        /// One that does.
+        instead: Sensor,
+        /// The cells, group by group.
+        groups: Vec<Vec<Cell>>,
+    },
+    /// Cells pay, but no episode can come there.
+    OutOfReach(Vec<Cell>),
+    /// A move takes longer than actions may.
+    TimeOut {
+        /// How long a move takes, in seconds.
+        move_s: f64,
+        /// `physics.time_out_s`.
+        time_out_s: f64,
+    },
+    /// The lidar is too short to tell free cells of this size from walls.
+    ShortLidar {
+        /// `physics.lidar.range_m`.
+        range_m: f64,
+        /// Edge length of a cell in metres.
+        cell_size_m: f64,
+        /// The size of the largest cells that the lidar can tell from walls, in metres.
+        largest_cell_m: f64,
+    },
+}
+
+impl Plan {
+    /// What speaks against the plan once it is [settled](Self::settled). The plan can be run
+    /// nevertheless.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let Self { maze, config } = &self.clone().settled();
+        let paths = Paths::with_slip(maze, config.settings.arena.slip);
+        [
+            step_limit(config, maze, &paths),
+            look_alike(config, maze, &paths),
+            out_of_reach(maze),
+        ]
+        .into_iter()
+        .flatten()
+        .chain(self.robot_warnings())
+        .collect()
+    }
+
+    /// Returns the warnings about the robot in cells of this size.
+    pub fn robot_warnings(&self) -> Vec<Warning> {
+        let Self { maze, config } = self;
+        let warnings = [time_out(config, maze), short_lidar(config, maze)];
+        warnings.into_iter().flatten().collect()
+    }
+}
+
+fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
+    let steps = config.settings.reward.step_threshold;
+    let longest = paths.longest(maze);
+    (steps < longest).then_some(Warning::StepLimit { steps, longest })
+}
+
+/// Only cells that an optimal policy comes through matter, and only to who forgets how it got there.
+fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
+    let may_draw = config.method.may_draw_maps(&config.settings.plus);
+    if may_draw && config.sensor.shows_only_surroundings() {
+        return None;
+    }
+    let sensor = config.sensor;
+    let groups = misleading(sensor, maze, paths);
+    (!groups.is_empty()).then(|| Warning::LookAlike {
+        sensor,
+        instead: telling_apart(sensor, maze, paths),
+        groups,
+    })
+}
+
+fn is_small(maze: &Maze) -> bool {
+    maze.width().max(maze.height()) <= SMALL
+}
+
+fn time_out(config: &Config, maze: &Maze) -> Option<Warning> {
+    let physics = config.robot()?;
+    let (move_s, time_out_s) = (physics.move_time_s(maze.cell_size_m()), physics.time_out_s);
+    (move_s > time_out_s).then_some(Warning::TimeOut { move_s, time_out_s })
+}
+
+fn short_lidar(config: &Config, maze: &Maze) -> Option<Warning> {
+    let (lidar, cell_size_m) = (&config.robot()?.lidar, maze.cell_size_m());
+    let largest_cell_m = lidar.largest_cell_m();
+    let is_short = config.sensor.is_sensed() && cell_size_m > largest_cell_m;
+    is_short.then_some(Warning::ShortLidar {
+        range_m: lidar.range_m,
+        cell_size_m,
+        largest_cell_m,
+    })
+}
+
+fn out_of_reach(maze: &Maze) -> Option<Warning> {
+    maze.rewarding_cells().first()?;
+    let cells = Facts::new(maze).auxiliary?.out_of_reach;
+    (!cells.is_empty()).then_some(Warning::OutOfReach(cells))
+}
+
+/// The cells on the way that look alike and in which no action is best in all, group by group.
+fn misleading(sensor: Sensor, maze: &Maze, paths: &Paths) -> Vec<Vec<Cell>> {
+    let on_the_way = paths.cells_on_shortest(maze);
+    let groups = alike_among(sensor, maze, paths, on_the_way).into_iter();
+    let misleading = groups.filter(|group| !group.share_a_best_action);
+    misleading.map(|Alike { cells, .. }| cells).collect()
+}
+
+/// A percept that does not mislead: of a robot that senses one that is sensed, if there is any.
+fn telling_apart(sensor: Sensor, maze: &Maze, paths: &Paths) -> Sensor {
+    let mut sensed = Sensor::ALL.iter().copied().filter(|_| sensor.is_sensed());
+    let sound =
+        sensed.find(|&other| other.is_sensed() && misleading(other, maze, paths).is_empty());
+    match is_small(maze) {
+        true => sound.unwrap_or(Sensor::NeighboursPosition),
+        // In large worlds wide percepts generalise too little: of 44 x 36 cells, `lidar-beams` learned nothing.
+        false => with_position(sensor),
+    }
+}
+
+/// The percept with the robot's cell: of a robot that senses, the estimated one.
+fn with_position(sensor: Sensor) -> Sensor {
+    match sensor.is_sensed() {
+        true => Sensor::LidarPosition,
+        false => Sensor::NeighboursPosition,
+    }
+}
+
+impl Warning {
+    /// What would change it.
+    fn way_out(&self) -> String {
+        match self {
+            Self::StepLimit { longest, .. } => match longest.saturating_mul(4) {
+                steps @ ..=MOST => format!("`--set reward.step_threshold={steps}`"),
+                _ => "a smaller maze".to_owned(),
+            },
+            Self::LookAlike { instead, .. } => {
+                format!("`--sensor {}` (in a study file: `sensors`)", instead.name())
+            }
+            Self::OutOfReach(_) => "to open a way in `rows`".to_owned(),
+            Self::TimeOut { move_s, .. } => {
+                format!("`--set physics.time_out_s={}`", (3.0 * move_s).ceil())
+            }
+            Self::ShortLidar { largest_cell_m, .. } => format!(
+                "cells of at most {:.2} m (`cell_size_m`), or a robot with a longer lidar (`--robot`)",
+                // Rounded down, so that the size that is named raises no warning.
+                (100.0 * largest_cell_m).floor() / 100.0
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::StepLimit { steps, longest } => write!(
+                f,
+                "episodes end after {steps} steps, but the longest shortest path has {longest}"
+            ),
+            Self::LookAlike { sensor, groups, .. } => write!(
+                f,
+                "cells look alike to the sensor `{}`, and no action is best in all of them: {}",
+                sensor.name(),
+                listed(groups)
+            ),
+            Self::OutOfReach(cells) => {
+                write!(
+                    f,
+                    "no episode can reach these cells that pay: {}",
+                    named(cells)
+                )
+            }
+            Self::TimeOut { move_s, time_out_s } => write!(
+                f,
+                "a move takes about {move_s:.1} s, but actions are given up after {time_out_s} s"
+            ),
+            Self::ShortLidar {
+                range_m,
+                cell_size_m,
+                ..
+            } => write!(
+                f,
+                "the lidar has a range of {range_m} m, too short to tell free cells of {cell_size_m} m from walls"
+            ),
+        }?;
+        write!(f, "; try {}", self.way_out())
+    }
+}
+
+/// The first of some groups of cells.
+fn listed(groups: &[Vec<Cell>]) -> String {
+    let shown = groups.iter().take(MOST_NAMED).map(|cells| named(cells));
+    let shown = shown.collect::<Vec<_>>().join("; ");
+    match groups.len().saturating_sub(MOST_NAMED) {
+        0 => shown,
+        more => format!("{shown}; and {more} more such groups"),
+    }
+}
+
+/// The first of some cells, as column and row.
+fn named(cells: &[Cell]) -> String {
+    let place = |cell: &Cell| format!("{},{}", cell.col, cell.row);
+    let shown: Vec<String> = cells.iter().take(MOST_NAMED).map(place).collect();
+    match cells.len().saturating_sub(MOST_NAMED) {
+        0 => shown.join(" "),
+        more => format!("{} and {more} more", shown.join(" ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::Method;
+    use crate::trial::{Resolved, Settings};
+    use xcscr_robot::arena::ArenaKind;
+    use xcscr_robot::world::Recipe;
+
+    fn maze(name: &str) -> Maze {
+        match name.parse::<Recipe>() {
+            Ok(recipe) => recipe.maze().unwrap(),
+            Err(_) => Maze::load(format!("../../worlds/{name}.json").as_ref()).unwrap(),
+        }
+    }
+
+    fn said(world: &str, method: Method, sensor: Sensor, sets: &[&str]) -> Vec<String> {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let settings = Resolved::new(&Settings::default(), &[], &sets);
+        let plan = Plan::new(maze(world)).method(method);
+        let plan = plan.arena(ArenaKind::Grid).sensor(sensor).episodes(1);
+        let warnings = plan
+            .settings(settings.unwrap().settings)
+            .warnings()
+            .into_iter();
+        warnings.map(|warning| warning.to_string()).collect()
+    }
+
+    #[test]
+    fn nothing_speaks_against_the_shipped_mazes() {
+        for world in ["maze4", "maze5", "maze6", "maze4-classic", "woods1"] {
+            for &method in Method::ALL {
+                let said = said(world, method, Sensor::Neighbours, &[]);
+                assert_eq!(said, [""; 0], "{world}, {}", method.name());
+            }
+        }
+    }
+
+    #[test]
+    fn a_step_limit_below_the_shortest_path_is_named_and_the_default_never_is() {
+        let (world, method, sensor) = ("dfs-40-1", Method::QLearning, Sensor::Position);
+        assert_eq!(said(world, method, sensor, &[]), [""; 0]);
+        let longest = Paths::new(&maze(world)).longest(&maze(world));
+        assert!(longest > 50, "{longest}");
+        let limit = format!("reward.step_threshold={}", longest - 1);
+        let wanted = format!(
+            "episodes end after {} steps, but the longest shortest path has {longest}; try \
+             `--set reward.step_threshold={}`",
+            longest - 1,
+            4 * longest
+        );
+        assert_eq!(said(world, method, sensor, &[&limit]), [wanted]);
+        let enough = format!("reward.step_threshold={longest}");
+        assert_eq!(said(world, method, sensor, &[&enough]), [""; 0]);
+    }
+
+    #[test]
+    fn where_actions_slip_the_best_ones_are_those_of_value_iteration() {
+        // Beside the only way, cells look alike that nobody comes to who does not slip.
+        let (world, method, sensor) = ("maze4", Method::QLearning, Sensor::Neighbours);
+        assert_eq!(said(world, method, sensor, &[]), [""; 0]);
+        let slippery = said(world, method, sensor, &["arena.slip=0.25"]);
+        assert!(
+            slippery.len() == 1 && slippery[0].contains("5,2 4,5"),
+            "{slippery:?}"
+        );
+    }
+
+    #[test]
+    fn cells_that_are_too_large_for_the_robot_are_named() {
+        let said = |cell_size_m: f64, sets: &[&str]| {
+            let rows = ["#####", "#S.G#", "#####"];
+            let text = format!(r#"{{ "cell_size_m": {cell_size_m}, "rows": {rows:?} }}"#);
+            let maze = Maze::from_json(text.as_bytes(), "large.json").unwrap();
+            let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+            let settings = Resolved::new(&Settings::default(), &[], &sets).unwrap();
+            let plan = Plan::new(maze).settings(settings.settings);
+            plan.warnings()
+                .iter()
+                .map(Warning::to_string)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(said(1.0, &[]), [""; 0]);
+        let slow = "a move takes about 20.6 s, but actions are given up after 10 s; try `--set \
+                    physics.time_out_s=62`";
+        let slow_robot = ["physics.max_speed_mps=0.05", "physics.arrival_mps=0.02"];
+        assert_eq!(said(1.0, &slow_robot), [slow]);
+        let wanted = "the lidar has a range of 8 m, too short to tell free cells of 5 m from walls; try cells of at \
+                      most 4.21 m (`cell_size_m`), or a robot with a longer lidar (`--robot`)";
+        assert_eq!(said(5.0, &[]), [wanted]);
+        assert_eq!(said(4.21, &[]), [""; 0], "the size that the warning names");
+        assert_eq!(said(4.22, &[]).len(), 1, "control");
+    }
+
+    #[test]
+    fn a_reward_that_no_episode_comes_to_is_named() {
+        let rows = ["#######", "#S.G#*#", "#######"];
+        let text = format!(r#"{{ "rows": {rows:?}, "reward": 5 }}"#);
+        let maze = Maze::from_json(text.as_bytes(), "paid.json").unwrap();
+        let said: Vec<String> = Plan::new(maze)
+            .warnings()
+            .iter()
+            .map(Warning::to_string)
+            .collect();
+        let wanted = "no episode can reach these cells that pay: 5,1; try to open a way in `rows`";
+        assert_eq!(said, [wanted]);
+    }
+
+    #[test]
+    fn vast_mazes_are_searched_too() {
+        assert!(maze("dfs-150-1").is_vast());
+        let said = said("dfs-150-1", Method::QLearning, Sensor::Neighbours, &[]);
+        assert!(
+            said.len() == 1 && said[0].contains("more such groups"),
+            "{said:?}"
+        );
+    }
+
+    #[test]
+    fn who_senses_is_told_another_percept_that_is_sensed_if_one_helps() {
+        let said = |world| said(world, Method::Xcscr, Sensor::Lidar, &[]).concat();
+        let worlds = ["rooms-8-1", "corridors-10-1", "random-12-1", "rooms-12-1"];
+        let helped = worlds.map(|world| {
+            said(world).contains("; try `--sensor lidar-ranges")
+                || said(world).contains("; try `--sensor lidar-beams")
+        });
+        assert!(helped.contains(&true), "{:?}", worlds.map(said));
+        // What a robot sees there from where it stands does not do, but it can keep count of cells.
+        let none_helps = said("dfs-12-1");
+        assert!(none_helps.contains("lidar-position"), "{none_helps}");
+    }
+
+    #[test]
+    fn cells_that_mislead_on_the_way_are_named_and_position_or_memory_tells_them_apart() {
+        let said = |method, sensor| said("dfs-12-1", method, sensor, &[]);
+        let named = said(Method::Xcscr, Sensor::Neighbours);
+        let words = "cells look alike to the sensor `neighbours`, and no action is best in all of \
+                     them: ";
+        assert!(named.len() == 1 && named[0].starts_with(words), "{named:?}");
+        let way_out = "; try `--sensor neighbours-position` (in a study file: `sensors`)";
+        assert!(named[0].ends_with(way_out), "{named:?}");
+        assert_eq!(said(Method::Xcscr, Sensor::NeighboursPosition), [""; 0]);
+        assert_eq!(said(Method::XcscrPlus, Sensor::Neighbours), [""; 0]);
+    }
+}

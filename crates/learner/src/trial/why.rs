@@ -1,0 +1,162 @@
+//! Why the rules choose what they choose in a cell, and what would have to be different.
+
+use std::collections::BTreeSet;
+
+use super::plan::Plan;
+use crate::agent::Knowledge;
+use xcs::{Action, Classifier, Percept, Population, PredictionArray};
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::world::{Cell, Maze};
+
+/// What the rules make of a percept.
+#[derive(Debug, Clone)]
+pub struct Why {
+    /// What the robot perceives.
+    pub percept: Percept,
+    /// What each action is worth there.
+    pub worth: PredictionArray,
+    /// The rules that match, those of the best actions first, and of each action the one with the
+    /// greatest share first.
+    pub votes: Vec<Vote>,
+    /// For each action that is not one of the best, the least change that would make it one; only
+    /// for those that have such a change.
+    pub changes: Vec<Change>,
+}
+
+/// A rule that matches.
+#[derive(Debug, Clone, Copy)]
+pub struct Vote {
+    /// The rule.
+    pub rule: Classifier,
+    /// Its share in the worth of its action, 0 to 1 (Eq. 6: by fitness).
+    pub share: f64,
+}
+
+/// What would have to be different for another action to be chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// The action.
+    pub action: Action,
+    /// What the robot would have to perceive that it does not, in words.
+    pub words: Vec<String>,
+    /// A cell where it perceives all this; `None` if there is none in this world.
+    pub cell: Option<Cell>,
+}
+
+impl Why {
+    /// What the rules make of what the robot perceives in a free cell. Rules with a memory are asked
+    /// as at the beginning of an episode.
+    pub fn at(plan: &Plan, knowledge: &Knowledge, cell: Cell) -> Self {
+        let Plan { maze, config } = plan;
+        let percept = config.sensor.perceive_at(maze, cell);
+        let worth = knowledge.worth(&percept, maze.action_count());
+        Self {
+            votes: votes(knowledge, &percept, &worth),
+            changes: changes(plan, knowledge, &percept, &worth),
+            percept,
+            worth,
+        }
+    }
+
+    /// The rule that decides: of those of the best actions the one with the greatest share.
+    pub fn decisive(&self) -> Option<&Classifier> {
+        self.votes.first().map(|vote| &vote.rule)
+    }
+}
+
+/// The rules that match a percept, with their shares.
+fn votes(knowledge: &Knowledge, percept: &Percept, worth: &PredictionArray) -> Vec<Vote> {
+    let rules = knowledge.rules().map_or(&[][..], Population::rules);
+    let looked_at = knowledge.looked_at(percept);
+    let matching = rules
+        .iter()
+        .filter(|rule| rule.condition.matches(&looked_at));
+    let matching: Vec<Classifier> = matching.copied().collect();
+    let fitness_of = |action| {
+        let rules = matching.iter().filter(move |rule| rule.action == action);
+        rules.map(|rule| rule.fitness).sum::<f64>()
+    };
+    let vote = |rule: &Classifier| Vote {
+        rule: *rule,
+        share: rule.fitness / fitness_of(rule.action),
+    };
+    let mut votes: Vec<Vote> = matching.iter().map(vote).collect();
+    let rank = |vote: &Vote| worth.get(vote.rule.action).unwrap_or(f64::NEG_INFINITY);
+    votes.sort_by(|a, b| {
+        let by_worth = rank(b).total_cmp(&rank(a));
+        by_worth
+            .then(a.rule.action.cmp(&b.rule.action))
+            .then(b.share.total_cmp(&a.share))
+    });
+    votes
+}
+
+/// The least change for each action that is not one of the best.
+fn changes(
+    plan: &Plan,
+    knowledge: &Knowledge,
+    percept: &Percept,
+    worth: &PredictionArray,
+) -> Vec<Change> {
+    let Plan { maze, config } = plan;
+    let best: Vec<Action> = worth.best_actions().collect();
+    let candidates = candidates(config.sensor, maze, percept);
+    let others = Action::all(maze.action_count()).filter(|action| !best.contains(action));
+    let change = |action| {
+        let leads_to = |candidate: &&Candidate| {
+            let worth = knowledge.worth(&candidate.percept, maze.action_count());
+            worth.greatest().is_some() && worth.best_actions().all(|one| one == action)
+        };
+        let found = candidates.iter().find(leads_to)?;
+        let (words, cell) = (found.words.clone(), found.cell);
+        Some(Change {
+            action,
+            words,
+            cell,
+        })
+    };
+    others.filter_map(change).collect()
+}
+
+/// Another percept, what is different in it, and where it is perceived.
+struct Candidate {
+    percept: Percept,
+    words: Vec<String>,
+    cell: Option<Cell>,
+}
+
+/// All percepts of the world, and those in which one or two cells around are different; those that
+/// differ least first, and of these the ones that occur.
+fn candidates(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<Candidate> {
+    let here = words(sensor, maze, percept);
+    let candidate = |(percept, cell): (Percept, Option<Cell>)| Candidate {
+        words: words(sensor, maze, &percept)
+            .into_iter()
+            .filter(|word| !here.contains(word))
+            .collect(),
+        percept,
+        cell,
+    };
+    let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
+    let real = cells.map(|cell| (sensor.perceive_at(maze, cell), Some(cell)));
+    let one = sensor.changed_surroundings(percept);
+    let two = one.iter().flat_map(|one| sensor.changed_surroundings(one));
+    let imagined = one
+        .iter()
+        .copied()
+        .chain(two)
+        .map(|percept| (percept, None));
+    let mut seen = BTreeSet::from([*percept]);
+    let all = real
+        .chain(imagined)
+        .filter(|(percept, _)| seen.insert(*percept));
+    let mut candidates: Vec<Candidate> = all.map(candidate).collect();
+    candidates.sort_by_key(|candidate| candidate.words.len());
+    candidates
+}
+
+/// Everything that a percept tells.
+fn words(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<String> {
+    let words = sensor.words(maze, &|at| Some(percept.bit(at)));
+    words.split(", ").map(str::to_owned).collect()
+}

@@ -1,0 +1,382 @@
+//! The maze as a physics simulation: a robot with two wheels drives from cell to cell.
+//!
+//! An action is one bounded manoeuvre (`controller`): the robot turns, then drives one cell; when
+//! it hits a wall, it backs off to where it came from. The wheels push with what the floor's
+//! friction allows (`robot`), the engine rapier2d does the rest (`simulation`), 20 steps per
+//! second. Steps that touch no wall are integrated in closed form (`shortcut`).
+//!
+//! How the robot knows where it is, is one of two ways ([`Localisation`]). *Estimated*: it has
+//! only what its sensors tell. Sensors, estimator and what it makes out around itself are the
+//! crate `xcscr-sensing`; neither that nor `controller` can name the maze or the true pose
+//! (`sensing` brings both together). *Told*: for percepts that are looked up in the maze, it is told its true
+//! pose with some noise (`noise`), and `discretiser` looks up the cell.
+//!
+//! All lengths are in metres and all speeds in m/s, whatever the size of a cell. Inside of this folder all poses
+//! are in the grid frame, whose origin is the south-western corner of the grid, x to the east, y to the north.
+//! What the trait [`Arena`] reports is in the map frame.
+
+mod batch;
+mod care;
+mod contact;
+mod controller;
+mod discretiser;
+mod error;
+mod fit;
+mod motion;
+mod noise;
+mod params;
+mod robot;
+mod sensing;
+mod shortcut;
+mod simulation;
+mod snapshot;
+mod terrain;
+#[cfg(test)]
+mod tests;
+mod walls;
+
+use nalgebra::{Point2, Vector2};
+use rapier2d::prelude::SharedShape;
+
+pub use batch::{BatchArena, Lanes};
+pub use care::{Care, CareParams};
+pub use error::PhysicsError;
+pub use params::{Localisation, PhysicsParams};
+pub use snapshot::Snapshot;
+
+use self::contact::{Hits, is_frontal};
+use self::controller::Maneuver;
+use self::discretiser::cell_from_position;
+pub use self::fit::check_fit;
+use self::motion::{Command, Motion};
+use self::noise::Noise;
+use self::robot::{Wheels, true_motion};
+use self::sensing::Sensing;
+pub use self::sensing::SensingMemory;
+use self::simulation::{Simulation, State, eastward};
+use self::walls::Block;
+use super::{Arena, Contact, Lasting, Outcome, Sample, View};
+use crate::streams::StreamName;
+use crate::world::{Cell, Direction, Maze, Moves};
+use xcs::Action;
+use xcs::random::Stream;
+use xcscr_sensing::STEP_S;
+pub use xcscr_sensing::{
+    BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams,
+};
+
+/// Duration of a physics step ([`STEP_S`]) in nanoseconds, for clocks that never drift.
+const STEP_NS: u64 = 50_000_000;
+/// Solver iterations per step; each is a substep of the motion.
+const SOLVER_ITERATIONS: usize = 2;
+/// The largest number of wall blocks; the engine needs about a kilobyte for each.
+const MAX_BLOCKS: usize = 262_144;
+/// The longest side of a world in metres: the engine's single precision holds a quarter of a millimetre there.
+const MAX_EXTENT_M: f64 = 4096.0;
+
+/// A robot in a maze, simulated at 20 Hz. Same maze, settings and noise: same bits.
+pub struct PhysicsArena {
+    maze: Maze,
+    params: PhysicsParams,
+    /// The same when it drives carefully.
+    careful: PhysicsParams,
+    simulation: Simulation,
+    /// The engine's first moment, to which every reset returns.
+    pristine: State,
+    wheels: Wheels,
+    noise: Noise,
+    /// Physics steps since the trial began.
+    steps: u64,
+    cell: Cell,
+    trace: Vec<Sample>,
+    hits: Hits,
+    /// `None` for a robot that is told where it is.
+    sensing: Option<Box<Sensing>>,
+}
+
+impl PhysicsArena {
+    /// An arena with the robot in the first start cell. All noise follows from `seed`.
+    ///
+    /// # Errors
+    /// When a setting is out of range, or the world makes no sense in physics: joined edges,
+    /// eight moves, cells too small for the robot, too many walls, or more than 4,096 m of them.
+    pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
+        params.check()?;
+        check_fit(&maze, &params)?;
+        let walls = simulation::walls(&blocks(&maze)?, &maze);
+        Ok(Self::among(walls, maze, params, seed))
+    }
+
+    /// The same with walls that were built for the maze, which may be shared, and checked settings.
+    fn among(walls: SharedShape, maze: Maze, params: PhysicsParams, seed: u64) -> Self {
+        let start = maze.starts().next();
+        let cell = start.unwrap_or(maze.goals()[0]);
+        let pose = eastward(maze.centre_in_grid(cell));
+        let simulation = Simulation::new(walls, pose, &params);
+        let mut arena = Self {
+            pristine: simulation.state(),
+            noise: Noise::new(&params, Stream::new(seed, StreamName::Physics)),
+            sensing: Sensing::new(&params, maze.cell_size_m(), seed),
+            wheels: Wheels::default(),
+            steps: 0,
+            cell,
+            trace: Vec::new(),
+            hits: Hits::default(),
+            maze,
+            careful: params.careful(),
+            params,
+            simulation,
+        };
+        arena.reset(cell);
+        arena
+    }
+
+    /// Has the engine given up the robot, because its motion is no number any more? Never seen.
+    pub fn lost_robot(&self) -> bool {
+        self.simulation.lost_robot()
+    }
+
+    /// Drives until the manoeuvre ends. True when it did within the time.
+    fn perform(&mut self, maneuver: &mut Maneuver) -> bool {
+        let bias = self.noise.wheel_bias();
+        for _ in 0..self.most_steps() {
+            let motion = self.motion();
+            let seen = self.measure(motion);
+            let Some(command) = maneuver.command(&seen, self.profile(false)) else {
+                self.believe(&seen);
+                return true;
+            };
+            self.drive(command, &motion, bias, false);
+            if self.step(maneuver.along()) && maneuver.is_stopped_by_walls(&seen) {
+                maneuver.back_off();
+            }
+        }
+        let seen = self.measure(self.motion());
+        self.believe(&seen);
+        false
+    }
+
+    /// Physics steps after which an action is given up.
+    fn most_steps(&self) -> u64 {
+        (self.params.time_out_s / STEP_S).round() as u64
+    }
+
+    /// How the robot drives that notices that its wheels slip, or does not.
+    fn profile(&self, slips: bool) -> &PhysicsParams {
+        match self.params.care.when {
+            Care::Always => &self.careful,
+            Care::Slipping if slips => &self.careful,
+            Care::Slipping | Care::Never => &self.params,
+        }
+    }
+
+    /// Brings a command to the wheels, and their force to the floor.
+    fn drive(&mut self, command: Command, motion: &Motion, bias: [f64; 2], slips: bool) {
+        let [left, right] = self.noise.wheel_noise();
+        let excess = [bias[0] + left, bias[1] + right];
+        let mut wheels = self.wheels;
+        wheels.follow(command, self.profile(slips));
+        self.wheels = wheels;
+        let friction = self.friction(motion);
+        let body = self.simulation.body_mut();
+        self.wheels
+            .push(body, motion, excess, friction, &self.params);
+    }
+
+    /// The friction of the floor below the left and the right wheel.
+    fn friction(&self, motion: &Motion) -> [f64; 2] {
+        let usual = self.params.friction;
+        if !self.maze.has_floor() {
+            return [usual; 2];
+        }
+        let half = self.params.wheel_base_m / 2.0;
+        [half, -half].map(|left| {
+            let wheel = motion.pose * Point2::new(0.0, left);
+            let cell = self.maze.cell_in_grid(wheel);
+            cell.and_then(|cell| self.maze.friction(cell))
+                .unwrap_or(usual)
+        })
+    }
+
+    /// Lets one step pass. True when a wall pushed against the direction `along`.
+    fn step(&mut self, along: Vector2<f64>) -> bool {
+        self.steps += 1;
+        let time_ns = self.time_ns();
+        let mut frontal = false;
+        let (pushes, body) = self.simulation.advance(&self.maze);
+        let centre = true_motion(body).pose.translation.vector;
+        for push in pushes {
+            frontal |= is_frontal(push.normal, along);
+            let touched = centre + push.normal * self.params.radius_m;
+            let contact = Contact {
+                time_ns,
+                point_in_map: self.maze.point_in_map(touched.into()),
+                normal_in_map: self.maze.vector_in_map(push.normal),
+                impulse_ns: push.impulse_ns,
+            };
+            self.hits.add(contact);
+        }
+        self.trace.push(self.sample());
+        frontal
+    }
+
+    /// What came of a manoeuvre from `home` toward `wanted`.
+    fn outcome(&self, maneuver: &Maneuver, arrived: bool, home: Cell, wanted: Cell) -> Outcome {
+        if arrived && maneuver.backs_off() && self.cell == home {
+            let along = self.maze.vector_in_map(-maneuver.along());
+            let impulse_ns = self.hits.frontal_impulse_ns(along);
+            return Outcome::Collided {
+                impulse_ns: Some(impulse_ns),
+            };
+        }
+        if self.maze.is_goal(self.cell) {
+            return Outcome::ReachedGoal;
+        }
+        if arrived && self.cell == wanted {
+            Outcome::Moved
+        } else {
+            Outcome::Stalled
+        }
+    }
+
+    fn motion(&self) -> Motion {
+        true_motion(self.simulation.body())
+    }
+
+    /// The motion as the robot sees it: speeds from its odometry, the pose with noise.
+    fn measure(&mut self, motion: Motion) -> Motion {
+        Motion {
+            pose: self.noise.measure(&motion.pose),
+            ..motion
+        }
+    }
+
+    fn believe(&mut self, seen: &Motion) {
+        let position_m = seen.pose.translation.vector.into();
+        self.cell = cell_from_position(&self.maze, position_m, self.cell);
+    }
+
+    fn time_ns(&self) -> u64 {
+        self.steps * STEP_NS
+    }
+
+    fn sample(&self) -> Sample {
+        Sample {
+            time_ns: self.time_ns(),
+            robot_in_map: self.maze.pose_in_map(self.motion().pose),
+            wheel_travel_m: self.wheels.travel_m,
+        }
+    }
+
+    /// Begins a path where the robot stands.
+    fn begin_trace(&mut self) {
+        self.hits.clear();
+        self.trace.clear();
+        self.trace.push(self.sample());
+    }
+}
+
+impl Arena for PhysicsArena {
+    fn reset(&mut self, start: Cell) {
+        self.simulation.set_state(&self.pristine);
+        let pose = eastward(self.maze.centre_in_grid(start));
+        self.simulation.body_mut().set_position(pose, true);
+        self.wheels = Wheels::default();
+        self.cell = start;
+        self.begin_trace();
+        if let Some(mut sensing) = self.sensing.take() {
+            self.look_round(&mut sensing);
+            self.sensing = Some(sensing);
+        }
+    }
+
+    fn act(&mut self, action: Action) -> Outcome {
+        self.begin_trace();
+        let Some(direction) = self.maze.direction(action) else {
+            return Outcome::Stalled;
+        };
+        let home = self.cell;
+        let wanted = self.maze.neighbour(home, direction).unwrap_or(home);
+        if let Some(mut sensing) = self.sensing.take() {
+            let outcome = self.act_by_senses(&mut sensing, direction);
+            self.sensing = Some(sensing);
+            return outcome;
+        }
+        let seen = self.measure(self.motion());
+        let (middle, size_m) = (self.maze.centre_in_grid(home), self.maze.cell_size_m());
+        let mut maneuver = Maneuver::new(middle, vector(direction), size_m, &seen);
+        let arrived = self.perform(&mut maneuver);
+        self.outcome(&maneuver, arrived, home, wanted)
+    }
+
+    fn view(&self) -> View<'_> {
+        View {
+            maze: &self.maze,
+            cell: self.cell,
+            trace: &self.trace,
+            contacts: self.hits.contacts(),
+            sensed: self.sensed(),
+            executed: None,
+            flipped: None,
+        }
+    }
+
+    fn lasting(&self) -> Lasting {
+        Lasting {
+            time_ns: self.time_ns(),
+            noise: Some(self.noise.stream.clone()),
+            sensing: self.sensing.as_ref().map(|sensing| sensing.memory()),
+            slip: None,
+            flips: None,
+        }
+    }
+
+    fn continue_from(&mut self, lasting: &Lasting) {
+        self.steps = lasting.time_ns / STEP_NS;
+        if let Some(stream) = &lasting.noise {
+            self.noise.stream = stream.clone();
+        }
+        if let Some((sensing, memory)) = self.sensing.as_mut().zip(lasting.sensing.as_ref()) {
+            sensing.recall(memory);
+        }
+        self.begin_trace();
+    }
+}
+
+/// Refuses worlds that make no sense in physics; otherwise the blocks that make their walls.
+fn blocks(maze: &Maze) -> Result<Vec<Block>, PhysicsError> {
+    let world = || maze.name().to_owned();
+    if maze.wraps() {
+        return Err(PhysicsError::JoinedEdges { world: world() });
+    }
+    if maze.moves() == Moves::Eight {
+        return Err(PhysicsError::EightMoves { world: world() });
+    }
+    let extent_m = f64::from(maze.width().max(maze.height())) * maze.cell_size_m();
+    if extent_m > MAX_EXTENT_M {
+        return Err(PhysicsError::TooWide {
+            world: world(),
+            extent_m,
+            limit_m: MAX_EXTENT_M,
+        });
+    }
+    let blocks = walls::merge(maze.width().into(), maze.height().into(), |col, row| {
+        // Both are below the maze's size, which is a u16.
+        let (col, row) = (col as u16, row as u16);
+        maze.is_wall(Cell { col, row })
+    });
+    if blocks.len() > MAX_BLOCKS {
+        return Err(PhysicsError::TooManyWalls {
+            world: world(),
+            count: blocks.len(),
+            limit: MAX_BLOCKS,
+        });
+    }
+    Ok(blocks)
+}
+
+/// The unit vector of one of the main directions.
+fn vector(direction: Direction) -> Vector2<f64> {
+    let (east, south) = direction.offset();
+    Vector2::new(f64::from(east), f64::from(-south))
+}

@@ -1,0 +1,325 @@
+//! From what can be seen to a [`Percept`].
+//!
+//! Some percepts are *looked up* in the maze, in the cell that the robot is told to stand in. That
+//! is privileged: no robot could. They are for the grid, and for the figures of the paper. Others
+//! are *sensed*: in the physics arena they are made of what the robot's lidar showed, and of
+//! nothing else. On the grid they are what a perfect lidar would show.
+
+mod alike;
+mod changes;
+mod lidar;
+mod neighbours;
+mod params;
+mod position;
+mod words;
+
+use std::collections::HashSet;
+
+pub use alike::Alike;
+pub use alike::alike_among;
+use foldhash::fast::FixedState;
+pub use params::SensorParams;
+use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
+pub use words::{ANYTHING, Alleles};
+
+use crate::arena::{ArenaKind, Sensed, View};
+use crate::world::{Cell, Maze};
+use xcs::Percept;
+
+/// How the robot perceives.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr, VariantArray,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum Sensor {
+    /// The eight surrounding cells, clockwise from north, two bits each: free `00`, wall `01`,
+    /// goal `11` (the convention of learning classifier systems).
+    Neighbours,
+    /// Column, then row of the robot's cell, in binary, highest bit first.
+    Position,
+    /// Neighbours, then position: what lies around, and no two cells look alike.
+    NeighboursPosition,
+    /// The eight surrounding cells as a lidar shows them: two bits each, free `00`, wall or hidden
+    /// `01`. A lidar sees no goal.
+    Lidar,
+    /// How many cells are free in each main direction, up to three, and the diagonal cells.
+    LidarRanges,
+    /// Sixteen beams: how many free cells each goes through, up to seven.
+    LidarBeams,
+    /// The eight surrounding cells as a lidar shows them, then column and row of the cell in which
+    /// the robot believes to stand: it was told where it started, and keeps count by its senses.
+    LidarPosition,
+}
+
+/// Cells of the largest maze in which the usual percept tells nothing of the robot's position.
+const MOST_MAPPED: u32 = 1024;
+
+impl Sensor {
+    /// All sensors.
+    pub const ALL: &[Self] = Self::VARIANTS;
+
+    /// The percept where none is chosen: in physics what the robot senses itself, on the grid what
+    /// the literature of learning classifier systems looks up there.
+    pub fn usual_in(arena: ArenaKind) -> Self {
+        match arena {
+            ArenaKind::Physics => Self::Lidar,
+            ArenaKind::Grid => Self::Neighbours,
+        }
+    }
+
+    /// The percept where none is chosen to learn in a maze: [`usual_in`](Self::usual_in), or the same with the robot's
+    /// position in mazes of more than 1,024 cells. A learner without the position draws a map there, which takes minutes.
+    pub fn usual_for(arena: ArenaKind, maze: &Maze) -> Self {
+        let cells = u32::from(maze.width()) * u32::from(maze.height());
+        match Self::usual_in(arena) {
+            usual if cells <= MOST_MAPPED => usual,
+            Self::Lidar => Self::LidarPosition,
+            _ => Self::NeighboursPosition,
+        }
+    }
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
+
+    /// Is the percept made of what the robot senses? All others are looked up in the maze, which
+    /// is privileged: no robot could.
+    pub fn is_sensed(self) -> bool {
+        match self {
+            Self::Neighbours | Self::Position | Self::NeighboursPosition => false,
+            Self::Lidar | Self::LidarRanges | Self::LidarBeams | Self::LidarPosition => true,
+        }
+    }
+
+    /// The percept's width in bits, the same everywhere in a maze.
+    pub fn width(self, maze: &Maze) -> usize {
+        match self {
+            Self::Neighbours => neighbours::WIDTH,
+            Self::Position => position::width(maze),
+            Self::NeighboursPosition => neighbours::WIDTH + position::width(maze),
+            Self::Lidar => lidar::AROUND,
+            Self::LidarRanges => lidar::RANGES,
+            Self::LidarBeams => lidar::BEAMS,
+            Self::LidarPosition => lidar::AROUND + position::width(maze),
+        }
+    }
+
+    /// How many bits, the last of the percept, tell the robot's column and its row; none of most percepts.
+    pub fn place_bits(self, maze: &Maze) -> [usize; 2] {
+        let of_column = position::col_width(maze);
+        match self {
+            Self::Neighbours | Self::Lidar | Self::LidarRanges | Self::LidarBeams => [0; 2],
+            Self::Position | Self::NeighboursPosition | Self::LidarPosition => {
+                [of_column, position::width(maze) - of_column]
+            }
+        }
+    }
+
+    /// How many bits, the first of the percept, lie in a ring around the robot, clockwise from
+    /// the way of the first of so many moves; 0 if none do, or if the ring has no equal part for each move.
+    pub fn ring(self, moves: usize) -> usize {
+        let [parts, bits] = match self {
+            Self::Neighbours | Self::NeighboursPosition => [8, neighbours::WIDTH],
+            Self::Lidar | Self::LidarPosition => [8, lidar::AROUND],
+            Self::LidarRanges => [4, lidar::RANGES],
+            Self::LidarBeams => [16, lidar::BEAMS],
+            Self::Position => return 0,
+        };
+        if parts % moves == 0 { bits } else { 0 }
+    }
+
+    /// Does the percept begin with the eight cells around the robot, two bits each?
+    pub fn begins_with_neighbours(self) -> bool {
+        matches!(
+            self,
+            Self::Neighbours | Self::NeighboursPosition | Self::Lidar | Self::LidarPosition
+        )
+    }
+
+    /// Is the percept made of the eight cells around the robot, and of nothing else?
+    pub fn shows_only_surroundings(self) -> bool {
+        matches!(self, Self::Neighbours | Self::Lidar)
+    }
+
+    /// All that can be perceived in a maze from the middle of a free cell that is no goal, each
+    /// percept once, in order.
+    pub fn percepts(self, maze: &Maze) -> Vec<Percept> {
+        let all = self.at_most_percepts(maze, usize::MAX);
+        all.expect("no maze has as many cells")
+    }
+
+    /// The same; `None` when there are more than so many.
+    pub fn at_most_percepts(self, maze: &Maze, most: usize) -> Option<Vec<Percept>> {
+        let mut seen = HashSet::with_hasher(FixedState::default());
+        let mut percepts = Vec::new();
+        // In a hall, most cells look like the one before.
+        let mut before = None;
+        for cell in maze.free_cells().filter(|&cell| !maze.is_goal(cell)) {
+            let percept = self.perceive_at(maze, cell);
+            if before.replace(percept) != Some(percept) && seen.insert(percept) {
+                percepts.push(percept);
+            }
+            if percepts.len() > most {
+                return None;
+            }
+        }
+        percepts.sort_unstable();
+        Some(percepts)
+    }
+
+    /// Do no two cells of any maze give the same percept?
+    pub fn tells_all_apart(self) -> bool {
+        match self {
+            Self::Neighbours | Self::Lidar | Self::LidarRanges | Self::LidarBeams => false,
+            Self::Position | Self::NeighboursPosition | Self::LidarPosition => true,
+        }
+    }
+
+    /// What the robot perceives now.
+    pub fn perceive(self, view: &View<'_>) -> Percept {
+        let percept = self.unflipped(view);
+        view.flipped.map_or(percept, |flipped| {
+            let bits = (0..percept.width()).map(|at| percept.bit(at) != flipped.bit(at));
+            Percept::from_bits(bits).expect("as many bits as before")
+        })
+    }
+
+    /// What it would perceive if no bit had flipped.
+    fn unflipped(self, view: &View<'_>) -> Percept {
+        let sensed = view.sensed.filter(|_| self.is_sensed());
+        match sensed {
+            Some(Sensed {
+                surroundings, cell, ..
+            }) => {
+                let is_free = |east, north| surroundings.is_free(east, north);
+                self.by_lidar(&is_free, view.maze, cell)
+            }
+            None => self.perceive_at(view.maze, view.cell),
+        }
+    }
+
+    /// What a robot in the middle of a free cell perceives, if its senses are perfect.
+    pub fn perceive_at(self, maze: &Maze, cell: Cell) -> Percept {
+        match self {
+            Self::Neighbours => neighbours::percept(maze, cell),
+            Self::Position => position::percept(maze, cell),
+            Self::NeighboursPosition => {
+                neighbours::percept(maze, cell).followed_by(&position::percept(maze, cell))
+            }
+            Self::Lidar | Self::LidarRanges | Self::LidarBeams | Self::LidarPosition => {
+                self.by_lidar(&lidar::perfect(maze, cell), maze, cell)
+            }
+        }
+    }
+
+    /// What a lidar shows, when it sees that cells are free as `is_free` says, to a robot that
+    /// believes to stand in `cell`.
+    fn by_lidar(self, is_free: lidar::IsFree<'_>, maze: &Maze, cell: Cell) -> Percept {
+        match self {
+            Self::LidarRanges => lidar::ranges(is_free),
+            Self::LidarBeams => lidar::beams(is_free),
+            Self::LidarPosition => {
+                lidar::around(is_free).followed_by(&position::percept(maze, cell))
+            }
+            Self::Lidar | Self::Neighbours | Self::Position | Self::NeighboursPosition => {
+                lidar::around(is_free)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::Direction;
+
+    fn maze(name: &str) -> Maze {
+        let file = format!("{}/../../worlds/{name}.json", env!("CARGO_MANIFEST_DIR"));
+        Maze::load(std::path::Path::new(&file)).unwrap()
+    }
+
+    #[test]
+    fn those_that_begin_with_the_neighbours_show_them_in_every_cell() {
+        let maze = maze("maze4");
+        let first = |sensor: Sensor, cell| {
+            let percept = sensor.perceive_at(&maze, cell);
+            let width = percept.width().min(neighbours::WIDTH);
+            (0..width).map(|at| percept.bit(at)).collect::<Vec<_>>()
+        };
+        for &sensor in Sensor::ALL {
+            let shows = |model| {
+                let mut cells = maze.free_cells();
+                cells.all(|cell| first(sensor, cell) == first(model, cell))
+            };
+            let begins = shows(Sensor::Neighbours) || shows(Sensor::Lidar);
+            assert_eq!(sensor.begins_with_neighbours(), begins, "{sensor:?}");
+        }
+    }
+
+    /// The room is a square, so that its middle stays where it is.
+    #[test]
+    fn a_ring_that_is_turned_by_an_action_shows_a_room_that_was_turned() {
+        let turned = |rows: [&str; 5]| -> [String; 5] {
+            let column = |at: usize| rows.iter().rev().map(move |row| row.as_bytes()[at]);
+            std::array::from_fn(|at| column(at).map(char::from).collect())
+        };
+        let room = ["#####", "#..S#", "#..##", "#G.##", "#####"];
+        let at_middle = |sensor: Sensor, rows: &[String]| {
+            let text = format!(r#"{{ "rows": {rows:?} }}"#);
+            let maze = Maze::from_json(text.as_bytes(), "room.json").unwrap();
+            sensor.perceive_at(&maze, Cell { col: 2, row: 2 })
+        };
+        let (upright, turned) = (room.map(str::to_owned), turned(room));
+        let mut checked = 0;
+        for &sensor in Sensor::ALL.iter().filter(|sensor| sensor.ring(4) > 0) {
+            let ring = sensor.ring(4);
+            let [before, after] = [&upright, &turned].map(|rows| at_middle(sensor, rows));
+            let bits = |percept: Percept| (0..ring).map(|at| percept.bit(at)).collect::<Vec<_>>();
+            let east_ahead = after.turned(ring / 4, ring);
+            assert_eq!(bits(east_ahead), bits(before), "{sensor:?}");
+            assert_ne!(bits(after), bits(before), "control: {sensor:?}");
+            checked += 1;
+        }
+        assert!(checked >= 6, "{checked}");
+    }
+
+    /// Whether the way ahead looks the same to each of so many moves whose percept is turned, where the only
+    /// obstacle is a wall in its way.
+    fn shows_what_is_ahead(sensor: Sensor, moves: &[Direction], ring: usize) -> bool {
+        let cell = Cell { col: 4, row: 4 };
+        let ahead = |(action, way): (usize, &Direction)| {
+            let (east, south) = way.offset();
+            let mut rows = [*b"#########"; 9];
+            rows[1..8].iter_mut().for_each(|row| *row = *b"#.......#");
+            (rows[1][1], rows[7][7]) = (b'S', b'G');
+            rows[(4 + south) as usize][(4 + east) as usize] = b'#';
+            let rows = rows.map(|row| row.map(char::from).iter().collect::<String>());
+            let text = format!(r#"{{ "rows": {rows:?} }}"#);
+            let maze = Maze::from_json(text.as_bytes(), "room.json").unwrap();
+            let percept = sensor.perceive_at(&maze, cell);
+            let turned = percept.turned(action * ring / moves.len(), ring);
+            [0, 1].map(|bit| turned.bit(bit))
+        };
+        let mut all = moves.iter().enumerate().map(ahead);
+        let first = all.next().unwrap();
+        all.all(|one| one == first)
+    }
+
+    #[test]
+    fn a_ring_is_turned_only_where_it_has_a_part_for_each_move() {
+        for moves in [&Direction::MAIN[..], &Direction::CLOCKWISE] {
+            for &sensor in Sensor::ALL {
+                let ring = sensor.ring(moves.len());
+                let fits = shows_what_is_ahead(sensor, moves, ring);
+                assert!(fits || ring == 0, "{sensor:?}, {}", moves.len());
+            }
+        }
+        let (ranges, eight) = (Sensor::LidarRanges, Direction::CLOCKWISE);
+        assert_eq!([4, 8].map(|moves| ranges.ring(moves)), [lidar::RANGES, 0]);
+        let fits = shows_what_is_ahead(ranges, &eight, lidar::RANGES);
+        assert!(!fits, "control: its quarters are no eighths");
+    }
+}

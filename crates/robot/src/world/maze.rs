@@ -1,0 +1,329 @@
+//! The maze: cells, walls, start and goal.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry2, Point2, Vector2};
+use serde::{Deserialize, Serialize};
+
+use super::direction::{Direction, Moves};
+use super::kept::Kept;
+use super::name;
+use super::origin::Origin;
+use xcs::Action;
+
+/// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the worth of
+/// every cell recorded.
+const MOST_SHOWN: usize = 1 << 14;
+
+/// A cell of the maze; row 0 is the northern border, column 0 the western one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Cell {
+    /// Columns from the west.
+    pub col: u16,
+    /// Rows from the north.
+    pub row: u16,
+}
+
+/// The friction of each cell's floor in tenths, in reading order; 0 for the usual floor. `None`
+/// where all of it is usual.
+pub(super) type Floor = Option<Arc<[u8]>>;
+
+/// Cells with a reward of their own, and what each of them pays.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Auxiliary {
+    /// In reading order; never empty.
+    pub cells: Vec<Cell>,
+    pub reward: f64,
+}
+
+/// A checked maze: its border is closed (or joined), and every start can reach a goal.
+///
+/// Public methods take and return metres of the map frame: that of the ROS map from which the world was made,
+/// or else with its origin in the south-western corner of the border, x to the east, y to the north. A clone
+/// shares the cells with its original.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Maze {
+    pub(super) name: String,
+    pub(super) cell_size_m: f64,
+    pub(super) moves: Moves,
+    pub(super) wrap: bool,
+    pub(super) origin: Origin,
+    pub(super) width: u16,
+    pub(super) height: u16,
+    /// Row by row from the north: true where a wall is.
+    pub(super) walls: Arc<[bool]>,
+    pub(super) start: Option<Cell>,
+    /// In reading order; never empty.
+    pub(super) goals: Vec<Cell>,
+    pub(super) floor: Floor,
+    pub(super) auxiliary: Option<Auxiliary>,
+    pub(super) kept: Kept,
+}
+
+impl Maze {
+    /// The world's name, as the file gives it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Edge length of a cell in metres.
+    pub fn cell_size_m(&self) -> f64 {
+        self.cell_size_m
+    }
+
+    /// The directions in which one can move.
+    pub fn moves(&self) -> Moves {
+        self.moves
+    }
+
+    /// Do the edges join, so that leaving in the east enters in the west?
+    pub fn wraps(&self) -> bool {
+        self.wrap
+    }
+
+    /// The pose of the south-western corner of the grid in the map frame. The default in worlds without `origin`.
+    pub fn origin(&self) -> Origin {
+        self.origin
+    }
+
+    /// The number of columns.
+    pub fn width(&self) -> u16 {
+        self.width
+    }
+
+    /// The number of rows.
+    pub fn height(&self) -> u16 {
+        self.height
+    }
+
+    /// The start cell; `None` when each episode starts in a random free cell.
+    pub fn start(&self) -> Option<Cell> {
+        self.start
+    }
+
+    /// The goal cells in reading order; at least one.
+    pub fn goals(&self) -> &[Cell] {
+        &self.goals
+    }
+
+    /// The number of actions.
+    pub fn action_count(&self) -> usize {
+        self.moves.directions().len()
+    }
+
+    /// The direction that an action means; `None` when this world has fewer moves.
+    pub fn direction(&self, action: Action) -> Option<Direction> {
+        self.moves.directions().get(action.index()).copied()
+    }
+
+    /// The nearest name that a world may have, for a text that may be none.
+    pub fn repaired_name(text: &str) -> String {
+        name::repaired(text)
+    }
+
+    /// The name of the move that an action is; its number where it is none.
+    pub fn action_name(&self, action: Action) -> String {
+        match self.direction(action) {
+            Some(direction) => direction.name().to_owned(),
+            None => format!("action {}", action.index()),
+        }
+    }
+
+    /// Is the cell a wall? Cells outside of the maze are.
+    pub fn is_wall(&self, cell: Cell) -> bool {
+        cell.col >= self.width || cell.row >= self.height || self.walls[self.index(cell)]
+    }
+
+    /// Is the cell a goal?
+    pub fn is_goal(&self, cell: Cell) -> bool {
+        let place = |cell: &Cell| (cell.row, cell.col);
+        self.goals
+            .binary_search_by_key(&place(&cell), place)
+            .is_ok()
+    }
+
+    /// All cells that are no wall, in reading order.
+    pub fn free_cells(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.cells().filter(|&cell| !self.is_wall(cell))
+    }
+
+    /// The cells in which an episode can start, in reading order: the start cell, or all free
+    /// cells but the goals.
+    pub fn start_cells(&self) -> Vec<Cell> {
+        self.starts().collect()
+    }
+
+    /// The same cells one by one, for mazes with many.
+    pub fn starts(&self) -> impl DoubleEndedIterator<Item = Cell> + '_ {
+        let anywhere = self.start.is_none().then(|| self.cells());
+        let anywhere = anywhere.into_iter().flatten();
+        let free = anywhere.filter(|&cell| !self.is_wall(cell) && !self.is_goal(cell));
+        self.start.into_iter().chain(free)
+    }
+
+    /// Has it too many cells to be shown one by one?
+    pub fn is_vast(&self) -> bool {
+        self.walls.len() > MOST_SHOWN
+    }
+
+    /// All cells in reading order.
+    pub fn cells(&self) -> impl DoubleEndedIterator<Item = Cell> + use<> {
+        let (width, height) = (self.width, self.height);
+        (0..height).flat_map(move |row| (0..width).map(move |col| Cell { col, row }))
+    }
+
+    /// The number of a cell in reading order.
+    pub fn index(&self, cell: Cell) -> usize {
+        usize::from(cell.row) * usize::from(self.width) + usize::from(cell.col)
+    }
+
+    /// The next cell in a direction, wall or not; `None` beyond a border that does not join.
+    pub fn neighbour(&self, cell: Cell, direction: Direction) -> Option<Cell> {
+        let (east, south) = direction.offset();
+        let along = |from: u16, step: i32, size: u16| match from.checked_add_signed(step as i16) {
+            Some(to) if to < size => Some(to),
+            _ if self.wrap => Some(if step < 0 { size - 1 } else { 0 }),
+            _ => None,
+        };
+        Some(Cell {
+            col: along(cell.col, east, self.width)?,
+            row: along(cell.row, south, self.height)?,
+        })
+    }
+
+    /// The cell that a move leads to; `None` when a wall or the border is in the way.
+    pub fn step(&self, cell: Cell, direction: Direction) -> Option<Cell> {
+        self.neighbour(cell, direction)
+            .filter(|&next| !self.is_wall(next))
+    }
+
+    /// A figure about this maze that takes long to find: found once for a maze and its clones.
+    pub fn once(&self, figure: &'static str, find: impl FnOnce() -> Option<f64>) -> Option<f64> {
+        self.kept.figure(figure, find)
+    }
+
+    /// Returns the middle of a cell in the map frame, in metres.
+    pub fn centre_m(&self, cell: Cell) -> Point2<f64> {
+        self.point_in_map(self.centre_in_grid(cell))
+    }
+
+    /// Returns the cell that holds a point of the map frame, in metres; `None` outside of the maze.
+    pub fn cell_at(&self, point_m: Point2<f64>) -> Option<Cell> {
+        self.cell_in_grid(self.point_in_grid(point_m))
+    }
+}
+
+/// The grid frame, in which the walls are simulated and drawn: origin in the south-western corner of the
+/// border, x to the east, y to the north, in metres. Without an `origin` it is the map frame, to the bit.
+impl Maze {
+    /// Returns the middle of a cell in the grid frame.
+    pub fn centre_in_grid(&self, cell: Cell) -> Point2<f64> {
+        Point2::new(
+            (f64::from(cell.col) + 0.5) * self.cell_size_m,
+            (f64::from(self.height) - f64::from(cell.row) - 0.5) * self.cell_size_m,
+        )
+    }
+
+    /// Returns the cell that holds a point of the grid frame; `None` outside of the maze.
+    pub fn cell_in_grid(&self, point_m: Point2<f64>) -> Option<Cell> {
+        let col = (point_m.x / self.cell_size_m).floor();
+        let row = f64::from(self.height) - 1.0 - (point_m.y / self.cell_size_m).floor();
+        let inside = (0.0..f64::from(self.width)).contains(&col)
+            && (0.0..f64::from(self.height)).contains(&row);
+        inside.then_some(Cell {
+            col: col as u16,
+            row: row as u16,
+        })
+    }
+
+    /// Returns the pose of the grid frame in the map frame; `None` where they are the same.
+    pub fn grid_in_map(&self) -> Option<Isometry2<f64>> {
+        (self.origin != Origin::default()).then(|| self.origin.pose())
+    }
+
+    /// Converts a point from the grid frame to the map frame.
+    pub fn point_in_map(&self, point_in_grid: Point2<f64>) -> Point2<f64> {
+        self.grid_in_map()
+            .map_or(point_in_grid, |grid| grid * point_in_grid)
+    }
+
+    /// Converts a point from the map frame to the grid frame.
+    pub fn point_in_grid(&self, point_in_map: Point2<f64>) -> Point2<f64> {
+        let grid = self.grid_in_map();
+        grid.map_or(point_in_map, |grid| {
+            grid.inverse_transform_point(&point_in_map)
+        })
+    }
+
+    /// Converts a direction from the grid frame to the map frame.
+    pub fn vector_in_map(&self, vector_in_grid: Vector2<f64>) -> Vector2<f64> {
+        self.grid_in_map()
+            .map_or(vector_in_grid, |grid| grid * vector_in_grid)
+    }
+
+    /// Converts a pose from the grid frame to the map frame.
+    pub fn pose_in_map(&self, pose_in_grid: Isometry2<f64>) -> Isometry2<f64> {
+        self.grid_in_map()
+            .map_or(pose_in_grid, |grid| grid * pose_in_grid)
+    }
+}
+
+impl Maze {
+    /// The friction between wheels and floor of a cell; `None` for the usual floor, whose friction
+    /// the robot's settings have.
+    pub fn friction(&self, cell: Cell) -> Option<f64> {
+        let floor = self.floor.as_ref()?;
+        let inside = cell.col < self.width && cell.row < self.height;
+        let tenths = floor[if inside { self.index(cell) } else { 0 }];
+        (inside && tenths > 0).then(|| f64::from(tenths) / 10.0)
+    }
+
+    /// Returns the same maze with a floor of one friction in all free cells, in tenths (1 to 9; 0 is
+    /// the usual floor).
+    #[must_use]
+    pub fn with_friction(&self, tenths: u8) -> Self {
+        let of_cell = |&wall: &bool| if wall { 0 } else { tenths };
+        let floor = (tenths > 0).then(|| self.walls.iter().map(of_cell).collect());
+        Self {
+            floor,
+            ..self.clone()
+        }
+    }
+
+    /// Is the floor of any cell unusual?
+    pub fn has_floor(&self) -> bool {
+        self.floor.is_some()
+    }
+
+    /// The rows of the floor as a world file has them; `None` where all of it is usual.
+    pub fn floor_rows(&self) -> Option<Vec<String>> {
+        let letter = |(&tenths, &wall): (&u8, &bool)| match (tenths, wall) {
+            (_, true) => '#',
+            (0, false) => '.',
+            (tenths, false) => char::from(b'0' + tenths),
+        };
+        let letters: Vec<char> = self
+            .floor
+            .as_ref()?
+            .iter()
+            .zip(&*self.walls)
+            .map(letter)
+            .collect();
+        let rows = letters.chunks(usize::from(self.width));
+        Some(rows.map(|row| row.iter().collect()).collect())
+    }
+
+    /// What a cell pays by itself, the first time in an episode that the robot comes into it
+    /// (auxiliary reward); `None` of most cells.
+    pub fn auxiliary_reward(&self, cell: Cell) -> Option<f64> {
+        let auxiliary = self.auxiliary.as_ref()?;
+        let place = |cell: &Cell| (cell.row, cell.col);
+        let found = auxiliary.cells.binary_search_by_key(&place(&cell), place);
+        found.is_ok().then_some(auxiliary.reward)
+    }
+
+    /// The cells that pay by themselves, in reading order.
+    pub fn rewarding_cells(&self) -> &[Cell] {
+        self.auxiliary.as_ref().map_or(&[], |it| &it.cells)
+    }
+}

@@ -1,0 +1,37 @@
+//! From a world file to a checked [`Maze`], and its shortest paths.
+
+mod around;
+mod auxiliary;
+mod checks;
+mod direction;
+mod document;
+mod draw;
+mod error;
+mod facts;
+mod file;
+mod floor;
+mod generate;
+mod json;
+mod kept;
+mod maze;
+mod name;
+mod near;
+mod occupancy;
+mod origin;
+mod paths;
+mod place;
+mod rows;
+mod slip;
+mod source;
+mod starts;
+
+pub use around::Content;
+pub use direction::{Direction, Moves};
+pub use error::{Diagnostic, WorldError};
+pub use facts::{Facts, FloorFacts};
+pub use generate::{MazeKind, Recipe};
+pub use maze::{Cell, Maze};
+pub use occupancy::{Gridded, Gridding, MapError, Occupancy, OccupancyMap, Passage, WrittenMap};
+pub use origin::Origin;
+pub use paths::Paths;
+pub use starts::Starts;
