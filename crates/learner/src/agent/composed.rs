@@ -6,13 +6,13 @@
 //! about cells that both show; where an auxiliary reward was found, which is paid once; and where no move slips, but the
 //! policy takes more steps than there are percepts.
 
-use super::explorer::Explorer;
-use super::knowledge::Knowledge;
-use super::map_learner::MapLearner;
-use super::memory::{self, MemoryError};
-use super::percept_learner::PerceptLearner;
-use super::plus_params::Estimator;
-use super::{Agent, Choice, Chooser, EndCredit, StepCredit};
+use crate::agent::explorer::Explorer;
+use crate::agent::knowledge::Knowledge;
+use crate::agent::map_learner::MapLearner;
+use crate::agent::memory::{self, MemoryError};
+use crate::agent::percept_learner::PerceptLearner;
+use crate::agent::plus_params::Estimator;
+use crate::agent::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use xcs::{Action, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 

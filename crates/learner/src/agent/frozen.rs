@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::knowledge::Knowledge;
-use super::recall::Tracker;
-use super::{Agent, Choice, EndCredit, Explorer, StepCredit};
+use crate::agent::estimator::map::Tracker;
+use crate::agent::knowledge::Knowledge;
+use crate::agent::{Agent, Choice, EndCredit, Explorer, StepCredit};
 use xcs::{Action, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 

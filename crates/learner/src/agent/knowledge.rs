@@ -5,8 +5,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::model::Foresight;
-use super::recall::{CONTEXT_BITS, ChartedPlan, Map, PERCEPT_BITS, Tracker};
+use crate::agent::estimator::map::{CONTEXT_BITS, Map, PERCEPT_BITS, Tracker};
+use crate::agent::model::Foresight;
+use crate::agent::policy::plan::BeliefPlan;
 use xcs::{Action, Percept};
 use xcs::{Population, PredictionArray, Xcs};
 
@@ -33,7 +34,7 @@ pub enum Knowledge {
         map: Map,
     },
     /// The plan of a tabular method with a memory, and its charts.
-    Planned(ChartedPlan),
+    Planned(BeliefPlan),
     /// The table of a tabular method: the worth of each action in each percept.
     Table(BTreeMap<Percept, Vec<Option<f64>>>),
 }

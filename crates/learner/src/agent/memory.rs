@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::Agent;
+use crate::agent::Agent;
 
 /// Why a learner cannot resume from what was saved.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -2,12 +2,12 @@
 
 use strum::{IntoStaticStr, VariantArray};
 
-use super::composed::Composed;
-use super::map_learner::MapLearner;
-use super::percept_learner::PerceptLearner;
-use super::policy::PolicyKind;
-use super::recall::Vision;
-use super::{
+use crate::agent::composed::Composed;
+use crate::agent::estimator::map::Vision;
+use crate::agent::map_learner::MapLearner;
+use crate::agent::percept_learner::PerceptLearner;
+use crate::agent::policy::PolicyKind;
+use crate::agent::{
     Agent, Combined, Estimator, Knowledge, MemoryParams, Params, PlusParams, Sharing, Standard,
     Tabular, TabularParams,
 };

@@ -8,6 +8,7 @@
 mod choice;
 mod composed;
 mod credit;
+mod estimator;
 mod explorer;
 mod frozen;
 mod knowledge;
@@ -17,35 +18,43 @@ mod method;
 mod model;
 mod params;
 mod percept_learner;
+mod planner;
 mod plus_params;
 mod policy;
 mod power;
-mod recall;
 mod tabular;
 
 pub use choice::{Choice, Chooser, Chosen};
 use credit::{Combined, Standard};
+pub use estimator::map::{
+    ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Map, MemoryParams, Odometry, PERCEPT_BITS,
+    words as memory_words,
+};
 pub use explorer::Explorer;
 pub use frozen::Frozen;
 pub use knowledge::Knowledge;
 pub use knowledge::Misfit;
 pub use memory::MemoryError;
 pub use method::{Method, Setup};
-pub use model::pomdp;
 pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 pub use plus_params::{Estimator, PlusParams};
+pub use policy::contexts::contexts;
+pub use policy::demands::{Demand, Part, demands};
 pub use power::power;
-pub use recall::{
-    ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Demand, Map, PERCEPT_BITS, Part, contexts, demands,
-    words as memory_words,
-};
-pub use recall::{MemoryParams, Odometry};
 use tabular::Tabular;
 pub use tabular::TabularParams;
 
 use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
+
+/// Mazes whose states are hidden, beliefs over these states, and a planner on beliefs.
+pub mod pomdp {
+    pub use super::estimator::belief::{Belief, NEGLIGIBLE};
+    pub use super::model::pomdp::{GOAL, Pomdp};
+    pub use super::model::prizes::Prizes;
+    pub use super::planner::rtdp_bel::{BeliefPlanner, Costs, Effort, MOST_BELIEFS, moved};
+}
 
 /// What a reward method made of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

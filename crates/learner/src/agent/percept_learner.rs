@@ -2,7 +2,7 @@
 //!
 //! The policy chooses every action that exploits: in training, in evaluations and in exports. The model acts only
 //! where something is left to explore. It has two uses:
-//! * Its plan labels percepts with their best actions ([`Known`]). Rules are distilled from these examples
+//! * Its plan labels percepts with their best actions ([`PlannedValues`]). Rules are distilled from these examples
 //!   ([`RulePolicy`]), or the plan itself is the policy ([`PolicyKind::Plan`]).
 //! * It leads exploration to actions that may be better than what is known ([`Exploration`]), and predicts
 //!   collisions and inverse actions, so that these need not be tried everywhere.
@@ -11,16 +11,16 @@
 
 use std::collections::BTreeMap;
 
-use super::explorer::Explorer;
-use super::knowledge::Knowledge;
-use super::memory::{self, MemoryError};
-use super::model::Foresight;
-use super::model::collision_rules::CollisionRules;
-use super::model::exploration::{Exploration, Model};
-use super::model::known::Known;
-use super::model::transitions::{Transition, Transitions};
-use super::policy::{PolicyKind, RulePolicy};
-use super::{Choice, Chooser, EndCredit, Params, PlusParams, StepCredit};
+use crate::agent::explorer::Explorer;
+use crate::agent::knowledge::Knowledge;
+use crate::agent::memory::{self, MemoryError};
+use crate::agent::model::Foresight;
+use crate::agent::model::collision_rules::CollisionRules;
+use crate::agent::model::transitions::{Transition, Transitions};
+use crate::agent::planner::exploration::{Exploration, Model};
+use crate::agent::planner::sweeping::PlannedValues;
+use crate::agent::policy::{PolicyKind, RulePolicy};
+use crate::agent::{Choice, Chooser, EndCredit, Params, PlusParams, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
@@ -32,7 +32,7 @@ pub struct PerceptLearner {
     params: Params,
     own: PlusParams,
     memory: Transitions,
-    known: Known,
+    known: PlannedValues,
     /// The rules that choose; `None` where the plan does.
     rules: Option<RulePolicy>,
     collisions: CollisionRules,
@@ -70,7 +70,7 @@ impl PerceptLearner {
     ) -> Self {
         let actions = xcs.actions();
         let ring = if own.turned_rules { ring } else { 0 };
-        let known = Known::new(actions, &params);
+        let known = PlannedValues::new(actions, &params);
         Self {
             actions,
             memory: Transitions::default(),

@@ -1,19 +1,19 @@
 //! XCSCR: the combined reward method of the paper.
 //!
 //! Four mechanisms in a fixed order, each in its own file and with its own switch:
-//! 1. [`short_term_filter`](super::short_term_filter): a collision lowers the worth of the rules that caused it, at once;
-//! 2. [`learning_rate`](super::learning_rate): successes are learned fast, failures slowly;
-//! 3. [`imprinting`](super::imprinting): after a failure, one of the best policies so far is rehearsed;
-//! 4. [`step_threshold`](super::step_threshold): the time allowed shrinks toward the best policy.
+//! 1. [`short_term_filter`](crate::agent::credit::short_term_filter): a collision lowers the worth of the rules that caused it, at once;
+//! 2. [`learning_rate`](crate::agent::credit::learning_rate): successes are learned fast, failures slowly;
+//! 3. [`imprinting`](crate::agent::credit::imprinting): after a failure, one of the best policies so far is rehearsed;
+//! 4. [`step_threshold`](crate::agent::credit::step_threshold): the time allowed shrinks toward the best policy.
 
-use super::experts::{self, Experts};
-use super::imprinting::{self, Imprinting, Lesson, Policy};
-use super::learning_rate::LearningRate;
-use super::short_term_filter::ShortTermFilter;
-use super::step_threshold::StepThreshold;
+use crate::agent::credit::experts::{self, Experts};
+use crate::agent::credit::imprinting::{self, Imprinting, Lesson, Policy};
+use crate::agent::credit::learning_rate::LearningRate;
+use crate::agent::credit::short_term_filter::ShortTermFilter;
+use crate::agent::credit::step_threshold::StepThreshold;
 
-use super::stack::{RewardStack, Shares};
-use super::step_credit;
+use crate::agent::credit::stack::{RewardStack, Shares};
+use crate::agent::credit::step_credit;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::memory::{self, MemoryError};
 use crate::agent::params::Params;
@@ -44,7 +44,7 @@ pub struct Combined {
 }
 
 impl Combined {
-    /// Around a learner; `stream` decides about imprinting. The parameters must have been checked.
+    /// Surroundings a learner; `stream` decides about imprinting. The parameters must have been checked.
     pub fn new(xcs: Xcs, params: Params, stream: Stream) -> Self {
         Self {
             filter: ShortTermFilter::new(&params),

@@ -8,7 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::imprinting::{Imprinting, Lesson, Policy};
+use crate::agent::credit::imprinting::{Imprinting, Lesson, Policy};
 use xcs::random::Stream;
 use xcs::{self, Action, Learned, MatchSet, Percept, PredictionArray, Xcs};
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::stack::Shares;
+use crate::agent::credit::stack::Shares;
 use crate::agent::params::Params;
 use xcs::Xcs;
 use xcs::random::Stream;

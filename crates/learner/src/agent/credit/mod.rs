@@ -12,7 +12,7 @@ mod step_threshold;
 pub use combined::Combined;
 pub use standard::Standard;
 
-use super::StepCredit;
+use crate::agent::StepCredit;
 use xcs::{ActionSet, MatchSet, Xcs};
 
 /// What there is to say of a step whose \[M\] and \[A\] these are, before anything is updated.

@@ -1,6 +1,6 @@
 //! Standard XCS and XCSAM: the reward travels back one step at a time, as in Q-learning.
 
-use super::step_credit;
+use crate::agent::credit::step_credit;
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::memory::{self, MemoryError};
@@ -38,7 +38,7 @@ struct Waiting {
 }
 
 impl Standard {
-    /// Around a learner; the parameters must have been checked.
+    /// Surroundings a learner; the parameters must have been checked.
     pub fn new(xcs: Xcs, params: Params) -> Self {
         Self {
             xcs,

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::coverage::Coverage;
-use super::tally::{Tally, verdict};
+use crate::agent::model::coverage::Coverage;
+use crate::agent::model::tally::{Tally, verdict};
 use crate::agent::power;
 use xcs::Condition;
 use xcs::Percept;

@@ -12,9 +12,9 @@
 //! other one, turned. Such rules stand for election beside those of each action; where they do not
 //! hold, moves soon prove them wrong.
 
-use super::CollisionRule;
-use super::bumps::Bumps;
-use super::tally::Tally;
+use crate::agent::model::CollisionRule;
+use crate::agent::model::bumps::Bumps;
+use crate::agent::model::tally::Tally;
 use crate::agent::power;
 use xcs::{Action, ByAction, Percept};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::tally::{Tally, verdict};
+use crate::agent::model::tally::{Tally, verdict};
 use xcs::{Condition, Percept};
 
 /// Percepts wider than this get candidates of one allele only; there would be too many of two.

@@ -1,15 +1,14 @@
-//! What is foreseen: remembered transitions, rules that foretell, and plans made of them.
+//! What follows an action: counts of what was met, rules that generalise them, and a maze whose states are hidden.
 
 pub(super) mod bumps;
 pub(super) mod collision_rules;
 mod coverage;
-pub(super) mod exploration;
 mod foresight;
-pub(super) mod known;
 mod outcomes;
 pub mod pomdp;
+pub mod prizes;
 pub(super) mod return_rules;
-mod slips;
+pub(super) mod slips;
 pub(super) mod tally;
 pub(super) mod transitions;
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::slips::{Evidence, Slips};
+use crate::agent::model::slips::{Evidence, Slips};
 use xcs::random::Stream;
 
 /// What followed a pair: the reward, the number of the next percept (`None` at a goal), and how

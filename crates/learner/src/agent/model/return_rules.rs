@@ -4,9 +4,9 @@
 //! one has to turn, is not told but counted. Where it holds, the way back need not be tried in
 //! every cell.
 
-use super::ReturnRule;
-use super::slips::Slips;
-use super::transitions::Transitions;
+use crate::agent::model::ReturnRule;
+use crate::agent::model::slips::Slips;
+use crate::agent::model::transitions::Transitions;
 use xcs::{Action, ByAction};
 
 /// A rule is believed from so many successes on ...

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::outcomes::{Leads, Outcome, Outcomes, mean};
-use super::slips::{Evidence, Slips};
+use crate::agent::model::outcomes::{Leads, Outcome, Outcomes, mean};
+use crate::agent::model::slips::{Evidence, Slips};
 use xcs::random::Stream;
 use xcs::{Action, ByAction, MAX_ACTIONS, Percept};
 

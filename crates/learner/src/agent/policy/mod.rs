@@ -1,5 +1,11 @@
 //! Policies over percepts: what chooses where nothing is left to explore.
 
+pub mod contexts;
+pub mod distillation;
+pub mod demands;
+pub mod examples;
+pub mod plan;
+pub mod rollouts;
 mod rules;
 
 pub(super) use rules::RulePolicy;

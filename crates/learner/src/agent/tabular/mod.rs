@@ -13,12 +13,12 @@ use serde::{Deserialize, Serialize};
 use table::{Rows, Table};
 use traces::Traces;
 
-use super::explorer::Explorer;
-use super::knowledge::Knowledge;
-use super::memory::{self, MemoryError};
-use super::model::transitions::{Transition, Transitions};
-use super::params::Params;
-use super::{Agent, Choice, EndCredit, StepCredit};
+use crate::agent::explorer::Explorer;
+use crate::agent::knowledge::Knowledge;
+use crate::agent::memory::{self, MemoryError};
+use crate::agent::model::transitions::{Transition, Transitions};
+use crate::agent::params::Params;
+use crate::agent::{Agent, Choice, EndCredit, StepCredit};
 use xcs::PredictionArray;
 use xcs::random::Stream;
 use xcs::{Action, Percept};

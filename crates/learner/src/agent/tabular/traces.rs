@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::table::Table;
 use crate::agent::model::transitions::Transition;
+use crate::agent::tabular::table::Table;
 use xcs::{Action, Percept};
 
 /// How much each pair of this episode is still responsible for (replacing traces).

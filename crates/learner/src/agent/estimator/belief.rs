@@ -1,0 +1,178 @@
+//! How likely each state is.
+
+use serde::{Deserialize, Serialize};
+
+use crate::agent::model::pomdp::{GOAL, Pomdp};
+use xcs::{Action, Percept};
+
+/// States that are less likely than this are forgotten.
+pub const NEGLIGIBLE: f64 = 1e-4;
+
+/// States in order, each with its probability; they add up to 1. Empty: nothing is believed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Belief(Vec<(u32, f64)>);
+
+/// What may come of an action.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Branch {
+    /// How likely it is.
+    pub probability: f64,
+    /// The number of the percept that comes.
+    pub look: u32,
+    /// What is believed then.
+    pub belief: Belief,
+}
+
+impl Belief {
+    /// Each of some states, in ascending order, equally likely.
+    pub fn even(states: impl IntoIterator<Item = u32>) -> Self {
+        Self(states.into_iter().map(|state| (state, 1.0)).collect()).normalised()
+    }
+
+    /// The states with their probabilities.
+    pub fn states(&self) -> &[(u32, f64)] {
+        &self.0
+    }
+
+    /// Is nothing believed?
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The likeliest state with its probability, the first of several.
+    pub fn likeliest(&self) -> Option<(u32, f64)> {
+        let better = |best: (u32, f64), one: (u32, f64)| if one.1 > best.1 { one } else { best };
+        self.0.iter().copied().reduce(better)
+    }
+
+    /// What follows from an action, by percept; the goal, where nothing is perceived, is left out.
+    pub fn branches(&self, pomdp: &Pomdp, action: Action) -> Vec<Branch> {
+        let mut reached = self.reached(pomdp, action);
+        reached.sort_unstable_by_key(|&(look, state, _)| (look, state));
+        reached
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|alike| Branch {
+                probability: alike.iter().map(|one| one.2).sum(),
+                look: alike[0].0,
+                belief: Self::merged(alike).normalised(),
+            })
+            .collect()
+    }
+
+    /// Percept, state and probability of all that an action may lead to; states can come twice.
+    fn reached(&self, pomdp: &Pomdp, action: Action) -> Vec<(u32, u32, f64)> {
+        let mut reached = Vec::with_capacity(self.0.len() * 2);
+        self.each_move(pomdp, action, |_, next, weight| {
+            if next != GOAL && weight > 0.0 {
+                reached.push((pomdp.look(next), next, weight));
+            }
+        });
+        reached
+    }
+
+    /// Every state, where an action may lead from it, and how likely both are.
+    fn each_move(&self, pomdp: &Pomdp, action: Action, mut visit: impl FnMut(u32, u32, f64)) {
+        let each = pomdp.slip() / pomdp.actions() as f64;
+        for &(state, weight) in &self.0 {
+            visit(
+                state,
+                pomdp.next(state, action),
+                weight * (1.0 - pomdp.slip()),
+            );
+            if each > 0.0 {
+                Action::all(pomdp.actions())
+                    .for_each(|executed| visit(state, pomdp.next(state, executed), weight * each));
+            }
+        }
+    }
+
+    /// What is believed after an action, before anything is perceived; of which may be known whether the
+    /// robot stayed where it was.
+    pub fn expected(&self, pomdp: &Pomdp, action: Action, stayed: Option<bool>) -> Self {
+        let mut reached = Vec::with_capacity(self.0.len());
+        self.each_move(pomdp, action, |state, next, weight| {
+            if next != GOAL && weight > 0.0 && stayed.is_none_or(|stayed| (next == state) == stayed)
+            {
+                reached.push((0, next, weight));
+            }
+        });
+        // In the order of the moves, so that sums are the same wherever they are computed.
+        reached.sort_by_key(|&(_, state, _)| state);
+        Self::merged(&reached).normalised()
+    }
+
+    /// What is believed when something was perceived that fits more or less to each of so many
+    /// `states`; with the probability `astray`, or if nothing is expected, any of them may be true.
+    pub fn weighed(expected: &Self, astray: f64, states: u32, fits: impl Fn(u32) -> f64) -> Self {
+        let astray = if expected.is_empty() { 1.0 } else { astray };
+        let mut expected = expected.0.iter().copied().peekable();
+        let weighed = (0..states).map(|state| {
+            let here = expected.next_if(|one| one.0 == state);
+            let here = here.map_or(0.0, |one| one.1 * (1.0 - astray));
+            let weight = here + astray / f64::from(states);
+            (state, weight * fits(state))
+        });
+        Self(weighed.collect()).normalised()
+    }
+
+    /// What an action costs, without what follows it.
+    pub fn cost_of_acting(&self, pomdp: &Pomdp, action: Action) -> f64 {
+        let mut cost = pomdp.cost_of_step();
+        if pomdp.prizes().is_none() {
+            return cost;
+        }
+        self.each_move(pomdp, action, |state, next, weight| {
+            cost += weight * pomdp.cost_of_move(state, next);
+        });
+        cost
+    }
+
+    fn merged(alike: &[(u32, u32, f64)]) -> Self {
+        let mut states: Vec<(u32, f64)> = Vec::with_capacity(alike.len());
+        for &(_, state, weight) in alike {
+            match states.last_mut() {
+                Some((last, sum)) if *last == state => *sum += weight,
+                _ => states.push((state, weight)),
+            }
+        }
+        Self(states)
+    }
+
+    /// What is believed after an action and the percept that came; empty when it cannot have come.
+    pub fn after(&self, pomdp: &Pomdp, action: Action, percept: &Percept) -> Self {
+        let Some(look) = pomdp.look_of(percept) else {
+            return Self::default();
+        };
+        let mut reached = self.reached(pomdp, action);
+        reached.retain(|one| one.0 == look);
+        // In the order of the moves, so that sums are the same wherever they are computed.
+        reached.sort_by_key(|&(_, state, _)| state);
+        Self::merged(&reached).normalised()
+    }
+
+    fn normalised(mut self) -> Self {
+        let sum: f64 = self.0.iter().map(|one| one.1).sum();
+        self.0.retain(|one| one.1 > NEGLIGIBLE * sum);
+        let sum: f64 = self.0.iter().map(|one| one.1).sum();
+        self.0.iter_mut().for_each(|one| one.1 /= sum);
+        self
+    }
+
+    /// A number that is the same for beliefs that agree in their states and, in sixteen levels, in
+    /// how likely these are beside the likeliest.
+    pub fn key(&self) -> u64 {
+        let greatest = self.likeliest().map_or(1.0, |one| one.1);
+        let mut key = 0xcbf2_9ce4_8422_2325_u64;
+        for &(state, weight) in &self.0 {
+            let level = (weight / greatest * 16.0).round() as u64;
+            if level > 0 {
+                // The finaliser of SplitMix64: two beliefs in 2^64 meet by accident.
+                key = (key ^ (u64::from(state) << 5 | level)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+                key ^= key >> 29;
+                key = key.wrapping_mul(0xbf58_476d_1ce4_e5b9);
+                key ^= key >> 32;
+            }
+        }
+        key
+    }
+}

@@ -1,0 +1,83 @@
+//! A hypothesis of the maps: a chart, and what else is known of the episodes that lie on it.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::agent::estimator::map::association::{Alignment, MapStep};
+use crate::agent::estimator::map::cell_counts::CellCounts;
+use crate::agent::estimator::map::place::{CellState, Place};
+use crate::agent::estimator::map::reward_map::RewardMap;
+
+/// The last steps of an episode that are kept.
+pub const KEPT_STEPS: usize = 200;
+/// Episodes begin in one place if so many of them did, and this share of all.
+const LEAST_BEGUN: u32 = 3;
+const ALWAYS: f64 = 0.9;
+
+/// A chart, what cells of it pay, how many episodes belong to it, and where they began.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct MapHypothesis {
+    pub chart: CellCounts,
+    pub payments: RewardMap,
+    pub episodes: f64,
+    /// By place: how many episodes began there.
+    begun: BTreeMap<Place, u32>,
+}
+
+impl MapHypothesis {
+    /// A chart that was brought, on which nothing is known but the goal, which looks like this.
+    pub fn around(goal: CellState) -> Self {
+        let mut hypothesis = Self {
+            episodes: 1.0,
+            ..Self::default()
+        };
+        hypothesis.chart.sight(Place::ORIGIN, goal);
+        hypothesis
+    }
+
+    /// Can a hypothesis look like this?
+    pub fn is_sound(&self) -> bool {
+        self.chart.is_sound() && self.payments.is_sound() && is_count(&self.episodes)
+    }
+
+    /// Takes down an episode that lies on it so.
+    pub fn add(&mut self, steps: &[MapStep], alignment: &Alignment) {
+        self.episodes += 1.0;
+        for (step, place) in steps.iter().zip(&alignment.places) {
+            place
+                .iter()
+                .for_each(|&place| self.chart.add(place, &step.around));
+        }
+        self.payments.add(steps, &alignment.places);
+        // Of longer episodes the beginning is not kept.
+        let whole = steps.len() < KEPT_STEPS;
+        let begun = alignment.places.first().copied().flatten();
+        if let Some(place) = begun.filter(|_| whole) {
+            let count = self.begun.entry(place).or_default();
+            *count = count.saturating_add(1);
+        }
+    }
+
+    /// All its episodes begin in this place, as far as another world tells.
+    pub fn always_begins_in(&mut self, place: Place) {
+        self.begun.insert(place, LEAST_BEGUN);
+    }
+}
+
+/// The chart and the place in which episodes always begin, if there is one.
+pub fn always_in<'a>(hypotheses: impl Iterator<Item = &'a MapHypothesis>) -> Option<(u8, Place)> {
+    let begun = hypotheses.enumerate().flat_map(|(chart, hypothesis)| {
+        let places = hypothesis.begun.iter();
+        places.map(move |(place, count)| (*count, (chart as u8, *place)))
+    });
+    let begun: Vec<(u32, (u8, Place))> = begun.collect();
+    let all: f64 = begun.iter().map(|(count, _)| f64::from(*count)).sum();
+    let (most, place) = begun.into_iter().max()?;
+    (most >= LEAST_BEGUN && f64::from(most) >= ALWAYS * all).then_some(place)
+}
+
+/// Can a number of steps or cells be like this?
+pub fn is_count(number: &f64) -> bool {
+    number.is_finite() && *number >= 0.0
+}

@@ -1,0 +1,98 @@
+//! Charts where cells are misread: what all episodes saw of their cells, whatever these are, is to be as
+//! likely as can be. So a place that is none costs what its cells could be, and two goals on one chart cost
+//! what contradicts itself.
+
+use crate::agent::estimator::map::association::{Alignment, MapStep, align};
+use crate::agent::estimator::map::cell_counts::CellCounts;
+use crate::agent::estimator::map::map_set::MapSet;
+use crate::agent::estimator::map::observations::Observations;
+
+/// How much likelier an episode must be on a blank chart to open one for it, in bits.
+pub(super) const TO_OPEN: f64 = 3.0;
+/// What a step costs of which is not certain where it was: as if nothing were known of the cells around.
+const LOST: f64 = 9.0;
+
+/// How an episode lies on a chart.
+#[derive(Debug, Clone)]
+pub(super) struct Laid {
+    /// The number of the chart.
+    pub at: usize,
+    pub alignment: Alignment,
+    /// What it sees of the cells.
+    pub seen: Observations,
+    /// How likely its moves are, as a logarithm to the base 2.
+    pub bits: f64,
+}
+
+impl MapSet {
+    /// Lays an episode on a chart, which has this number.
+    fn lay_on(&self, steps: &[MapStep], at: usize, chart: &CellCounts) -> Laid {
+        let alignment = align(steps, chart, &self.robot);
+        let lost = alignment.places.iter().filter(|place| place.is_none());
+        let slip = libm::log2(self.robot.slip / self.robot.motion.actions() as f64);
+        Laid {
+            at,
+            seen: Observations::of(steps, &alignment.places, self.robot.vision.of_a_goal()),
+            bits: alignment.slips * slip - LOST * lost.count() as f64,
+            alignment,
+        }
+    }
+
+    /// How many charts are not blank.
+    pub(super) fn used(&self) -> usize {
+        self.hypotheses
+            .iter()
+            .filter(|hypothesis| hypothesis.episodes > 0.0)
+            .count()
+    }
+
+    /// The number of a blank chart, if there may be one more.
+    pub(super) fn room(&self) -> Option<usize> {
+        let blank = self
+            .hypotheses
+            .iter()
+            .position(|hypothesis| hypothesis.episodes == 0.0);
+        let room = self.used() < self.params.charts as usize;
+        room.then(|| blank.unwrap_or(self.hypotheses.len()))
+    }
+
+    /// Where an episode is likeliest beside what was seen on each chart, which may be a blank one.
+    pub(super) fn likeliest(
+        &self,
+        steps: &[MapStep],
+        seen: &[Observations],
+        may_open: bool,
+    ) -> Laid {
+        let misread = self.robot.misread;
+        let laid = self.hypotheses.iter().enumerate();
+        let laid = laid.filter(|(_, hypothesis)| hypothesis.episodes > 0.0);
+        let laid = laid.map(|(at, hypothesis)| {
+            let laid = self.lay_on(steps, at, &hypothesis.chart);
+            let bits = laid.bits + seen[at].bits_of(&laid.seen, misread);
+            (laid, bits)
+        });
+        let room = self.room().filter(|_| may_open || self.used() == 0);
+        let blank = room.map(|at| {
+            let laid = self.lay_on(steps, at, &CellCounts::default());
+            let bits = laid.bits + laid.seen.bits(misread) - TO_OPEN;
+            (laid, bits)
+        });
+        let all = laid.chain(blank);
+        let best = all.reduce(|best, one| if one.1 > best.1 { one } else { best });
+        best.expect("there is a chart, or room for one").0
+    }
+
+    /// The same beside what charts hold.
+    pub(super) fn associate_noisily(&self, steps: &[MapStep]) -> (usize, Alignment) {
+        let laid = self.likeliest(steps, &self.seen_on_charts(), true);
+        (laid.at, laid.alignment)
+    }
+
+    /// What was seen on each chart.
+    pub(super) fn seen_on_charts(&self) -> Vec<Observations> {
+        let hypotheses = self.hypotheses.iter();
+        hypotheses
+            .map(|hypothesis| Observations::of_chart(&hypothesis.chart))
+            .collect()
+    }
+}

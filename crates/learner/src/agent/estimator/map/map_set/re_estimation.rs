@@ -1,0 +1,102 @@
+//! Charts drawn anew from all episodes that are kept.
+
+use crate::agent::estimator::map::association::MapStep;
+use crate::agent::estimator::map::hypothesis::MapHypothesis;
+use crate::agent::estimator::map::likelihood::Likelihood;
+use crate::agent::estimator::map::map_set::{MapSet, Place};
+
+impl MapSet {
+    /// Draws all charts anew from the kept episodes, the shortest first, and once more from how they
+    /// lie there; keeps what is likelier. Looked-up percepts that are misread have
+    /// [a way of their own](Self::redraw_doubting).
+    pub(super) fn re_estimate(&mut self) {
+        let mut order: Vec<&Vec<MapStep>> = self.episodes.iter().collect();
+        order.sort_by_key(|steps| steps.len());
+        let order: Vec<Vec<MapStep>> = order.into_iter().cloned().collect();
+        if self.doubts() {
+            return self.redraw_doubting(&order);
+        }
+        let mut fresh = self.blank();
+        for steps in &order {
+            fresh.draw(steps);
+        }
+        fresh.update_robot_model();
+        let fresh = fresh.drawn_again(&order);
+        if fresh.likelihood(&order) > self.likelihood(&order) || order.len() < 25 {
+            self.take_over(fresh);
+        }
+        if self.misread() > 0.0 {
+            self.take_over(self.clone().without_needless(&order));
+        }
+    }
+
+    /// Takes over charts, and what they tell of moves.
+    fn take_over(&mut self, drawn: Self) {
+        self.hypotheses = drawn.hypotheses;
+        self.robot = drawn.robot;
+        self.slips = drawn.slips;
+    }
+
+    /// Charts drawn from how episodes lie on these ones.
+    fn drawn_again(&self, episodes: &[Vec<MapStep>]) -> Self {
+        let mut again = self.blank();
+        again
+            .hypotheses
+            .resize(self.hypotheses.len(), MapHypothesis::default());
+        for steps in episodes {
+            let Some((at, alignment)) = self.best_fit(steps) else {
+                continue;
+            };
+            let hypothesis = &mut again.hypotheses[at];
+            let goal = self.robot.vision.of_a_goal();
+            hypothesis.chart.sight(Place::ORIGIN, goal);
+            hypothesis.add(steps, &alignment);
+            again.slips[0] += again.slips_of(steps, &alignment);
+            again.slips[1] += steps.len() as f64;
+        }
+        again
+            .hypotheses
+            .retain(|hypothesis| hypothesis.episodes > 0.0);
+        again.update_robot_model();
+        again
+    }
+
+    /// The same without charts of goals that have another one. If cells are misread, the first episodes on a
+    /// chart may draw it so wrongly that later ones open another. A chart is needless if without it
+    /// episodes are as likely but for what it tells of its cells, one bit of each.
+    fn without_needless(self, episodes: &[Vec<MapStep>]) -> Self {
+        let mut best = self;
+        let mut at = 0;
+        while at < best.hypotheses.len() && best.hypotheses.len() > 1 {
+            let fewer = best.without(at, episodes);
+            let cells = best.hypotheses[at].chart.cells();
+            (best, at) = match fewer.fit(episodes).doubled(cells) > best.fit(episodes) {
+                true => (fewer, 0),
+                false => (best, at + 1),
+            };
+        }
+        best
+    }
+
+    /// The same drawn again without a chart.
+    fn without(&self, at: usize, episodes: &[Vec<MapStep>]) -> Self {
+        let mut fewer = self.clone();
+        fewer.hypotheses.remove(at);
+        fewer.drawn_again(episodes).drawn_again(episodes)
+    }
+
+    /// How likely episodes are on the charts that there are.
+    fn fit(&self, episodes: &[Vec<MapStep>]) -> Likelihood {
+        let fits = episodes.iter().filter_map(|steps| self.best_fit(steps));
+        fits.map(|(_, alignment)| alignment.likelihood)
+            .fold(Likelihood::ONE, Likelihood::and)
+    }
+
+    fn likelihood(&self, episodes: &[Vec<MapStep>]) -> Likelihood {
+        let best = |steps: &Vec<MapStep>| self.associate(steps).1.likelihood;
+        episodes
+            .iter()
+            .map(best)
+            .fold(Likelihood::ONE, Likelihood::and)
+    }
+}

@@ -1,0 +1,157 @@
+//! How likely it is what was seen in cells, whatever they may be.
+
+use std::collections::BTreeMap;
+
+use crate::agent::estimator::map::association::MapStep;
+use crate::agent::estimator::map::cell_counts::{CellCounts, FURTHEST};
+use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place};
+
+/// How likely a cell is free, a wall or a goal before anything is seen of it.
+const FIRST: [f64; 3] = [0.49, 0.49, 0.02];
+
+/// By cell, how often each state was seen: free, wall, goal.
+#[derive(Debug, Clone, Default)]
+pub struct Observations(BTreeMap<Place, [u32; 3]>);
+
+impl Observations {
+    /// What an episode sees that leads through these places, and ends at what looks like this.
+    pub fn of(steps: &[MapStep], places: &[Option<Place>], goal: CellState) -> Self {
+        let mut seen = Self::default();
+        seen.sight(Place::ORIGIN, goal);
+        for (step, place) in steps.iter().zip(places) {
+            let Some(place) = place.filter(|place| place.reach() < FURTHEST) else {
+                continue;
+            };
+            seen.sight(place, CellState::Free);
+            let cells = NEIGHBOURS.iter().zip(&step.around);
+            for (&by, &state) in cells.filter(|(_, state)| **state != CellState::Hidden) {
+                seen.sight(place.plus(by), state);
+            }
+        }
+        seen
+    }
+
+    /// What was seen of a chart.
+    pub fn of_chart(chart: &CellCounts) -> Self {
+        Self(
+            chart
+                .seen()
+                .map(|(place, seen)| (place, seen.map(u32::from)))
+                .collect(),
+        )
+    }
+
+    fn sight(&mut self, place: Place, state: CellState) {
+        self.0.entry(place).or_default()[state as usize] += 1;
+    }
+
+    /// How many cells were seen.
+    pub fn cells(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Adds others.
+    pub fn add(&mut self, others: &Self) {
+        for (place, counts) in &others.0 {
+            let own = self.0.entry(*place).or_default();
+            own.iter_mut()
+                .zip(counts)
+                .for_each(|(own, count)| *own += count);
+        }
+    }
+
+    /// Takes others away that were added before.
+    pub fn remove(&mut self, others: &Self) {
+        for (place, counts) in &others.0 {
+            let own = self.0.entry(*place).or_default();
+            own.iter_mut()
+                .zip(counts)
+                .for_each(|(own, count)| *own -= count);
+        }
+    }
+
+    /// How likely these are, as a logarithm to the base 2.
+    pub fn bits(&self, misread: f64) -> f64 {
+        self.0.values().map(|counts| bits(counts, misread)).sum()
+    }
+
+    /// How likely others are beside these.
+    pub fn bits_of(&self, others: &Self, misread: f64) -> f64 {
+        let gain = |(place, counts): (&Place, &[u32; 3])| match self.0.get(place) {
+            Some(own) => {
+                let both = std::array::from_fn(|state| own[state] + counts[state]);
+                bits(&both, misread) - bits(own, misread)
+            }
+            None => bits(counts, misread),
+        };
+        others.0.iter().map(gain).sum()
+    }
+}
+
+/// How likely sightings of one cell are, if another state is read with half of `misread`.
+fn bits(counts: &[u32; 3], misread: f64) -> f64 {
+    let right = libm::log2(1.0 - misread);
+    let wrong = libm::log2(misread / 2.0);
+    let all: u32 = counts.iter().sum();
+    let of = |state: usize| {
+        let agreeing = counts[state];
+        libm::log2(FIRST[state]) + f64::from(agreeing) * right + f64::from(all - agreeing) * wrong
+    };
+    let each = [of(0), of(1), of(2)];
+    let most = each.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    most + libm::log2(each.iter().map(|bits| libm::exp2(bits - most)).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::estimator::map::bump::Bump;
+    use xcs::Action;
+
+    const MISREAD: f64 = 0.03;
+
+    /// What is seen from the cell south of the goal, between walls, but so many cells misread.
+    fn seen(misread: usize) -> Observations {
+        let mut around = [CellState::Wall; 8];
+        around[0] = CellState::Goal;
+        (1..=misread).for_each(|at| around[at] = CellState::Free);
+        let step = MapStep {
+            around,
+            action: Action::new(0).unwrap(),
+            found: 0.0,
+            bumped: Bump::No,
+        };
+        Observations::of(&[step], &[Some(Place::new(0, -1))], CellState::Goal)
+    }
+
+    #[test]
+    fn a_misread_cell_is_likelier_on_the_chart_than_on_a_blank_one_and_most_of_them_are_not() {
+        let mut chart = Observations::default();
+        (0..3).for_each(|_| chart.add(&seen(0)));
+        let gain = |misread| {
+            let seen = seen(misread);
+            chart.bits_of(&seen, MISREAD) - seen.bits(MISREAD)
+        };
+        assert!(gain(0) > gain(1) && gain(1) > 0.0);
+        assert!(gain(5) < 0.0, "control");
+    }
+
+    #[test]
+    fn what_is_added_and_removed_leaves_nothing_behind() {
+        let mut chart = seen(0);
+        let before = chart.bits(MISREAD);
+        chart.add(&seen(2));
+        let more = chart.bits(MISREAD);
+        assert!(more < before, "control");
+        chart.remove(&seen(2));
+        assert_eq!(chart.bits(MISREAD), before);
+    }
+
+    #[test]
+    fn episodes_one_after_the_other_are_as_likely_as_together() {
+        let mut chart = seen(0);
+        let one_by_one = chart.bits(MISREAD) + chart.bits_of(&seen(1), MISREAD);
+        chart.add(&seen(1));
+        assert!((chart.bits(MISREAD) - one_by_one).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,297 @@
+//! Charts as a world to plan in.
+
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
+
+use crate::agent::estimator::belief::Belief;
+use crate::agent::estimator::map::cell_counts::{CellCounts, FURTHEST};
+use crate::agent::estimator::map::place::{CellState, Place, Vision, offset, percept_of};
+use crate::agent::estimator::map::reward_map::RewardMap;
+use crate::agent::model::pomdp::{GOAL, Pomdp};
+use crate::agent::model::prizes::Prizes;
+use xcs::{Action, Percept};
+
+/// The most charts: goals that can be told apart.
+pub const MOST_CHARTS: usize = 6;
+/// The cells of a chart that pay by themselves and are planned with, at most: the nearest to the goal.
+pub const MOST_PAYING: usize = 4;
+/// States of a chart at most, if some of its cells pay; each of these doubles them.
+const MOST_STATES: usize = 1 << 14;
+/// The bits of how many rewards were found.
+const FOUND_BITS: usize = 3;
+
+/// What is sought: the setting `reward`, as far as it matters here.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worth {
+    /// What the goal pays.
+    pub goal: f64,
+    /// What a step pays.
+    pub step: f64,
+    /// The discount per step.
+    pub gamma: f64,
+}
+
+/// Where a robot is, and what it has found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub struct MapState {
+    /// As bits: which of the paying cells of the chart have paid in this episode.
+    pub eaten: u8,
+    /// The number of the chart.
+    pub chart: u8,
+    /// The place on it.
+    pub place: Place,
+}
+
+/// Spots as states to plan on.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(try_from = "ReadMap")]
+pub struct Map {
+    /// What moves do, and what is perceived.
+    pub pomdp: Pomdp,
+    /// By state; those in which an episode may begin come first.
+    pub spots: Vec<MapState>,
+    /// The probability that a cell is misread; 0 if what is perceived is taken for right.
+    pub misread: f64,
+    /// The state in which all episodes begin, if there is one.
+    pub begin: Option<u32>,
+    /// Can the robot not feel whether it bumped?
+    pub unfelt: bool,
+}
+
+/// A map as it stands in a file, which nobody has looked at.
+#[derive(Deserialize)]
+struct ReadMap {
+    pomdp: Pomdp,
+    spots: Vec<MapState>,
+    #[serde(default)]
+    misread: f64,
+    #[serde(default)]
+    begin: Option<u32>,
+    #[serde(default)]
+    unfelt: bool,
+}
+
+impl Serialize for Map {
+    /// What files for people say of bumps is only that they are not felt.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let says = self.unfelt || !serializer.is_human_readable();
+        let mut map = serializer.serialize_struct("Map", 4 + usize::from(says))?;
+        map.serialize_field("pomdp", &self.pomdp)?;
+        map.serialize_field("spots", &self.spots)?;
+        map.serialize_field("misread", &self.misread)?;
+        map.serialize_field("begin", &self.begin)?;
+        if says {
+            map.serialize_field("unfelt", &self.unfelt)?;
+        }
+        map.end()
+    }
+}
+
+impl TryFrom<ReadMap> for Map {
+    type Error = &'static str;
+
+    fn try_from(read: ReadMap) -> Result<Self, Self::Error> {
+        let ReadMap {
+            pomdp,
+            spots,
+            misread,
+            begin,
+            unfelt,
+        } = read;
+        let map = Self {
+            pomdp,
+            spots,
+            misread,
+            begin,
+            unfelt,
+        };
+        match map.is_sound(map.pomdp.actions()) {
+            true => Ok(map),
+            false => Err("the map that the rules go by contradicts itself"),
+        }
+    }
+}
+
+/// A chart, and the cells of it that pay.
+pub struct Charted<'a> {
+    chart: &'a CellCounts,
+    vision: Vision,
+    /// The places that can be perceived wholly.
+    places: Vec<Place>,
+    paying: Vec<(Place, f64)>,
+}
+
+impl<'a> Charted<'a> {
+    /// All places of a chart that can be perceived wholly, and what they pay.
+    pub fn new(chart: &'a CellCounts, payments: &RewardMap, vision: Vision) -> Self {
+        let stands = |place: &Place| {
+            *place != Place::ORIGIN
+                && chart.cell_state(*place) == Some(CellState::Free)
+                && chart.around(*place, vision).is_some()
+        };
+        let places: Vec<Place> = chart.places().filter(stands).collect();
+        let mut paying = payments.likely();
+        paying.retain(|(place, _)| stands(place));
+        let room = (MOST_STATES / places.len().max(1)).max(1).ilog2() as usize;
+        paying.truncate(room.min(MOST_PAYING));
+        Self {
+            chart,
+            vision,
+            places,
+            paying,
+        }
+    }
+
+    /// All spots of the chart with this number.
+    fn spots(&self, chart: u8) -> impl Iterator<Item = MapState> + '_ {
+        let eaten = 0..1_u8 << self.paying.len();
+        eaten.flat_map(move |eaten| {
+            let places = self.places.iter();
+            places.map(move |&place| MapState {
+                eaten,
+                chart,
+                place,
+            })
+        })
+    }
+
+    /// What has been eaten once a robot comes into a place, if it was `eaten` before.
+    fn eaten_in(&self, place: Place, eaten: u8) -> u8 {
+        let at = self.paying.iter().position(|paying| paying.0 == place);
+        at.map_or(eaten, |at| eaten | 1 << at)
+    }
+
+    /// What was paid in all.
+    fn paid(&self, eaten: u8) -> f64 {
+        let paying = self.paying.iter().enumerate();
+        let paid = paying.filter(|(at, _)| eaten >> at & 1 == 1);
+        paid.map(|(_, (_, reward))| reward).sum()
+    }
+}
+
+impl Map {
+    /// The map of some charts, for a robot whose actions aim there, as far as that is certain, and slip
+    /// so often.
+    pub fn drawn(
+        charted: &[Charted<'_>],
+        aims: &[Option<usize>],
+        slip: f64,
+        worth: &Worth,
+    ) -> Self {
+        if charted.is_empty() {
+            return Self::default();
+        }
+        let all = charted.iter().enumerate();
+        let mut spots: Vec<MapState> = all.flat_map(|(at, one)| one.spots(at as u8)).collect();
+        spots.sort_unstable();
+        let on = |spot: &MapState| &charted[usize::from(spot.chart)];
+        let seen: Vec<Percept> = spots
+            .iter()
+            .map(|spot| {
+                let around = on(spot).chart.around(spot.place, on(spot).vision);
+                let around = around.expect("only places that are charted all around");
+                sight(&percept_of(&around), spot.eaten.count_ones())
+            })
+            .collect();
+        let next = |state: usize, action: Action| match aims[action.index()] {
+            Some(heading) => next(&spots, on(&spots[state]), state, heading),
+            None => state as u32,
+        };
+        let mut pomdp = Pomdp::new(aims.len(), slip, &seen, next);
+        if charted.iter().any(|one| !one.paying.is_empty()) {
+            let found = spots.iter().map(|spot| on(spot).paid(spot.eaten)).collect();
+            let Worth { goal, step, gamma } = *worth;
+            pomdp = pomdp.with_prizes(Prizes::new(gamma, goal, step, found));
+        }
+        Self {
+            pomdp,
+            spots,
+            misread: 0.0,
+            begin: None,
+            unfelt: false,
+        }
+    }
+
+    /// The same, where all episodes begin in this place of this chart.
+    pub fn begun_in(self, begun: Option<(u8, Place)>) -> Self {
+        let state = begun.and_then(|(chart, place)| {
+            let eaten = 0;
+            let spot = MapState {
+                eaten,
+                chart,
+                place,
+            };
+            self.spots.binary_search(&spot).ok()
+        });
+        let begin = state.map(|state| state as u32);
+        Self { begin, ..self }
+    }
+
+    /// What is believed when an imagined episode begins in a state. Who knows where episodes begin is
+    /// sure of any start: plans from elsewhere are for when it has lost its way.
+    pub fn first_belief(&self, start: u32) -> Belief {
+        match self.begin {
+            Some(_) => Belief::even([start]),
+            None => self.pomdp.first_belief(self.pomdp.look(start)),
+        }
+    }
+
+    /// Is it the map of the same cells, however often they are misread?
+    pub fn is_of_the_same(&self, other: &Self) -> bool {
+        self.pomdp == other.pomdp && self.spots == other.spots && self.begin == other.begin
+    }
+
+    /// The states in which an episode may begin: nothing was found yet.
+    pub fn starts(&self) -> u32 {
+        self.spots.partition_point(|spot| spot.eaten == 0) as u32
+    }
+
+    /// Does it pay to come from one state into another?
+    pub fn pays(&self, from: u32, to: u32) -> bool {
+        let [from, to] = [from, to].map(|state| self.spots[state as usize].eaten);
+        from != to
+    }
+
+    /// Is it a map for so many actions, of places on charts?
+    pub fn is_sound(&self, actions: usize) -> bool {
+        let charted = |spot: &MapState| {
+            usize::from(spot.chart) < MOST_CHARTS
+                && spot.place.reach() <= FURTHEST
+                && spot.eaten < 1 << MOST_PAYING
+        };
+        let blank = self.spots.is_empty() && self.pomdp == Pomdp::default();
+        (0.0..=1.0).contains(&self.misread)
+            && self.begin.is_none_or(|begin| begin < self.starts())
+            && (blank
+                || self.pomdp.actions() == actions
+                    && self.pomdp.is_sound()
+                    && self.pomdp.states() == self.spots.len()
+                    && self.spots.is_sorted()
+                    && self.spots.iter().all(charted))
+    }
+}
+
+/// The state that a move with a heading leads to.
+fn next(spots: &[MapState], on: &Charted<'_>, state: usize, heading: usize) -> u32 {
+    let spot = spots[state];
+    let place = spot.place.plus(offset(heading));
+    match on.chart.cell_state(place) {
+        Some(CellState::Goal) => GOAL,
+        _ if place == Place::ORIGIN => GOAL,
+        Some(CellState::Free) => {
+            let eaten = on.eaten_in(place, spot.eaten);
+            let known = spots.binary_search(&MapState {
+                eaten,
+                place,
+                ..spot
+            });
+            known.unwrap_or(state) as u32
+        }
+        _ => state as u32,
+    }
+}
+
+/// What a robot perceives, and how many rewards it has found in the episode.
+pub fn sight(percept: &Percept, found: u32) -> Percept {
+    percept.followed_by(&Percept::from_word(found.into(), FOUND_BITS))
+}

@@ -1,0 +1,109 @@
+//! The policy of a learner with a map: rules that are distilled from the plan, or the plan itself.
+
+use super::{MapLearner, TOLERATED};
+use crate::agent::StepCredit;
+use crate::agent::estimator::map::tracker::{Tracker, View};
+use crate::agent::policy::PolicyKind;
+use crate::agent::policy::distillation::Distillation;
+use crate::agent::policy::plan::planned_values;
+use xcs::{Action, Classifier, Percept, PredictionArray};
+
+/// The most contexts that are remembered as met when driving.
+const MOST_MET: usize = 4096;
+
+impl MapLearner {
+    /// Returns the policy's action values where an episode begins with a percept.
+    pub fn values(&self, percept: &Percept) -> PredictionArray {
+        let mut begun = Tracker::default();
+        begun.perceive(&self.map, percept);
+        self.values_of(&begun)
+    }
+
+    /// Returns the policy's action values for a belief and what was met last.
+    pub(super) fn values_of(&self, tracker: &Tracker) -> PredictionArray {
+        let (map, actions) = (&self.map, self.actions);
+        match self.policy {
+            PolicyKind::Rules => {
+                let sums = self.learned.rules.sums(&tracker.context(map));
+                sums.array(actions, false)
+            }
+            PolicyKind::Plan => planned_values(&self.learned.planner, map, tracker, actions),
+        }
+    }
+
+    /// Counts the rules that match now, and finds the fittest of those that advocate an action.
+    pub(super) fn matching(&self, action: Action) -> StepCredit {
+        let mut credit = StepCredit::default();
+        let mut fittest: Option<Classifier> = None;
+        let context = self.tracker.context(&self.map);
+        self.learned.rules.for_each_match(&context, |_, rule| {
+            credit.match_set += rule.numerosity;
+            if rule.action == action {
+                credit.action_set += rule.numerosity;
+                if fittest.is_none_or(|best| rule.fitness > best.fitness) {
+                    fittest = Some(*rule);
+                }
+            }
+        });
+        credit.fired = fittest.map(|rule| rule.condition);
+        credit
+    }
+
+    /// Notes the context that was met when nothing was explored, and in the records of the rules that chose the action
+    /// whether it was right. Returns whether the rules need correction: the action was mostly wrong in this context,
+    /// or no rule matched.
+    pub(super) fn meet(&mut self, action: Action) -> bool {
+        if self.policy == PolicyKind::Plan || self.explores() || self.tracker.belief().is_empty() {
+            return false;
+        }
+        let (belief, pomdp) = (self.tracker.belief(), &self.map.pomdp);
+        let distillation = Distillation::on(&self.map, View::Steps, &self.xcs);
+        let context = self.tracker.context(&self.map);
+        let learned = &mut self.learned;
+        let mut costs = learned.planner.costs(pomdp, belief);
+        if !distillation.approves(costs.regret(action, pomdp)) {
+            // Before an action counts as wrong, everything that may follow is planned for.
+            costs = learned.planner.settled_costs(pomdp, belief);
+        }
+        let right = distillation.approves(costs.regret(action, pomdp));
+        let acted = learned.rules.record(&context, action, right);
+        if learned.met.len() >= MOST_MET && !learned.met.contains_key(&context) {
+            return false;
+        }
+        let met = learned.met.entry(context).or_default();
+        met.add(&costs, &self.map);
+        let wrong = !distillation.approves(met.regret(action, self.actions));
+        distillation.counts(met) && (wrong || !acted)
+    }
+
+    /// Corrects the rules by what was planned and by what they met. With observation errors, the last steps may be ones
+    /// that no simulated episode had: rules look at them only if they lose too much without.
+    pub(super) fn distil(&mut self) {
+        let learned = &mut self.learned;
+        let before = std::mem::take(&mut learned.rules);
+        // All rollouts draw the same numbers, and none of those that learning draws.
+        let luck = learned.stream.clone();
+        let mut least_lost = f64::INFINITY;
+        for &view in View::fit_for(&self.map) {
+            let distillation = Distillation::on(&self.map, view, &self.xcs);
+            let mut rules = before.clone();
+            let (planner, stream) = (&mut learned.planner, &mut learned.stream);
+            distillation.correct(&mut rules, &learned.met, planner, stream);
+            let lost = distillation.lost(&rules, planner, &mut luck.clone());
+            if lost < least_lost {
+                (learned.rules, least_lost) = (rules, lost);
+            }
+            if lost <= TOLERATED {
+                return;
+            }
+        }
+    }
+
+    /// Plans on where moves are exact, until nothing changes any more, as is done for what rules learn from.
+    pub(super) fn settle(&mut self) {
+        let (pomdp, planner) = (&self.map.pomdp, &mut self.learned.planner);
+        for start in 0..self.map.starts() {
+            planner.settled_costs(pomdp, &self.map.first_belief(start));
+        }
+    }
+}

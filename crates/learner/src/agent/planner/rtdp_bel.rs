@@ -1,0 +1,244 @@
+//! Planning on beliefs: real-time dynamic programming (RTDP-Bel; Geffner and Bonet 1998).
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::agent::estimator::belief::{Belief, Branch};
+use crate::agent::model::pomdp::{GOAL, Pomdp};
+use crate::agent::model::prizes::MOST_STEPS;
+use xcs::random::Stream;
+use xcs::{Action, MAX_ACTIONS, PredictionArray};
+
+/// The most beliefs of which costs are kept; then all are forgotten.
+pub const MOST_BELIEFS: usize = 50_000;
+
+/// How often all states of a belief are imagined to be true, at most, until its costs settle.
+const MOST_SWEEPS: usize = 16;
+
+/// The most steps of an imagined episode.
+const MOST_IMAGINED_STEPS: u32 = 100;
+
+/// What an imagined episode took.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Effort {
+    /// The states of all beliefs on the way.
+    pub weighed: usize,
+    /// By how much the cost of a belief changed, at most.
+    pub change: f64,
+}
+
+/// Costs that differ by less than this from another are equal.
+fn tie(cost: f64) -> f64 {
+    1e-9 * cost.abs().min(1.0)
+}
+
+/// What is expected to come to pass after each action: steps to the goal or, where there are
+/// prizes, its worth, taken from nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Costs {
+    costs: [f64; MAX_ACTIONS],
+    actions: usize,
+}
+
+impl Costs {
+    /// By action.
+    pub fn as_slice(&self) -> &[f64] {
+        &self.costs[..self.actions]
+    }
+
+    /// By action, in steps from the goal (see [`Pomdp::in_steps`]).
+    pub fn in_steps<'a>(&'a self, pomdp: &'a Pomdp) -> impl Iterator<Item = f64> + 'a {
+        let costs = self.as_slice().iter();
+        costs.map(|&cost| pomdp.in_steps(cost))
+    }
+
+    /// How many steps more an action costs than the best.
+    pub fn regret(&self, action: Action, pomdp: &Pomdp) -> f64 {
+        pomdp.in_steps(self.costs[action.index()]) - pomdp.in_steps(self.least())
+    }
+
+    /// The least.
+    pub fn least(&self) -> f64 {
+        self.as_slice()
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The first action that costs least.
+    pub fn best(&self) -> Action {
+        let least = self.least();
+        let mut actions = Action::all(self.actions);
+        let best = actions.find(|action| self.costs[action.index()] <= least + tie(least));
+        best.expect("one of the costs is the least")
+    }
+}
+
+/// Costs of beliefs, which start at what they would cost if the state were seen, and never above
+/// what they really cost.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct BeliefPlanner {
+    /// By state: its cost when it is seen.
+    seen: Vec<f64>,
+    /// By key of a belief.
+    costs: BTreeMap<u64, f64>,
+}
+
+impl BeliefPlanner {
+    /// A planner that has not planned yet.
+    pub fn new(pomdp: &Pomdp) -> Self {
+        Self {
+            seen: pomdp.costs_when_seen(MOST_STEPS),
+            costs: BTreeMap::new(),
+        }
+    }
+
+    /// Was it made for this world?
+    pub fn belongs_to(&self, pomdp: &Pomdp) -> bool {
+        self.seen == Self::new(pomdp).seen && self.costs.values().all(|cost| cost.is_finite())
+    }
+
+    /// The cost of a state that is seen.
+    pub fn cost_when_seen(&self, state: u32) -> f64 {
+        self.seen[state as usize]
+    }
+
+    fn cost(&self, belief: &Belief) -> f64 {
+        let known = (!self.costs.is_empty()).then(|| self.costs.get(&belief.key()));
+        known.flatten().copied().unwrap_or_else(|| {
+            let states = belief.states().iter();
+            states
+                .map(|&(state, weight)| weight * self.cost_when_seen(state))
+                .sum()
+        })
+    }
+
+    /// What each action costs in a belief, as far as it was planned.
+    pub fn costs(&self, pomdp: &Pomdp, belief: &Belief) -> Costs {
+        self.look_ahead(pomdp, belief).0
+    }
+
+    /// The same, where moves are exact after imagining until nothing changes any more.
+    pub fn settled_costs(&mut self, pomdp: &Pomdp, belief: &Belief) -> Costs {
+        if pomdp.slip() == 0.0 {
+            self.settle(pomdp, belief);
+        }
+        self.costs(pomdp, belief)
+    }
+
+    /// Imagines exact moves from each state of a belief, until no cost changes any more.
+    pub fn settle(&mut self, pomdp: &Pomdp, belief: &Belief) {
+        for _ in 0..MOST_SWEEPS {
+            let mut change = 0.0_f64;
+            for &(state, _) in belief.states() {
+                let next = |state, action| pomdp.next(state, action);
+                let effort = self.follow(pomdp, state, belief.clone(), next);
+                change = change.max(effort.change);
+            }
+            if change < 1e-9 {
+                break;
+            }
+        }
+    }
+
+    /// The worth of each action in a belief: less by 1 for each step from the goal. Of actions that cost
+    /// the same, the first is worth most: beyond the others may be beliefs that no imagined episode
+    /// came to, and that cost more than is known.
+    pub fn worth(&self, pomdp: &Pomdp, belief: &Belief) -> PredictionArray {
+        let mut worth = PredictionArray::new(pomdp.actions());
+        let costs = self.costs(pomdp, belief);
+        let best = costs.best();
+        let greatest = -pomdp.in_steps(costs.least());
+        for (action, steps) in Action::all(pomdp.actions()).zip(costs.in_steps(pomdp)) {
+            let of_another = greatest.next_down().min(-steps);
+            worth.set(action, if action == best { greatest } else { of_another });
+        }
+        worth
+    }
+
+    /// The number of beliefs of which costs are kept.
+    pub fn beliefs(&self) -> usize {
+        self.costs.len()
+    }
+
+    /// The costs of the actions, and what the best of them may lead to.
+    fn look_ahead(&self, pomdp: &Pomdp, belief: &Belief) -> (Costs, Vec<Branch>) {
+        let mut costs = Costs {
+            costs: [0.0; MAX_ACTIONS],
+            actions: pomdp.actions(),
+        };
+        let mut best: Option<(f64, Vec<Branch>)> = None;
+        for action in Action::all(pomdp.actions()) {
+            let branches = belief.branches(pomdp, action);
+            let after = |branch: &Branch| branch.probability * self.cost(&branch.belief);
+            let after = branches.iter().map(after).sum::<f64>();
+            let cost = belief.cost_of_acting(pomdp, action) + pomdp.discount() * after;
+            costs.costs[action.index()] = cost;
+            if best.as_ref().is_none_or(|best| cost < best.0 - tie(best.0)) {
+                best = Some((cost, branches));
+            }
+        }
+        (costs, best.map_or_else(Vec::new, |best| best.1))
+    }
+
+    /// One imagined episode from a state, in which `belief` is believed at first: greedy, and each
+    /// belief on the way gets its cost.
+    pub fn imagine(
+        &mut self,
+        pomdp: &Pomdp,
+        start: u32,
+        belief: Belief,
+        stream: &mut Stream,
+    ) -> Effort {
+        let next = |state, action| moved(pomdp, state, action, stream);
+        self.follow(pomdp, start, belief, next)
+    }
+
+    /// The same, where `next` gives the state after an action, or [`GOAL`].
+    fn follow(
+        &mut self,
+        pomdp: &Pomdp,
+        start: u32,
+        mut belief: Belief,
+        mut next: impl FnMut(u32, Action) -> u32,
+    ) -> Effort {
+        let (mut state, mut effort) = (start, Effort::default());
+        for _ in 0..MOST_IMAGINED_STEPS {
+            let (costs, branches) = self.look_ahead(pomdp, &belief);
+            effort.weighed += belief.states().len();
+            effort.change = effort.change.max(self.keep(&belief, costs.least()));
+            state = next(state, costs.best());
+            if state == GOAL {
+                break;
+            }
+            let look = pomdp.look(state);
+            // Forgotten states may come true.
+            let Some(branch) = branches.into_iter().find(|branch| branch.look == look) else {
+                break;
+            };
+            belief = branch.belief;
+        }
+        effort
+    }
+
+    /// Keeps the cost of a belief, and tells by how much it has changed.
+    fn keep(&mut self, belief: &Belief, cost: f64) -> f64 {
+        if self.costs.len() >= MOST_BELIEFS {
+            self.costs.clear();
+        }
+        let (before, cost) = (self.cost(belief), cost.min(MOST_STEPS));
+        self.costs.insert(belief.key(), cost);
+        (cost - before).abs()
+    }
+}
+
+/// The state after an action, or [`GOAL`].
+pub fn moved(pomdp: &Pomdp, state: u32, action: Action, stream: &mut Stream) -> u32 {
+    let slips = pomdp.slip() > 0.0 && stream.chance(pomdp.slip());
+    let executed = match slips {
+        true => Action::new(stream.below(pomdp.actions())).unwrap_or(action),
+        false => action,
+    };
+    pomdp.next(state, executed)
+}

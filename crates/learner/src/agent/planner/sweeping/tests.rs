@@ -1,0 +1,81 @@
+//! How much is worked out at once, and what waits.
+
+use crate::agent::model::transitions::Transition;
+use crate::agent::planner::sweeping::*;
+use xcs::Percept;
+use xcs::random::Stream;
+use xcscr_robot::streams::StreamName;
+
+const PERCEPTS: usize = 200;
+
+/// Steps at random between so many percepts, in which every pair leads anywhere, now and then
+/// to a goal. Gives for each step whether its pair was new, and how many values were updated.
+fn updates_of_noise(steps: usize) -> (PlannedValues, Vec<(bool, usize)>) {
+    let mut stream = Stream::new(1, StreamName::Exploration);
+    let mut memory = Transitions::default();
+    let mut known = PlannedValues::new(4, &Params::default());
+    let percept = |number: usize| Percept::from_word(number as u64, 8);
+    let mut here = 0;
+    let updates = (0..steps).map(|_| {
+        let action = Action::new(stream.below(4)).unwrap();
+        let there = Some(stream.below(PERCEPTS)).filter(|_| !stream.chance(0.02));
+        let number = memory.meet(&percept(here));
+        let is_new = memory.outcomes(number, action).tries() == 0;
+        let reward = if there.is_none() { 999.0 } else { -1.0 };
+        let step = Transition {
+            percept: percept(here),
+            action,
+            reward,
+            next: there.map(percept),
+        };
+        memory.learn(&step, 1);
+        let next = there.map(|next| memory.meet(&percept(next)));
+        known.learn(&memory, (number, action), next);
+        here = there.unwrap_or(0);
+        let updated = known.touched.len();
+        known.news(&memory);
+        (is_new, updated)
+    });
+    let updates = updates.collect();
+    (known, updates)
+}
+
+#[test]
+fn noise_updates_few_values_however_many_depend_on_them() {
+    let steps = 1_500;
+    let (known, updates) = updates_of_noise(steps);
+    let all: usize = updates.iter().map(|&(_, updated)| updated).sum();
+    let most = FIRST_UPDATES + (1 + UPDATES_PER_STEP) * steps;
+    assert!(all <= most, "{all} of {most}");
+    let odds = updates.iter().filter(|(is_new, _)| !is_new);
+    let for_odds = odds.map(|&(_, updated)| updated).max().unwrap();
+    assert_eq!(for_odds, 1 + UPDATES_FOR_ODDS);
+    assert!(known.queue.len() <= MOST_PLACES * PERCEPTS);
+    // Control: what is new is passed on to all that depends on it.
+    let most_at_once = updates.iter().map(|&(_, updated)| updated).max().unwrap();
+    assert!(most_at_once > PERCEPTS, "{most_at_once}");
+}
+
+#[test]
+fn what_waits_is_still_waiting_after_a_resumption() {
+    let (_, updates) = updates_of_noise(1_500);
+    let is_cut_short = |&(is_new, updated): &(bool, usize)| !is_new && updated > UPDATES_FOR_ODDS;
+    let step = updates.iter().position(is_cut_short).unwrap();
+    let (mut known, _) = updates_of_noise(step + 1);
+    known.tidy();
+    let (values, (updates, queue), before, returns) = known.kept();
+    assert!(!queue.is_empty(), "control");
+    let mut memory = Transitions::default();
+    (0..PERCEPTS).for_each(|number| {
+        memory.meet(&Percept::from_word(number as u64, 8));
+    });
+    let resumed = |queue: Vec<_>| {
+        let mut other = PlannedValues::new(4, &Params::default());
+        let kept = (values.to_vec(), (updates, queue), before.clone(), returns);
+        let sound = other.resume(kept, &memory);
+        sound.then(|| other.kept().1)
+    };
+    assert_eq!(resumed(queue.clone()), Some((updates, queue.clone())));
+    let twice = [queue.clone(), queue].concat();
+    assert_eq!(resumed(twice), None, "a percept waits twice");
+}
