@@ -64,7 +64,7 @@ fn learn(maze: Maze, learner: &mut dyn Agent, seed: u64, problems: u32) -> Tally
     for number in 1..=2 * problems {
         let explores = number % 2 == 1;
         explorer.set_probability(f64::from(u8::from(explores)));
-        learner.begin(explores);
+        learner.begin_episode(explores);
         let start = cells[starts.below(cells.len())];
         let (sensor, explorer) = (Sensor::Neighbours, &mut explorer);
         let (episode, _) = episode::run(

@@ -34,26 +34,26 @@ struct Flipped {
 }
 
 impl Agent for Flipped {
-    fn begin(&mut self, evolves: bool) {
-        self.agent.begin(evolves);
+    fn begin_episode(&mut self, evolves: bool) {
+        self.agent.begin_episode(evolves);
     }
 
-    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
         let bits = (0..percept.width()).map(|bit| percept.bit(bit) ^ self.stream.chance(self.rate));
         let seen = Percept::from_bits(bits).unwrap_or(*percept);
-        self.agent.consider(&seen)
+        self.agent.observe(&seen)
     }
 
     fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
         self.agent.choose(worth, explorer)
     }
 
-    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        self.agent.credit(action, outcome)
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        self.agent.update(action, outcome)
     }
 
-    fn finish(&mut self, reached_goal: bool) -> EndCredit {
-        self.agent.finish(reached_goal)
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
+        self.agent.end_episode(reached_goal)
     }
 
     fn step_threshold(&self) -> u32 {

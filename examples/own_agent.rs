@@ -19,18 +19,18 @@ struct FewestSteps {
 }
 
 impl Agent for FewestSteps {
-    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.percept = Some(*percept);
         self.worth(percept)
     }
 
-    fn credit(&mut self, action: Action, _: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, _: Outcome) -> StepCredit {
         self.episode
             .extend(self.percept.map(|percept| (percept, action)));
         StepCredit::default()
     }
 
-    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         for (back, (percept, action)) in self.episode.drain(..).rev().enumerate() {
             if reached_goal {
                 let row = self

@@ -29,7 +29,7 @@ impl Scripted {
 }
 
 impl Agent for Scripted {
-    fn consider(&mut self, _: &Percept) -> PredictionArray {
+    fn observe(&mut self, _: &Percept) -> PredictionArray {
         let letter = self.way().as_bytes()[self.step];
         let wanted = b"NESW".iter().position(|&l| l == letter).unwrap();
         let mut worth = PredictionArray::new(4);
@@ -40,7 +40,7 @@ impl Agent for Scripted {
         worth
     }
 
-    fn credit(&mut self, _: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, _: Action, outcome: Outcome) -> StepCredit {
         self.step += 1;
         let hit = matches!(outcome, Outcome::Collided { .. });
         StepCredit {
@@ -49,7 +49,7 @@ impl Agent for Scripted {
         }
     }
 
-    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         self.episode += 1;
         self.step = 0;
         EndCredit {

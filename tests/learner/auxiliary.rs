@@ -47,10 +47,10 @@ fn drive(trial: &Trial, arena: &mut dyn Arena, start: Cell) -> Brought {
     let (mut worth, mut share, mut found) = (0.0, 1.0, 0);
     arena.reset(start);
     for steps in 1..=params.step_threshold {
-        let array = policy.consider(&config.sensor.perceive(&arena.view()));
+        let array = policy.observe(&config.sensor.perceive(&arena.view()));
         let action = policy.choose(&array, &mut greedy).action;
         let outcome = arena.act(action);
-        policy.credit(action, outcome);
+        policy.update(action, outcome);
         worth += share * params.short_term(outcome);
         found += u32::from(outcome.found() > 0.0);
         if outcome == Outcome::ReachedGoal {

@@ -44,10 +44,10 @@ fn method(method: Method, xcs: xcs::Params, reward: Params) -> Box<dyn Agent> {
 /// Runs an episode of action 0 in these percepts, each with its outcome, and ends it.
 fn episode(method: &mut dyn Agent, steps: &[(&str, Outcome)], reached_goal: bool) {
     for (bits, outcome) in steps {
-        method.consider(&percept(bits));
-        method.credit(action(0), *outcome);
+        method.observe(&percept(bits));
+        method.update(action(0), *outcome);
     }
-    method.finish(reached_goal);
+    method.end_episode(reached_goal);
 }
 
 fn worth(method: &dyn Agent, bits: &str) -> f64 {
@@ -216,12 +216,12 @@ fn the_ga_runs_in_each_step_or_after_the_episode() {
             ..Params::default()
         };
         let mut learner = method(Method::AdaptedEven, params, reward);
-        learner.consider(&percept("0101"));
-        learner.credit(action(0), Outcome::Moved);
-        learner.consider(&percept("0101"));
-        learner.credit(action(0), Outcome::Moved);
+        learner.observe(&percept("0101"));
+        learner.update(action(0), Outcome::Moved);
+        learner.observe(&percept("0101"));
+        learner.update(action(0), Outcome::Moved);
         let before = learner.rule_count();
-        learner.finish(false);
+        learner.end_episode(false);
         (before > 2, learner.rule_count() > before)
     };
     let changes = rules_before_and_after_the_end;

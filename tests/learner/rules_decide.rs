@@ -60,7 +60,7 @@ fn what_no_rule_covers_is_left_to_chance_and_counted_so() {
     let percept = plan.config.sensor.percepts(&plan.maze)[0];
     let chooser = |rules: Population| {
         let mut frozen = Frozen::new(Knowledge::Rules(rules), 4, 1);
-        let worth = frozen.consider(&percept);
+        let worth = frozen.observe(&percept);
         let mut greedy = Explorer::new(0.0, Stream::new(1, StreamName::Exploration));
         frozen.choose(&worth, &mut greedy).chooser
     };

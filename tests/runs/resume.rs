@@ -196,7 +196,7 @@ fn a_memory_holds_what_was_learned_and_no_settings() {
             for _ in 0..episodes {
                 let _ = trial.run_episode(&mut ());
             }
-            trial.method().memory()
+            trial.method().checkpoint()
         };
         let [one, other] = [settings(0.1, 0.5, 0.2, 0.3), settings(0.2, 0.6, 0.1, 0.4)];
         let name = method.name();

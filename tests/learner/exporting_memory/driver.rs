@@ -144,7 +144,7 @@ impl Drop for Driver {
 }
 
 impl Agent for Driver {
-    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.say(b'p', self.felt.map(u8::from), percept.words()[0]);
         let mut answer = [0; 3];
         self.program
@@ -155,7 +155,7 @@ impl Agent for Driver {
             .unwrap();
         let [chosen, low, high] = answer;
         self.chosen = chosen;
-        let worth = self.frozen.consider(percept);
+        let worth = self.frozen.observe(percept);
         if self.tally.steps.is_multiple_of(COMPARED_EVERY) {
             let there = likeliest(&self.frozen);
             self.tally.elsewhere += u32::from(there != u16::from_le_bytes([low, high]));
@@ -180,17 +180,17 @@ impl Agent for Driver {
         Choice::new(chosen.unwrap_or(other), Chooser::Rules)
     }
 
-    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         self.felt = [
             matches!(outcome, Outcome::Collided { .. }),
             outcome.found() > 0.0,
         ];
-        self.frozen.credit(action, outcome)
+        self.frozen.update(action, outcome)
     }
 
-    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         self.say(b'r', [0, 0], 0);
-        self.frozen.finish(reached_goal)
+        self.frozen.end_episode(reached_goal)
     }
 
     fn step_threshold(&self) -> u32 {

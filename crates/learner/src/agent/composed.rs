@@ -9,9 +9,9 @@
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::map_learner::MapLearner;
-use crate::agent::memory::{self, MemoryError};
 use crate::agent::percept_learner::PerceptLearner;
 use crate::agent::plus_params::Estimator;
+use crate::agent::saved::{self, RestoreError};
 use crate::agent::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use xcs::{Action, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
@@ -93,13 +93,13 @@ impl Composed {
 }
 
 impl Agent for Composed {
-    fn begin(&mut self, _: bool) {
+    fn begin_episode(&mut self, _: bool) {
         if let Current::Percept(learner, _) = &mut self.current {
             learner.begin();
         }
     }
 
-    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
         if self.is_contradicted(Some(percept)) {
             self.change_to_map();
         }
@@ -121,7 +121,7 @@ impl Agent for Composed {
         choice
     }
 
-    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         match &mut self.current {
             Current::Percept(learner, waiting) => {
                 if waiting.is_some() {
@@ -133,7 +133,7 @@ impl Agent for Composed {
         }
     }
 
-    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         let contradicted = reached_goal && self.is_contradicted(None);
         let (learner, waiting) = match &mut self.current {
             Current::Percept(learner, waiting) => (learner, waiting),
@@ -173,7 +173,7 @@ impl Agent for Composed {
     }
 
     /// Takes over the map of another world only where maps may be drawn.
-    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+    fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
         match knowledge {
             Knowledge::Foresighted { foresight, .. } => match &mut self.current {
                 Current::Percept(learner, _) => {
@@ -204,7 +204,7 @@ impl Agent for Composed {
         }
     }
 
-    fn memory(&self) -> Vec<u8> {
+    fn checkpoint(&self) -> Vec<u8> {
         let state: (Option<Vec<u8>>, Option<Vec<u8>>) = match &self.current {
             Current::Percept(learner, waiting) => {
                 let waiting = waiting.as_ref().map(|map| map.checkpoint());
@@ -212,12 +212,12 @@ impl Agent for Composed {
             }
             Current::Map(learner) => (None, Some(learner.checkpoint())),
         };
-        memory::of(&state)
+        saved::bytes_of(&state)
     }
 
-    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
+    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
         let mut method = self.clone();
-        let (percept, map): (Option<Vec<u8>>, Option<Vec<u8>>) = memory::recall(saved)?;
+        let (percept, map): (Option<Vec<u8>>, Option<Vec<u8>>) = saved::read(saved)?;
         if percept.is_none() {
             method.change_to_map();
         }
@@ -229,6 +229,6 @@ impl Agent for Composed {
             (Current::Map(learner), None, Some(map)) => learner.resume(&map)?,
             _ => false,
         };
-        memory::resumed(method, fits)
+        saved::accept(method, fits)
     }
 }

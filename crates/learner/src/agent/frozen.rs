@@ -67,7 +67,7 @@ impl Frozen {
 }
 
 impl Agent for Frozen {
-    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.percept = Some(*percept);
         let Some(map) = self.knowledge.map() else {
             return self.worth(percept);
@@ -86,12 +86,12 @@ impl Agent for Frozen {
         }
     }
 
-    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         self.tracker.act(action, outcome.into());
         self.matching(action)
     }
 
-    fn finish(&mut self, _: bool) -> EndCredit {
+    fn end_episode(&mut self, _: bool) -> EndCredit {
         self.tracker = Tracker::default();
         EndCredit {
             long_term_reward: 0.0,

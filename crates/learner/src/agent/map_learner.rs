@@ -17,12 +17,12 @@ use super::estimator::map::tracker::{CONTEXT_BITS, Felt, Tracker};
 use super::estimator::map::{Map, MemoryParams, Vision, Worth};
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
-use super::memory::{self, MemoryError};
 use super::planner::frontier::LocalMap;
 use super::planner::rtdp_bel::{BeliefPlanner, Effort};
 use super::policy::PolicyKind;
 use super::policy::examples::Examples;
 use super::policy::plan::{BeliefPlan, plan_for};
+use super::saved::{self, RestoreError};
 use super::{Choice, Chooser, EndCredit, Params, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Classifier, Percept, Population, PredictionArray};
@@ -385,15 +385,15 @@ impl MapLearner {
 
     /// What learning has changed, as bytes for [`resume`](Self::resume).
     pub fn checkpoint(&self) -> Vec<u8> {
-        memory::of(&self.learned)
+        saved::bytes_of(&self.learned)
     }
 
     /// Resumes from [`checkpoint`](Self::checkpoint); `false` if that was made with other settings.
     ///
     /// # Errors
     /// When the bytes are damaged.
-    pub fn resume(&mut self, saved: &[u8]) -> Result<bool, MemoryError> {
-        let mut learned: Learned = memory::recall(saved)?;
+    pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
+        let mut learned: Learned = saved::read(saved)?;
         if !learned.is_valid(self.actions, self.policy == PolicyKind::Rules) {
             return Ok(false);
         }

@@ -13,13 +13,14 @@ mod explorer;
 mod frozen;
 mod knowledge;
 mod map_learner;
-mod memory;
+mod saved;
 mod method;
 mod model;
 mod params;
 mod percept_learner;
 mod planner;
 mod plus_params;
+pub mod pomdp;
 mod policy;
 mod power;
 mod tabular;
@@ -34,7 +35,6 @@ pub use explorer::Explorer;
 pub use frozen::Frozen;
 pub use knowledge::Knowledge;
 pub use knowledge::Misfit;
-pub use memory::MemoryError;
 pub use method::{Method, Setup};
 pub use model::{CollisionRule, Foresight, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
@@ -42,19 +42,12 @@ pub use plus_params::{Estimator, PlusParams};
 pub use policy::contexts::contexts;
 pub use policy::demands::{Demand, Part, demands};
 pub use power::power;
+pub use saved::RestoreError;
 use tabular::Tabular;
 pub use tabular::TabularParams;
 
 use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
-
-/// Mazes whose states are hidden, beliefs over these states, and a planner on beliefs.
-pub mod pomdp {
-    pub use super::estimator::belief::{Belief, NEGLIGIBLE};
-    pub use super::model::pomdp::{GOAL, Pomdp};
-    pub use super::model::prizes::Prizes;
-    pub use super::planner::rtdp_bel::{BeliefPlanner, Costs, Effort, MOST_BELIEFS, moved};
-}
 
 /// What a reward method made of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -85,19 +78,19 @@ pub struct EndCredit {
 
 /// A learner and its way of deciding who is credited, with what, and when.
 ///
-/// Each episode opens with [`begin`](Self::begin). For each step come
-/// [`consider`](Self::consider), [`choose`](Self::choose) and [`credit`](Self::credit), at the end
-/// of the episode [`finish`](Self::finish).
+/// Each episode opens with [`begin_episode`](Self::begin_episode). For each step come
+/// [`observe`](Self::observe), [`choose`](Self::choose) and [`update`](Self::update), at the end
+/// of the episode [`end_episode`](Self::end_episode).
 pub trait Agent {
     /// Opens an episode; `evolves`: may rules be discovered by the GA in it? They may until this
     /// is said for the first time. Methods without a GA need not listen.
-    fn begin(&mut self, evolves: bool) {
+    fn begin_episode(&mut self, evolves: bool) {
         let _ = evolves;
     }
 
     /// The worth of each action under a percept, as a step of learning: forms \[M\] and covers
     /// missing actions.
-    fn consider(&mut self, percept: &Percept) -> PredictionArray;
+    fn observe(&mut self, percept: &Percept) -> PredictionArray;
 
     /// Chooses an action: by default, any action with probability p_explr, otherwise one of the
     /// best by the rules.
@@ -106,11 +99,11 @@ pub trait Agent {
         Choice::of_rules(action, explores)
     }
 
-    /// Credits the action chosen after the last [`consider`](Self::consider).
-    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit;
+    /// Credits the action chosen after the last [`observe`](Self::observe).
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit;
 
     /// Ends the episode: `reached_goal` tells a success from a step limit.
-    fn finish(&mut self, reached_goal: bool) -> EndCredit;
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit;
 
     /// The most steps that the next episode may take.
     fn step_threshold(&self) -> u32;
@@ -123,7 +116,7 @@ pub trait Agent {
 
     /// Starts from what was learned in another world, before the first episode; `false` if the
     /// method has no use for it.
-    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+    fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
         let _ = knowledge;
         false
     }
@@ -136,19 +129,19 @@ pub trait Agent {
     /// Macro-classifiers in \[P\], or stored pairs of a tabular method.
     fn rule_count(&self) -> usize;
 
-    /// All that the method keeps from one episode to the next, for [`restored`](Self::restored);
+    /// All that the method keeps from one episode to the next, for [`restore`](Self::restore);
     /// nothing by default.
-    fn memory(&self) -> Vec<u8> {
+    fn checkpoint(&self) -> Vec<u8> {
         Vec::new()
     }
 
-    /// The method that goes on as the one whose [`memory`](Self::memory) this is. `self` must have
+    /// The method that goes on as the one whose [`checkpoint`](Self::checkpoint) this is. `self` must have
     /// been made with the same settings.
     ///
     /// # Errors
     /// When the memory is that of another method or of other settings, or is damaged; by default, always.
-    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
+    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
         let _ = saved;
-        Err(MemoryError::Foreign)
+        Err(RestoreError::Foreign)
     }
 }

@@ -13,13 +13,13 @@ use std::collections::BTreeMap;
 
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::memory::{self, MemoryError};
 use crate::agent::model::Foresight;
 use crate::agent::model::collision_rules::CollisionRules;
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::planner::exploration::{Exploration, Model};
 use crate::agent::planner::sweeping::PlannedValues;
 use crate::agent::policy::{PolicyKind, RulePolicy};
+use crate::agent::saved::{self, RestoreError};
 use crate::agent::{Choice, Chooser, EndCredit, Params, PlusParams, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept, PredictionArray, Xcs};
@@ -258,7 +258,7 @@ impl PerceptLearner {
 
     /// What learning has changed, as bytes for [`resume`](Self::resume).
     pub fn checkpoint(&self) -> Vec<u8> {
-        memory::of(&(
+        saved::bytes_of(&(
             (self.rules.as_ref().map(RulePolicy::state), &self.stream),
             (&self.memory, self.known.kept()),
             (self.collisions.kept(), self.exploration.kept()),
@@ -269,8 +269,8 @@ impl PerceptLearner {
     ///
     /// # Errors
     /// When the bytes are damaged.
-    pub fn resume(&mut self, saved: &[u8]) -> Result<bool, MemoryError> {
-        let (of_policy, of_model, of_exploration) = memory::recall(saved)?;
+    pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
+        let (of_policy, of_model, of_exploration) = saved::read(saved)?;
         let (rules, known, collisions, exploration);
         (rules, self.stream) = of_policy;
         (self.memory, known) = of_model;

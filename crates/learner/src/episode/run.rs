@@ -8,7 +8,7 @@ use xcscr_robot::arena::{Arena, Outcome};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::Cell;
 
-/// Runs episode number `number` from `start`: perceive, consider, choose, act, credit, until a
+/// Runs episode number `number` from `start`: sense, observe, choose, act, update, until a
 /// goal is reached or the step-threshold is hit; then the end is credited.
 pub fn run(
     number: u32,
@@ -25,11 +25,11 @@ pub fn run(
     let ending = loop {
         let cell = arena.view().cell;
         let percept = sensor.perceive(&arena.view());
-        let worth = method.consider(&percept);
+        let worth = method.observe(&percept);
         let choice = method.choose(&worth, explorer);
         let action = choice.action;
         let outcome = arena.act(action);
-        let credit = method.credit(action, outcome);
+        let credit = method.update(action, outcome);
         let view = arena.view();
         let step = tally.steps + 1;
         let step = Step {
@@ -55,7 +55,7 @@ pub fn run(
             break Ending::StepLimit;
         }
     };
-    let end = method.finish(ending == Ending::Goal);
+    let end = method.end_episode(ending == Ending::Goal);
     let episode = Episode {
         episode: number,
         ending,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Progress;
 use super::plan::{Config, Plan, PlanError};
-use crate::agent::MemoryError;
+use crate::agent::RestoreError;
 use xcs::random::Stream;
 use xcscr_robot::arena::Lasting;
 use xcscr_robot::world::{Maze, WorldError};
@@ -94,7 +94,7 @@ pub enum CheckpointError {
     World(#[from] WorldError),
     /// Its learner is no good.
     #[error(transparent)]
-    Memory(#[from] MemoryError),
+    Memory(#[from] RestoreError),
 }
 
 /// Do these bytes begin as a checkpoint does?

@@ -33,7 +33,7 @@ impl Drive {
     /// What the policy would do here; nothing where it knows nothing.
     pub(super) fn best_actions(&mut self, maze: &Maze, sensor: Sensor) -> Vec<Action> {
         let percept = sensor.perceive_at(maze, self.cell);
-        let worth = self.policy.consider(&percept);
+        let worth = self.policy.observe(&percept);
         match worth.greatest() {
             Some(_) => worth.best_actions().collect(),
             None => Vec::new(),
@@ -49,7 +49,7 @@ impl Drive {
             Some(next) if maze.is_goal(next) => Outcome::ReachedGoal,
             Some(next) => self.found(maze, next),
         };
-        self.policy.credit(action, outcome);
+        self.policy.update(action, outcome);
         self.cell = next.unwrap_or(self.cell);
     }
 

@@ -196,7 +196,7 @@ impl Trial {
     }
 
     /// The same with an agent of one's own in place of the plan's method. It can be resumed from a
-    /// checkpoint only if the agent knows how: see [`Agent::memory`].
+    /// checkpoint only if the agent knows how: see [`Agent::checkpoint`].
     ///
     /// # Errors
     /// When the world or a setting is refused.
@@ -223,7 +223,7 @@ impl Trial {
             config: self.plan.config.clone(),
             world: self.plan.maze.to_json(),
             progress: self.progress.clone(),
-            method: self.method.memory(),
+            method: self.method.checkpoint(),
             arena: self.arena.lasting(),
             exploration: self.explorer.stream().clone(),
             starts: self.starts.clone(),
@@ -237,7 +237,7 @@ impl Trial {
     pub fn resume(saved: &Checkpoint) -> Result<Self, CheckpointError> {
         let mut trial = Self::new(saved.plan()?)?;
         let Plan { maze, config } = &trial.plan;
-        trial.method = trial.method.restored(&saved.method)?;
+        trial.method = trial.method.restore(&saved.method)?;
         let contradiction = |what: &str| CheckpointError::Content(what.to_owned());
         let width = config.sensor.width(maze);
         trial
@@ -298,7 +298,7 @@ impl Trial {
         let turn = settings.turn_of(number);
         let explore = turn.map_or(settings.explore, |explores| f64::from(u8::from(explores)));
         self.explorer.set_probability(explore);
-        self.method.begin(turn.unwrap_or(true));
+        self.method.begin_episode(turn.unwrap_or(true));
     }
 
     fn next_start(&mut self) -> Cell {

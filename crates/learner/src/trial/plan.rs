@@ -124,7 +124,7 @@ impl Config {
         let mut method = self.method.build(actions, ring, setup, self.seed);
         if let Some(knowledge) = &self.initial {
             knowledge.check(self.sensor.width(maze), actions)?;
-            if !method.bring(knowledge) {
+            if !method.warm_start(knowledge) {
                 return Err(Misfit::Useless(self.method.name()));
             }
         }

@@ -15,8 +15,8 @@ use crate::agent::credit::step_threshold::StepThreshold;
 use crate::agent::credit::stack::{RewardStack, Shares};
 use crate::agent::credit::step_credit;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::memory::{self, MemoryError};
 use crate::agent::params::Params;
+use crate::agent::saved::{self, RestoreError};
 use crate::agent::{Agent, EndCredit, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept};
@@ -86,16 +86,16 @@ impl Combined {
 }
 
 impl Agent for Combined {
-    fn begin(&mut self, evolves: bool) {
+    fn begin_episode(&mut self, evolves: bool) {
         self.xcs.let_evolve(evolves);
     }
 
-    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.xcs.form_match_set(percept, &mut self.match_set);
         self.xcs.predict(&self.match_set)
     }
 
-    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let set = self.match_set.action_set(action);
         let set = set.expect("consider comes before credit and forms [M]");
         let reward = self.params.short_term(outcome);
@@ -108,7 +108,7 @@ impl Agent for Combined {
         credit
     }
 
-    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         let steps = self.stack.len();
         if reached_goal {
             self.shortest = self.shortest.min(steps);
@@ -149,7 +149,7 @@ impl Agent for Combined {
         Knowledge::of(&self.xcs)
     }
 
-    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+    fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
         knowledge.bring_to(&mut self.xcs)
     }
 
@@ -157,8 +157,8 @@ impl Agent for Combined {
         self.xcs.population().len()
     }
 
-    fn memory(&self) -> Vec<u8> {
-        memory::of(&(
+    fn checkpoint(&self) -> Vec<u8> {
+        saved::bytes_of(&(
             self.xcs.learned(),
             self.shortest,
             self.imprinting.kept(),
@@ -167,14 +167,14 @@ impl Agent for Combined {
         ))
     }
 
-    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
+    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
         let mut method = self.clone();
-        let (learned, shortest, policies, threshold, experts) = memory::recall(saved)?;
+        let (learned, shortest, policies, threshold, experts) = saved::read(saved)?;
         method.shortest = shortest;
         let fits = method.xcs.resume(learned)
             && method.imprinting.resume(policies)
             && method.step_threshold.resume(threshold)
             && experts::resume(&mut method.experts, experts);
-        memory::resumed(method, fits)
+        saved::accept(method, fits)
     }
 }

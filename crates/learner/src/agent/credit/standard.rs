@@ -3,8 +3,8 @@
 use crate::agent::credit::step_credit;
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::memory::{self, MemoryError};
 use crate::agent::params::{Params, StepLimitUpdate, XcsPayment};
+use crate::agent::saved::{self, RestoreError};
 use crate::agent::{Agent, Choice, EndCredit, StepCredit};
 use xcs::{Action, Percept};
 use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
@@ -62,11 +62,11 @@ impl Standard {
 }
 
 impl Agent for Standard {
-    fn begin(&mut self, evolves: bool) {
+    fn begin_episode(&mut self, evolves: bool) {
         self.xcs.let_evolve(evolves);
     }
 
-    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.xcs.form_match_set(percept, &mut self.match_set);
         let worth = self.xcs.predict(&self.match_set);
         self.greatest = worth.greatest().unwrap_or(0.0);
@@ -79,7 +79,7 @@ impl Agent for Standard {
         Choice::of_rules(action, explores)
     }
 
-    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let set = self.match_set.action_set(action);
         let set = set.expect("consider comes before credit and forms [M]");
         let reward = self.params.short_term(outcome);
@@ -101,7 +101,7 @@ impl Agent for Standard {
         credit
     }
 
-    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         let steps = std::mem::take(&mut self.steps);
         let long_term_reward = match self.params.xcs_payment {
             XcsPayment::All if reached_goal => self.params.goal,
@@ -130,7 +130,7 @@ impl Agent for Standard {
         Knowledge::of(&self.xcs)
     }
 
-    fn bring(&mut self, knowledge: &Knowledge) -> bool {
+    fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
         knowledge.bring_to(&mut self.xcs)
     }
 
@@ -138,13 +138,13 @@ impl Agent for Standard {
         self.xcs.population().len()
     }
 
-    fn memory(&self) -> Vec<u8> {
-        memory::of(&self.xcs.learned())
+    fn checkpoint(&self) -> Vec<u8> {
+        saved::bytes_of(&self.xcs.learned())
     }
 
-    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
+    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
         let mut method = self.clone();
-        let fits = method.xcs.resume(memory::recall(saved)?);
-        memory::resumed(method, fits)
+        let fits = method.xcs.resume(saved::read(saved)?);
+        saved::accept(method, fits)
     }
 }

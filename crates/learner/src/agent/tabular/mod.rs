@@ -15,9 +15,9 @@ use traces::Traces;
 
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::memory::{self, MemoryError};
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::params::Params;
+use crate::agent::saved::{self, RestoreError};
 use crate::agent::{Agent, Choice, EndCredit, StepCredit};
 use xcs::PredictionArray;
 use xcs::random::Stream;
@@ -156,7 +156,7 @@ impl Tabular {
 }
 
 impl Agent for Tabular {
-    fn consider(&mut self, percept: &Percept) -> PredictionArray {
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
         if !matches!(self.algorithm, Algorithm::SarsaLambda(_)) {
             self.learn(Some(*percept), None);
         }
@@ -169,7 +169,7 @@ impl Agent for Tabular {
         Choice::of_a_table(action, explores)
     }
 
-    fn credit(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let percept = self.percept.expect("consider comes before credit");
         if matches!(self.algorithm, Algorithm::SarsaLambda(_)) {
             self.learn(Some(percept), Some(action));
@@ -187,7 +187,7 @@ impl Agent for Tabular {
     }
 
     /// What came after the last step of a failure was never perceived, so it is not learned.
-    fn finish(&mut self, reached_goal: bool) -> EndCredit {
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
         if reached_goal {
             self.pending
@@ -222,12 +222,12 @@ impl Agent for Tabular {
         self.table.len()
     }
 
-    fn memory(&self) -> Vec<u8> {
-        memory::of(&(&self.algorithm, self.table.rows()))
+    fn checkpoint(&self) -> Vec<u8> {
+        saved::bytes_of(&(&self.algorithm, self.table.rows()))
     }
 
-    fn restored(&self, saved: &[u8]) -> Result<Box<dyn Agent>, MemoryError> {
-        let method = self.clone().going_on(memory::recall(saved)?);
-        Ok(Box::new(method.ok_or(MemoryError::Foreign)?))
+    fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
+        let method = self.clone().going_on(saved::read(saved)?);
+        Ok(Box::new(method.ok_or(RestoreError::Foreign)?))
     }
 }

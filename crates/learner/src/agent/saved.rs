@@ -7,7 +7,7 @@ use crate::agent::Agent;
 
 /// Why a learner cannot resume from what was saved.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum MemoryError {
+pub enum RestoreError {
     /// The bytes do not make a learner.
     #[error("the learner cannot be read: {0}")]
     Unreadable(String),
@@ -17,29 +17,29 @@ pub enum MemoryError {
 }
 
 /// The bytes of what learning has changed. Settings are no part of it: whoever resumes has them.
-pub(super) fn of(state: &impl Serialize) -> Vec<u8> {
+pub(super) fn bytes_of(state: &impl Serialize) -> Vec<u8> {
     postcard::to_allocvec(state).expect("a learner is plain data and a vector has room")
 }
 
 /// What learning had changed, from its bytes.
-pub(super) fn recall<T: DeserializeOwned>(saved: &[u8]) -> Result<T, MemoryError> {
+pub(super) fn read<T: DeserializeOwned>(saved: &[u8]) -> Result<T, RestoreError> {
     let (state, rest) = postcard::take_from_bytes(saved)
-        .map_err(|fault| MemoryError::Unreadable(fault.to_string()))?;
+        .map_err(|fault| RestoreError::Unreadable(fault.to_string()))?;
     match rest.is_empty() {
         true => Ok(state),
-        false => Err(MemoryError::Unreadable(
+        false => Err(RestoreError::Unreadable(
             "bytes are left over at its end".to_owned(),
         )),
     }
 }
 
 /// A method that has resumed, if it could take up all of its memory.
-pub(super) fn resumed(
+pub(super) fn accept(
     method: impl Agent + 'static,
     fits: bool,
-) -> Result<Box<dyn Agent>, MemoryError> {
+) -> Result<Box<dyn Agent>, RestoreError> {
     match fits {
         true => Ok(Box::new(method)),
-        false => Err(MemoryError::Foreign),
+        false => Err(RestoreError::Foreign),
     }
 }

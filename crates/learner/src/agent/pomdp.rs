@@ -1,0 +1,6 @@
+//! Mazes whose states are hidden, beliefs over these states, and a planner on beliefs.
+
+pub use super::estimator::belief::{Belief, NEGLIGIBLE};
+pub use super::model::pomdp::{GOAL, Pomdp};
+pub use super::model::prizes::Prizes;
+pub use super::planner::rtdp_bel::{BeliefPlanner, Costs, Effort, MOST_BELIEFS, moved};
