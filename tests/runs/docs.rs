@@ -151,7 +151,7 @@ fn the_page_about_formats_can_be_followed() {
 
 #[test]
 fn the_readme_can_be_followed() {
-    assert!(follow("README.md") > 12);
+    assert!(follow("README.md") > 8);
 }
 
 #[test]
