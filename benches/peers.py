@@ -5,10 +5,6 @@
     benches/peers/build          # the peers that are driven from C and C++
     cargo bench --no-run
     venv/bin/python benches/peers.py [xcs] [physics]
-    venv/bin/python benches/peers.py collapse [SEEDS]
-
-The last line times nothing: it counts in how many seeds the classic learner ends with
-over-general rules in Maze6, here, in XCSF, and in xcspp (https://github.com/m4saka/xcspp).
 
 All times are CPU time of the process that does the work, and every program does its work in a
 process of its own. Peers that are not installed are left out.
@@ -23,7 +19,6 @@ import random
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
@@ -124,106 +119,6 @@ def cpu_of(command):
     return used - before.children_user - before.children_system, out
 
 
-def collapsed(steps):
-    """In how many runs the last exploit episodes took more than half of the step limit."""
-    return sum(mean > STEP_LIMIT / 2 for mean in steps)
-
-
-def fisher(a, b, trials):
-    """Fisher's exact two-sided p that a and b of so many trials each have the same rate."""
-    ways = lambda k: math.comb(trials, k) * math.comb(trials, a + b - k)
-    possible = range(max(0, a + b - trials), min(a + b, trials) + 1)
-    return sum(ways(k) for k in possible if ways(k) <= ways(a)) / math.comb(2 * trials, a + b)
-
-
-def xcspp_run(population, problems, world, subsumption=False, error=0.001, dont_care=0.4):
-    """CPU seconds of xcspp, which takes no seed, and the steps of its exploit episodes."""
-    letters = str.maketrans("#.G", "T.F")
-    flags = {
-        "max-population": population, "iter": problems, "max-step": STEP_LIMIT, "p-explr": 1,
-        "p-sharp": dont_care, "epsilon-0": 1000 * error, "alpha": 0.1, "nu": 5, "beta": 0.2,
-        "gamma": 0.71, "theta-ga": 25, "chi": 0.8, "mu": 0.04, "x-method": "uniform", "tau": 0,
-        "theta-del": 20, "delta": 0.1, "theta-sub": 20, "p-i": 0, "epsilon-i": 0, "f-i": 0.01,
-        "do-ga-subsumption": str(subsumption).lower(),
-        "do-as-subsumption": str(subsumption).lower(),
-        "summary-interval": problems, "nsoutput": "steps",
-    }  # fmt: skip
-    with tempfile.TemporaryDirectory() as folder:
-        maze = Path(folder, "maze.txt")
-        maze.write_text("\n".join(row.translate(letters) for row in rows(world)))
-        words = [f"--{flag}={value}" for flag, value in flags.items()]
-        command = [BUILT / "xcspp", "--blc", str(maze), "--prefix", f"{folder}/", *words]
-        cpu, _ = cpu_of(command)
-        steps = Path(folder, "steps").read_text().split()
-    return cpu, [float(number) for number in steps]
-
-
-def explore_steps(world, episodes):
-    """The steps of so many episodes at random, which are the same in any program: xcspp does not
-    tell them."""
-    maze = rows(world)
-    free = [(c, r) for r, row in enumerate(maze) for c, x in enumerate(row) if x == "."]
-    total = 0
-    for _ in range(episodes):
-        col, row = random.choice(free)
-        for _ in range(STEP_LIMIT):
-            x, y = random.choice(CLOCKWISE)
-            if maze[row + y][col + x] != "#":
-                col, row = col + x, row + y
-            total += 1
-            if maze[row][col] == "G":
-                break
-    return total
-
-
-def xcspp_work(population, seed, problems, world="maze4-classic"):
-    random.seed(seed)
-    cpu, exploits = xcspp_run(population, problems, world)
-    steps = sum(exploits) + explore_steps(world, problems)
-    return {"rate": steps / cpu, "steps": steps, "exploits": statistics.mean(exploits[-100:])}
-
-
-def xcscr_exploits(population, seed, problems, world, subsumption, error, dont_care):
-    switches = ["xcs.ga_subsumption", "xcs.action_set_subsumption"]
-    sets = [f"{switch}={str(subsumption).lower()}" for switch in switches]
-    sets += [f"xcs.epsilon_0={1000 * error}", f"xcs.dont_care={dont_care}"]
-    command = [newest("classic"), population, seed, problems, world, *sets]
-    report = json.loads(cpu_of([str(word) for word in command])[1])
-    return report["exploit_steps_in_last_100"]
-
-
-def compare_collapse(seeds=30, population=2000, problems=1000, world="maze6-classic"):
-    """Maze6 with eight moves and random starts: how often does learning end in collapse?"""
-    for setting in ({"subsumption": True, "error": 0.01, "dont_care": 0.3},
-                    {"subsumption": False, "error": 0.01, "dont_care": 0.3},
-                    {"subsumption": False, "error": 0.001, "dont_care": 0.4}):  # fmt: skip
-        found = {"xcscr": [], "xcspp": [], "xcsf": []}
-        for seed in range(1, seeds + 1):
-            work = (population, problems, world)
-            ours = xcscr_exploits(population, seed, problems, world, **setting)
-            found["xcscr"].append(ours)
-            if (BUILT / "xcspp").exists():
-                _, steps = xcspp_run(*work, **setting)
-                found["xcspp"].append(statistics.mean(steps[-100:]))
-            if importlib.util.find_spec("xcsf"):
-                peer = xcsf_work(population, seed, problems, world, **setting)
-                found["xcsf"].append(peer["exploits"])
-            last = {name: round(steps[-1], 2) for name, steps in found.items() if steps}
-            print(f"  seed {seed}: {last}", flush=True)
-        print(setting)
-        for name, steps in found.items():
-            if steps:
-                print_collapse(name, steps, found["xcscr"])
-
-
-def print_collapse(name, steps, ours):
-    bad, learned = collapsed(steps), [s for s in steps if s <= STEP_LIMIT / 2]
-    p = fisher(collapsed(ours), bad, len(steps))
-    steps = f"{statistics.median(learned):.2f}" if learned else "-"
-    print(f"  {name}: collapsed in {bad} of {len(ours)}, median steps of the others {steps}, "
-          f"Fisher's p against xcscr {p:.3f}", flush=True)  # fmt: skip
-
-
 def xcscr_work(population, seed, problems):
     command = [newest("classic"), str(population), str(seed), str(problems)]
     # Repeated, because the clock of child processes is coarse.
@@ -246,8 +141,6 @@ def compare_xcs(problems=1000):
             found = {"xcscr": xcscr_work(population, seed, problems)}
             if importlib.util.find_spec("xcsf"):
                 found["xcsf"] = in_own_process("xcsf", population, seed, problems)
-            if (BUILT / "xcspp").exists():
-                found["xcspp"] = xcspp_work(population, seed, problems)
             print(f"  N {population} seed {seed}: {found}", flush=True)
             for name, work in found.items():
                 rates.setdefault(name, []).append(work["rate"])
@@ -389,9 +282,6 @@ WORK = {"xcsf": xcsf_work, "box2d": box2d_work, "pymunk": pymunk_work,
 def main(arguments):
     if arguments[:1] == ["--work"]:
         print(json.dumps(WORK[arguments[1]](*map(int, arguments[2:]))))
-        return
-    if arguments[:1] == ["collapse"]:
-        compare_collapse(*map(int, arguments[1:]))
         return
     if not arguments or "xcs" in arguments:
         compare_xcs()

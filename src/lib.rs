@@ -1,12 +1,12 @@
 //! A mobile robot in a physics-simulated maze learns readable rules, and every episode can be
 //! replayed.
 //!
-//! The robot perceives the cells around it, chooses a direction, drives there or hits a wall, and
-//! learns condition-action rules from what comes of it. The learner is XCS, an accuracy-based
-//! learning classifier system; what it is paid for, and when, is decided by a reward method, by
-//! default the combined one of XCSCR.
+//! The robot perceives the cells around it, chooses a direction, and drives there or hits a wall. It
+//! learns condition-action rules from what follows. The published methods are classifier systems: XCS
+//! and the reward methods of XCSCR (Zhang, Browne and Carnegie 2019). The default method, `xcscr-plus`,
+//! learns a model, plans on it, and distils the plan's decisions into a few rules in XCS syntax.
 //!
-//! # Flow
+//! # Data flow
 //! ```text
 //!  world file ─▶ world ─▶ arena ─▶ sensor ─▶ agent ─▶ action ─▶ arena ...
 //!                (Maze)   (View)   (Percept)    │              (Outcome)
@@ -18,16 +18,32 @@
 //!       └─▶ statistics ─▶ report
 //! ```
 //!
-//! # Words
-//! | word | meaning |
+//! # Where things are
+//! | crate or module | contents |
+//! |---|---|
+//! | [`xcs`] | the classifier system, for any environment |
+//! | `xcscr_sensing` | sensor models and the onboard computer |
+//! | [`world`], [`arena`], [`sensor`] | the robot, from `xcscr_robot`: mazes, where it acts, what it perceives |
+//! | [`agent`], [`episode`], [`trial`] | the learner, from `xcscr_learner`: methods, the loop, one trial |
+//! | [`record`], [`run`] | recordings, and recorded runs in a folder |
+//! | [`study`] | many trials, statistics, reports |
+//! | [`export`], [`picture`], [`page`] | policies as code and data, as pictures, as HTML |
+//! | [`disk`] | atomic writes and folder locks |
+//!
+//! A new sensor goes to `crates/robot/src/sensor/`, a new agent to `crates/learner/src/agent/`, a new topic to
+//! `src/record/topics/`, a new export target to `src/export/`, a new command to `src/commands/`. CONTRIBUTING.md walks
+//! through each.
+//!
+//! # Terms
+//! | term | meaning |
 //! |---|---|
 //! | percept, action | what the robot perceives, a bit string; what it can do, a number |
-//! | step | perceive, choose, act, be credited: one move or one collision |
-//! | episode | from a start cell until a goal is reached or the step-threshold is hit |
+//! | step | sense, choose, act, update: one move or one collision |
+//! | episode | from a start cell until a goal is reached or the step threshold is hit |
 //! | trial | a fresh learner, run for a number of episodes from one seed |
 //! | rule | a macro-classifier: condition, action, prediction, error, fitness, numerosity, experience |
 //! | \[P\], \[M\], \[A\], \[R\] | population, match set, action set, reward stack |
-//! | worth | the fitness-weighted prediction of an action (Eq. 6) |
+//! | action value | the fitness-weighted prediction of an action (Eq. 6) |
 //! | globally optimal | from the start, every best action follows a shortest path, to the goal |
 //!
 //! Equations and algorithms are numbered as in the XCSCR paper, "XCS with Combined Reward Method

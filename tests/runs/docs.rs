@@ -114,39 +114,22 @@ fn follow(file: &str) -> usize {
     commands.len()
 }
 
-#[test]
-fn the_page_about_the_learner_can_be_followed() {
-    assert!(follow("docs/src/learner.md") > 8);
-}
-
-#[test]
-fn the_page_about_the_robot_can_be_followed() {
-    assert!(follow("docs/src/robot.md") > 6);
-}
-
-#[test]
-fn the_page_about_recordings_can_be_followed() {
-    assert!(follow("docs/src/recordings.md") > 6);
-}
-
-#[test]
-fn the_page_of_results_can_be_followed() {
-    assert!(follow("docs/src/results.md") > 3);
-}
-
-#[test]
-fn the_page_about_studies_can_be_followed() {
-    assert!(follow("docs/src/studies.md") > 8);
-}
-
-#[test]
-fn the_page_about_clusters_can_be_followed() {
-    assert!(follow("docs/src/clusters.md") > 8);
-}
-
-#[test]
-fn the_page_about_formats_can_be_followed() {
-    assert!(follow("docs/src/formats.md") > 7);
+/// All pages of the guide, as paths from `docs/src`.
+fn pages() -> Vec<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src");
+    let mut pages = Vec::new();
+    let mut folders = vec![root.clone()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => folders.push(path),
+                false => pages.push(path.strip_prefix(&root).unwrap().display().to_string()),
+            }
+        }
+    }
+    pages.sort();
+    pages
 }
 
 #[test]
@@ -155,15 +138,24 @@ fn the_readme_can_be_followed() {
 }
 
 #[test]
+fn every_page_of_the_guide_can_be_followed() {
+    let pages = pages();
+    let commands: usize = std::thread::scope(|scope| {
+        let follow = |page| scope.spawn(move || follow(&format!("docs/src/{page}")));
+        let threads: Vec<_> = pages.iter().map(follow).collect();
+        threads.into_iter().map(|one| one.join().unwrap()).sum()
+    });
+    assert!(commands > 60, "only {commands} commands");
+}
+
+#[test]
 fn every_page_is_in_the_summary() {
-    let pages = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src");
-    let summary = fs::read_to_string(pages.join("SUMMARY.md")).unwrap();
-    for file in fs::read_dir(&pages).unwrap() {
-        let name = file.unwrap().file_name().to_string_lossy().into_owned();
-        let listed = summary.contains(&format!("({name})"));
+    let summary = include_str!("../../docs/src/SUMMARY.md");
+    for page in pages() {
+        let listed = summary.contains(&format!("({page})"));
         assert!(
-            listed || name == "SUMMARY.md",
-            "{name} is not in SUMMARY.md"
+            listed || page == "SUMMARY.md",
+            "{page} is not in SUMMARY.md"
         );
     }
 }

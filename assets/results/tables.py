@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Writes the tables of docs/src/results/ from the summaries in this folder.
+
+    python3 assets/results/tables.py            # rewrite the tables
+    python3 assets/results/tables.py --check    # fail if a table differs from the summaries
+
+A table stands between `<!-- table: NAME -->` and `<!-- end -->` and is made by the function of that name below.
+"""
+
+import json
+import re
+import sys
+from pathlib import Path
+from statistics import mean
+
+HERE = Path(__file__).resolve().parent
+PAGES = HERE.parent.parent / "docs" / "src" / "results"
+
+PAPER = {  # solved trials of 100 in Maze4, Maze5, Maze6 (Zhang, Browne and Carnegie 2019)
+    "xcs": [7, 2, 0],
+    "adapted-even": [77, 29, 25],
+    "adapted-discounted": [77, 29, 25],
+    "xcscr": [79, 54, 65],
+}
+MAZES = {"maze4": "Maze4", "maze5": "Maze5", "maze6": "Maze6", "maze5-wet": "Maze5, slippery"}
+GROUPS = {
+    "not aliased": "cassandra4x4 maze4-classic maze5-classic mazea mazef1 mazef2 mazef3 woods1-walled woods14",
+    "group I": "littman57 littman89 mazeb mazed miyazakia",
+    "group II": "mazee1 mazee2 woods100 woods101 woods101demi woods102",
+    "group III": "lab1 maze10 maze7 mazee3 mazef4 mazef8 mazef9 miyazakib sutton",
+}
+GROUPS = {name: worlds.split() for name, worlds in GROUPS.items()}
+
+
+def arms(study):
+    return json.loads((HERE / f"{study}.json").read_text())["arms"]
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
+
+
+def percent(share):
+    return "–" if share is None else f"{100 * share:.0f} %"
+
+
+def interval(arm):
+    return f"{100 * arm['wilson_low']:.0f} to {100 * arm['wilson_high']:.0f}"
+
+
+def steps_interval(arm):
+    return f"{arm['iqm_env_steps_low']:.0f} to {arm['iqm_env_steps_high']:.0f}"
+
+
+def or_dash(value):
+    return "–" if value is None else value
+
+
+def paper():
+    head = ["method", "maze", "solved", "95 % interval", "retained at the end", "share of episodes optimal after", "solved in the paper"]
+    rows = []
+    for method, published in PAPER.items():
+        own = [arm for arm in arms("paper") if arm["method"] == method]
+        for arm, number in zip(own, published):
+            share = percent(arm["mean_optimal_share_after_first"])
+            rows.append([f"`{method}`", MAZES[arm["world"]], arm["successes"], interval(arm), arm["retained"], share, number])
+    return table(head, rows)
+
+
+def defaults():
+    head = ["method", "maze", "solved", "95 % interval", "retained at the end", "median first optimal episode", "steps until solved", "95 % interval", "rules"]
+    rows = []
+    for name, own in [("defaults", None), ("r-max-bare", "`r-max` without generalisation")]:
+        for arm in sorted(arms(name), key=lambda arm: arm["world"]):
+            label = own or f"`{arm['method']}`"
+            rows.append([label, MAZES[arm["world"]], arm["successes"], interval(arm), arm["retained"], or_dash(arm["median_episode"]), f"{arm['iqm_env_steps']:.0f}", steps_interval(arm), f"{arm['mean_rules']:.0f}"])
+    order = list(dict.fromkeys(row[0] for row in rows))
+    return table(head, sorted(rows, key=lambda row: order.index(row[0])))
+
+
+def repairs():
+    head = ["switched off", "maze", "solved", "steps until solved", "95 % interval"]
+    rows = []
+    for arm in arms("repairs"):
+        part = arm["variant"].removeprefix("without=")
+        part = part if part == "nothing" else f"`{part}`"
+        rows.append([part, MAZES[arm["world"]], arm["successes"], f"{arm['iqm_env_steps']:.0f}", steps_interval(arm)])
+    return table(head, rows)
+
+
+def of_group(study, method, worlds, variant=None):
+    return [arm for arm in arms(study) if arm["method"] == method and arm["world"] in worlds and variant in (None, arm["variant"])]
+
+
+def aliased():
+    bounds = json.loads((HERE / "bounds.json").read_text())
+    head = ["mazes", "number", "full-state optimum", "unknown-start optimum", "method", "steps after 50 episodes", "trials at the optimum", "trials", "rules or beliefs"]
+    rows = []
+    for group, worlds in GROUPS.items():
+        full = mean(bounds[world]["full"] for world in worlds)
+        unknown = mean(bounds[world]["belief"]["steps"] for world in worlds)
+        for method in ["xcscr-plus", "r-max"]:
+            own = of_group("aliased", method, worlds)
+            rows.append([group, len(worlds), f"{full:.2f}", f"{unknown:.2f}", f"`{method}`", f"{mean(arm['mean_greedy_steps'] for arm in own):.2f}", sum(arm["retained"] for arm in own), sum(arm["trials"] for arm in own), f"{mean(arm['mean_rules'] for arm in own):.0f}"])
+    return table(head, rows)
+
+
+def slips():
+    head = ["mazes", "steps after 1,000 episodes", "rules"]
+    rows = []
+    for group, worlds in GROUPS.items():
+        own = of_group("slips", "xcscr-plus", worlds)
+        rows.append([group, f"{mean(arm['mean_greedy_steps'] for arm in own):.2f}", f"{mean(arm['mean_rules'] for arm in own):.0f}"])
+    return table(head, rows)
+
+
+def flips():
+    bounds = json.loads((HERE / "bounds.json").read_text())
+    head = ["flipped bits", "mazes", "steps as a multiple of the unknown-start optimum", "worst maze"]
+    rows = []
+    for variant in sorted({arm["variant"] for arm in arms("flips")}):
+        own = [arm for arm in arms("flips") if arm["variant"] == variant]
+        ratios = [arm["mean_greedy_steps"] / bounds[arm["world"]]["belief"]["steps"] for arm in own]
+        rows.append([f"{100 * float(variant.split('=')[1]):g} %", len(own), f"{mean(ratios):.3f}", f"{max(ratios):.2f}"])
+    return table(head, rows)
+
+
+def sensed(study):
+    head = ["maze", "method", "solved", "95 % interval", "retained at the end", "steps until solved", "95 % interval"]
+    rows = []
+    for arm in arms(study):
+        rows.append([MAZES[arm["world"]], f"`{arm['method']}`", arm["successes"], interval(arm), arm["retained"], f"{arm['iqm_env_steps']:.0f}", steps_interval(arm)])
+    return table(head, rows)
+
+
+def lidar():
+    return sensed("lidar")
+
+
+def lidar_noisy():
+    return sensed("lidar-noisy")
+
+
+def generated():
+    head = ["kind", "cells", "worlds", "solved", "retained at the end", "latest first optimal episode"]
+    groups = {}
+    for arm in arms("generated"):
+        kind, size, _ = arm["world"].rsplit("-", 2)
+        groups.setdefault((kind, size), []).append(arm)
+    rows = []
+    for (kind, size), own in groups.items():
+        latest = max((arm["median_episode"] or 0 for arm in own), default=0)
+        rows.append([f"`{kind}`", f"{size} x {size}", len(own), sum(arm["successes"] for arm in own), sum(arm["retained"] for arm in own), latest])
+    return table(head, rows)
+
+
+def large():
+    head = ["world", "method", "trials", "solved", "steps until solved", "rules or pairs"]
+    return table(head, [[f"`{arm['world']}`", f"`{arm['method']}`", arm["trials"], arm["successes"], f"{arm['iqm_env_steps']:.0f}", f"{arm['mean_rules']:.0f}"] for arm in arms("large")])
+
+
+MARKED = re.compile(r"(<!-- table: ([\w-]+) -->\n).*?(<!-- end -->)", re.S)
+
+
+def filled(text):
+    def fill(match):
+        rows = globals()[match[2].replace("-", "_")]()
+        return match[1] + "\n".join(rows) + "\n" + match[3]
+
+    return MARKED.sub(fill, text)
+
+
+def main():
+    stale = []
+    for page in sorted(PAGES.glob("*.md")):
+        before = page.read_text()
+        after = filled(before)
+        if before != after:
+            stale.append(page.name)
+            if "--check" not in sys.argv:
+                page.write_text(after)
+    if "--check" in sys.argv and stale:
+        sys.exit(f"run `python3 assets/results/tables.py`: the tables of {', '.join(stale)} differ from the summaries")
+
+
+main()
