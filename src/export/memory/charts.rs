@@ -11,7 +11,7 @@ use xcs::Action;
 pub struct Charts {
     /// The state in which all episodes begin, if that is known.
     pub begin: Option<u16>,
-    /// The probability that an action drawn from all is executed in place of the chosen one.
+    /// The probability that another action than the chosen one is executed, each with the same chance.
     pub slip: f64,
     /// The probability that a cell is misread.
     pub misread: f64,
@@ -58,6 +58,12 @@ impl Charts {
             misread: map.misread,
             unfelt: map.unfelt,
         })
+    }
+
+    /// How many rewards the charts know.
+    pub fn rewards(&self) -> u32 {
+        let found = self.states.iter().map(|state| state.eaten.count_ones());
+        found.max().unwrap_or(0)
     }
 
     /// All states.

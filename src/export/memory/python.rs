@@ -114,8 +114,9 @@ class Tracker:
             after = STATES[state][5]
             yield state, after[self.action], weight * (1.0 - SLIP)
             if SLIP > 0.0:
-                for to in after:
-                    yield state, to, weight * (SLIP / len(ACTIONS))
+                for action, to in enumerate(after):
+                    if action != self.action:
+                        yield state, to, weight * (SLIP / (len(ACTIONS) - 1))
 
     def follow(self, fits):
         """What is believed after the last action, if from and to fit."""
@@ -142,6 +143,7 @@ class Tracker:
                 if belief:
                     self.belief, self.found = belief, found
                     return
+            self.found = min(self.found + rewarded, REWARDS)
         strange = {
             state: differences(STATES[state][0], percept)
             for state in range(len(STATES))
@@ -156,7 +158,7 @@ class Tracker:
         if self.action is None:
             expected, astray = self.belief, {BEGUN_ELSEWHERE}
         else:
-            self.found += rewarded
+            self.found = min(self.found + rewarded, REWARDS)
             expected, astray = self.follow({MAY_LEAD}), {ASTRAY}
         if not expected:
             astray = 1.0
@@ -201,12 +203,14 @@ pub fn text(ballot: &Ballot, charts: &Charts, provenance: &Provenance) -> String
 fn states(charts: &Charts) -> String {
     let begin = named(charts.begin, "None");
     let mut text = format!(
-        "# How likely an action drawn from all is executed instead, and how likely a cell is misread.\n\
-         SLIP = {:?}\nMISREAD = {:?}\n\n# The state in which all episodes begin, if there is one.\n\
+        "# How likely another action is executed instead, how likely a cell is misread, and how many rewards the map knows.\n\
+         SLIP = {:?}\nMISREAD = {:?}\nREWARDS = {}\n\n# The state in which all episodes begin, if there is one.\n\
          BEGIN = {begin}\n\n# States: the percept, cells to the east and to the north of the goal, the number \
          of the chart (each is\n# drawn around one goal), as bits the rewards found, and by action the next \
          state (None: the goal).\nSTATES = [\n",
-        charts.slip, charts.misread
+        charts.slip,
+        charts.misread,
+        charts.rewards()
     );
     for (at, state) in charts.states().iter().enumerate() {
         let State {

@@ -66,6 +66,8 @@ fn around(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     let word = |(at, name): (usize, &str)| {
         let state = match [alleles(2 * at), alleles(2 * at + 1)] {
             [None, None] => return None,
+            // No cell shows `10`; whoever perceives it takes the cell for free.
+            [Some(true), Some(false)] => "free (misread)",
             [Some(true), _] => "goal",
             [Some(false), None] => "no goal",
             [Some(false), Some(true)] => "wall",
@@ -233,6 +235,13 @@ mod tests {
             Sensor::Neighbours.words_facing(&maze(), &alleles),
             "ahead wall"
         );
+    }
+
+    #[test]
+    fn a_code_that_no_cell_shows_reads_as_the_learner_takes_it() {
+        let alleles = allele("10##############");
+        let words = Sensor::Neighbours.words(&maze(), &alleles);
+        assert_eq!(words, "north free (misread)");
     }
 
     #[test]

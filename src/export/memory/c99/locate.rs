@@ -78,6 +78,7 @@ static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept,
     } else if (xcscr_follow(tracker, percept, otherwise)) {
         xcscr_believe_next(tracker, otherwise);
     } else {
+        tracker->found = found > XCSCR_REWARDS ? XCSCR_REWARDS : found;
         xcscr_look_around(tracker, percept);
     }
     tracker->percept = percept;
@@ -124,8 +125,11 @@ static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept,
 {IGNORED}    if (!xcscr_expect(tracker{FELT})) {
         astray = 1.0;
     }
-    if (tracker->action != XCSCR_NO_ACTION && rewarded && tracker->found < 255) {
+    if (tracker->action != XCSCR_NO_ACTION && rewarded) {
         tracker->found++;
+        if (tracker->found > XCSCR_REWARDS) {
+            tracker->found = XCSCR_REWARDS;
+        }
     }
     for (at = 0; at < XCSCR_STATES; at++) {
         const struct xcscr_state state = xcscr_state(at);

@@ -116,14 +116,15 @@ fn costs(ballot: &Ballot, charts: &Charts) -> String {
 
 fn figures(ballot: &Ballot, charts: &Charts) -> String {
     let mut text = format!(
-        "#define XCSCR_ACTIONS {}\n#define XCSCR_STATES {}\n#define XCSCR_GOAL 65535 /* in place of a state */\n",
+        "#define XCSCR_ACTIONS {}\n#define XCSCR_STATES {}\n#define XCSCR_GOAL 65535 /* in place of a state */\n#define XCSCR_REWARDS {} /* that the map knows */\n",
         ballot.actions(),
-        charts.states().len()
+        charts.states().len(),
+        charts.rewards()
     );
     if charts.slip > 0.0 {
         let _ = writeln!(
             text,
-            "#define XCSCR_SLIP {:?} /* how likely an action drawn from all is executed instead */",
+            "#define XCSCR_SLIP {:?} /* how likely another action is executed instead */",
             charts.slip
         );
     }

@@ -196,11 +196,13 @@ static inline int xcscr_follow(struct xcscr_tracker *tracker{FELT_TYPES})
 pub const EXACT_MOVES: &str =
     "            xcscr_move(tracker, from, tracker->action, weight{FELT});";
 
-/// It is, or one drawn from all.
+/// It is, or another one, each with the same chance.
 pub const SLIPPING_MOVES: &str = "            int8_t executed;
             xcscr_move(tracker, from, tracker->action, weight * (1.0 - XCSCR_SLIP){FELT});
             for (executed = 0; executed < XCSCR_ACTIONS; executed++) {
-                xcscr_move(tracker, from, executed, weight * (XCSCR_SLIP / XCSCR_ACTIONS){FELT});
+                if (executed != tracker->action) {
+                    xcscr_move(tracker, from, executed, weight * (XCSCR_SLIP / (XCSCR_ACTIONS - 1)){FELT});
+                }
             }";
 
 /// What the robot's program calls.

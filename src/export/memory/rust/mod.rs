@@ -50,15 +50,16 @@ fn figures(ballot: &Ballot, charts: &Charts, provenance: &Provenance) -> String 
     let mut text = format!(
         "\n/// The number of actions.\npub const ACTIONS: usize = {};\n/// Their names.\npub const \
          ACTION_NAMES: [&str; ACTIONS] = [{}];\n/// The number of states.\npub const STATES: usize = {};\n\
-         /// In place of a state.\npub const GOAL: u16 = u16::MAX;\n",
+         /// In place of a state.\npub const GOAL: u16 = u16::MAX;\n/// How many rewards the map knows.\npub const REWARDS: u8 = {};\n",
         ballot.actions(),
         names(ballot, provenance),
-        charts.states().len()
+        charts.states().len(),
+        charts.rewards()
     );
     if charts.slip > 0.0 {
         let _ = writeln!(
             text,
-            "/// How likely an action drawn from all is executed instead.\npub const SLIP: f64 = {:?};",
+            "/// How likely another action is executed instead.\npub const SLIP: f64 = {:?};",
             charts.slip
         );
     }

@@ -214,10 +214,10 @@ impl Tracker {
 /// The action that was chosen is executed.
 pub const EXACT_MOVES: &str = "                lead(usize::from(action), weight);";
 
-/// It is, or one drawn from all.
+/// It is, or another one, each with the same chance.
 pub const SLIPPING_MOVES: &str = "                lead(usize::from(action), weight * (1.0 - SLIP));
-                for executed in 0..ACTIONS {
-                    lead(executed, weight * (SLIP / ACTIONS as f64));
+                for executed in (0..ACTIONS).filter(|&other| other != usize::from(action)) {
+                    lead(executed, weight * (SLIP / (ACTIONS - 1) as f64));
                 }";
 
 /// What is believed when percepts are right.
@@ -242,6 +242,7 @@ pub const LOCATE_RIGHTLY: &str = r"
                 return;
             }
         }
+        self.found = (self.found + u8::from(rewarded)).min(REWARDS);
         self.look_around(percept);
     }
 
@@ -268,7 +269,7 @@ pub const LOCATE_DOUBTINGLY: &str = r"
     fn locate(&mut self, percept: u16, {BUMPED}: bool, rewarded: bool) {
         let (expects, astray) = match self.action {
             Some(action) => {
-                self.found = self.found.saturating_add(u8::from(rewarded));
+                self.found = (self.found + u8::from(rewarded)).min(REWARDS);
                 let expects = self.follow(action, {MAY_LEAD});
                 (expects, {ASTRAY})
             }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent::model::pomdp::{GOAL, Pomdp};
+use crate::agent::model::slips::each_other;
 use xcs::{Action, Percept};
 
 /// States that are less likely than this are forgotten.
@@ -72,7 +73,7 @@ impl Belief {
 
     /// Every state, where an action may lead from it, and how likely both are.
     fn each_move(&self, pomdp: &Pomdp, action: Action, mut visit: impl FnMut(u32, u32, f64)) {
-        let each = pomdp.slip() / pomdp.actions() as f64;
+        let each = each_other(pomdp.slip(), pomdp.actions());
         for &(state, weight) in &self.0 {
             visit(
                 state,
@@ -80,7 +81,8 @@ impl Belief {
                 weight * (1.0 - pomdp.slip()),
             );
             if each > 0.0 {
-                Action::all(pomdp.actions())
+                let others = Action::all(pomdp.actions()).filter(|&other| other != action);
+                others
                     .for_each(|executed| visit(state, pomdp.next(state, executed), weight * each));
             }
         }
@@ -174,5 +176,18 @@ impl Belief {
             }
         }
         key
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beliefs_share_a_key_if_their_weights_agree_in_sixteen_levels_and_only_then() {
+        let belief = |weight| Belief(vec![(0, 1.0 - weight), (1, weight)]);
+        assert_eq!(belief(0.300).key(), belief(0.301).key());
+        assert_ne!(belief(0.30), belief(0.301), "they are not the same");
+        assert_ne!(belief(0.30).key(), belief(0.36).key());
     }
 }

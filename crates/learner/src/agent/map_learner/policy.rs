@@ -5,6 +5,7 @@ use crate::agent::StepCredit;
 use crate::agent::estimator::map::tracker::{Tracker, View};
 use crate::agent::policy::PolicyKind;
 use crate::agent::policy::distillation::Distillation;
+use crate::agent::policy::examples::Examples;
 use crate::agent::policy::plan::planned_values;
 use xcs::{Action, Classifier, Percept, PredictionArray};
 
@@ -67,8 +68,8 @@ impl MapLearner {
         }
         let right = distillation.approves(costs.regret(action, pomdp));
         let acted = learned.rules.record(&context, action, right);
-        if learned.met.len() >= MOST_MET && !learned.met.contains_key(&context) {
-            return false;
+        if !learned.met.contains_key(&context) {
+            make_room(&mut learned.met, MOST_MET);
         }
         let met = learned.met.entry(context).or_default();
         met.add(&costs, &self.map);
@@ -105,5 +106,39 @@ impl MapLearner {
         for start in 0..self.map.starts() {
             planner.settled_costs(pomdp, &self.map.first_belief(start));
         }
+    }
+}
+
+/// Forgets the rarest context, the first of several, if there are as many as there may be.
+fn make_room(met: &mut Examples, most: usize) {
+    if met.len() < most {
+        return;
+    }
+    let rarest = met.iter().min_by(|a, b| a.1.weight.total_cmp(&b.1.weight));
+    if let Some(context) = rarest.map(|(context, _)| *context) {
+        met.remove(&context);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::policy::examples::Example;
+
+    #[test]
+    fn a_new_context_takes_the_place_of_the_rarest_one() {
+        let context = |word| Percept::from_word(word, 8);
+        let example = |weight| {
+            let mut example = Example::default();
+            example.weight = weight;
+            example
+        };
+        let mut met: Examples = [(1, 3.0), (2, 1.0), (3, 1.0)]
+            .map(|(word, weight)| (context(word), example(weight)))
+            .into();
+        make_room(&mut met, 4);
+        assert_eq!(met.len(), 3, "control: there is room");
+        make_room(&mut met, 3);
+        assert!(met.len() == 2 && !met.contains_key(&context(2)));
     }
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::estimator::belief::Belief;
 use crate::agent::model::prizes::Prizes;
+use crate::agent::model::slips::each_other;
 use xcs::{Action, MAX_ACTIONS, Percept};
 
 /// In place of a state: the goal, where the episode ends.
@@ -18,7 +19,7 @@ pub const GOAL: u32 = u32::MAX;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Pomdp {
     actions: usize,
-    /// The probability that an action drawn from all, the chosen one among them, is executed.
+    /// The probability that another action than the chosen one is executed ([`each_other`]).
     slip: f64,
     /// By state and action: the state that it leads to when executed, or [`GOAL`].
     next: Vec<u32>,
@@ -31,7 +32,7 @@ pub struct Pomdp {
 
 impl Pomdp {
     /// States by their percepts; `next` gives the state, or [`GOAL`], that an executed action leads
-    /// to. With probability `slip` a random action is executed in place of the chosen one.
+    /// to. With probability `slip` another action than the chosen one is executed, each with the same chance.
     pub fn new(
         actions: usize,
         slip: f64,
@@ -189,7 +190,7 @@ impl Pomdp {
             least = least.min(cost);
             sum += cost;
         }
-        let chosen = self.cost_of_step() + (1.0 - self.slip) * least;
-        chosen + self.slip * sum / self.actions as f64
+        let each = each_other(self.slip, self.actions);
+        self.cost_of_step() + (1.0 - self.slip) * least + each * (sum - least)
     }
 }

@@ -19,6 +19,13 @@ const DEVIATIONS: f64 = 4.0;
 /// An estimate that differs by less than this share of it is no news.
 const SAME: f64 = 0.1;
 
+/// Returns how likely each other action is when a move slips with probability `slip`: another action than the chosen one is
+/// executed, each of the others with the same chance. This is what `arena.slip` means, and what all of the learner means
+/// by slip.
+pub fn each_other(slip: f64, actions: usize) -> f64 {
+    slip / actions.saturating_sub(1).max(1) as f64
+}
+
 /// The share of moves that slip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slips {
@@ -103,7 +110,7 @@ impl Slips {
         }
         let others = known().sum::<f64>() - best;
         let stays = values.len() - known().count();
-        let each = self.share / (values.len() - 1).max(1) as f64;
+        let each = each_other(self.share, values.len());
         (self.intended() * best + each * others) / (1.0 - each * gamma * stays as f64)
     }
 

@@ -75,8 +75,8 @@ impl Costs {
     }
 }
 
-/// Costs of beliefs, which start at what they would cost if the state were seen, and never above
-/// what they really cost.
+/// Costs of beliefs. They begin at the cost if the state were seen, which is never above the real cost. Beliefs with the same
+/// [key](Belief::key) share a cost, which can be above that of one of them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct BeliefPlanner {
     /// By state: its cost when it is seen.
@@ -235,10 +235,10 @@ impl BeliefPlanner {
 
 /// The state after an action, or [`GOAL`].
 pub fn moved(pomdp: &Pomdp, state: u32, action: Action, stream: &mut Stream) -> u32 {
-    let slips = pomdp.slip() > 0.0 && stream.chance(pomdp.slip());
-    let executed = match slips {
-        true => Action::new(stream.below(pomdp.actions())).unwrap_or(action),
-        false => action,
-    };
-    pomdp.next(state, executed)
+    if pomdp.slip() == 0.0 || !stream.chance(pomdp.slip()) {
+        return pomdp.next(state, action);
+    }
+    let others = Action::all(pomdp.actions()).filter(|&other| other != action);
+    let others: Vec<Action> = others.collect();
+    pomdp.next(state, stream.choose(&others).copied().unwrap_or(action))
 }

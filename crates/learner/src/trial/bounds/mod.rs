@@ -136,10 +136,7 @@ fn known(maze: &Maze, sensor: Sensor, slip: f64) -> (Pomdp, Vec<u32>) {
             Some(cell) => state(cell),
         }
     };
-    // There, the random action may be the chosen one.
-    let actions = maze.action_count() as f64;
-    let random = slip * actions / (actions - 1.0);
-    let pomdp = Pomdp::new(maze.action_count(), random.min(1.0), &seen, next);
+    let pomdp = Pomdp::new(maze.action_count(), slip, &seen, next);
     let starts = maze
         .start_cells()
         .into_iter()
@@ -207,4 +204,43 @@ fn run_once(
         }
     }
     10 * MOST_STEPS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn maze4() -> Maze {
+        Maze::load("../../worlds/maze4.json".as_ref()).unwrap()
+    }
+
+    #[test]
+    fn slips_mean_the_same_to_the_learners_planner_and_to_value_iteration_on_the_true_maze() {
+        let maze = maze4();
+        for slip in [0.0, 0.1, 0.25, 0.6] {
+            let (pomdp, _) = known(&maze, Sensor::Position, slip);
+            let paths = Paths::with_slip(&maze, slip);
+            let costs = pomdp.costs_when_seen(1e6);
+            for (cell, cost) in cells(&maze).zip(costs) {
+                let steps = paths.expected_steps(&maze, cell).unwrap();
+                assert!(
+                    (cost - steps).abs() < 1e-5,
+                    "slip {slip}, {cell:?}: {cost} {steps}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_simulated_move_that_slips_is_never_the_chosen_one() {
+        let maze = maze4();
+        let (pomdp, _) = known(&maze, Sensor::Position, 0.75);
+        let mut stream = Stream::new(1, StreamName::Replay);
+        let action = Action::new(1).unwrap();
+        // In the start cell only east leads elsewhere.
+        let chosen = (0..10_000)
+            .filter(|_| moved(&pomdp, 0, action, &mut stream) != 0)
+            .count();
+        assert!((2_300..2_700).contains(&chosen), "{chosen} of 10,000");
+    }
 }

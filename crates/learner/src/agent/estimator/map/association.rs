@@ -2,13 +2,14 @@
 //! (Baum and Welch), from the goal of a chart outward.
 
 use crate::agent::estimator::map::bump::Bump;
-use crate::agent::estimator::map::cell_counts::CellCounts;
+use crate::agent::estimator::map::cell_counts::{CellCounts, UNSEEN};
 use crate::agent::estimator::map::likelihood::Likelihood;
 use crate::agent::estimator::map::messages::{Accumulator, Message};
 use crate::agent::estimator::map::motion_model::{DISPLACEMENTS, MotionModel};
 use crate::agent::estimator::map::place::{
     CellState, NEIGHBOURS, NOWHERE, Place, Surroundings, Vision, offset,
 };
+use crate::agent::model::slips::each_other;
 use xcs::Action;
 
 /// A step: what was perceived, and what was chosen.
@@ -32,7 +33,7 @@ pub struct RobotModel {
     /// How the cells around the robot are seen. A setting.
     #[serde(skip)]
     pub vision: Vision,
-    /// The probability that a random action is executed in place of the chosen one.
+    /// The probability that another action than the chosen one is executed.
     pub slip: f64,
     /// The probability that a cell is misread.
     pub misread: f64,
@@ -44,14 +45,13 @@ impl RobotModel {
         let mut likely = [0.0; DISPLACEMENTS];
         let actions = self.motion.actions();
         for action in Action::all(actions) {
-            let chosen = if action == step.action {
-                1.0 - self.slip
-            } else {
-                0.0
+            let executed = match action == step.action {
+                true => 1.0 - self.slip,
+                false => each_other(self.slip, actions),
             };
             for (heading, weight) in self.motion.of(action) {
                 for (to, fits) in self.leads(step, heading) {
-                    likely[to] += weight * fits * (chosen + self.slip / actions as f64);
+                    likely[to] += weight * fits * executed;
                 }
             }
         }
@@ -215,17 +215,23 @@ pub struct Alignment {
     pub fits: Vec<[f64; DISPLACEMENTS]>,
 }
 
-/// Lays an episode, which ended at the goal, on a chart.
+/// Aligns an episode, which ended at the goal, with a map. Steps that lie beyond every map have no place.
 pub fn align(steps: &[MapStep], chart: &CellCounts, robot: &RobotModel) -> Alignment {
     let mut adder = Accumulator::new();
     let (layers, likelihood) = backward(steps, chart, robot, &mut adder);
+    let beyond = steps.len() + 1 - layers.len();
+    let within = forward(&steps[beyond..], &layers, robot, &mut adder);
+    let no_place = std::iter::repeat_n(None, beyond);
+    let no_evidence = std::iter::repeat_n([1.0; DISPLACEMENTS], beyond);
     Alignment {
-        likelihood,
-        ..forward(steps, &layers, robot, &mut adder)
+        likelihood: (0..beyond).fold(likelihood, |likelihood, _| likelihood.times(UNSEEN)),
+        places: no_place.chain(within.places).collect(),
+        slips: within.slips,
+        fits: no_evidence.chain(within.fits).collect(),
     }
 }
 
-/// For each step the likelihood of what follows, by place.
+/// For each step the likelihood of what follows, by place; the earliest steps are left out if they lie beyond every map.
 fn backward(
     steps: &[MapStep],
     chart: &CellCounts,
@@ -241,6 +247,10 @@ fn backward(
             for &(displacement, likely) in &moves {
                 adder.add(place.minus(offset(displacement)), weight * likely);
             }
+        }
+        if adder.is_mostly_beyond() {
+            adder.layer();
+            break;
         }
         adder.weigh(|place| match place {
             // The episode would have ended there.
@@ -369,5 +379,58 @@ mod tests {
         }
         assert_eq!(moved(CellState::Free, Bump::Unfelt), EAST);
         assert_eq!(moved(CellState::Wall, Bump::Unfelt), NOWHERE);
+    }
+
+    /// An episode that begins so many cells to the east of its goal, in a corridor, and goes straight there.
+    fn from_the_east(cells: i16) -> Vec<MapStep> {
+        let step = |east: i16| {
+            let mut around = [CellState::Wall; 8];
+            around[EAST] = [CellState::Free, CellState::Wall][usize::from(east == cells)];
+            around[EAST + 4] = [CellState::Free, CellState::Goal][usize::from(east == 1)];
+            MapStep {
+                around,
+                action: Action::new(EAST + 4).unwrap(),
+                found: 0.0,
+                bumped: Bump::No,
+            }
+        };
+        (1..=cells).rev().map(step).collect()
+    }
+
+    fn robot(motion: MotionModel) -> RobotModel {
+        RobotModel {
+            motion,
+            vision: Vision::LookedUp,
+            slip: 0.05,
+            misread: 5e-4,
+        }
+    }
+
+    #[test]
+    fn steps_beyond_the_reach_of_a_map_have_no_place_and_all_others_the_right_one() {
+        for cells in [30, 60, 150] {
+            let steps = from_the_east(cells);
+            let aligned = align(
+                &steps,
+                &CellCounts::default(),
+                &robot(MotionModel::known(8)),
+            );
+            for (place, east) in aligned.places.iter().zip((1..=cells).rev()) {
+                let expected = (east <= 48).then_some(Place::new(east, 0));
+                assert_eq!(*place, expected, "{cells} cells");
+            }
+        }
+    }
+
+    #[test]
+    fn steps_beyond_the_reach_of_a_map_teach_nothing_about_the_motion_model() {
+        let mut robot = robot(MotionModel::known(8));
+        let before = robot.motion;
+        let steps = from_the_east(60);
+        let aligned = align(&steps, &CellCounts::default(), &robot);
+        robot.learn_in_context(&steps[0], &aligned.fits[0]);
+        let west = steps[0].action;
+        assert_eq!(robot.motion.certain(west), before.certain(west));
+        assert!(robot.motion.is_sound(8));
     }
 }

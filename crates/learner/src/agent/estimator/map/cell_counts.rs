@@ -8,9 +8,12 @@ use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place, Surround
 const MOST_SIGHTINGS: u8 = 20;
 /// Cells further from the goal than this, in moves, are not charted.
 pub const FURTHEST: u16 = 48;
-/// The likelihood of whatever is seen in a cell that nobody has seen before.
+/// The weight of whatever is seen in a cell that nobody has seen before, beside that of a cell that agrees with the map. This is
+/// no probability: a new cell counts nearly as much as one that agrees, so that maps grow.
 const UNKNOWN: f64 = 0.9;
-/// If cells are misread more rarely than this, what was seen otherwise was mostly seen elsewhere, where the robot was
+/// The same of a percept in a place of which nothing is known: the place and the eight cells around it.
+pub const UNSEEN: f64 = 0.387_420_489;
+/// If cells are misread no more often than this, what was seen otherwise was mostly seen elsewhere, where the robot was
 /// taken for being here.
 const RARE: f64 = 0.002;
 /// The sightings that every state is granted in advance.
@@ -87,7 +90,7 @@ impl CellCounts {
         if all == 0.0 {
             return UNKNOWN;
         }
-        if misread < RARE {
+        if misread <= RARE {
             let share = (f64::from(sightings[state as usize]) + PRIOR) / (all + 3.0 * PRIOR);
             return (1.0 - misread) * share + misread / 3.0;
         }

@@ -23,13 +23,16 @@ pub struct MapHypothesis {
     pub episodes: f64,
     /// By place: how many episodes began there.
     begun: BTreeMap<Place, u32>,
+    /// The number of the transferred map that it began as.
+    pub transferred: Option<u8>,
 }
 
 impl MapHypothesis {
-    /// A chart that was brought, on which nothing is known but the goal, which looks like this.
-    pub fn around(goal: CellState) -> Self {
+    /// Creates transferred map number `number`, on which nothing is known yet but the goal, which looks like this.
+    pub fn transferred(number: u8, goal: CellState) -> Self {
         let mut hypothesis = Self {
             episodes: 1.0,
+            transferred: Some(number),
             ..Self::default()
         };
         hypothesis.chart.sight(Place::ORIGIN, goal);

@@ -81,7 +81,7 @@ impl MapSet {
             },
             vision,
             slip: FIRST_SLIP,
-            misread: LEAST_MISREAD,
+            misread: least_misread(vision),
         };
         Self {
             hypotheses: Vec::new(),
@@ -115,8 +115,8 @@ impl MapSet {
         {
             let at = usize::from(spot.chart);
             while self.brought.len() <= at {
-                self.brought
-                    .push(MapHypothesis::around(self.robot.vision.of_a_goal()));
+                let (number, goal) = (self.brought.len() as u8, self.robot.vision.of_a_goal());
+                self.brought.push(MapHypothesis::transferred(number, goal));
             }
             let around = self.robot.vision.around(map.pomdp.percept(state));
             let hypothesis = &mut self.brought[at];
@@ -218,14 +218,14 @@ impl MapSet {
         if self.params.doubts {
             self.compare(steps);
         }
-        self.misread[0] >= LEAST_DIFFERING && self.robot.misread >= RIGHT
+        self.misread[0] >= LEAST_DIFFERING && self.robot.misread > RIGHT
     }
 
     fn settle_misread(&mut self) {
         let [differing, all] = self.misread;
         // Either of the two percepts was wrong.
         let misread = differing / 2.0 / (all + SHOWN_AT_FIRST);
-        self.robot.misread = misread.clamp(LEAST_MISREAD, 0.25);
+        self.robot.misread = misread.clamp(least_misread(self.robot.vision), 0.25);
     }
 
     /// Learns from all kept episodes together how often moves slip and cells are misread: each is
@@ -247,11 +247,9 @@ impl MapSet {
     /// How often cells are misread; 0 if that is so rare that percepts are taken for right, which those
     /// of a lidar never are.
     fn misread(&self) -> f64 {
-        let misread = self.robot.misread;
         match self.robot.vision {
-            Vision::Lidar => misread.max(RIGHT),
-            Vision::LookedUp if misread < RIGHT => 0.0,
-            Vision::LookedUp => misread,
+            Vision::LookedUp if self.robot.misread < RIGHT => 0.0,
+            _ => self.robot.misread,
         }
     }
 
@@ -383,7 +381,7 @@ impl MapSet {
         }
     }
 
-    /// Can an maps of a robot with so many actions look like this?
+    /// Can the maps of a robot with so many actions look like this?
     pub fn is_sound(&self, actions: usize) -> bool {
         let steps = self.episodes.iter().flatten();
         self.robot.motion.is_sound(actions)
@@ -394,7 +392,12 @@ impl MapSet {
                 .flatten()
                 .all(|&heading| heading < DISPLACEMENTS)
             && self.hypotheses.len() <= MOST_CHARTS
-            && self.brought.len() <= self.hypotheses.len()
+            && self.brought.len() <= MOST_CHARTS
+            && self
+                .hypotheses
+                .iter()
+                .flat_map(|hypothesis| hypothesis.transferred)
+                .all(|number| usize::from(number) < self.brought.len())
             && [&self.hypotheses, &self.brought]
                 .into_iter()
                 .flatten()
@@ -410,6 +413,14 @@ impl MapSet {
     }
 }
 
+/// The least share of cells that is taken for misread.
+fn least_misread(vision: Vision) -> f64 {
+    match vision {
+        Vision::LookedUp => LEAST_MISREAD,
+        Vision::Lidar => RIGHT,
+    }
+}
+
 /// How often moves slip in plans, if they seem to slip so often: in steps of a fiftieth, and as
 /// `before` while that is as good. Each change makes all plans worthless.
 fn slip_to_plan_with(slip: f64, before: f64) -> f64 {
@@ -417,5 +428,23 @@ fn slip_to_plan_with(slip: f64, before: f64) -> f64 {
         true => 0.0,
         false if before > 0.0 && (slip - before).abs() < 0.02 => before,
         false => (slip * 50.0).round() / 50.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn association_and_belief_weigh_percepts_of_a_lidar_by_the_same_error() {
+        let maps = |vision| MapSet::new(8, vision, MemoryParams::default());
+        let lidar = maps(Vision::Lidar);
+        assert_eq!(lidar.robot.misread, lidar.misread());
+        let exact = maps(Vision::LookedUp);
+        assert_eq!(
+            (exact.robot.misread, exact.misread()),
+            (LEAST_MISREAD, 0.0),
+            "control"
+        );
     }
 }

@@ -50,6 +50,9 @@ impl Message {
 pub struct Accumulator {
     sums: Vec<f64>,
     touched: Vec<Place>,
+    /// What was added in all, and what of it to places beyond every map.
+    added: f64,
+    beyond: f64,
 }
 
 impl Accumulator {
@@ -58,6 +61,8 @@ impl Accumulator {
         Self {
             sums: vec![0.0; SIDE * SIDE],
             touched: Vec::new(),
+            added: 0.0,
+            beyond: 0.0,
         }
     }
 
@@ -66,9 +71,14 @@ impl Accumulator {
         along(place.north) * SIDE + along(place.east)
     }
 
-    /// Adds to the likelihood of a place; of one that is on no chart nothing is kept.
+    /// Adds to the likelihood of a place. Of a place beyond every map only the sum is kept.
     pub fn add(&mut self, place: Place, weight: f64) {
-        if weight <= 0.0 || place.reach() > FURTHEST {
+        if weight <= 0.0 {
+            return;
+        }
+        self.added += weight;
+        if place.reach() > FURTHEST {
+            self.beyond += weight;
             return;
         }
         let sum = &mut self.sums[Self::at(place)];
@@ -76,6 +86,11 @@ impl Accumulator {
             self.touched.push(place);
         }
         *sum += weight;
+    }
+
+    /// Is most of what was added beyond every map?
+    pub fn is_mostly_beyond(&self) -> bool {
+        self.beyond > self.added / 2.0
     }
 
     /// Multiplies what was added to each place.
@@ -87,6 +102,7 @@ impl Accumulator {
 
     /// The sums, the greatest of them made 1, and what it was; begins anew.
     pub fn layer(&mut self) -> (Message, f64) {
+        (self.added, self.beyond) = (0.0, 0.0);
         let mut touched = std::mem::take(&mut self.touched);
         touched.sort_unstable();
         let sum = |sums: &[f64], place: &Place| sums[Self::at(*place)];

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Surroundings, heading};
+use crate::agent::model::slips::each_other;
 use xcs::{Action, ByAction, MAX_ACTIONS};
 
 /// The displacements: one cell into each of the eight directions, and none.
@@ -84,15 +85,21 @@ impl MotionModel {
     /// An action was chosen that slips so often, and what was perceived before and after it `fits`
     /// so well to each displacement (theorem of Bayes).
     pub fn learn(&mut self, action: Action, fits: &[f64; DISPLACEMENTS], slip: f64) {
-        let executed = Action::all(self.actions).flat_map(|executed| self.of(executed));
-        let anyhow: f64 = executed.map(|(at, weight)| weight * fits[at]).sum();
-        let slipped = slip / self.actions as f64 * anyhow;
+        let others = Action::all(self.actions).filter(|&other| other != action);
+        let others = others.flat_map(|other| self.of(other));
+        let fits_others: f64 = others.map(|(at, weight)| weight * fits[at]).sum();
+        let slipped = each_other(slip, self.actions) * fits_others;
         let likely = &mut self.likely[action.index()];
-        let weighed = likely.iter_mut().zip(fits);
-        weighed.for_each(|(weight, fit)| *weight *= (1.0 - slip) * fit + slipped);
-        let sum: f64 = likely.iter().sum();
-        for weight in likely {
-            *weight = (*weight / sum).max(LEAST);
+        let fits = fits.map(|fit| (1.0 - slip) * fit + slipped);
+        let sum: f64 = likely
+            .iter()
+            .zip(fits)
+            .map(|(weight, fit)| weight * fit)
+            .sum();
+        // What cannot have happened teaches nothing.
+        if sum > 0.0 {
+            let weighed = likely.iter_mut().zip(fits);
+            weighed.for_each(|(weight, fit)| *weight = (*weight * fit / sum).max(LEAST));
         }
     }
 
@@ -170,5 +177,15 @@ mod tests {
             motion.leave_open(action, &[CellState::Free; 8], false),
             "control"
         );
+    }
+
+    #[test]
+    fn what_cannot_have_happened_teaches_nothing() {
+        let (mut motion, action) = after(6, 0);
+        let before = motion;
+        motion.learn(action, &[0.0; DISPLACEMENTS], 0.0);
+        assert_eq!(motion, before);
+        motion.learn(action, &[0.5; DISPLACEMENTS], 0.0);
+        assert!(motion.is_sound(8), "control");
     }
 }

@@ -6,10 +6,11 @@ use crate::agent::estimator::map::association::{MapStep, RobotModel};
 use crate::agent::estimator::map::bump::Bump;
 use crate::agent::estimator::map::motion_model::DISPLACEMENTS;
 use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place, Surroundings, offset};
+use crate::agent::model::slips::each_other;
 use xcs::Action;
 
-/// The state that are read.
-const LETTERS: [CellState; 3] = [CellState::Free, CellState::Wall, CellState::Goal];
+/// The states that a reading can show.
+const STATES: [CellState; 3] = [CellState::Free, CellState::Wall, CellState::Goal];
 
 /// What is counted in steps, each as often as it is likely.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -58,7 +59,7 @@ struct Way {
     differing: [f64; 2],
 }
 
-/// How likely state are read.
+/// How likely cell states are read.
 struct Readings<'a> {
     robot: &'a RobotModel,
     /// In a cell of which nothing is known.
@@ -68,7 +69,7 @@ struct Readings<'a> {
 }
 
 /// What is known of a cell before it is read.
-enum PlannedValues {
+enum Known {
     Nothing,
     /// It was read so, perhaps wrongly.
     Read(CellState),
@@ -85,10 +86,10 @@ impl<'a> Readings<'a> {
         let all: f64 = anywhere.iter().sum();
         let anywhere = anywhere.map(|count| count / all);
         let read = |state, is| felt(state, is, robot.misread);
-        let again = LETTERS.map(|first| {
-            let both = LETTERS.map(|second| {
+        let again = STATES.map(|first| {
+            let both = STATES.map(|second| {
                 let of =
-                    LETTERS.map(|is| anywhere[is as usize] * read(first, is) * read(second, is));
+                    STATES.map(|is| anywhere[is as usize] * read(first, is) * read(second, is));
                 of.iter().sum::<f64>()
             });
             let all: f64 = both.iter().sum();
@@ -108,9 +109,9 @@ impl<'a> Readings<'a> {
         for action in Action::all(motion.actions()) {
             for (heading, weight) in motion.of(action) {
                 let [meant, slipped] = &mut likely[heading];
-                *slipped += weight * slip / motion.actions() as f64;
-                if action == step.action {
-                    *meant += weight * (1.0 - slip);
+                match action == step.action {
+                    true => *meant += weight * (1.0 - slip),
+                    false => *slipped += weight * each_other(*slip, motion.actions()),
                 }
             }
         }
@@ -143,9 +144,9 @@ impl<'a> Readings<'a> {
         let seen = NEIGHBOURS.iter().zip(next.into_iter().flatten());
         for (place, &state) in seen.filter(|(_, state)| **state != CellState::Hidden) {
             fits *= match known(step, (heading, bumped), place.plus(by)) {
-                PlannedValues::Nothing => self.anywhere[state as usize],
-                PlannedValues::Felt(is) => felt(state, is, self.robot.misread),
-                PlannedValues::Read(first) => {
+                Known::Nothing => self.anywhere[state as usize],
+                Known::Felt(is) => felt(state, is, self.robot.misread),
+                Known::Read(first) => {
                     differing[0] += f64::from(u8::from(first != state));
                     differing[1] += 1.0;
                     self.again[first as usize][state as usize]
@@ -191,12 +192,12 @@ fn felt(state: CellState, is: CellState, misread: f64) -> f64 {
 }
 
 /// What a step that had a heading and bumped, or did not, tells of a cell, counted from where it began.
-fn known(step: &MapStep, (heading, bumped): (usize, bool), cell: Place) -> PlannedValues {
+fn known(step: &MapStep, (heading, bumped): (usize, bool), cell: Place) -> Known {
     let at = NEIGHBOURS.iter().position(|place| *place == cell);
     match at {
-        _ if cell == Place::ORIGIN => PlannedValues::Felt(CellState::Free),
-        Some(at) if bumped && at == heading => PlannedValues::Felt(CellState::Wall),
-        Some(at) if step.around[at] != CellState::Hidden => PlannedValues::Read(step.around[at]),
-        _ => PlannedValues::Nothing,
+        _ if cell == Place::ORIGIN => Known::Felt(CellState::Free),
+        Some(at) if bumped && at == heading => Known::Felt(CellState::Wall),
+        Some(at) if step.around[at] != CellState::Hidden => Known::Read(step.around[at]),
+        _ => Known::Nothing,
     }
 }

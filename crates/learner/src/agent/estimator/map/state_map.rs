@@ -252,6 +252,12 @@ impl Map {
         from != to
     }
 
+    /// Returns how many cells with a reward the map knows.
+    pub fn rewards(&self) -> u32 {
+        let collected = self.spots.iter().map(|spot| spot.eaten.count_ones());
+        collected.max().unwrap_or(0)
+    }
+
     /// Is it a map for so many actions, of places on charts?
     pub fn is_sound(&self, actions: usize) -> bool {
         let charted = |spot: &MapState| {

@@ -107,7 +107,9 @@ impl Tracker {
     /// fits there, and takes for perceived what should be perceived in the likeliest place.
     fn perceive_doubtingly(&mut self, map: &Map, percept: &Percept) {
         let acted = self.acted.take();
-        self.found += u32::from(acted.is_some_and(|(_, felt)| felt.rewarded));
+        if acted.is_some_and(|(_, felt)| felt.rewarded) {
+            self.found = (self.found + 1).min(map.rewards());
+        }
         let (expected, astray) = match acted {
             Some((action, felt)) => {
                 let stayed = (!map.unfelt).then_some(felt.bumped);
@@ -160,7 +162,11 @@ impl Tracker {
             let known = !self.belief.is_empty() && self.belief.states().iter().all(fits);
             (acted.is_none() && known).then(|| (self.found, self.belief.clone()))
         };
-        let lost = || (self.found, lost(map, &percept, self.found));
+        let lost = || {
+            let found = acted.is_some_and(|(_, felt)| felt.rewarded);
+            let found = (self.found + u32::from(found)).min(map.rewards());
+            (found, lost(map, &percept, found))
+        };
         (self.found, self.belief) = after.or_else(begun).unwrap_or_else(lost);
         self.now = Some(percept);
     }
@@ -368,5 +374,43 @@ mod tests {
         let map = alike(true);
         assert_eq!(likely(&map, true), [0, 2]);
         assert_eq!(likely(&map, false), [0, 2]);
+    }
+
+    /// Two states that look different, in the second of which `rewards` rewards were found.
+    fn paying(rewards: u32, misread: f64) -> Map {
+        let look = |word, found| sight(&Percept::from_word(word, PERCEPT_BITS), found);
+        let spot = |eaten| MapState {
+            eaten,
+            ..MapState::default()
+        };
+        Map {
+            pomdp: Pomdp::new(1, 0.0, &[look(0, 0), look(1, rewards)], |_, _| 1),
+            spots: vec![spot(0), spot((1 << rewards) - 1)],
+            misread,
+            begin: None,
+            unfelt: false,
+        }
+    }
+
+    /// How many rewards are counted after one was found on a step that led to an unknown percept.
+    fn counted(map: &Map) -> u32 {
+        let mut tracker = Tracker::begun(Belief::even([0]));
+        tracker.perceive(map, &Percept::from_word(0, PERCEPT_BITS));
+        let (bumped, rewarded) = (false, true);
+        tracker.act(Action::new(0).unwrap(), Felt { bumped, rewarded });
+        tracker.perceive(map, &Percept::from_word(0b1111, PERCEPT_BITS));
+        tracker.found
+    }
+
+    #[test]
+    fn a_reward_on_the_step_that_gets_lost_counts_if_the_map_knows_one() {
+        for misread in [0.0, 0.02] {
+            assert_eq!(counted(&paying(1, misread)), 1, "{misread}");
+            assert_eq!(
+                counted(&paying(0, misread)),
+                0,
+                "no reward on the map, {misread}"
+            );
+        }
     }
 }

@@ -6,6 +6,7 @@ use crate::agent::estimator::map::association::{Alignment, MapStep, align};
 use crate::agent::estimator::map::cell_counts::CellCounts;
 use crate::agent::estimator::map::map_set::MapSet;
 use crate::agent::estimator::map::observations::Observations;
+use crate::agent::model::slips::each_other;
 
 /// How much likelier an episode must be on a blank chart to open one for it, in bits.
 pub(super) const TO_OPEN: f64 = 3.0;
@@ -29,7 +30,7 @@ impl MapSet {
     fn lay_on(&self, steps: &[MapStep], at: usize, chart: &CellCounts) -> Laid {
         let alignment = align(steps, chart, &self.robot);
         let lost = alignment.places.iter().filter(|place| place.is_none());
-        let slip = libm::log2(self.robot.slip / self.robot.motion.actions() as f64);
+        let slip = libm::log2(each_other(self.robot.slip, self.robot.motion.actions()));
         Laid {
             at,
             seen: Observations::of(steps, &alignment.places, self.robot.vision.of_a_goal()),

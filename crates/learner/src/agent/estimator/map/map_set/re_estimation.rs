@@ -40,9 +40,11 @@ impl MapSet {
     /// Charts drawn from how episodes lie on these ones.
     fn drawn_again(&self, episodes: &[Vec<MapStep>]) -> Self {
         let mut again = self.blank();
-        again
-            .hypotheses
-            .resize(self.hypotheses.len(), MapHypothesis::default());
+        let prior = |hypothesis: &MapHypothesis| match hypothesis.transferred {
+            Some(number) => self.brought[usize::from(number)].clone(),
+            None => MapHypothesis::default(),
+        };
+        again.hypotheses = self.hypotheses.iter().map(prior).collect();
         for steps in episodes {
             let Some((at, alignment)) = self.best_fit(steps) else {
                 continue;
@@ -98,5 +100,42 @@ impl MapSet {
             .iter()
             .map(best)
             .fold(Likelihood::ONE, Likelihood::and)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agent::estimator::map::place::CellState;
+    use crate::agent::estimator::map::{MemoryParams, Vision};
+
+    /// A lidar's maps with two transferred ones, of which the second also knows a cell to the east of its goal.
+    fn two_transferred() -> MapSet {
+        let mut maps = MapSet::new(8, Vision::Lidar, MemoryParams::default());
+        let goal = Vision::Lidar.of_a_goal();
+        maps.brought = [0, 1]
+            .map(|number| MapHypothesis::transferred(number, goal))
+            .into();
+        maps.brought[1]
+            .chart
+            .sight(Place::new(1, 0), CellState::Free);
+        maps.hypotheses = maps.brought.clone();
+        maps
+    }
+
+    #[test]
+    fn dropping_one_of_two_transferred_maps_keeps_the_other_one() {
+        let maps = two_transferred();
+        assert_eq!(maps.without(0, &[]).hypotheses, [maps.brought[1].clone()]);
+        assert_eq!(maps.without(1, &[]).hypotheses, [maps.brought[0].clone()]);
+        assert_ne!(maps.brought[0].chart, maps.brought[1].chart, "control");
+    }
+
+    #[test]
+    fn a_learner_that_dropped_a_transferred_map_can_be_resumed() {
+        assert!(two_transferred().without(0, &[]).is_sound(8));
+        let mut damaged = two_transferred();
+        damaged.hypotheses[0].transferred = Some(2);
+        assert!(!damaged.is_sound(8), "control: there is no third one");
     }
 }
