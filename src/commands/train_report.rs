@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use xcscr::agent::{Chosen, Method, Odometry};
+use xcscr::agent::Chosen;
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
@@ -197,7 +197,9 @@ impl TrainReport {
                 "  look alike to it     {one} and {other}; `world info` lists all"
             )?;
         }
-        writeln!(out, "  try                  {}", way_out(trial))?;
+        if let Some(advice) = trial.plan().advice() {
+            writeln!(out, "  try                  {advice}")?;
+        }
         Ok(())
     }
 
@@ -246,27 +248,6 @@ fn look_alike(trial: &Trial) -> Option<(String, String)> {
     Some((named(&cells[0]), named(&cells[1])))
 }
 
-/// What may help a policy that is not optimal.
-fn way_out(trial: &Trial) -> String {
-    let config = &trial.plan().config;
-    let more = config.episodes.saturating_mul(2);
-    let position = match config.sensor.is_sensed() {
-        true => "--sensor lidar-position",
-        false => "--sensor neighbours-position",
-    };
-    let draws_maps = trial.method().remembers();
-    let other = match config.method {
-        Method::XcscrPlus => position,
-        _ => "--method xcscr-plus",
-    };
-    // Which way actions go is either known, or takes episodes to learn.
-    let known = match config.settings.memory.odometry {
-        Odometry::None if draws_maps => "--set memory.odometry=known, ",
-        _ => "",
-    };
-    format!("{known}{other}, another --seed, or --episodes {more}")
-}
-
 /// How many cells on a path pay by themselves.
 fn rewards_on(path: &[Cell], maze: &Maze) -> usize {
     let pays = |&(step, cell): &(usize, &Cell)| {
@@ -301,39 +282,4 @@ fn picture(maze: &Maze, policy: &PolicyMap) -> String {
         let ties = best.next().is_some();
         Some(arrow.map_or('?', |direction| if ties { '+' } else { direction.arrow() }))
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use xcscr::agent::Estimator;
-    use xcscr::sensor::Sensor;
-    use xcscr::trial::Settings;
-
-    /// What may help a robot with this method, which knows so much of its moves.
-    fn advice(method: Method, odometry: Odometry) -> String {
-        let rows = ["####", "#SG#", "####"];
-        let world = format!(r#"{{ "rows": {rows:?} }}"#);
-        let mut settings = Settings::default();
-        settings.memory.odometry = odometry;
-        settings.plus.estimator = Estimator::Map;
-        let plan = Plan::new(Maze::from_json(world.as_bytes(), "tiny").unwrap())
-            .method(method)
-            .sensor(Sensor::Neighbours)
-            .episodes(30)
-            .settings(settings);
-        way_out(&Trial::new(plan).unwrap())
-    }
-
-    #[test]
-    fn who_learns_which_way_its_actions_go_is_advised_to_be_told() {
-        let told = "--set memory.odometry=known, ";
-        let rest = "--sensor neighbours-position, another --seed, or --episodes 60";
-        let learns = advice(Method::XcscrPlus, Odometry::None);
-        assert_eq!(learns, format!("{told}{rest}"));
-        assert_eq!(advice(Method::XcscrPlus, Odometry::Known), rest);
-        // Other methods do not use the setting.
-        let others = "--method xcscr-plus, another --seed, or --episodes 60";
-        assert_eq!(advice(Method::Xcs, Odometry::None), others);
-    }
 }

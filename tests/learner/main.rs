@@ -5,6 +5,7 @@
 #[path = "../kit/mod.rs"]
 mod kit;
 
+mod advice;
 mod auxiliary;
 mod ceilings;
 mod examples;

@@ -1,5 +1,6 @@
 //! One trial: a fresh learner, run for a number of episodes from one seed.
 
+mod advice;
 mod bounds;
 mod checkpoint;
 mod condensed;
@@ -23,6 +24,7 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use serde::{Deserialize, Serialize};
 
+pub use advice::{Advice, Change as AdvisedChange};
 pub use bounds::{Bounds, Estimate};
 pub use checkpoint::is_sealed;
 pub use checkpoint::{Checkpoint, CheckpointError, seal, unseal};

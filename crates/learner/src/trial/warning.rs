@@ -2,16 +2,13 @@
 
 use std::fmt;
 
+use super::advice::Advice;
 use super::plan::{Config, Plan};
 use xcscr_robot::sensor::{Alike, Sensor, alike_among};
 use xcscr_robot::world::{Cell, Facts, Maze, Paths};
 
 /// How many groups of cells, and how many cells of each, a warning names.
 const MOST_NAMED: usize = 3;
-/// Cells along a side of the largest worlds in which percepts of many bits were seen to be learned.
-const SMALL: u16 = 40;
-/// The largest step-threshold that settings can hold.
-const MOST: u32 = 1_000_000;
 
 /// Why a trial of a plan is bound to fail, or to fall short of the optimum.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,15 +19,17 @@ pub enum Warning {
         steps: u32,
         /// The longest of the shortest paths from where episodes start.
         longest: u32,
+        /// What helps; nothing in mazes of too long paths.
+        advice: Option<Advice>,
     },
     /// Cells look alike in which no action is best in all.
     LookAlike {
         /// The percept that does not tell them apart.
         sensor: Sensor,
-        /// One that does.
-        instead: Sensor,
         /// The cells, group by group.
         groups: Vec<Vec<Cell>>,
+        /// What helps; nothing where it is not known.
+        advice: Option<Advice>,
     },
     /// Cells pay, but no episode can come there.
     OutOfReach(Vec<Cell>),
@@ -56,12 +55,12 @@ impl Plan {
     /// What speaks against the plan once it is [settled](Self::settled). The plan can be run
     /// nevertheless.
     pub fn warnings(&self) -> Vec<Warning> {
-        let Self { maze, config } = &self.clone().settled();
-        let paths = Paths::with_slip(maze, config.settings.arena.slip);
+        let plan = self.clone().settled();
+        let paths = Paths::with_slip(&plan.maze, plan.config.settings.arena.slip);
         [
-            step_limit(config, maze, &paths),
-            look_alike(config, maze, &paths),
-            out_of_reach(maze),
+            step_limit(&plan, &paths),
+            look_alike(&plan, &paths),
+            out_of_reach(&plan.maze),
         ]
         .into_iter()
         .flatten()
@@ -77,29 +76,35 @@ impl Plan {
     }
 }
 
-fn step_limit(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
-    let steps = config.settings.reward.step_threshold;
-    let longest = paths.longest(maze);
-    (steps < longest).then_some(Warning::StepLimit { steps, longest })
+fn step_limit(plan: &Plan, paths: &Paths) -> Option<Warning> {
+    let steps = plan.config.settings.reward.step_threshold;
+    let longest = paths.longest(&plan.maze);
+    (steps < longest).then(|| Warning::StepLimit {
+        steps,
+        longest,
+        advice: Advice::of(plan.advised_threshold().into_iter().collect()),
+    })
 }
 
-/// Only cells that an optimal policy comes through matter, and only to who forgets how it got there.
-fn look_alike(config: &Config, maze: &Maze, paths: &Paths) -> Option<Warning> {
+/// Only cells that an optimal policy comes through matter, and only to a method that does not draw a map.
+fn look_alike(plan: &Plan, paths: &Paths) -> Option<Warning> {
+    let Plan { maze, config } = plan;
     let may_draw = config.method.may_draw_maps(&config.settings.plus);
     if may_draw && config.sensor.shows_only_surroundings() {
         return None;
     }
     let sensor = config.sensor;
     let groups = misleading(sensor, maze, paths);
+    let changes = [
+        plan.advised_method(),
+        plan.advised_sensor(),
+        plan.advised_estimator(),
+    ];
     (!groups.is_empty()).then(|| Warning::LookAlike {
         sensor,
-        instead: telling_apart(sensor, maze, paths),
         groups,
+        advice: Advice::of(changes.into_iter().flatten().collect()),
     })
-}
-
-fn is_small(maze: &Maze) -> bool {
-    maze.width().max(maze.height()) <= SMALL
 }
 
 fn time_out(config: &Config, maze: &Maze) -> Option<Warning> {
@@ -126,53 +131,30 @@ fn out_of_reach(maze: &Maze) -> Option<Warning> {
 }
 
 /// The cells on the way that look alike and in which no action is best in all, group by group.
-fn misleading(sensor: Sensor, maze: &Maze, paths: &Paths) -> Vec<Vec<Cell>> {
+pub(super) fn misleading(sensor: Sensor, maze: &Maze, paths: &Paths) -> Vec<Vec<Cell>> {
     let on_the_way = paths.cells_on_shortest(maze);
     let groups = alike_among(sensor, maze, paths, on_the_way).into_iter();
     let misleading = groups.filter(|group| !group.share_a_best_action);
     misleading.map(|Alike { cells, .. }| cells).collect()
 }
 
-/// A percept that does not mislead: of a robot that senses one that is sensed, if there is any.
-fn telling_apart(sensor: Sensor, maze: &Maze, paths: &Paths) -> Sensor {
-    let mut sensed = Sensor::ALL.iter().copied().filter(|_| sensor.is_sensed());
-    let sound =
-        sensed.find(|&other| other.is_sensed() && misleading(other, maze, paths).is_empty());
-    match is_small(maze) {
-        true => sound.unwrap_or(Sensor::NeighboursPosition),
-        // In large worlds wide percepts generalise too little: of 44 x 36 cells, `lidar-beams` learned nothing.
-        false => with_position(sensor),
-    }
-}
-
-/// The percept with the robot's cell: of a robot that senses, the estimated one.
-fn with_position(sensor: Sensor) -> Sensor {
-    match sensor.is_sensed() {
-        true => Sensor::LidarPosition,
-        false => Sensor::NeighboursPosition,
-    }
-}
-
 impl Warning {
-    /// What would change it.
-    fn way_out(&self) -> String {
+    /// What would help, in words; nothing where it is not known.
+    fn help(&self) -> Option<String> {
         match self {
-            Self::StepLimit { longest, .. } => match longest.saturating_mul(4) {
-                steps @ ..=MOST => format!("`--set reward.step_threshold={steps}`"),
-                _ => "a smaller maze".to_owned(),
-            },
-            Self::LookAlike { instead, .. } => {
-                format!("`--sensor {}` (in a study file: `sensors`)", instead.name())
+            Self::StepLimit { advice, .. } | Self::LookAlike { advice, .. } => {
+                advice.as_ref().map(|advice| format!("`{advice}`"))
             }
-            Self::OutOfReach(_) => "to open a way in `rows`".to_owned(),
+            Self::OutOfReach(_) => Some("to open a way in `rows`".to_owned()),
             Self::TimeOut { move_s, .. } => {
-                format!("`--set physics.time_out_s={}`", (3.0 * move_s).ceil())
+                let time_out_s = (3.0 * move_s).ceil();
+                Some(format!("`--set physics.time_out_s={time_out_s}`"))
             }
-            Self::ShortLidar { largest_cell_m, .. } => format!(
+            Self::ShortLidar { largest_cell_m, .. } => Some(format!(
                 "cells of at most {:.2} m (`cell_size_m`), or a robot with a longer lidar (`--robot`)",
                 // Rounded down, so that the size that is named raises no warning.
                 (100.0 * largest_cell_m).floor() / 100.0
-            ),
+            )),
         }
     }
 }
@@ -180,7 +162,7 @@ impl Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::StepLimit { steps, longest } => write!(
+            Self::StepLimit { steps, longest, .. } => write!(
                 f,
                 "episodes end after {steps} steps, but the longest shortest path has {longest}"
             ),
@@ -210,7 +192,7 @@ impl fmt::Display for Warning {
                 "the lidar has a range of {range_m} m, too short to tell free cells of {cell_size_m} m from walls"
             ),
         }?;
-        write!(f, "; try {}", self.way_out())
+        self.help().map_or(Ok(()), |help| write!(f, "; try {help}"))
     }
 }
 
@@ -352,28 +334,16 @@ mod tests {
     }
 
     #[test]
-    fn who_senses_is_told_another_percept_that_is_sensed_if_one_helps() {
-        let said = |world| said(world, Method::Xcscr, Sensor::Lidar, &[]).concat();
-        let worlds = ["rooms-8-1", "corridors-10-1", "random-12-1", "rooms-12-1"];
-        let helped = worlds.map(|world| {
-            said(world).contains("; try `--sensor lidar-ranges")
-                || said(world).contains("; try `--sensor lidar-beams")
-        });
-        assert!(helped.contains(&true), "{:?}", worlds.map(said));
-        // What a robot sees there from where it stands does not do, but it can keep count of cells.
-        let none_helps = said("dfs-12-1");
-        assert!(none_helps.contains("lidar-position"), "{none_helps}");
-    }
-
-    #[test]
     fn cells_that_mislead_on_the_way_are_named_and_position_or_memory_tells_them_apart() {
         let said = |method, sensor| said("dfs-12-1", method, sensor, &[]);
         let named = said(Method::Xcscr, Sensor::Neighbours);
         let words = "cells look alike to the sensor `neighbours`, and no action is best in all of \
                      them: ";
         assert!(named.len() == 1 && named[0].starts_with(words), "{named:?}");
-        let way_out = "; try `--sensor neighbours-position` (in a study file: `sensors`)";
-        assert!(named[0].ends_with(way_out), "{named:?}");
+        assert!(
+            named[0].ends_with("; try `--method xcscr-plus`"),
+            "{named:?}"
+        );
         assert_eq!(said(Method::Xcscr, Sensor::NeighboursPosition), [""; 0]);
         assert_eq!(said(Method::XcscrPlus, Sensor::Neighbours), [""; 0]);
     }

@@ -1,0 +1,171 @@
+//! What to change about a plan that fails, as data: printed as advice, and applied by a test.
+
+use std::fmt;
+
+use super::plan::Plan;
+use super::resolve::{Resolved, STEP_THRESHOLD};
+use super::settings_error::SettingsError;
+use super::warning::misleading;
+use crate::agent::{Estimator, Method, Odometry};
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::world::{Maze, Paths};
+
+/// The largest step threshold that settings can hold.
+const MOST_STEPS: u32 = 1_000_000;
+/// A step threshold of so many longest shortest paths leaves room to explore.
+const PATHS_AN_EPISODE: u32 = 4;
+/// The fewest episodes that are advised.
+const LEAST_EPISODES: u32 = 30;
+
+/// One change of a plan.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Change {
+    /// Another method.
+    Method(Method),
+    /// Another percept.
+    Sensor(Sensor),
+    /// Another value of a setting, by its full name.
+    Setting(&'static str, String),
+    /// More episodes.
+    Episodes(u32),
+}
+
+/// Changes of a plan, which help together. `tests/learner/advice.rs` takes the advice in failing situations and finds that
+/// it helps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Advice(Vec<Change>);
+
+impl Advice {
+    /// Advises these changes; `None` if there are none.
+    pub(super) fn of(changes: Vec<Change>) -> Option<Self> {
+        (!changes.is_empty()).then_some(Self(changes))
+    }
+
+    /// The changes.
+    pub fn changes(&self) -> &[Change] {
+        &self.0
+    }
+
+    /// Returns the plan with the changes.
+    ///
+    /// # Errors
+    /// When a setting is out of its range with another setting of the plan.
+    pub fn applied_to(&self, plan: &Plan) -> Result<Plan, SettingsError> {
+        let mut plan = plan.clone();
+        for change in &self.0 {
+            let config = &mut plan.config;
+            match change {
+                Change::Method(method) => config.method = *method,
+                Change::Sensor(sensor) => config.sensor = *sensor,
+                Change::Episodes(episodes) => config.episodes = *episodes,
+                Change::Setting(key, value) => {
+                    let set = [format!("{key}={value}")];
+                    config.settings = Resolved::new(&config.settings, &[], &set)?.settings;
+                }
+            }
+        }
+        Ok(plan)
+    }
+}
+
+/// The advice as arguments of `xcscr train`.
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (number, change) in self.0.iter().enumerate() {
+            let space = if number == 0 { "" } else { " " };
+            match change {
+                Change::Method(method) => write!(f, "{space}--method {}", method.name()),
+                Change::Sensor(sensor) => write!(f, "{space}--sensor {}", sensor.name()),
+                Change::Setting(key, value) => write!(f, "{space}--set {key}={value}"),
+                Change::Episodes(episodes) => write!(f, "{space}--episodes {episodes}"),
+            }?;
+        }
+        Ok(())
+    }
+}
+
+impl Plan {
+    /// Returns what to change after the policy of this plan has ended not optimal: all that keeps the default method from its
+    /// best, or twice the episodes if nothing does.
+    pub fn advice(&self) -> Option<Advice> {
+        let plan = self.clone().settled();
+        let mut changes: Vec<Change> = [
+            plan.advised_method(),
+            plan.advised_sensor(),
+            plan.advised_threshold(),
+            plan.advised_estimator(),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        changes.extend(plan.advised_switches());
+        let enough = match changes.is_empty() {
+            true => plan.config.episodes.saturating_mul(2).max(LEAST_EPISODES),
+            false => plan.config.episodes.max(LEAST_EPISODES),
+        };
+        if enough > plan.config.episodes {
+            changes.push(Change::Episodes(enough));
+        }
+        Advice::of(changes)
+    }
+
+    /// The default method, where another one runs.
+    pub(super) fn advised_method(&self) -> Option<Change> {
+        let is_model_based = matches!(self.config.method, Method::XcscrPlus | Method::RMax);
+        (!is_model_based).then_some(Change::Method(Method::XcscrPlus))
+    }
+
+    /// A percept with the position: in large mazes, and where the percept misleads and no map can be drawn from it.
+    pub(super) fn advised_sensor(&self) -> Option<Change> {
+        let Self { maze, config } = self;
+        let sensor = config.sensor;
+        let with_position = match sensor.is_sensed() {
+            true => Sensor::LidarPosition,
+            false => Sensor::NeighboursPosition,
+        };
+        let has_position = [with_position, Sensor::Position].contains(&sensor);
+        let maps = sensor.shows_only_surroundings() && !is_large(maze);
+        let misleads = || {
+            let paths = Paths::with_slip(maze, config.settings.arena.slip);
+            !misleading(sensor, maze, &paths).is_empty()
+        };
+        let helps = !has_position && !maps && (is_large(maze) || misleads());
+        helps.then_some(Change::Sensor(with_position))
+    }
+
+    /// A step threshold of several shortest paths, where episodes end before the longest of them.
+    pub(super) fn advised_threshold(&self) -> Option<Change> {
+        let Self { maze, config } = self;
+        let longest = Paths::with_slip(maze, config.settings.arena.slip).longest(maze);
+        let steps = longest.saturating_mul(PATHS_AN_EPISODE);
+        let is_short = config.settings.reward.step_threshold < longest;
+        (is_short && steps <= MOST_STEPS)
+            .then(|| Change::Setting(STEP_THRESHOLD, steps.to_string()))
+    }
+
+    /// The estimator that changes to a map by itself.
+    pub(super) fn advised_estimator(&self) -> Option<Change> {
+        let fixed = self.config.settings.plus.estimator != Estimator::Auto;
+        fixed.then(|| Change::Setting("plus.estimator", "auto".to_owned()))
+    }
+
+    /// The other switches of the default method that are off.
+    fn advised_switches(&self) -> Vec<Change> {
+        let settings = &self.config.settings;
+        let known = settings.memory.odometry != Odometry::Known;
+        let planned = !settings.plus.planned_exploration;
+        let switches = [
+            (known, "memory.odometry", "known"),
+            (planned, "plus.planned_exploration", "true"),
+        ];
+        let off = switches.into_iter().filter(|(off, ..)| *off);
+        off.map(|(_, key, value)| Change::Setting(key, value.to_owned()))
+            .collect()
+    }
+}
+
+/// Is a maze so large that the percept has the position by default?
+fn is_large(maze: &Maze) -> bool {
+    let usual = Sensor::usual_for(xcscr_robot::arena::ArenaKind::Grid, maze);
+    usual == Sensor::NeighboursPosition
+}
