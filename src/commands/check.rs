@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use xcscr::record::{self, Finding};
 
 use super::failure::{Exit, Failure};
+use super::source;
 use super::terminal::write_words;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
 pub struct CheckArgs {
-    /// Recordings (.mcap).
-    #[arg(required = true, value_name = "FILE")]
+    /// Recordings (.mcap), or folders of runs.
+    #[arg(required = true, value_name = "FILE|RUN")]
     files: Vec<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
@@ -29,9 +30,12 @@ struct Checked {
 
 /// Checks every file, and says of each what was found.
 pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let checked: Result<Vec<Checked>, Failure> =
-        args.files.iter().map(|file| check(file)).collect();
-    let checked = checked?;
+    let mut checked = Vec::new();
+    for path in &args.files {
+        for file in source::recordings(path)? {
+            checked.push(check(&file)?);
+        }
+    }
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&checked)?)?;
     } else {

@@ -6,9 +6,10 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
-use xcscr::run::RunFolder;
+use xcscr::run::{RunFolder, Source};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Resolved, RobotProfile, Settings};
+use xcscr::world::Maze;
 
 use super::failure::{Exit, Failure};
 
@@ -21,6 +22,12 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
         let chosen = choices.iter().find(|&&choice| name(choice) == text);
         *chosen.expect("clap lets only names of choices pass")
     })
+}
+
+/// Parses the root seed of all random streams.
+pub fn seed(text: &str) -> Result<u64, String> {
+    let fault = |_| format!("a seed is a whole number from 0 to {}", u64::MAX);
+    text.parse().map_err(fault)
 }
 
 /// Parses a method's name.
@@ -78,8 +85,18 @@ pub fn read_rules(path: &Path) -> Result<Knowledge, Failure> {
     if path.is_dir() {
         return Ok(RunFolder::open(path).knowledge()?);
     }
-    serde_json::from_str(&read_text(path, MOST_RULES_BYTES)?).map_err(|fault| {
-        let message = format!("{} holds no rules: {fault}", path.display());
+    if path.extension().is_some_and(|end| end == "mcap") {
+        return Ok(Source::of(path)?.knowledge()?);
+    }
+    let text = read_text(path, MOST_RULES_BYTES)?;
+    serde_json::from_str(&text).map_err(|fault| {
+        let typed = disk::typed(path);
+        let message = match Maze::from_json(text.as_bytes(), "world") {
+            Ok(_) => format!(
+                "{typed} is a world, not what was learned: train in it with `xcscr train {typed}`, and give the folder of the run"
+            ),
+            Err(_) => format!("{typed} holds no rules: {fault}"),
+        };
         Failure::new(Exit::BadData, message)
     })
 }

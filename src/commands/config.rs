@@ -80,7 +80,7 @@ pub fn run(command: &ConfigCommand, out: &mut impl Write) -> Result<(), Failure>
     let ConfigCommand::Show(args) = command;
     let resolved = args.settings.resolve(&Settings::default())?;
     let resolved = match &args.world {
-        Some(world) => resolved.in_maze(&Maze::load(world)?),
+        Some(world) => resolved.in_maze(&Maze::find(world)?),
         None => resolved,
     };
     let scope = args.scope(&resolved.settings);

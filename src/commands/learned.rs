@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use xcscr::agent::{Knowledge, Method};
 use xcscr::arena::ArenaKind;
-use xcscr::run::RunFolder;
+use xcscr::run::{RunFolder, Source};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Config, Plan, Settings};
 use xcscr::world::Maze;
@@ -15,7 +15,7 @@ use super::failure::{Exit, Failure};
 /// Where to find what was learned, and what it is about.
 #[derive(Debug, clap::Args)]
 pub struct LearnedArgs {
-    /// The folder of a run, or a rules.json file.
+    /// The folder of a run, one of its recordings, or a rules.json file.
     #[arg(value_name = "RUN|RULES")]
     run: PathBuf,
     /// Another world file than the run's own; needed for a lone rules.json.
@@ -41,7 +41,12 @@ impl LearnedArgs {
     /// learned: in `arena`, or else in physics.
     pub fn load(&self, arena: Option<ArenaKind>) -> Result<(Plan, Knowledge), Failure> {
         let is_file = self.run.exists() && !self.run.is_dir();
-        let (mut plan, knowledge) = if is_file {
+        let is_recording = self.run.extension().is_some_and(|end| end == "mcap");
+        let (mut plan, knowledge) = if is_file && is_recording {
+            let source = Source::of(&self.run)?;
+            let knowledge = source.knowledge()?;
+            (source.plan, knowledge)
+        } else if is_file {
             let knowledge = choices::read_rules(&self.run)?;
             let arena = arena.unwrap_or(ArenaKind::Physics);
             (self.plan_of_rules(&knowledge, arena)?, knowledge)
@@ -50,7 +55,7 @@ impl LearnedArgs {
             (folder.plan()?, folder.knowledge()?)
         };
         if let Some(world) = &self.world {
-            plan.maze = Maze::load(world)?;
+            plan.maze = Maze::find(world)?;
         }
         plan.config.sensor = self.sensor.unwrap_or(plan.config.sensor);
         Ok((plan, knowledge))
@@ -85,7 +90,7 @@ impl LearnedArgs {
             settings: Settings::default(),
             initial: None,
         };
-        let maze = Maze::load(world)?;
+        let maze = Maze::find(world)?;
         Ok(Plan { maze, config })
     }
 }

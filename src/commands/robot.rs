@@ -41,7 +41,7 @@ pub fn run(command: &RobotCommand, out: &mut impl Write) -> Result<(), Failure> 
         RobotCommand::Show { robot } => show(&RobotProfile::load(robot)?, out),
         RobotCommand::Check { robot, world } => {
             let profile = RobotProfile::load(robot)?;
-            let maze = world.as_ref().map(|file| Maze::load(file)).transpose()?;
+            let maze = world.as_ref().map(|file| Maze::find(file)).transpose()?;
             check(&profile, maze, out)
         }
     }

@@ -46,7 +46,7 @@ pub struct TrainArgs {
     #[arg(long, default_value_t = 180, value_name = "N")]
     episodes: u32,
     /// Root seed of all random streams: the same seed gives the same bytes.
-    #[arg(long, default_value_t = 1, value_name = "S")]
+    #[arg(long, default_value_t = 1, value_name = "S", value_parser = choices::seed, allow_negative_numbers = true)]
     seed: u64,
     /// The folder of the run [default: recordings/<world>-<method>-<arena>-s<seed>].
     #[arg(long, value_name = "DIR")]
@@ -82,7 +82,7 @@ pub struct TrainArgs {
 impl TrainArgs {
     fn plan(&self, world: &Path) -> Result<Plan, Failure> {
         let resolved = self.settings.resolve(&Settings::default())?;
-        let maze = Maze::load(world)?;
+        let maze = Maze::find(world)?;
         let config = Config {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             method: self.method,

@@ -75,7 +75,7 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
     match command {
         WorldCommand::Check { files } => check(&files, out),
         WorldCommand::Show { file } => {
-            let maze = Maze::load(&file)?;
+            let maze = Maze::find(&file)?;
             Ok(write!(out, "{}", maze.drawn(|_| None))?)
         }
         WorldCommand::Generate(GenerateArgs { kind, size, seed }) => {
@@ -91,7 +91,7 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
             sensor,
             slip,
         } => {
-            let maze = Maze::load(&file)?;
+            let maze = Maze::find(&file)?;
             let description = Description {
                 bounds: bounds.then(|| Bounds::new(&maze, sensor, slip)),
                 ..Description::new(&maze)
@@ -109,11 +109,11 @@ pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
 
 fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     if let [file] = files {
-        return Ok(write_words(out, &summary(file, &Maze::load(file)?))?);
+        return Ok(write_words(out, &summary(file, &Maze::find(file)?))?);
     }
     let mut failures: Vec<Exit> = Vec::new();
     for file in files {
-        match Maze::load(file).map_err(Failure::from) {
+        match Maze::find(file).map_err(Failure::from) {
             Ok(maze) => write_words(out, &summary(file, &maze))?,
             Err(failure) => {
                 failure.print();

@@ -6,7 +6,7 @@ use super::error::RunError;
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
 use crate::record::{Extent, RecordMode, RecordModeError};
-use crate::trial::Plan;
+use crate::trial::{Plan, Trial};
 use crate::world::Maze;
 
 /// Where a recording says that it comes from.
@@ -51,6 +51,27 @@ impl Source {
             extent,
             bytes: recording.bytes().to_vec(),
         })
+    }
+}
+
+impl Source {
+    /// Returns what was learned at the end of what the recording shows. A training is repeated up to there.
+    ///
+    /// # Errors
+    /// When the plan of the recording cannot be run.
+    pub fn knowledge(&self) -> Result<Knowledge, RunError> {
+        if let Some(knowledge) = &self.evaluated {
+            return Ok(knowledge.clone());
+        }
+        let mut trial = Trial::new(self.plan.clone())?;
+        let last = match self.extent {
+            Extent::Episode(number) => number,
+            _ => trial.plan().config.episodes,
+        };
+        while trial.progress().episodes < last && !trial.is_finished() {
+            let _ = trial.run_episode(&mut ());
+        }
+        Ok(trial.method().knowledge())
     }
 }
 

@@ -12,6 +12,7 @@ mod escapes;
 mod faults;
 mod forged;
 mod hostile;
+mod mistakes;
 mod overwriting;
 mod resume;
 mod robots;

@@ -83,10 +83,10 @@ fn train_warns_before_it_works() {
     let sets = ["--set", "reward.step_threshold=43"];
     let (_, stderr) = expect(0, &[&train[..], &method, &sets].concat());
     let lines: Vec<&str> = stderr.lines().collect();
-    for (line, words) in lines.iter().zip([
-        "--set reward.step_threshold=176",
-        "--sensor neighbours-position",
-    ]) {
+    for (line, words) in lines
+        .iter()
+        .zip(["--set reward.step_threshold=176", "`--method xcscr-plus`"])
+    {
         assert!(
             line.starts_with("warning: ") && line.contains(words),
             "{stderr}"

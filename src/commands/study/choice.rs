@@ -20,7 +20,7 @@ pub(super) struct ChoiceArgs {
     #[arg(long, value_name = "N")]
     episodes: Option<u32>,
     /// Root seed of all trials.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = choices::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Run in this arena instead of the study's.
     #[arg(long, value_parser = choices::arena())]

@@ -111,9 +111,9 @@ impl Format {
 pub struct RunArgs {
     #[command(flatten)]
     choice: ChoiceArgs,
-    /// The folder of the study.
+    /// The folder of the study [default: studies/<name>].
     #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    out: Option<PathBuf>,
     /// Run only one part of several, such as 2/7.
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
@@ -195,14 +195,16 @@ fn merge(folders: &[PathBuf], out: Option<&Path>, force: bool) -> Result<StudyFo
 fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     let protocol = args.choice.protocol()?;
     say_warnings(&protocol);
+    let usual = || Path::new("studies").join(&protocol.name);
+    let path = args.out.clone().unwrap_or_else(usual);
     if args.force {
-        StudyFolder::replace_other(&args.out, &protocol)?;
+        StudyFolder::replace_other(&path, &protocol)?;
     }
     let farewell = "interrupted in a trial; run the same command again to resume it";
     let interrupt = Interrupt::watch(move || Failure::new(Exit::Interrupted, farewell))?;
     let mut progress = Progress::new(args.quiet, interrupt);
     let folder = protocol
-        .run(&args.out, args.shard, args.jobs.into(), &mut progress)?
+        .run(&path, args.shard, args.jobs.into(), &mut progress)?
         .replacing(args.force);
     drop(progress);
     let missing = folder.missing();

@@ -15,6 +15,7 @@ use crate::sensor::Sensor;
 use crate::study::error::StudyError;
 use crate::trial::{MOST_TOML_BYTES, RobotProfile, Settings, flatten, shortened, similar};
 use crate::world::{Maze, Recipe};
+use crate::world::{bundled_world, bundled_worlds};
 use xcs::bounds::OutOfRange;
 
 /// The keys of a study file.
@@ -175,7 +176,7 @@ impl StudyFile {
     }
 
     fn world(&self, name: &str) -> Result<Maze, StudyError> {
-        if let Some(text) = shipped::world(name) {
+        if let Some(text) = bundled_world(name) {
             return Ok(Maze::from_json(text.as_bytes(), name)?);
         }
         if let Ok(recipe) = name.parse::<Recipe>() {
@@ -183,7 +184,7 @@ impl StudyFile {
             return recipe.maze().map_err(fault);
         }
         if !name.ends_with(".json") {
-            let names = shipped::world_names();
+            let names = bundled_worlds().collect::<Vec<_>>().join(", ");
             let fault = format!(
                 "there is no world `{name}`: give a path to a .json file, one of {names}, or kind, \
                  size and seed of a generated one, such as rooms-12-3"

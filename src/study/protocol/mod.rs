@@ -24,6 +24,7 @@ use crate::arena::ArenaKind;
 use crate::sensor::Sensor;
 use crate::trial::{Config, Plan, Settings};
 use crate::world::Maze;
+use crate::world::bundled_world;
 use xcs::bounds::{OutOfRange, within};
 use xcs::random::replicate_seed;
 
@@ -150,7 +151,7 @@ impl Protocol {
 
     /// Is the world of this name the one that comes with the program?
     pub(super) fn holds_shipped(&self, name: &str) -> bool {
-        let shipped = shipped::world(name);
+        let shipped = bundled_world(name);
         let shipped = shipped.and_then(|text| Maze::from_json(text.as_bytes(), name).ok());
         shipped.is_some() && shipped.as_ref() == named(&self.worlds, name)
     }

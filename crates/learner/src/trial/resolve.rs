@@ -183,7 +183,15 @@ fn kind(key: &str, value: &Value) -> String {
 pub fn similar<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     // No known key is as long, and to compare a line without end would take seconds.
     let short: String = key.chars().take(64).collect();
-    let ranked = known.map(|name| (strsim::jaro_winkler(&short, name), name));
+    let known: Vec<&str> = known.collect();
+    // A setting without its section.
+    let named = |name: &&&str| name.rsplit('.').next() == Some(short.as_str());
+    if let Some(name) = known.iter().find(named) {
+        return Some((*name).to_owned());
+    }
+    let ranked = known
+        .into_iter()
+        .map(|name| (strsim::jaro_winkler(&short, name), name));
     let best = ranked.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 > 0.8).then(|| best.1.to_owned())
 }

@@ -91,6 +91,9 @@ pub fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError
         let help = "write a finite number, such as 1.0";
         let title = "JSON knows only finite numbers";
         (at, title, "not a number", help)
+    } else if source.origin.ends_with(".toml") {
+        let help = "run a study file with `xcscr study run FILE`, and give a settings file after `--config`";
+        (at, "a world is a JSON file", "this is TOML", help)
     } else {
         let help =
             "see json.org for the rules; the usual causes are missing quotes, commas and brackets";

@@ -2,6 +2,7 @@
 
 mod around;
 mod auxiliary;
+mod bundled;
 mod checks;
 mod direction;
 mod document;
@@ -26,6 +27,7 @@ mod source;
 mod starts;
 
 pub use around::Content;
+pub use bundled::{bundled_world, bundled_worlds};
 pub use direction::{Direction, Moves};
 pub use error::{Diagnostic, WorldError};
 pub use facts::{Facts, FloorFacts};
