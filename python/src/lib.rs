@@ -1,0 +1,38 @@
+//! The Python module `xcscr._native`: the robot, and trials of the learners.
+
+mod plan;
+mod robot;
+mod trial;
+
+use pyo3::prelude::*;
+
+/// The native part of the package `xcscr`.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::robot::Robot;
+    #[pymodule_export]
+    use super::trial::{Trained, train};
+
+    use super::*;
+
+    /// The names of the bundled worlds.
+    #[pyfunction]
+    fn bundled_worlds() -> Vec<&'static str> {
+        xcscr_robot::world::bundled_worlds().collect()
+    }
+
+    /// The names of the methods.
+    #[pyfunction]
+    fn methods() -> Vec<&'static str> {
+        let all = xcscr_learner::agent::Method::ALL.iter();
+        all.map(|method| method.name()).collect()
+    }
+
+    /// The names of the sensors.
+    #[pyfunction]
+    fn sensors() -> Vec<&'static str> {
+        let all = xcscr_robot::sensor::Sensor::ALL.iter();
+        all.map(|sensor| sensor.name()).collect()
+    }
+}

@@ -1,0 +1,79 @@
+//! From Python's arguments to a plan.
+
+use std::path::Path;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use xcscr_learner::agent::Method;
+use xcscr_learner::trial::{Plan, Resolved, RobotProfile, Settings};
+use xcscr_robot::arena::ArenaKind;
+use xcscr_robot::sensor::Sensor;
+use xcscr_robot::world::{Maze, Recipe};
+
+/// An error of the program as a `ValueError` with its message.
+pub fn invalid(fault: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(fault.to_string())
+}
+
+/// One of a closed set by its name.
+fn by_name<T: Copy>(what: &str, name: &str, all: &[T], of: fn(T) -> &'static str) -> PyResult<T> {
+    let found = all.iter().copied().find(|&one| of(one) == name);
+    found.ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|&one| of(one)).collect();
+        invalid(format!(
+            "unknown {what} {name:?}: choose one of {}",
+            names.join(", ")
+        ))
+    })
+}
+
+/// A bundled world, a generated one such as `rooms-12-3`, a world file, or the JSON text of one.
+fn world(text: &str) -> PyResult<Maze> {
+    if text.trim_start().starts_with('{') {
+        return Maze::from_json(text.as_bytes(), "world").map_err(invalid);
+    }
+    if let Ok(recipe) = text.parse::<Recipe>() {
+        return recipe.maze().map_err(invalid);
+    }
+    Maze::find(Path::new(text)).map_err(invalid)
+}
+
+/// What can be chosen in Python; `None` takes the default.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Choice {
+    world: String,
+    arena: String,
+    sensor: Option<String>,
+    robot: Option<String>,
+    settings: Vec<String>,
+    seed: u64,
+}
+
+impl Choice {
+    /// The plan that follows from the choice, for a method and a number of episodes.
+    pub fn plan(&self, method: Option<&str>, episodes: u32) -> PyResult<Plan> {
+        let maze = world(&self.world)?;
+        let arena = by_name("arena", &self.arena, ArenaKind::ALL, ArenaKind::name)?;
+        let sensor = match &self.sensor {
+            Some(name) => by_name("sensor", name, Sensor::ALL, Sensor::name)?,
+            None => Sensor::usual_for(arena, &maze),
+        };
+        let robot = self.robot.as_deref().map(RobotProfile::load).transpose();
+        let robot = robot.map_err(invalid)?;
+        let defaults = Settings::default();
+        let resolved = Resolved::with_robot(&defaults, robot.as_ref(), &[], &self.settings);
+        let settings = resolved.map_err(invalid)?.settings;
+        let mut plan = Plan::new(maze)
+            .arena(arena)
+            .sensor(sensor)
+            .settings(settings);
+        if let Some(name) = method {
+            plan = plan.method(by_name("method", name, Method::ALL, Method::name)?);
+        }
+        let plan = plan.episodes(episodes).seed(self.seed).settled();
+        plan.check().map_err(invalid)?;
+        plan.config.check_fit(&plan.maze).map_err(invalid)?;
+        Ok(plan)
+    }
+}

@@ -1,0 +1,186 @@
+//! A robot in a maze, without a learner.
+
+use pyo3::prelude::*;
+use xcs::Action;
+use xcscr_learner::trial::Plan;
+use xcscr_robot::arena::{Arena, Outcome};
+use xcscr_robot::world::{Cell, Paths};
+
+use crate::plan::{Choice, invalid};
+
+/// A robot in a maze. Cells are `(column, row)`, counted from the north-western corner.
+#[pyclass(unsendable, module = "xcscr._native")]
+pub struct Robot {
+    plan: Plan,
+    paths: Paths,
+    arena: Box<dyn Arena>,
+}
+
+#[pymethods]
+impl Robot {
+    #[new]
+    fn new(choice: Choice) -> PyResult<Self> {
+        let plan = choice.plan(None, 1)?;
+        let arena = plan.config.build_arena(&plan.maze).map_err(invalid)?;
+        Ok(Self {
+            paths: Paths::new(&plan.maze),
+            arena,
+            plan,
+        })
+    }
+
+    /// Begins the random numbers of noise and slips anew.
+    fn reseed(&mut self, seed: u64) -> PyResult<()> {
+        self.plan.config.seed = seed;
+        self.arena = self
+            .plan
+            .config
+            .build_arena(&self.plan.maze)
+            .map_err(invalid)?;
+        Ok(())
+    }
+
+    /// Puts the robot at rest into the middle of a free cell.
+    fn reset(&mut self, start: (u16, u16)) -> PyResult<()> {
+        let cell = self.free_cell(start)?;
+        self.arena.reset(cell);
+        Ok(())
+    }
+
+    /// Tries to move one cell. Returns the outcome and the auxiliary reward that was found.
+    fn step(&mut self, action: usize) -> PyResult<(&'static str, f64)> {
+        let action = Action::new(action).filter(|action| action.index() < self.actions());
+        let action = action.ok_or_else(|| {
+            invalid(format!(
+                "the action must be from 0 to {}",
+                self.actions() - 1
+            ))
+        })?;
+        let outcome = self.arena.act(action);
+        let name = match outcome {
+            Outcome::Moved => "moved",
+            Outcome::FoundReward { .. } => "found-reward",
+            Outcome::Collided { .. } => "collided",
+            Outcome::Stalled => "stalled",
+            Outcome::ReachedGoal => "reached-goal",
+        };
+        Ok((name, outcome.found()))
+    }
+
+    /// The percept, a byte of 0 or 1 for each bit.
+    fn percept(&self) -> Vec<u8> {
+        let percept = self.plan.config.sensor.perceive(&self.arena.view());
+        (0..percept.width())
+            .map(|at| u8::from(percept.bit(at)))
+            .collect()
+    }
+
+    /// The pose in the map frame: x and y in metres, heading in radians from the x axis.
+    #[getter]
+    fn pose(&self) -> (f64, f64, f64) {
+        let pose = self.arena.view().now().robot_in_map;
+        (
+            pose.translation.x,
+            pose.translation.y,
+            pose.rotation.angle(),
+        )
+    }
+
+    /// The cell in which the robot stands, as far as it knows.
+    #[getter]
+    fn cell(&self) -> (u16, u16) {
+        let cell = self.arena.view().cell;
+        (cell.col, cell.row)
+    }
+
+    /// The impulses of the hits of the last action, added up, in newton-seconds.
+    #[getter]
+    fn collision_impulse(&self) -> f64 {
+        let view = self.arena.view();
+        view.contacts.iter().map(|contact| contact.impulse_ns).sum()
+    }
+
+    /// The length of the shortest path from a cell to a goal, in moves; `None` if there is none.
+    fn shortest_distance(&self, cell: (u16, u16)) -> PyResult<Option<u32>> {
+        let cell = self.free_cell(cell)?;
+        Ok(self.paths.distance(&self.plan.maze, cell))
+    }
+
+    /// The number of actions, clockwise from north.
+    #[getter]
+    fn actions(&self) -> usize {
+        self.plan.maze.action_count()
+    }
+
+    /// The number of bits of a percept.
+    #[getter]
+    fn percept_bits(&self) -> usize {
+        self.plan.config.sensor.width(&self.plan.maze)
+    }
+
+    /// The name of the sensor.
+    #[getter]
+    fn sensor(&self) -> &'static str {
+        self.plan.config.sensor.name()
+    }
+
+    /// The name of the world.
+    #[getter]
+    fn world(&self) -> &str {
+        self.plan.maze.name()
+    }
+
+    /// The world file's text.
+    #[getter]
+    fn world_json(&self) -> String {
+        self.plan.maze.to_json()
+    }
+
+    /// Columns and rows.
+    #[getter]
+    fn size(&self) -> (u16, u16) {
+        (self.plan.maze.width(), self.plan.maze.height())
+    }
+
+    /// The most steps of an episode by the program's settings.
+    #[getter]
+    fn step_threshold(&self) -> u32 {
+        self.plan.config.settings.reward.step_threshold
+    }
+
+    /// The cells in which an episode can start.
+    #[getter]
+    fn start_cells(&self) -> Vec<(u16, u16)> {
+        let cells = self.plan.maze.start_cells();
+        cells.iter().map(|cell| (cell.col, cell.row)).collect()
+    }
+
+    /// The goal cells.
+    #[getter]
+    fn goals(&self) -> Vec<(u16, u16)> {
+        let goals = self.plan.maze.goals();
+        goals.iter().map(|cell| (cell.col, cell.row)).collect()
+    }
+
+    /// Is there a wall, row by row?
+    #[getter]
+    fn walls(&self) -> Vec<Vec<bool>> {
+        let maze = &self.plan.maze;
+        let row = |row| (0..maze.width()).map(move |col| maze.is_wall(Cell { col, row }));
+        (0..maze.height()).map(|r| row(r).collect()).collect()
+    }
+}
+
+impl Robot {
+    fn free_cell(&self, (col, row): (u16, u16)) -> PyResult<Cell> {
+        let (maze, cell) = (&self.plan.maze, Cell { col, row });
+        let inside = col < maze.width() && row < maze.height();
+        match inside && !maze.is_wall(cell) {
+            true => Ok(cell),
+            false => Err(invalid(format!(
+                "({col}, {row}) is not a free cell of {}",
+                maze.name()
+            ))),
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Trials of the learners.
+
+use std::ops::ControlFlow;
+
+use pyo3::prelude::*;
+use xcscr_learner::agent::Knowledge;
+use xcscr_learner::episode::{Ending, Episode};
+use xcscr_learner::trial::{Plan, Trial};
+
+use crate::plan::{Choice, invalid};
+
+/// How many episodes run between two looks at signals, such as that of Ctrl-C.
+const EPISODES_AT_ONCE: u32 = 16;
+
+/// A finished trial.
+#[pyclass(frozen, module = "xcscr._native")]
+pub struct Trained {
+    plan: Plan,
+    knowledge: Knowledge,
+    episodes: Vec<Row>,
+    #[pyo3(get)]
+    first_optimal_episode: Option<u32>,
+    #[pyo3(get)]
+    retained: bool,
+    path: Option<Vec<(u16, u16)>>,
+}
+
+/// The figures of an episode, and whether the greedy policy was optimal after it.
+type Row = (u32, u32, u32, u32, f64, bool, usize, bool);
+
+fn row(episode: &Episode, is_optimal: bool) -> Row {
+    (
+        episode.episode,
+        episode.steps,
+        episode.collisions,
+        episode.explored,
+        episode.reward,
+        episode.ending == Ending::Goal,
+        episode.rules,
+        is_optimal,
+    )
+}
+
+/// Runs a trial of one method.
+#[pyfunction]
+#[pyo3(signature = (choice, method, episodes))]
+pub fn train(py: Python<'_>, choice: Choice, method: &str, episodes: u32) -> PyResult<Trained> {
+    let plan = choice.plan(Some(method), episodes)?;
+    let mut trial = Trial::new(plan).map_err(invalid)?;
+    let mut rows = Vec::with_capacity(episodes as usize);
+    while !trial.is_finished() {
+        for _ in 0..EPISODES_AT_ONCE {
+            if trial.is_finished() {
+                break;
+            }
+            let (episode, flow) = trial.run_episode(&mut ());
+            debug_assert_eq!(flow, ControlFlow::Continue(()), "nobody breaks off");
+            rows.push(row(&episode, trial.progress().optimal));
+        }
+        py.check_signals()?;
+    }
+    let path = trial.greedy_path();
+    Ok(Trained {
+        knowledge: trial.method().knowledge(),
+        episodes: rows,
+        first_optimal_episode: trial.progress().first_optimal_episode,
+        retained: trial.progress().optimal,
+        path: path.map(|cells| cells.iter().map(|cell| (cell.col, cell.row)).collect()),
+        plan: trial.plan().clone(),
+    })
+}
+
+#[pymethods]
+impl Trained {
+    /// A row for each episode: episode, steps, collisions, explored, reward, reached, rules, optimal.
+    fn rows(&self) -> Vec<Row> {
+        self.episodes.clone()
+    }
+
+    /// The rules: condition in words, action, prediction, error, experience. Empty for tables and plans.
+    fn rules(&self) -> Vec<(String, String, f64, f64, u32)> {
+        let Plan { maze, config } = &self.plan;
+        let rules = self
+            .knowledge
+            .rules()
+            .map_or(&[][..], |rules| rules.rules());
+        let mut rules: Vec<_> = rules.iter().collect();
+        rules.sort_by_key(|rule| std::cmp::Reverse(rule.experience));
+        let described = rules.into_iter().map(|rule| {
+            let alleles = |at| rule.condition.allele(at);
+            let words = self.knowledge.words(config.sensor, maze, &alleles);
+            let action = maze.action_name(rule.action);
+            (words, action, rule.prediction, rule.error, rule.experience)
+        });
+        described.collect()
+    }
+
+    /// The cells through which the greedy policy goes from the start; `None` where episodes start anywhere.
+    #[getter]
+    fn greedy_path(&self) -> Option<Vec<(u16, u16)>> {
+        self.path.clone()
+    }
+
+    /// The name of the method.
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.plan.config.method.name()
+    }
+
+    /// The name of the world.
+    #[getter]
+    fn world(&self) -> &str {
+        self.plan.maze.name()
+    }
+}

@@ -1,0 +1,33 @@
+"""A mobile robot in a physics-simulated maze, and learners of readable rules.
+
+>>> import gymnasium
+>>> import xcscr
+>>> env = gymnasium.make("xcscr/Maze4-v0")
+>>> result = xcscr.train("maze4", arena="grid", episodes=20)
+"""
+
+from gymnasium.envs.registration import register, registry
+
+from ._native import bundled_worlds, methods, sensors
+from .envs import MazeEnv
+from .learning import Result, Rule, train
+
+__all__ = ["MazeEnv", "Result", "Rule", "bundled_worlds", "methods", "sensors", "train"]
+__version__ = "0.1.0"
+
+
+def _id(world: str) -> str:
+    """The identifier of a bundled world: `maze4-classic` is `xcscr/Maze4Classic-v0`."""
+    return "xcscr/" + "".join(part[:1].upper() + part[1:] for part in world.split("-")) + "-v0"
+
+
+def _register() -> None:
+    entry = "xcscr.envs:MazeEnv"
+    if "xcscr/Maze-v0" not in registry:
+        register("xcscr/Maze-v0", entry_point=entry)
+    for world in bundled_worlds():
+        if _id(world) not in registry:
+            register(_id(world), entry_point=entry, kwargs={"world": world})
+
+
+_register()
