@@ -19,7 +19,7 @@ pub enum Condition {
     Noise(u8),
     /// `arena.slip`: the probability that another action is carried out.
     Slip(f64),
-    /// `sensor.flips`: the probability that a bit of the percept is wrong.
+    /// `sensor.flip_probability`: the probability that a bit of the percept is wrong.
     Flips(f64),
     /// The friction of the whole floor, in tenths. The robot is not told.
     FloorFriction(u8),
@@ -78,7 +78,7 @@ impl Condition {
             Self::Unchanged => return plan,
             Self::Noise(level) => settings.physics.noise = f64::from(level),
             Self::Slip(probability) => settings.arena.slip = probability,
-            Self::Flips(probability) => settings.sensor.flips = probability,
+            Self::Flips(probability) => settings.sensor.flip_probability = probability,
             Self::FloorFriction(tenths) => plan.maze = plan.maze.with_friction(tenths),
             Self::DeadSector(degrees) => faults.dead_sector_deg = degrees,
             Self::StuckEncoder => faults.stuck_encoder = true,

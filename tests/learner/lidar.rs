@@ -1,7 +1,7 @@
 //! A learner with a memory that senses: a lidar shows neither goals nor hidden corners.
 
 use crate::kit::trial::{maze, on_a_map};
-use xcscr::agent::{Knowledge, Method, Odometry};
+use xcscr::agent::{Knowledge, Method, MotionPrior};
 use xcscr::arena::ArenaKind;
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Bounds, GreedySteps, Plan, Trial};
@@ -15,7 +15,7 @@ fn finished(world: &str, method: Method, arena: ArenaKind, episodes: u32, flips:
     };
     let plan = on_a_map(Plan::new(maze).method(method).arena(arena));
     let mut plan = plan.sensor(Sensor::Lidar).episodes(episodes);
-    plan.config.settings.sensor.flips = flips;
+    plan.config.settings.sensor.flip_probability = flips;
     plan.config.settings.physics.noise = 3.0;
     plan.run().unwrap()
 }
@@ -103,7 +103,7 @@ fn who_does_not_know_its_moves_gets_out_of_a_dead_end() {
             .arena(ArenaKind::Grid)
             .sensor(Sensor::Lidar)
             .episodes(20);
-        plan.config.settings.memory.odometry = Odometry::None;
+        plan.config.settings.map.motion_model = MotionPrior::Learned;
         let trial = plan.run().unwrap();
         let progress = trial.progress();
         assert!(

@@ -8,7 +8,7 @@ use xcscr::trial::{Checkpoint, GreedySteps, Settings, Trial, seal, unseal};
 fn trial(world: &str, method: Method, episodes: u32, flips: f64) -> Trial {
     let mut settings = Settings::default();
     settings.reward.step_threshold = 100;
-    settings.sensor.flips = flips;
+    settings.sensor.flip_probability = flips;
     let plan = on_the_grid(world, method).episodes(episodes);
     Trial::new(plan.seed(3).settings(settings)).unwrap()
 }
@@ -38,8 +38,8 @@ fn a_memory_tells_two_goals_apart_where_cells_are_misread() {
     let ratio = |charts| {
         let mut settings = Settings::default();
         settings.reward.step_threshold = 100;
-        settings.sensor.flips = 0.01;
-        settings.memory.charts = charts;
+        settings.sensor.flip_probability = 0.01;
+        settings.map.max_maps = charts;
         let ratio = |seed| {
             let plan = on_the_grid("classic/woods102", Method::XcscrPlus).episodes(60);
             let plan = on_a_map(plan.seed(seed).settings(settings.clone()));
@@ -59,7 +59,7 @@ fn a_memory_does_not_hold_moves_that_never_slip_for_slipping_where_cells_are_mis
     let slip = |world: &str, slip| {
         let mut settings = Settings::default();
         settings.reward.step_threshold = 100;
-        settings.sensor.flips = 0.02;
+        settings.sensor.flip_probability = 0.02;
         settings.arena.slip = slip;
         let plan = on_the_grid(world, Method::XcscrPlus).episodes(40);
         let trial = on_a_map(plan.seed(5502).settings(settings)).run().unwrap();
@@ -83,8 +83,8 @@ fn a_memory_does_not_hold_moves_that_never_slip_for_slipping_where_cells_are_mis
 fn learned_in_mazef4(bumps: bool, flips: f64) -> (u64, f64) {
     let mut settings = Settings::default();
     settings.reward.step_threshold = 100;
-    settings.sensor.flips = flips;
-    settings.memory.bumps = bumps;
+    settings.sensor.flip_probability = flips;
+    settings.map.feels_bumps = bumps;
     let (mut steps, mut ratios) = (0, Vec::new());
     for seed in 1..=8 {
         let plan = on_the_grid("classic/mazef4", Method::XcscrPlus).episodes(40);
@@ -113,7 +113,7 @@ fn rules_and_checkpoints_tell_that_bumps_are_not_felt() {
     for bumps in [true, false] {
         let plan = || {
             let mut plan = on_a_map(on_the_grid("maze4", Method::XcscrPlus)).episodes(6);
-            plan.config.settings.memory.bumps = bumps;
+            plan.config.settings.map.feels_bumps = bumps;
             plan
         };
         let learned = plan().run().unwrap().method().knowledge();

@@ -1,6 +1,6 @@
 //! What a robot learns of how its actions displace it, if it does not know.
 
-use xcscr::agent::{Estimator, Explorer, Frozen, MemoryParams, Method, Odometry, Setup};
+use xcscr::agent::{Estimator, Explorer, Frozen, MapParams, Method, MotionPrior, Setup};
 use xcscr::arena::{Arena, GridArena, Lasting, Outcome, View};
 use xcscr::episode;
 use xcscr::sensor::Sensor;
@@ -69,7 +69,7 @@ impl Arena for Relabelled {
 /// What a robot is told of its actions.
 #[derive(Clone, Copy)]
 struct Told {
-    odometry: Odometry,
+    motion_model: MotionPrior,
     shuffled: bool,
     slip: f64,
     seed: u64,
@@ -80,15 +80,15 @@ fn ratio(world: &str, told: Told, episodes: u32) -> f64 {
     const LIMIT: u32 = 100;
     let maze = maze(&format!("classic/{world}"));
     let Told {
-        odometry,
+        motion_model,
         shuffled,
         slip,
         seed,
     } = told;
     let mut setup = Setup {
-        memory: MemoryParams {
-            odometry,
-            ..MemoryParams::default()
+        map: MapParams {
+            motion_model,
+            ..MapParams::default()
         },
         ..Setup::default()
     };
@@ -137,7 +137,7 @@ fn what_actions_do_is_learned_just_as_well_whatever_they_are_called() {
     for world in ["maze10", "mazef4", "woods101", "littman57"] {
         for (shuffled, seed) in [(false, 1), (true, 2), (true, 3), (true, 4)] {
             let told = Told {
-                odometry: Odometry::None,
+                motion_model: MotionPrior::Learned,
                 shuffled,
                 slip: 0.0,
                 seed,
@@ -157,7 +157,7 @@ fn what_actions_do_is_learned_just_as_well_whatever_they_are_called() {
 fn control_who_is_told_the_wrong_directions_hardly_finds_the_goal() {
     for seed in [2, 3, 4] {
         let told = |shuffled| Told {
-            odometry: Odometry::Known,
+            motion_model: MotionPrior::Known,
             shuffled,
             slip: 0.0,
             seed,
@@ -172,7 +172,7 @@ fn control_who_is_told_the_wrong_directions_hardly_finds_the_goal() {
 #[test]
 fn what_actions_do_is_learned_where_they_slip_too() {
     let told = Told {
-        odometry: Odometry::None,
+        motion_model: MotionPrior::Learned,
         shuffled: true,
         slip: 0.25,
         seed: 2,
@@ -186,8 +186,8 @@ fn what_actions_do_is_learned_where_they_slip_too() {
 fn who_neither_knows_its_moves_nor_feels_bumps_finds_the_shortest_way() {
     for seed in 1..=3 {
         let mut plan = on_a_map(on_the_grid("maze4", Method::XcscrPlus)).episodes(30);
-        plan.config.settings.memory.odometry = Odometry::None;
-        plan.config.settings.memory.bumps = false;
+        plan.config.settings.map.motion_model = MotionPrior::Learned;
+        plan.config.settings.map.feels_bumps = false;
         let trial = plan.seed(seed).run().unwrap();
         let progress = trial.progress();
         assert!(progress.optimal, "seed {seed}: {progress:?}");

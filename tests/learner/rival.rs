@@ -121,7 +121,7 @@ fn a_plan_that_is_not_one_for_its_charts_is_refused() {
 #[test]
 fn where_cells_are_misread_it_plans_on_in_each_step_and_resumes_to_the_same_bytes() {
     let mut plan = plan("woods101", Method::RMax, true).episodes(30);
-    plan.config.settings.sensor.flips = 0.02;
+    plan.config.settings.sensor.flip_probability = 0.02;
     let mut whole = Trial::new(plan).unwrap();
     let mut stopped = Trial::resume(&whole.checkpoint()).unwrap();
     for episode in 1..=30 {

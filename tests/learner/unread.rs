@@ -16,14 +16,14 @@ type Choice = (Method, ArenaKind, Sensor);
 const BASES: [&str; 11] = [
     "xcs.population_size=60",
     "arena.slip=0.1",
-    "sensor.flips=0.02",
+    "sensor.flip_probability=0.02",
     "episode.alternate=true",
     "plus.planned_exploration=false",
     "reward.sharing=even",
     "reward.learning_rate_switching=false",
     "plus.estimator=map",
     "plus.estimator=percept",
-    "physics.care.when=always",
+    "physics.cautious.when=always",
     "physics.faults.stuck_encoder=true",
 ];
 
@@ -149,7 +149,7 @@ fn a_setting_that_a_run_is_said_not_to_read_changes_nothing_in_it() {
 /// Settings whose effect these short trials in one small maze do not show: they need several goals, a
 /// long way, wheels that slip; and `shortcut` is to change nothing but the time.
 const UNSEEN: [&str; 5] = [
-    "memory.charts",
+    "map.max_maps",
     "reward.step_threshold_from_maze",
     "physics.estimator.slip_mps",
     "physics.estimator.slip_s",

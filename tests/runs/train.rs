@@ -570,7 +570,7 @@ fn where_cells_share_a_percept_the_learner_changes_to_a_map_by_itself() {
     };
     let aliased = "worlds/classic/mazef4.json";
     assert_eq!(trained("usual", aliased, &[]), ("map".into(), true.into()));
-    let noisy = ["--set", "sensor.flips=0.02"];
+    let noisy = ["--set", "sensor.flip_probability=0.02"];
     let maze5 = "worlds/maze5.json";
     assert_eq!(trained("noisy", maze5, &noisy).0, "map");
     // Controls: percepts that are right tell all cells of Maze5 apart, and a position does so anywhere.

@@ -139,7 +139,7 @@ fn config_show_lists_what_counts() {
         "reward.step",
         "reward.step_threshold",
         "reward.step_threshold_from_maze",
-        "sensor.flips",
+        "sensor.flip_probability",
         "tabular.alpha",
     ];
     assert_eq!(keys(&["--method", "q-learning", "--arena", "grid"]), table);

@@ -290,7 +290,7 @@ fn in_a_long_corridor_a_robot_that_only_senses_does_not_get_lost() {
 /// Random moves where a quarter of the cells has a friction of 0.3.
 fn on_wet_floor(when: Care) -> Tally {
     let mut params = senses(1.0);
-    params.care.when = when;
+    params.cautious.when = when;
     wander("maze5-wet", &params, 1, moves(1_000))
 }
 
@@ -367,7 +367,7 @@ fn the_robot_notices_by_itself_that_its_wheels_slip_and_slows_down() {
     for level in [1.0, 3.0] {
         let mut params = senses(level);
         let watchful = wander("maze5", &params, 1, 300).steps;
-        params.care.when = Care::Never;
+        params.cautious.when = Care::Never;
         assert_eq!(
             watchful,
             wander("maze5", &params, 1, 300).steps,

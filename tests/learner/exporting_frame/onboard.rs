@@ -24,7 +24,7 @@ fn robot(maze: &Maze) -> Robot {
         noise: 1.0,
         cell_size_m: maze.cell_size_m(),
         wheel_base_m: params.wheel_base_m,
-        careful_acceleration_mps2: params.care.wheel_acceleration_mps2,
+        careful_acceleration_mps2: params.cautious.wheel_acceleration_mps2,
         wheel_bias: params.wheel_bias,
         wheel_noise: params.wheel_noise,
         lidar: params.lidar,

@@ -79,7 +79,7 @@ fn it_drives_so_where_moves_slip_percepts_are_misread_and_both() {
     ] {
         let mut plan = classic(world);
         plan.config.settings.arena.slip = slip;
-        plan.config.settings.sensor.flips = flips;
+        plan.config.settings.sensor.flip_probability = flips;
         let learned = checked(&format!("{world}, slip {slip}, flips {flips}"), plan);
         let header = learned.text(Target::C99);
         assert!(header.contains("XCSCR_SLIP") || slip == 0.0, "{world}");
@@ -91,8 +91,8 @@ fn it_drives_so_where_moves_slip_percepts_are_misread_and_both() {
 fn it_drives_so_where_bumps_are_not_felt_and_does_not_look_at_them() {
     let mut plan = classic("mazef4").episodes(30);
     plan.config.settings.arena.slip = 0.1;
-    plan.config.settings.sensor.flips = 0.02;
-    plan.config.settings.memory.bumps = false;
+    plan.config.settings.sensor.flip_probability = 0.02;
+    plan.config.settings.map.feels_bumps = false;
     let mut learned = checked("mazef4 without bumps", plan);
     let (folder, header) = (folder(), learned.text(Target::C99));
     assert!(header.contains("is not looked at"), "{header}");
@@ -141,7 +141,7 @@ fn it_drives_so_where_cells_pay_by_themselves() {
     for (reward, slip, flips) in [(400.0, 0.0, 0.0), (400.0, 0.1, 0.0), (400.0, 0.0, 0.01)] {
         let mut plan = own(&format!(r#"{{ "rows": {PAID:?}, "reward": {reward} }}"#));
         plan.config.settings.arena.slip = slip;
-        plan.config.settings.sensor.flips = flips;
+        plan.config.settings.sensor.flip_probability = flips;
         let name = format!("reward {reward}, slip {slip}, flips {flips}");
         let learned = checked(&name, plan);
         let eaten = learned.charted().most_eaten;
@@ -172,7 +172,7 @@ fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() 
             .arena(ArenaKind::Grid)
             .sensor(Sensor::Lidar)
             .episodes(32);
-        plan.config.settings.sensor.flips = flips;
+        plan.config.settings.sensor.flip_probability = flips;
         let learned = checked(&format!("rooms, flips {flips}"), plan);
         assert!(learned.charted().begins_in_one_place, "flips {flips}");
     }
@@ -193,7 +193,7 @@ fn it_drives_so_in_physics_with_all_senses_of_its_own() {
 fn the_source_code_tells_how_much_memory_a_tracker_takes() {
     for flips in [0.0, 0.02] {
         let mut plan = classic("maze7");
-        plan.config.settings.sensor.flips = flips;
+        plan.config.settings.sensor.flip_probability = flips;
         let learned = Learned::new(plan);
         for (target, program, main, sizes) in [
             (Target::C99, compiled as Maker, "main.c", C_SIZES),

@@ -14,7 +14,7 @@ use super::estimator::aliasing::Aliasing;
 use super::estimator::map::association::MapStep;
 use super::estimator::map::map_set::MapSet;
 use super::estimator::map::tracker::{CONTEXT_BITS, Felt, Tracker};
-use super::estimator::map::{Map, MemoryParams, Vision, Worth};
+use super::estimator::map::{Map, MapParams, Vision, Worth};
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::planner::frontier::LocalMap;
@@ -107,7 +107,7 @@ impl MapLearner {
         (actions, vision): (usize, Vision),
         xcs: xcs::Params,
         params: Params,
-        own: MemoryParams,
+        own: MapParams,
         (policy, stream): (PolicyKind, Stream),
     ) -> Self {
         let Params {

@@ -8,7 +8,7 @@ use crate::agent::map_learner::MapLearner;
 use crate::agent::percept_learner::PerceptLearner;
 use crate::agent::policy::PolicyKind;
 use crate::agent::{
-    Agent, Combined, Estimator, Knowledge, MemoryParams, Params, PlusParams, Sharing, Standard,
+    Agent, Combined, Estimator, Knowledge, MapParams, Params, PlusParams, Sharing, Standard,
     Tabular, TabularParams,
 };
 use xcs::Xcs;
@@ -103,7 +103,7 @@ impl Method {
             reward,
             tabular,
             plus,
-            memory,
+            map: map_settings,
             sensed,
             shows_surroundings,
         } = setup;
@@ -126,7 +126,7 @@ impl Method {
             let step_threshold = reward.step_threshold;
             let planning = || (policy, stream(StreamName::Replay));
             let own = (actions, vision);
-            let map = MapLearner::new(own, xcs.clone(), reward.clone(), memory, planning());
+            let map = MapLearner::new(own, xcs.clone(), reward.clone(), map_settings, planning());
             let rules = xcs::Params {
                 worth_over_match_set: false,
                 ..xcs.clone()
@@ -171,7 +171,7 @@ pub struct Setup {
     /// `xcscr-plus` and `r-max`.
     pub plus: PlusParams,
     /// Their maps.
-    pub memory: MemoryParams,
+    pub map: MapParams,
     /// Is the percept what a robot senses, which shows neither goals nor hidden corners?
     pub sensed: bool,
     /// Does the percept begin with the eight cells around the robot, and tell nothing of its position?

@@ -28,7 +28,7 @@ mod tabular;
 pub use choice::{Choice, Chooser, Chosen};
 use credit::{Combined, Standard};
 pub use estimator::map::{
-    ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Map, MemoryParams, Odometry, PERCEPT_BITS,
+    ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Map, MapParams, MotionPrior, PERCEPT_BITS,
     words as memory_words,
 };
 pub use explorer::Explorer;

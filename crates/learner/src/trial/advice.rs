@@ -6,7 +6,7 @@ use super::plan::Plan;
 use super::resolve::{Resolved, STEP_THRESHOLD};
 use super::settings_error::SettingsError;
 use super::warning::misleading;
-use crate::agent::{Estimator, Method, Odometry};
+use crate::agent::{Estimator, Method, MotionPrior};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Maze, Paths};
 
@@ -152,10 +152,10 @@ impl Plan {
     /// The other switches of the default method that are off.
     fn advised_switches(&self) -> Vec<Change> {
         let settings = &self.config.settings;
-        let known = settings.memory.odometry != Odometry::Known;
+        let known = settings.map.motion_model != MotionPrior::Known;
         let planned = !settings.plus.planned_exploration;
         let switches = [
-            (known, "memory.odometry", "known"),
+            (known, "map.motion_model", "known"),
             (planned, "plus.planned_exploration", "true"),
         ];
         let off = switches.into_iter().filter(|(off, ..)| *off);

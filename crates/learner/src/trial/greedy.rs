@@ -41,7 +41,7 @@ impl GreedySteps {
         let grid = Box::new(GridArena::new(maze.clone()));
         let paying = Box::new(RewardingArena::new(grid));
         let slipping = Box::new(SlippingArena::new(paying, settings.arena.slip, config.seed));
-        let (flips, width) = (settings.sensor.flips, config.sensor.width(maze));
+        let (flips, width) = (settings.sensor.flip_probability, config.sensor.width(maze));
         let mut arena = MisreadingArena::new(slipping, flips, width, config.seed);
         let limit = settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);

@@ -62,8 +62,13 @@ impl Config {
             false => arena,
         };
         let width = self.sensor.width(maze);
-        Ok(match sensor.flips > 0.0 {
-            true => Box::new(MisreadingArena::new(arena, sensor.flips, width, self.seed)),
+        Ok(match sensor.flip_probability > 0.0 {
+            true => Box::new(MisreadingArena::new(
+                arena,
+                sensor.flip_probability,
+                width,
+                self.seed,
+            )),
             false => arena,
         })
     }
@@ -107,7 +112,7 @@ impl Config {
             reward,
             tabular,
             plus,
-            memory,
+            map,
             ..
         } = self.settings.clone();
         let setup = Setup {
@@ -115,7 +120,7 @@ impl Config {
             reward,
             tabular,
             plus,
-            memory,
+            map,
             sensed: self.sensor.is_sensed(),
             shows_surroundings: self.sensor.shows_only_surroundings(),
         };

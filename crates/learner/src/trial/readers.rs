@@ -183,7 +183,7 @@ static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
         ("xcs.*", Methods(always(&XCS))),
         ("plus.estimator", Methods(always(&COMPOSED))),
         ("plus.*", Methods(when(ON_PERCEPTS, &COMPOSED))),
-        ("memory.*", Methods(when(ON_A_MAP, &COMPOSED))),
+        ("map.*", Methods(when(ON_A_MAP, &COMPOSED))),
         ("tabular.alpha", Methods(always(&VALUE_TABLES))),
         ("tabular.lambda", Methods(always(&[SarsaLambda]))),
         ("tabular.replays", Methods(always(&[DynaQ]))),
@@ -369,8 +369,8 @@ mod tests {
         let words = |key: &str| ReadBy::of(key).unwrap().to_string();
         assert_eq!(words("xcs.zeta"), "`xcsam`");
         assert_eq!(words("reward.goal"), "every method");
-        assert_eq!(words("physics.care.when"), "the arena `physics`");
+        assert_eq!(words("physics.cautious.when"), "the arena `physics`");
         assert!(words("physics.lidar.beams").starts_with("a robot in `physics` that estimates"));
-        assert!(words("memory.bumps").ends_with("`r-max` with `plus.estimator=auto|map`"));
+        assert!(words("map.feels_bumps").ends_with("`r-max` with `plus.estimator=auto|map`"));
     }
 }

@@ -26,7 +26,7 @@ pub struct Settings {
     /// `xcscr-plus` and `r-max`.
     pub plus: agent::PlusParams,
     /// Their maps.
-    pub memory: agent::MemoryParams,
+    pub map: agent::MapParams,
     /// Tabular methods.
     pub tabular: agent::TabularParams,
     /// Exploration.
@@ -60,7 +60,7 @@ impl Settings {
             xcs::Params::declared(),
             agent::Params::declared(),
             agent::PlusParams::declared(),
-            agent::MemoryParams::declared(),
+            agent::MapParams::declared(),
             agent::TabularParams::declared(),
             episode::Params::declared(),
             ArenaParams::declared(),
@@ -80,7 +80,7 @@ impl Settings {
         self.xcs.check()?;
         self.reward.check()?;
         self.plus.check()?;
-        self.memory.check()?;
+        self.map.check()?;
         self.tabular.check()?;
         self.episode.check()?;
         self.arena.check()?;

@@ -21,7 +21,7 @@ pub use kind::ArenaKind;
 pub use misreading::MisreadingArena;
 pub use physics::check_fit;
 pub use physics::{
-    BatchArena, BumperParams, Care, CareParams, EncoderParams, EstimatorParams, FaultParams,
+    BatchArena, BumperParams, Care, CautiousParams, EncoderParams, EstimatorParams, FaultParams,
     GyroParams, Lanes, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,
     Snapshot,
 };

@@ -10,6 +10,6 @@ settings! {
         /// The probability that a bit of what is perceived is flipped, whatever the percept: each
         /// bit for itself, and anew after each action. Only `xcscr-plus` and `r-max`
         /// correct such errors, with their map; all other methods take every percept for right.
-        flips: f64 = 0.0, in 0.0..=0.1;
+        flip_probability: f64 = 0.0, in 0.0..=0.1;
     }
 }

@@ -16,7 +16,7 @@
 //! What the trait [`Arena`] reports is in the map frame.
 
 mod batch;
-mod care;
+mod cautious;
 mod contact;
 mod controller;
 mod discretiser;
@@ -39,7 +39,7 @@ use nalgebra::{Point2, Vector2};
 use rapier2d::prelude::SharedShape;
 
 pub use batch::{BatchArena, Lanes};
-pub use care::{Care, CareParams};
+pub use cautious::{Care, CautiousParams};
 pub use error::PhysicsError;
 pub use params::{Localisation, PhysicsParams};
 pub use snapshot::Snapshot;
@@ -163,7 +163,7 @@ impl PhysicsArena {
 
     /// How the robot drives that notices that its wheels slip, or does not.
     fn profile(&self, slips: bool) -> &PhysicsParams {
-        match self.params.care.when {
+        match self.params.cautious.when {
             Care::Always => &self.careful,
             Care::Slipping if slips => &self.careful,
             Care::Slipping | Care::Never => &self.params,

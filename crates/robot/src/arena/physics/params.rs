@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::care::CareParams;
+use super::cautious::CautiousParams;
 use xcs::bounds::{OutOfRange, Setting, within};
 use xcs::settings;
 use xcscr_sensing::{
@@ -99,7 +99,7 @@ settings! {
         /// The filter that estimates the pose.
         estimator: EstimatorParams = EstimatorParams::default();
         /// Driving carefully.
-        care: CareParams = CareParams::default();
+        cautious: CautiousParams = CautiousParams::default();
         /// What breaks.
         faults: FaultParams = FaultParams::default();
     }
@@ -117,7 +117,7 @@ impl PhysicsParams {
             GyroParams::declared(),
             BumperParams::declared(),
             EstimatorParams::declared(),
-            CareParams::declared(),
+            CautiousParams::declared(),
             FaultParams::declared(),
         ]
         .concat();
@@ -146,7 +146,7 @@ impl PhysicsParams {
         self.gyro.check()?;
         self.bumper.check()?;
         self.estimator.check()?;
-        self.care.check()?;
+        self.cautious.check()?;
         self.faults.check()
     }
 
@@ -171,7 +171,7 @@ impl PhysicsParams {
 
     /// The same robot when it drives carefully: gentler in everything, or as gentle as it was.
     pub(super) fn careful(&self) -> Self {
-        let care = &self.care;
+        let care = &self.cautious;
         let gentler = |usual: f64, careful: f64| usual.min(careful);
         Self {
             wheel_acceleration_mps2: gentler(
@@ -194,7 +194,7 @@ impl PhysicsParams {
             noise: self.noise,
             cell_size_m,
             wheel_base_m: self.wheel_base_m,
-            careful_acceleration_mps2: self.care.wheel_acceleration_mps2,
+            careful_acceleration_mps2: self.cautious.wheel_acceleration_mps2,
             wheel_bias: self.wheel_bias,
             wheel_noise: self.wheel_noise,
             lidar: self.lidar.clone(),

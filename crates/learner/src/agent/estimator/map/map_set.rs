@@ -17,7 +17,7 @@ use crate::agent::estimator::map::hypothesis::{KEPT_STEPS, MapHypothesis, always
 use crate::agent::estimator::map::likelihood::Likelihood;
 use crate::agent::estimator::map::motion_model::{DISPLACEMENTS, MotionModel};
 use crate::agent::estimator::map::noise::NoiseCounts;
-use crate::agent::estimator::map::params::{MemoryParams, Odometry};
+use crate::agent::estimator::map::params::{MapParams, MotionPrior};
 use crate::agent::estimator::map::place::{Place, Surroundings, Vision};
 use crate::agent::estimator::map::state_map::{Charted, MOST_CHARTS, Map, Worth};
 use crate::agent::estimator::map::tracker::Felt;
@@ -68,16 +68,16 @@ pub struct MapSet {
     /// it, so that a map that is drawn again after an interruption is the same.
     planned_with: Vec<Option<usize>>,
     #[serde(skip)]
-    params: MemoryParams,
+    params: MapParams,
 }
 
 impl MapSet {
     /// An maps without a chart, for a robot with so many actions.
-    pub fn new(actions: usize, vision: Vision, params: MemoryParams) -> Self {
+    pub fn new(actions: usize, vision: Vision, params: MapParams) -> Self {
         let robot = RobotModel {
-            motion: match params.odometry {
-                Odometry::Known => MotionModel::known(actions),
-                Odometry::None => MotionModel::unknown(actions),
+            motion: match params.motion_model {
+                MotionPrior::Known => MotionModel::known(actions),
+                MotionPrior::Learned => MotionModel::unknown(actions),
             },
             vision,
             slip: FIRST_SLIP,
@@ -154,13 +154,13 @@ impl MapSet {
 
     /// Does the robot feel whether it bumped?
     pub fn feels_bumps(&self) -> bool {
-        self.params.bumps
+        self.params.feels_bumps
     }
 
     /// What the robot feels of a wall that barred its way.
     pub fn bumped(&self, felt: Felt) -> Bump {
         match felt.bumped {
-            _ if !self.params.bumps => Bump::Unfelt,
+            _ if !self.params.feels_bumps => Bump::Unfelt,
             true => Bump::Yes,
             false => Bump::No,
         }
@@ -169,7 +169,7 @@ impl MapSet {
     /// Learns from a step and what was seen after it (nothing at the goal) what its action aims at, if
     /// that is not known.
     pub fn follow(&mut self, step: &MapStep, next: Option<&Surroundings>) {
-        if self.params.odometry == Odometry::None {
+        if self.params.motion_model == MotionPrior::Learned {
             self.robot.learn_heading(step, next);
         }
     }
@@ -178,11 +178,11 @@ impl MapSet {
     pub fn learn(&mut self, mut steps: Vec<MapStep>) {
         steps.drain(..steps.len().saturating_sub(KEPT_STEPS));
         self.successes = self.successes.saturating_add(1);
-        if self.params.doubts {
+        if self.params.estimates_noise {
             self.compare(&steps);
         }
         let fits = self.draw(&steps);
-        if self.params.odometry == Odometry::None {
+        if self.params.motion_model == MotionPrior::Learned {
             let steps = steps.iter().zip(&fits);
             steps.for_each(|(step, fits)| self.robot.learn_in_context(step, fits));
         }
@@ -191,7 +191,7 @@ impl MapSet {
             self.episodes.pop_front();
         }
         self.update_robot_model();
-        if self.doubts() && self.params.odometry == Odometry::Known {
+        if self.doubts() && self.params.motion_model == MotionPrior::Known {
             self.estimate();
         }
         let inexact = self.robot.slip >= EXACT || self.misread() > 0.0;
@@ -215,7 +215,7 @@ impl MapSet {
 
     /// Compares successive percepts; true once more than [`RIGHT`] of the cells are misread.
     pub fn notices_noise(&mut self, steps: &[MapStep]) -> bool {
-        if self.params.doubts {
+        if self.params.estimates_noise {
             self.compare(steps);
         }
         self.misread[0] >= LEAST_DIFFERING && self.robot.misread > RIGHT
@@ -275,9 +275,9 @@ impl MapSet {
     /// How many steps of an episode slipped. While directions are being learned, a step that goes another way
     /// than it seemed to aim is no slip, and only the chart tells.
     fn slips_of(&self, steps: &[MapStep], alignment: &Alignment) -> f64 {
-        match self.params.odometry {
-            Odometry::Known => slips(steps, &self.robot),
-            Odometry::None => alignment.slips,
+        match self.params.motion_model {
+            MotionPrior::Known => slips(steps, &self.robot),
+            MotionPrior::Learned => alignment.slips,
         }
     }
 
@@ -304,7 +304,7 @@ impl MapSet {
         let Some(best) = self.best_fit(steps) else {
             return blank();
         };
-        if self.hypotheses.len() >= self.params.charts as usize {
+        if self.hypotheses.len() >= self.params.max_maps as usize {
             return best;
         }
         let Some(least) = self.least_to_open(steps, &best) else {
@@ -376,7 +376,7 @@ impl MapSet {
         let map = Map::drawn(&charted, &self.planned_with, self.planned_slip, worth);
         Map {
             misread: self.misread(),
-            unfelt: !self.params.bumps,
+            unfelt: !self.params.feels_bumps,
             ..map.begun_in(always_in(used))
         }
     }
@@ -437,7 +437,7 @@ mod tests {
 
     #[test]
     fn association_and_belief_weigh_percepts_of_a_lidar_by_the_same_error() {
-        let maps = |vision| MapSet::new(8, vision, MemoryParams::default());
+        let maps = |vision| MapSet::new(8, vision, MapParams::default());
         let lidar = maps(Vision::Lidar);
         assert_eq!(lidar.robot.misread, lidar.misread());
         let exact = maps(Vision::LookedUp);

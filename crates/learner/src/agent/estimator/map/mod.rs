@@ -8,8 +8,8 @@
 //!
 //! Built in are: the first sixteen bits of a percept are the eight cells around the robot (free, wall, goal); a move goes
 //! one cell its way unless there is a wall; cells pay once; the world stands still. Learned are the maps, how often moves
-//! slip, how often cells are misread, and with `memory.odometry = "none"` the motion model ([`motion_model`]). A bump is
-//! felt and never misread, unless `memory.bumps` is off: then it is inferred as well ([`bump`]).
+//! slip, how often cells are misread, and with `map.motion_model = "learned"` the motion model ([`motion_model`]). A bump is
+//! felt and never misread, unless `map.feels_bumps` is off: then it is inferred as well ([`bump`]).
 //!
 //! A lidar sees no goals, so a map begins where its episodes ended. Corners between two walls are hidden from it, and
 //! count neither for nor against a cell ([`Vision`]).
@@ -30,7 +30,7 @@ mod reward_map;
 pub mod state_map;
 pub mod tracker;
 
-pub use params::{MemoryParams, Odometry};
+pub use params::{MapParams, MotionPrior};
 pub use place::Vision;
 pub use state_map::{Map, Worth};
 pub use tracker::{ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, PERCEPT_BITS, Tracker, words};

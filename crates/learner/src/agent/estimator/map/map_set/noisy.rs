@@ -53,7 +53,7 @@ impl MapSet {
             .hypotheses
             .iter()
             .position(|hypothesis| hypothesis.episodes == 0.0);
-        let room = self.used() < self.params.charts as usize;
+        let room = self.used() < self.params.max_maps as usize;
         room.then(|| blank.unwrap_or(self.hypotheses.len()))
     }
 

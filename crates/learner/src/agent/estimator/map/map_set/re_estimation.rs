@@ -107,11 +107,11 @@ impl MapSet {
 mod tests {
     use super::*;
     use crate::agent::estimator::map::place::CellState;
-    use crate::agent::estimator::map::{MemoryParams, Vision};
+    use crate::agent::estimator::map::{MapParams, Vision};
 
     /// A lidar's maps with two transferred ones, of which the second also knows a cell to the east of its goal.
     fn two_transferred() -> MapSet {
-        let mut maps = MapSet::new(8, Vision::Lidar, MemoryParams::default());
+        let mut maps = MapSet::new(8, Vision::Lidar, MapParams::default());
         let goal = Vision::Lidar.of_a_goal();
         maps.brought = [0, 1]
             .map(|number| MapHypothesis::transferred(number, goal))

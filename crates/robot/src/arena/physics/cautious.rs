@@ -19,10 +19,10 @@ pub enum Care {
 }
 
 settings! {
-    section "physics.care";
+    section "physics.cautious";
 
     /// Driving carefully. The defaults hold on a friction of 0.3, which gives 2.94 m/s^2.
-    pub struct CareParams {
+    pub struct CautiousParams {
         /// When it does: `never`, `slipping` (as soon as it notices that its wheels slip, and for a
         /// while afterwards) or `always`.
         when: Care = Care::Slipping;
