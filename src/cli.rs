@@ -5,14 +5,13 @@ use std::io::Write;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
-use crate::commands::check::{self, CheckArgs};
 use crate::commands::config::{self, ConfigCommand};
 use crate::commands::evaluate::{self, EvaluateArgs};
 use crate::commands::export::{self, ExportArgs};
 use crate::commands::failure::Failure;
 use crate::commands::manual::{self, ManArgs};
 use crate::commands::map::{self, MapArgs};
-use crate::commands::recover::{self, RecoverArgs};
+use crate::commands::recording::{self, RecordingCommand};
 use crate::commands::replay::{self, ReplayArgs};
 use crate::commands::robot::{self, RobotCommand};
 use crate::commands::rules::{self, RulesArgs};
@@ -23,9 +22,9 @@ use crate::commands::world::{self, WorldCommand};
 const EXIT_CODES: &str = "\
 Exit codes:
    0  done
-   1  a condition you asked for does not hold (--require-optimal, --verify, failed trials)
+   1  a condition you asked for does not hold (--require-optimal, recording verify, failed trials)
    2  wrong usage of the command line
-   3  recover: done, but some data was lost
+   3  recording recover: done, but some data was lost
   65  bad input data
   66  an input file is missing
   70  internal error: please report it
@@ -57,15 +56,14 @@ pub enum Command {
     Rules(RulesArgs),
     /// Write the learned policy as source code for a robot, or as a table.
     Export(ExportArgs),
-    /// Summarise recordings, open them in a viewer, or verify them by running again.
+    /// Open recordings in Foxglove or Lichtblick.
     Replay(ReplayArgs),
-    /// Check recordings for damage.
-    Check(CheckArgs),
+    /// Summarise, check, verify, recover and convert recordings.
+    #[command(subcommand)]
+    Recording(RecordingCommand),
     /// Run many trials and compare methods.
     #[command(subcommand)]
     Study(StudyCommand),
-    /// Recover what can be read of a damaged recording.
-    Recover(RecoverArgs),
     /// Draw the learned policy over the maze, or how it forms.
     Map(MapArgs),
     /// Check, show, describe and generate world files.
@@ -98,9 +96,8 @@ impl Cli {
             Command::Export(args) => export::run(&args, out)?,
             Command::Rules(args) => rules::run(&args, out)?,
             Command::Replay(args) => replay::run(&args, out)?,
-            Command::Check(args) => check::run(&args, out)?,
+            Command::Recording(command) => recording::run(&command, out)?,
             Command::Study(command) => study::run(&command, out)?,
-            Command::Recover(args) => recover::run(&args)?,
             Command::Map(args) => map::run(&args)?,
             Command::World(command) => world::run(command, out)?,
             Command::Robot(command) => robot::run(&command, out)?,

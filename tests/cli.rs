@@ -53,9 +53,9 @@ fn a_missing_world_names_the_shipped_ones_that_are_near() {
 #[test]
 fn what_is_no_recording_gets_no_advice_for_recordings() {
     for command in [
-        &["check", "README.md"][..],
-        &["replay", "README.md"],
-        &["recover", "README.md", "-o", "no/such/out"],
+        &["recording", "check", "README.md"][..],
+        &["recording", "info", "README.md"],
+        &["recording", "recover", "README.md", "-o", "no/such/out"],
     ] {
         let output = xcscr(command);
         assert_eq!(output.status.code(), Some(65), "{output:?}");
@@ -68,8 +68,8 @@ fn what_is_no_recording_gets_no_advice_for_recordings() {
     let damaged = folder.path().join("damaged.mcap");
     let sound = fs::read("recordings/sample-maze4.mcap").unwrap();
     fs::write(&damaged, &sound[..sound.len() / 2]).unwrap();
-    let said = text(&xcscr(&["replay", damaged.to_str().unwrap()]).stderr);
-    assert!(said.contains("`xcscr recover`"), "{said}");
+    let said = text(&xcscr(&["recording", "info", damaged.to_str().unwrap()]).stderr);
+    assert!(said.contains("`xcscr recording recover`"), "{said}");
 }
 
 #[test]

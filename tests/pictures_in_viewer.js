@@ -157,23 +157,23 @@ async function main() {
     executablePath: CHROMIUM,
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
   });
-  const shown = await serve(run("run"), "--serve");
+  const shown = await serve(run("run"));
   const [story, whole] = shown.links;
   await moving(browser, "story", story, 48, alone, [1120, 800]);
   await picture(browser, "story", story, 41);
   await picture(browser, "run", whole, 1396);
   await picture(browser, "landscape", story, 41, landscape, [1120, 680]);
   shown.child.kill();
-  const felt = await serve(path.join(run("run"), "ep-0001.mcap"), "--serve");
+  const felt = await serve(path.join(run("run"), "ep-0001.mcap"));
   await picture(browser, "felt", felt.links[0], 30, closeUp(5), [1120, 680]);
   felt.child.kill();
   const both = await serve(run("run"), run("other"), "--compare");
   await picture(browser, "compare", both.links[0], 100);
   both.child.kill();
-  const large = await serve(run("large"), "--serve");
+  const large = await serve(run("large"));
   await picture(browser, "large", large.links[0], 105);
   large.child.kill();
-  const huge = await serve(run("huge"), "--serve");
+  const huge = await serve(run("huge"));
   await picture(browser, "huge", huge.links[0], 105);
   huge.child.kill();
   await browser.close();

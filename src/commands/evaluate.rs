@@ -113,7 +113,7 @@ fn evaluate(
 
 fn print_folder(folder: &Path, out: &mut impl Write) -> Result<(), Failure> {
     let typed = disk::typed(folder);
-    writeln!(out, "Recorded; watch it: xcscr replay {typed} --serve")?;
+    writeln!(out, "Recorded; watch it: xcscr replay {typed}")?;
     Ok(())
 }
 

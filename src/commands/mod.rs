@@ -1,6 +1,5 @@
 //! The subcommands: thin layers over the library, one file each.
 
-pub mod check;
 mod choices;
 pub mod config;
 mod convert;
@@ -14,7 +13,7 @@ pub mod manual;
 pub mod map;
 mod output;
 mod progress;
-pub mod recover;
+pub mod recording;
 pub mod replay;
 pub mod robot;
 pub mod rules;

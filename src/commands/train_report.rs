@@ -228,7 +228,7 @@ impl TrainReport {
         };
         writeln!(
             out,
-            "{what}\n  xcscr replay {typed} --serve\n\
+            "{what}\n  xcscr replay {typed}\n\
              or open {opened} in Foxglove or Lichtblick, and import foxglove-layout.json\n\
              (for run.mcap: foxglove-layout-run.json) from there."
         )?;

@@ -45,7 +45,7 @@ pub enum RecordError {
         cause: io::Error,
     },
     /// The file is one that was being written when the program ended.
-    #[error("this recording was never finished, and no viewer can open it; make a complete file of it with `xcscr recover {0} -o OUT.mcap`", path.display())]
+    #[error("this recording was never finished, and no viewer can open it; make a complete file of it with `xcscr recording recover {0} -o OUT.mcap`", path.display())]
     Unfinished {
         /// The file.
         path: PathBuf,
@@ -57,7 +57,7 @@ pub enum RecordError {
         path: PathBuf,
     },
     /// The file is no sound MCAP file.
-    #[error("this recording is damaged: {cause}; `xcscr check` says more, `xcscr recover` saves what can be read: {}", path.display())]
+    #[error("this recording is damaged: {cause}; `xcscr recording check` says more, `xcscr recording recover` saves what can be read: {}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,

@@ -1,4 +1,4 @@
-//! `replay --serve`, as a browser sees it.
+//! `replay`, as a browser sees it.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -20,7 +20,7 @@ pub struct Served {
 impl Served {
     pub fn new(args: &[&str]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
-        command.arg("replay").args(args).arg("--serve");
+        command.arg("replay").args(args);
         Self::of(command)
     }
 

@@ -203,7 +203,7 @@ fn a_run_that_began_with_rules_is_repeated_from_its_recording() {
         ]
         .concat(),
     );
-    let text = desk.fine(&["replay", "next", "--verify"]);
+    let text = desk.fine(&["recording", "verify", "next"]);
     let said = "5 of 5 recordings are bit-identical";
     assert!(
         text.contains(said),

@@ -46,7 +46,10 @@ fn a_story_shows_no_more_messages_of_an_episode_however_many_steps_it_has() {
         let file = |name: &str| Path::new(&run).join(name);
         let recorded = messages(&file("ep-0001.mcap"), "/step");
         assert!(recorded > MOST_SHOWN, "control: {recorded}");
-        expect(0, &["check", file("story.mcap").to_str().unwrap()]);
+        expect(
+            0,
+            &["recording", "check", file("story.mcap").to_str().unwrap()],
+        );
         ["/step", "/tf", "/scene/trail"].map(|topic| messages(&file("story.mcap"), topic))
     };
     for limit in ["2500", "5000"] {

@@ -29,7 +29,7 @@ fn a_part_is_refused_with_the_way_out() {
     let part = folder.path().join("run.mcap.part");
     let said = Recording::open(&part).unwrap_err().to_string();
     assert!(said.contains("never finished"), "{said}");
-    assert!(said.contains("xcscr recover"), "{said}");
+    assert!(said.contains("xcscr recording recover"), "{said}");
     assert_eq!(check(&part).unwrap().len(), 1);
     drop(recorder);
 }

@@ -118,7 +118,7 @@ fn a_damaged_index_is_not_believed() {
         let recovery = recover(&bad, &out, true).unwrap();
         assert!(recovery.is_lossless(), "bit at {at}: {recovery:?}");
         assert_eq!(said(&Recording::open(&out).unwrap()), whole, "bit at {at}");
-        let (code, ..) = outcome(&["check", out.to_str().unwrap()]);
+        let (code, ..) = outcome(&["recording", "check", out.to_str().unwrap()]);
         assert_eq!(code, Some(0), "bit at {at}");
     }
 }
@@ -150,13 +150,20 @@ fn files_beside_a_picture_or_a_recovered_recording_are_nobodys_scratch_space() {
     for other in ["out.mcap.recovering", "out.mcap.part"] {
         fs::write(path(other), "precious").unwrap();
     }
-    let (code, _, stderr) = outcome(&["recover", file.to_str().unwrap(), "-o", &path("out.mcap")]);
+    let (code, _, stderr) = outcome(&[
+        "recording",
+        "recover",
+        file.to_str().unwrap(),
+        "-o",
+        &path("out.mcap"),
+    ]);
     assert_eq!(code, Some(0), "{stderr}");
     for other in ["out.mcap.recovering", "out.mcap.part"] {
         assert_eq!(fs::read(path(other)).unwrap(), b"precious", "{other}");
     }
     fs::rename(&file, path("in.mcap.recovering")).unwrap();
     let (code, ..) = outcome(&[
+        "recording",
         "recover",
         &path("in.mcap.recovering"),
         "-o",
@@ -167,7 +174,7 @@ fn files_beside_a_picture_or_a_recovered_recording_are_nobodys_scratch_space() {
     let left = names(folder.path());
     assert!(!left.iter().any(|name| name.starts_with('.')), "{left:?}");
     let nowhere = path("no/such/folder.mcap");
-    let (code, ..) = outcome(&["recover", &path("in.mcap"), "-o", &nowhere]);
+    let (code, ..) = outcome(&["recording", "recover", &path("in.mcap"), "-o", &nowhere]);
     assert_eq!(code, Some(73));
 }
 
@@ -177,22 +184,23 @@ fn recover_never_touches_its_input_and_overwrites_only_by_force() {
     let (file, bytes) = recorded(folder.path());
     let name = file.to_str().unwrap();
     for more in [&[][..], &["--force"]] {
-        let (code, _, stderr) = outcome(&[&["recover", name, "-o", name], more].concat());
+        let (code, _, stderr) =
+            outcome(&[&["recording", "recover", name, "-o", name], more].concat());
         assert_eq!(code, Some(73), "{stderr}");
     }
     assert_eq!(bytes, fs::read(&file).unwrap());
     let out = folder.path().join("out.mcap");
     fs::write(&out, "mine").unwrap();
     let out = out.to_str().unwrap();
-    let (code, _, stderr) = outcome(&["recover", name, "-o", out]);
+    let (code, _, stderr) = outcome(&["recording", "recover", name, "-o", out]);
     assert_eq!(code, Some(73), "{stderr}");
     assert!(stderr.contains("--force"), "{stderr}");
     assert_eq!(fs::read(out).unwrap(), b"mine");
-    let (code, stdout, stderr) = outcome(&["recover", name, "-o", out, "--force"]);
+    let (code, stdout, stderr) = outcome(&["recording", "recover", name, "-o", out, "--force"]);
     assert_eq!((code, stdout.as_str()), (Some(0), ""), "{stderr}");
     assert!(stderr.contains("nothing was lost"), "{stderr}");
     fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
-    let (code, _, stderr) = outcome(&["recover", name, "-o", out, "--force"]);
+    let (code, _, stderr) = outcome(&["recording", "recover", name, "-o", out, "--force"]);
     assert_eq!(code, Some(3), "{stderr}");
     assert!(
         stderr.contains("lost ") && stderr.contains("from byte"),
@@ -200,10 +208,13 @@ fn recover_never_touches_its_input_and_overwrites_only_by_force() {
     );
     fs::write(&file, "no recording").unwrap();
     assert_eq!(
-        outcome(&["recover", name, "-o", out, "--force"]).0,
+        outcome(&["recording", "recover", name, "-o", out, "--force"]).0,
         Some(65)
     );
-    assert_eq!(outcome(&["recover", "no-such.mcap", "-o", out]).0, Some(66));
+    assert_eq!(
+        outcome(&["recording", "recover", "no-such.mcap", "-o", out]).0,
+        Some(66)
+    );
     assert!(
         !names(folder.path())
             .iter()

@@ -42,8 +42,8 @@ fn a_recording_for_ros_has_its_encoding_and_the_same_bytes_again() {
     let train = ["train", world, "--episodes", "2", "--out", &run, "--quiet"];
     ended(&xcscr(&train).output().unwrap(), 0, "train");
     let (second, bag) = (at("run/ep-0002.mcap"), at("bag.mcap"));
-    let ros = ["replay", &second, "--ros", "-o", &bag];
-    ended(&xcscr(&ros).output().unwrap(), 0, "--ros");
+    let ros = ["recording", "ros", &second, "-o", &bag];
+    ended(&xcscr(&ros).output().unwrap(), 0, "ros");
     ended(&xcscr(&ros).output().unwrap(), 73, "the file exists");
 
     let bytes = std::fs::read(&bag).unwrap();
@@ -89,7 +89,7 @@ fn a_recording_for_ros_has_its_encoding_and_the_same_bytes_again() {
     }
 
     let story = at("run/story.mcap");
-    let refused = ["replay", &story, "--ros", "-o", &at("story.mcap")];
+    let refused = ["recording", "ros", &story, "-o", &at("story.mcap")];
     let (_, stderr) = ended(&xcscr(&refused).output().unwrap(), 65, "a story");
     assert!(stderr.contains("give an episode"), "{stderr}");
 }

@@ -1,4 +1,4 @@
-//! `replay --serve` under attack: by pages that a browser shows, and by clients that are broken,
+//! `replay` under attack: by pages that a browser shows, and by clients that are broken,
 //! slow or many.
 
 use std::fs;
@@ -164,7 +164,7 @@ fn many_silent_or_slow_clients_keep_nobody_out_even_with_64_descriptors() {
     let mut limited = std::process::Command::new("sh");
     limited
         .args(["-c", "ulimit -n 64; exec \"$0\" \"$@\""])
-        .args([env!("CARGO_BIN_EXE_xcscr"), "replay", SAMPLE, "--serve"]);
+        .args([env!("CARGO_BIN_EXE_xcscr"), "replay", SAMPLE]);
     let mut server = Served::of(limited);
     let (base, port) = (&server.base, server.port);
     let silent: Vec<TcpStream> = (0..100).map(|_| server.connect()).collect();
@@ -217,7 +217,7 @@ fn a_client_that_reads_slowly_gets_everything_while_others_are_served() {
 #[test]
 fn what_is_no_origin_is_refused_before_anything_is_served() {
     for text in ["*", "viewer.example", "https://viewer.example/path"] {
-        let args = ["replay", SAMPLE, "--serve", "--allow-origin", text];
+        let args = ["replay", SAMPLE, "--allow-origin", text];
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_xcscr"));
         let output = command.args(args).output().unwrap();
         assert_eq!(output.status.code(), Some(2), "{text}");
@@ -248,7 +248,7 @@ fn the_first_link_is_opened_in_the_browser_that_is_named_or_else_in_that_of_the_
     browser(folder.path(), "xdg-open", 0);
     let path = format!("{}:/usr/bin:/bin", folder.path().display());
     for (set, told) in [(named.to_str().unwrap(), "named"), ("", "xdg-open")] {
-        let mut command = xcscr(&["replay", SAMPLE, "--serve", "--open"]);
+        let mut command = xcscr(&["replay", SAMPLE, "--open"]);
         command.env("BROWSER", set).env("PATH", &path);
         let server = Served::of(command);
         let told = folder.path().join(format!("{told}.told"));
@@ -269,7 +269,7 @@ fn a_browser_that_is_missing_or_fails_is_named_and_the_links_are_served() {
     let failing = browser(folder.path(), "failing", 3);
     let failing = failing.to_str().unwrap();
     for (set, why) in [("/no/such", "No such file"), (failing, "exit status: 3")] {
-        let mut command = xcscr(&["replay", SAMPLE, "--serve", "--open"]);
+        let mut command = xcscr(&["replay", SAMPLE, "--open"]);
         command.env("BROWSER", set);
         let said = folder.path().join("said");
         command.stderr(fs::File::create(&said).unwrap());

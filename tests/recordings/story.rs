@@ -254,7 +254,7 @@ fn the_story_of_a_run_that_records_beams_shows_them_throughout() {
     let percepts = story.messages().map(|message| message.unwrap());
     let mut percepts = percepts.filter(|message| message.topic() == "/scene/percept");
     assert!(percepts.all(|message| !ray_ends(&message.data).is_empty()));
-    let (code, stdout, stderr) = outcome(&["replay", file.to_str().unwrap(), "--verify"]);
+    let (code, stdout, stderr) = outcome(&["recording", "verify", file.to_str().unwrap()]);
     assert_eq!(code, Some(0), "{stdout}{stderr}");
 }
 
@@ -304,7 +304,7 @@ fn the_story_comes_from_the_run_alone_and_has_the_same_bytes_each_time() {
         .enumerate()
     {
         let file = folder.path().join(format!("{number}.mcap"));
-        let args = ["replay", from.to_str().unwrap(), "--story", "-o"];
+        let args = ["recording", "highlights", from.to_str().unwrap(), "-o"];
         let args = [&args[..], &[file.to_str().unwrap()]].concat();
         let (code, stdout, stderr) = outcome(&args);
         assert_eq!((code, stdout.as_str()), (Some(0), ""), "{stderr}");
@@ -313,7 +313,7 @@ fn the_story_comes_from_the_run_alone_and_has_the_same_bytes_each_time() {
         assert_eq!(code, Some(73), "a file was replaced: {stderr}");
     }
     let file = whole.join("story.mcap");
-    let (code, stdout, _) = outcome(&["replay", file.to_str().unwrap(), "--verify"]);
+    let (code, stdout, _) = outcome(&["recording", "verify", file.to_str().unwrap()]);
     assert_eq!(code, Some(0), "{stdout}");
 }
 
@@ -372,7 +372,7 @@ fn an_evaluation_is_recorded_watched_and_verified_as_a_run_is() {
     let policy = messages.into_iter().find(|m| m.topic() == "/scene/policy");
     let arrows = SceneUpdate::decode(policy.unwrap().data.as_slice()).unwrap();
     assert!(!arrows.entities[0].triangles.is_empty());
-    let (code, stdout, stderr) = outcome(&["replay", beside.to_str().unwrap(), "--verify"]);
+    let (code, stdout, stderr) = outcome(&["recording", "verify", beside.to_str().unwrap()]);
     assert_eq!(code, Some(0), "{stdout}{stderr}");
     assert!(
         stdout.starts_with("4 of 4 recordings are bit-identical"),
@@ -396,7 +396,7 @@ fn a_run_is_summed_up_on_one_screen() {
         "run",
         &["--arena", "grid", "--episodes", "30"],
     );
-    let (code, stdout, stderr) = outcome(&["replay", run.to_str().unwrap()]);
+    let (code, stdout, stderr) = outcome(&["recording", "info", run.to_str().unwrap()]);
     assert_eq!(code, Some(0), "{stderr}");
     assert!(
         stdout.starts_with("maze4: xcscr-plus on grid, neighbours, seed 1, 30 episodes\n"),
@@ -407,7 +407,7 @@ fn a_run_is_summed_up_on_one_screen() {
     assert!(stdout.lines().count() <= 20, "{stdout}");
     let wide = |line: &&str| line.chars().count() > 80 && !line.contains(run.to_str().unwrap());
     assert_eq!(stdout.lines().find(wide), None);
-    let (_, whole, _) = outcome(&["replay", run.join("run.mcap").to_str().unwrap()]);
+    let (_, whole, _) = outcome(&["recording", "info", run.join("run.mcap").to_str().unwrap()]);
     assert!(
         whole.contains("/episode"),
         "a single recording is still listed: {whole}"
@@ -492,7 +492,7 @@ fn two_runs_are_compared_side_by_side_in_one_recording_in_which_nothing_interlea
     assert_eq!(ends.len(), 2);
     // It says which runs it shows: it can be checked, made again, and served.
     assert_eq!(check(Path::new(to)).unwrap(), []);
-    let (code, said, stderr) = outcome(&["replay", to, "--verify"]);
+    let (code, said, stderr) = outcome(&["recording", "verify", to]);
     assert_eq!(code, Some(0), "{said}{stderr}");
     let layout = both.attachment("foxglove-layout.json").unwrap();
     let known: BTreeSet<String> = both.topics().into_iter().map(|topic| topic.name).collect();

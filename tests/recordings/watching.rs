@@ -116,14 +116,14 @@ fn an_interrupted_run_has_a_map_only_of_episodes_that_are_named() {
 fn what_recordings_hold_is_one_json_document() {
     let folder = tempfile::tempdir().unwrap();
     let run = train(folder.path(), &["--episodes", "2"]);
-    let (code, stdout, stderr) = outcome(&["replay", run.to_str().unwrap(), "--json"]);
+    let (code, stdout, stderr) = outcome(&["recording", "info", run.to_str().unwrap(), "--json"]);
     assert_eq!(code, Some(0), "{stderr}");
     let shown: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let files = shown.as_array().unwrap();
     assert_eq!(files.len(), 4);
     assert_eq!(files[1]["run"]["episode"], "2");
     assert!(files[0]["topics"].as_array().unwrap().len() > 5, "{stdout}");
-    let (code, ..) = outcome(&["replay", run.to_str().unwrap(), "--json", "--serve"]);
+    let (code, ..) = outcome(&["replay", run.to_str().unwrap(), "--json"]);
     assert_eq!(code, Some(2));
 }
 
@@ -346,7 +346,7 @@ fn the_sample_in_the_repository_is_sound_small_and_the_same_as_a_new_run() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(sample);
     assert!(fs::metadata(&path).unwrap().len() < 300_000);
     assert_eq!(xcscr::record::check(&path).unwrap(), []);
-    let (code, stdout, stderr) = outcome(&["replay", sample, "--verify"]);
+    let (code, stdout, stderr) = outcome(&["recording", "verify", sample]);
     assert_eq!(code, Some(0), "{stdout}{stderr}");
     let shown = Recording::open(&path).unwrap();
     let told = shown.messages().map(|message| message.unwrap());

@@ -38,9 +38,9 @@ fn three_gigabytes_of_nothing_take_no_memory() {
     let (out, world) = (folder.path().join("out"), "worlds/maze4.json");
     let out = out.to_str().unwrap();
     for args in [
-        &["check", hole][..],
-        &["replay", hole],
-        &["recover", hole, "-o", out],
+        &["recording", "check", hole][..],
+        &["recording", "info", hole],
+        &["recording", "recover", hole, "-o", out],
         &["evaluate", hole, "--world", world],
         &["evaluate", run],
         &["train", hole],
@@ -70,9 +70,9 @@ fn pipes_and_devices_are_refused_at_once() {
     let picture = format!("{out}.svg");
     for input in [pipe.to_str().unwrap(), "/dev/zero"] {
         for args in [
-            &["check", input][..],
-            &["replay", input],
-            &["recover", input, "-o", out],
+            &["recording", "check", input][..],
+            &["recording", "info", input],
+            &["recording", "recover", input, "-o", out],
             &["map", input, "-o", &picture],
             &["evaluate", input, "--world", world],
             &["world", "info", input],
@@ -141,6 +141,7 @@ fn many_chunks_that_unpack_to_much_are_not_unpacked() {
     assert!(recovery.fault.unwrap().contains("unpacks to"));
     assert!(record::check(&out).is_ok());
     let args = [
+        "recording",
         "recover",
         path.to_str().unwrap(),
         "-o",
@@ -177,10 +178,10 @@ fn a_long_message_is_read_without_being_held_as_a_tree() {
     assert!(fs::metadata(&path).unwrap().len() < 100_000);
     let (file, out) = (path.to_str().unwrap(), folder.path().join("out.mcap"));
     for args in [
-        &["check", file][..],
-        &["replay", file],
-        &["replay", file, "--verify"],
-        &["recover", file, "-o", out.to_str().unwrap()],
+        &["recording", "check", file][..],
+        &["recording", "info", file],
+        &["recording", "verify", file],
+        &["recording", "recover", file, "-o", out.to_str().unwrap()],
     ] {
         let output = within(ITSELF + (64 << 10), args);
         let code = output.status.code().unwrap_or(-1);
@@ -216,7 +217,10 @@ fn a_file_in_which_everything_is_wrong_is_told_in_a_thousand_lines() {
     assert!(findings.len() < 1_100, "{} findings", findings.len());
     let told = |words: &str| findings.iter().any(|one| one.what.contains(words));
     assert!(told("is not JSON") && told("comes after") && told("more faults than these"));
-    let output = within(ITSELF + (64 << 10), &["check", path.to_str().unwrap()]);
+    let output = within(
+        ITSELF + (64 << 10),
+        &["recording", "check", path.to_str().unwrap()],
+    );
     ended(&output, 65, "check");
 }
 
@@ -373,7 +377,13 @@ fn a_world_of_a_million_cells_is_trained_in_within_100_megabytes_and_too_large_a
     let all = [&args[..args.len() - 4], &["--out", out, "--force"]].concat();
     ended(&within(ITSELF + LARGEST, &all), 0, "train");
     let story = folder.path().join("story.mcap");
-    let told = ["replay", out, "--story", "-o", story.to_str().unwrap()];
+    let told = [
+        "recording",
+        "highlights",
+        out,
+        "-o",
+        story.to_str().unwrap(),
+    ];
     let (_, stderr) = ended(&within(ITSELF + LARGEST, &told), 65, "a story");
     assert!(stderr.contains("too many cells for a story"), "{stderr}");
     fs::write(world, format!(r#"{{"rows": {:?}}}"#, vec!["###"; 4097])).unwrap();

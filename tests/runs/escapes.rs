@@ -132,15 +132,15 @@ fn recordings() {
     writer.finish().unwrap();
     drop(writer);
     let file = path.to_str().unwrap();
-    let shown = assert_harmless(&["replay", file]);
+    let shown = assert_harmless(&["recording", "info", file]);
     assert!(shown.contains("\\u001b[31m"), "{shown}");
-    let (json, _) = expect(0, &["replay", file, "--json"]);
+    let (json, _) = expect(0, &["recording", "info", file, "--json"]);
     let shown: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(shown[0]["topics"][0]["name"], EVIL, "the same as before");
     for args in [
-        &["check", file][..],
-        &["check", file, "--json"],
-        &["replay", file, "--verify"],
+        &["recording", "check", file][..],
+        &["recording", "check", file, "--json"],
+        &["recording", "verify", file],
         &["map", file, "-o", "no/such.svg"],
     ] {
         assert_harmless(args);
@@ -179,8 +179,8 @@ fn names_of_files() {
     let file = write(folder.path(), &name, "{}");
     for args in [
         &["world", "check", &file][..],
-        &["check", &file],
-        &["replay", &file],
+        &["recording", "check", &file],
+        &["recording", "info", &file],
         &["train", &file],
         &["evaluate", &file],
         &["study", "run", &file, "--out", "no/such"],

@@ -370,6 +370,7 @@ fn pictures_recovered_recordings_and_studies_on_a_full_disk_end_in_code_74_and_l
     for args in [
         &["map", dir, "-o", png.to_str().unwrap()][..],
         &[
+            "recording",
             "recover",
             recording.to_str().unwrap(),
             "-o",
@@ -606,7 +607,7 @@ fn odd_names_of_files_are_taken_as_they_are() {
         run(&["train", WORLD, "--episodes", "2", "--json", "--out"]);
         run(&["train", "--resume"]);
         run(&["evaluate", "--episodes", "2"]);
-        run(&["replay", "--verify"]);
+        run(&["recording", "verify"]);
     }
 }
 

@@ -334,8 +334,8 @@ fn ten_megabytes_of_anything_need_at_most_ten_times_their_size_and_64_mib() {
             &["train", file, "--out", out],
             &["train", "worlds/maze4.json", "--config", file, "--out", out],
             &["evaluate", file, "--world", "worlds/maze4.json"],
-            &["check", file],
-            &["recover", file, "-o", out],
+            &["recording", "check", file],
+            &["recording", "recover", file, "-o", out],
             &["study", "run", file, "--out", out],
         ] {
             let output = within_memory((10 * size as u64 + (64 << 20)) >> 10, args);
@@ -369,9 +369,9 @@ fn a_small_recording_that_unpacks_to_much_is_refused_before_it_fills_the_memory(
     assert!(fs::metadata(&bomb).unwrap().len() < 1 << 20, "it is small");
     let (bomb, out) = (bomb.to_str().unwrap(), out.to_str().unwrap());
     for (args, code) in [
-        (&["check", bomb][..], 65),
-        (&["replay", bomb], 65),
-        (&["recover", bomb, "-o", out], 3),
+        (&["recording", "check", bomb][..], 65),
+        (&["recording", "info", bomb], 65),
+        (&["recording", "recover", bomb, "-o", out], 3),
     ] {
         let output = within_memory(200 << 10, args);
         ended(&output, code, &format!("{args:?}"));
@@ -393,8 +393,8 @@ fn what_has_no_end_is_not_read_to_its_end() {
         &["train", "worlds/maze4.json", "--config", zero],
         &["train", "--resume", dir],
         &["evaluate", zero],
-        &["replay", zero],
-        &["check", zero],
+        &["recording", "info", zero],
+        &["recording", "check", zero],
         &["study", "run", zero, "--out", dir],
         &["study", "status", dir],
     ] {
@@ -646,8 +646,8 @@ fn nonsense_in_place_of_a_file_ends_with_a_code_that_says_so() {
             &["train", "worlds/maze4.json", "--config", file],
             &["train", "--resume", file],
             &["evaluate", file],
-            &["replay", file],
-            &["check", file],
+            &["recording", "info", file],
+            &["recording", "check", file],
             &["world", "info", file],
         ] {
             let mut command = xcscr(args);

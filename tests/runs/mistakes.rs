@@ -33,7 +33,11 @@ const MISTAKES: [(&[&str], i32, &str); 9] = [
         2,
         "a seed is a whole number from 0 to",
     ),
-    (&["check", "worlds"], 66, "worlds holds no recordings"),
+    (
+        &["recording", "check", "worlds"],
+        66,
+        "worlds holds no recordings",
+    ),
     (
         &["rules", "worlds/maze4.json"],
         65,
@@ -57,7 +61,7 @@ fn bundled_worlds_are_found_by_name_and_runs_and_recordings_in_place_of_each_oth
     let run = run.to_str().unwrap();
     let train = ["train", "maze4", "--arena", "grid", "--episodes", "3"];
     expect(0, &[&train[..], &["--out", run, "--quiet"]].concat());
-    let (checked, _) = expect(0, &["check", run]);
+    let (checked, _) = expect(0, &["recording", "check", run]);
     let files = fs::read_dir(run).unwrap();
     let recordings = files.filter(|file| {
         let name = file.as_ref().unwrap().file_name();

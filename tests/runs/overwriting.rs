@@ -185,10 +185,14 @@ fn pictures_and_recovered_recordings_want_force_for_a_file_that_exists() {
     );
     let recording = format!("{run}/run.mcap");
     let out = desk.folder("out", &["p.svg", "p.png", "r.mcap"]);
-    for (command, file) in [("map", "p.svg"), ("map", "p.png"), ("recover", "r.mcap")] {
-        let input = if command == "map" { &run } else { &recording };
+    let commands = [
+        (&["map", &run][..], "p.svg"),
+        (&["map", &run], "p.png"),
+        (&["recording", "recover", &recording], "r.mcap"),
+    ];
+    for (command, file) in commands {
         let target = format!("{out}/{file}");
-        let args = [command, input, "-o", &target];
+        let args = [command, &["-o", &target]].concat();
         refused(&args, &desk.path("out"), "--force");
         expect(0, &[&args[..], &["--force"]].concat());
         assert_ne!(fs::read(&target).unwrap(), b"mine");
@@ -211,7 +215,7 @@ fn exports_stories_maps_and_manual_pages_want_force_for_a_file_that_exists() {
             &["export", &run, "--target", "python", "-o", &export][..],
             "p.py",
         ),
-        (&["replay", &run, "--story", "-o", &story], "s.mcap"),
+        (&["recording", "highlights", &run, "-o", &story], "s.mcap"),
         (&["world", "convert", WORLD, "-o", &map], "m.pgm"),
         (&["man", "--out", &out], "xcscr.1"),
     ] {

@@ -340,7 +340,7 @@ fn an_interrupted_run_is_named_and_a_finished_one_is_left_alone() {
     let (_, stderr) = ended(&child.wait_with_output().unwrap(), 75, "TERM");
     let way_on = format!("`xcscr train --resume {dir}`");
     assert!(stderr.contains(&way_on), "{stderr}");
-    let (_, stderr) = expect(65, &["replay", dir]);
+    let (_, stderr) = expect(65, &["recording", "info", dir]);
     assert!(stderr.contains(&way_on), "{stderr}");
     let before = contents(&out);
     let (_, stderr) = expect(73, &begin);

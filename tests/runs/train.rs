@@ -84,7 +84,7 @@ fn the_percept_is_sensed_in_physics_and_looked_up_on_the_grid_unless_it_is_chose
 /// How many messages of each topic the episodes of a run have.
 fn messages(run: &Path, topic: &str) -> Vec<u64> {
     let episodes = ["ep-0001.mcap", "ep-0002.mcap"].map(|name| run.join(name));
-    let shown = episodes.map(|file| json(&["replay", file.to_str().unwrap(), "--json"]));
+    let shown = episodes.map(|file| json(&["recording", "info", file.to_str().unwrap(), "--json"]));
     let of_topic = |shown: &Value| {
         let topics = shown[0]["topics"].as_array().unwrap().iter();
         let found = topics.filter(|entry| entry["name"] == topic);
@@ -116,8 +116,8 @@ fn beams_are_recorded_when_they_are_asked_for_and_are_the_same_in_a_new_run() {
         "control: not asked for"
     );
     let file = with.join("ep-0002.mcap");
-    expect(0, &["check", file.to_str().unwrap()]);
-    expect(0, &["replay", with.to_str().unwrap(), "--verify"]);
+    expect(0, &["recording", "check", file.to_str().unwrap()]);
+    expect(0, &["recording", "verify", with.to_str().unwrap()]);
 }
 
 #[test]
@@ -368,12 +368,12 @@ fn a_recorded_evaluation_of_a_lone_file_names_the_method_that_it_is_of() {
         let lone = format!("{run}/rules.json");
         let evaluate = ["evaluate", &lone, "--episodes", "1", "--out", &out];
         expect(0, &[&evaluate[..], &world].concat());
-        let (summary, _) = expect(0, &["replay", &out]);
+        let (summary, _) = expect(0, &["recording", "info", &out]);
         assert!(
             summary.starts_with(&format!("maze4: {named} on ")),
             "{summary}"
         );
-        let (verified, _) = expect(0, &["replay", &out, "--verify"]);
+        let (verified, _) = expect(0, &["recording", "verify", &out]);
         assert!(verified.starts_with("2 of 2 "), "{verified}");
     }
 }
@@ -384,7 +384,7 @@ fn replay_verify_accepts_a_run_and_notices_one_changed_byte() {
     let run = folder.path().join("run");
     train(&run, "maze4", &["--episodes", "5", "--seed", "3"]);
     let dir = run.to_str().unwrap();
-    let (stdout, _) = expect(0, &["replay", dir, "--verify"]);
+    let (stdout, _) = expect(0, &["recording", "verify", dir]);
     assert_eq!(stdout, "7 of 7 recordings are bit-identical to a new run\n");
     let file = run.join("ep-0004.mcap");
     let sound = fs::read(&file).unwrap();
@@ -392,12 +392,12 @@ fn replay_verify_accepts_a_run_and_notices_one_changed_byte() {
         let mut bytes = sound.clone();
         bytes[at] ^= 1;
         fs::write(&file, bytes).unwrap();
-        let (stdout, _) = expect(1, &["replay", dir, "--verify"]);
+        let (stdout, _) = expect(1, &["recording", "verify", dir]);
         assert!(stdout.contains("ep-0004.mcap: "), "byte {at}: {stdout}");
-        expect(1, &["replay", file.to_str().unwrap(), "--verify"]);
+        expect(1, &["recording", "verify", file.to_str().unwrap()]);
     }
     fs::write(&file, sound).unwrap();
-    expect(0, &["replay", file.to_str().unwrap(), "--verify"]);
+    expect(0, &["recording", "verify", file.to_str().unwrap()]);
 }
 
 #[test]
@@ -407,11 +407,14 @@ fn check_accepts_recordings_and_refuses_damaged_ones() {
     train(&run, "maze6", &["--episodes", "2"]);
     let file = run.join("ep-0002.mcap");
     let name = file.to_str().unwrap();
-    assert_eq!(expect(0, &["check", name]).0, format!("{name}: sound\n"));
+    assert_eq!(
+        expect(0, &["recording", "check", name]).0,
+        format!("{name}: sound\n")
+    );
     let bytes = fs::read(&file).unwrap();
     fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
-    expect(65, &["check", name]);
-    expect(66, &["check", "no-such.mcap"]);
+    expect(65, &["recording", "check", name]);
+    expect(66, &["recording", "check", "no-such.mcap"]);
 }
 
 #[test]
@@ -545,7 +548,7 @@ fn recordings_and_trial_agree_when_a_policy_with_a_memory_is_optimal() {
     let report = train(&run, "classic/mazef4", &more);
     let first = report["first_optimal_episode"].as_u64().unwrap();
     assert!(1 < first && first < 12, "{report}");
-    let replayed = expect(0, &["replay", run.to_str().unwrap()]).0;
+    let replayed = expect(0, &["recording", "info", run.to_str().unwrap()]).0;
     let told = format!(", first in episode {first}\n");
     let line = replayed
         .lines()

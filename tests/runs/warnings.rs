@@ -32,7 +32,7 @@ fn the_default_step_limit_follows_the_maze_and_the_run_says_so() {
     assert_eq!(reward["step_threshold"], 176);
     assert_eq!(reward["step_threshold_from_maze"], true);
     assert!(json(report.as_bytes())["first_optimal_episode"].is_u64());
-    expect(0, &["replay", run, "--verify"]);
+    expect(0, &["recording", "verify", run]);
     let (again, _) = expect(0, &["evaluate", run, "--json", "--episodes", "1"]);
     assert_eq!(json(again.as_bytes())["optimal"], 1);
 }

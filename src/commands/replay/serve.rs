@@ -1,4 +1,4 @@
-//! `xcscr replay --serve`: links that open recordings in a viewer.
+//! `xcscr replay`: links that open recordings in a viewer.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};

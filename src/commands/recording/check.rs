@@ -1,13 +1,13 @@
-//! `xcscr check`: what is wrong with a recording.
+//! `xcscr recording check`: what is wrong with a recording.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::record::{self, Finding};
 
-use super::failure::{Exit, Failure};
-use super::source;
-use super::terminal::write_words;
+use crate::commands::failure::{Exit, Failure};
+use crate::commands::source;
+use crate::commands::terminal::write_words;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]

@@ -1,4 +1,4 @@
-//! `xcscr replay --verify`: whether a new run gives the same bytes.
+//! `xcscr recording verify`: whether a new run gives the same bytes.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! `xcscr replay RUN`: a run on one screen.
+//! `xcscr recording info RUN`: a run on one screen.
 
 use std::fs;
 use std::io::Write;
@@ -89,11 +89,11 @@ fn print_files(
     let megabytes = sizes.map(|data| data.len()).sum::<u64>() as f64 / 1e6;
     let (typed, run) = (disk::typed(folder), disk::typed(run));
     writeln!(out, "{} recordings, {megabytes:.1} MB", files.len())?;
-    writeln!(out, "  watch them           xcscr replay {typed} --serve")?;
-    writeln!(out, "  what one holds       xcscr replay {run}")?;
+    writeln!(out, "  watch them           xcscr replay {typed}")?;
+    writeln!(out, "  what one holds       xcscr recording info {run}")?;
     Ok(writeln!(
         out,
-        "  are they true?       xcscr replay {typed} --verify"
+        "  verify               xcscr recording verify {typed}"
     )?)
 }
 

@@ -1,11 +1,11 @@
-//! `xcscr recover`: a whole recording of what can be read of a broken one.
+//! `xcscr recording recover`: a whole recording of what can be read of a broken one.
 
 use std::path::PathBuf;
 
 use xcscr::record::{self, Recovery};
 
-use super::failure::{Exit, Failure};
-use super::terminal::say;
+use crate::commands::failure::{Exit, Failure};
+use crate::commands::terminal::say;
 
 /// Arguments of `recover`.
 #[derive(Debug, clap::Args)]

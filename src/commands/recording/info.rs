@@ -1,0 +1,74 @@
+//! `xcscr recording info`: what a run or a recording holds.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use xcscr::record::reader::{Recording, TopicInfo};
+
+use super::summary;
+use crate::commands::failure::Failure;
+use crate::commands::source::recordings;
+
+/// Prints a summary of each run, and what each recording holds.
+pub fn run(paths: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Failure> {
+    if !json {
+        return paths.iter().try_for_each(|path| show(path, out));
+    }
+    let mut files = Vec::new();
+    for path in paths {
+        files.extend(recordings(path)?);
+    }
+    show_json(&files, out)
+}
+
+/// What a recording says of itself.
+#[derive(Debug, Serialize)]
+struct Shown {
+    file: String,
+    run: BTreeMap<String, String>,
+    topics: Vec<TopicInfo>,
+}
+
+impl Shown {
+    fn of(file: &Path) -> Result<Self, Failure> {
+        let recording = Recording::open(file)?;
+        Ok(Self {
+            file: file.display().to_string(),
+            run: recording.metadata("run").cloned().unwrap_or_default(),
+            topics: recording.topics(),
+        })
+    }
+
+    fn print(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "{}", self.file)?;
+        for (key, value) in &self.run {
+            writeln!(out, "  {key:9} {value}")?;
+        }
+        for topic in &self.topics {
+            writeln!(
+                out,
+                "  {:16} {:6} {}",
+                topic.name, topic.messages, topic.schema
+            )?;
+        }
+        Ok(())
+    }
+}
+
+fn show_json(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
+    let shown: Result<Vec<Shown>, _> = files.iter().map(|file| Shown::of(file)).collect();
+    Ok(writeln!(out, "{}", serde_json::to_string_pretty(&shown?)?)?)
+}
+
+/// Sums up a run, or says what a recording holds.
+fn show(path: &Path, out: &mut impl Write) -> Result<(), Failure> {
+    let files = recordings(path)?;
+    if let Some(run) = summary::whole_run(path) {
+        return summary::print(path, &run, &files, out);
+    }
+    files
+        .iter()
+        .try_for_each(|file| Ok(Shown::of(file)?.print(out)?))
+}

@@ -1,0 +1,105 @@
+//! `xcscr recording`: what recordings hold, whether they are whole and true, and other files made of them.
+
+mod check;
+mod info;
+mod recover;
+mod summary;
+mod verify;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use xcscr::run::{RunError, RunFolder, Source};
+
+use super::failure::Failure;
+use super::output::OutputFile;
+use super::source::recordings;
+
+/// The commands about recordings.
+#[derive(Debug, clap::Subcommand)]
+pub enum RecordingCommand {
+    /// Summarise a run, or list what recordings hold.
+    Info {
+        /// Recordings (.mcap), or folders of runs.
+        #[arg(required = true, value_name = "RECORDING|RUN")]
+        recordings: Vec<PathBuf>,
+        /// Print one JSON document.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Check recordings for damage.
+    Check(check::CheckArgs),
+    /// Run the trial again, and compare every recording with it bit by bit.
+    Verify {
+        /// Recordings (.mcap), or folders of runs.
+        #[arg(required = true, value_name = "RECORDING|RUN")]
+        recordings: Vec<PathBuf>,
+        /// Print one JSON document.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Recover what can be read of a damaged recording.
+    Recover(recover::RecoverArgs),
+    /// Write the highlights of a run: how it learned, in less than two minutes.
+    Highlights(IntoFile),
+    /// Write a recording, or a whole run, as ROS 2 would have recorded it: /tf, /odom, /scan, /map.
+    Ros(IntoFile),
+}
+
+/// A recording or a run, and the file that is made of it.
+#[derive(Debug, clap::Args)]
+pub struct IntoFile {
+    /// A recording (.mcap), or the folder of a run.
+    #[arg(value_name = "RECORDING|RUN")]
+    from: PathBuf,
+    /// The new recording (.mcap).
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace FILE if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+impl IntoFile {
+    fn write(&self, make: fn(&Path) -> Result<Vec<u8>, RunError>) -> Result<(), Failure> {
+        let file = OutputFile::free(&self.output, self.force)?;
+        file.write(&make(&self.from)?)
+    }
+}
+
+/// Runs one of the commands.
+pub fn run(command: &RecordingCommand, out: &mut impl Write) -> Result<(), Failure> {
+    match command {
+        RecordingCommand::Info { recordings, json } => info::run(recordings, *json, out),
+        RecordingCommand::Check(args) => check::run(args, out),
+        RecordingCommand::Verify {
+            recordings: paths,
+            json,
+        } => {
+            let mut files = Vec::new();
+            for path in paths {
+                files.extend(recordings(path)?);
+            }
+            verify::run(&files, *json, out)
+        }
+        RecordingCommand::Recover(args) => recover::run(args),
+        RecordingCommand::Highlights(args) => args.write(highlights),
+        RecordingCommand::Ros(args) => args.write(ros_bag),
+    }
+}
+
+/// The highlights of a run, or of the run that a recording comes from.
+fn highlights(from: &Path) -> Result<Vec<u8>, RunError> {
+    match from.is_dir() {
+        true => RunFolder::open(from).story(),
+        false => Source::of(from)?.story(),
+    }
+}
+
+/// An episode or a whole run for ROS 2.
+fn ros_bag(from: &Path) -> Result<Vec<u8>, RunError> {
+    match from.is_dir() {
+        true => RunFolder::open(from).ros_bag(),
+        false => Source::of(from)?.ros_bag(),
+    }
+}

@@ -1,0 +1,44 @@
+//! Highlights recordings of runs that lack one.
+
+use std::path::PathBuf;
+
+use tempfile::TempDir;
+use xcscr::record::Extent;
+use xcscr::run::RunFolder;
+
+use crate::commands::failure::Failure;
+
+/// Files of runs, with highlights recordings in temporary folders for runs that lack one.
+pub struct WithHighlights {
+    /// All files.
+    pub files: Vec<PathBuf>,
+    /// What goes away with this.
+    _temporary: Vec<TempDir>,
+}
+
+/// Writes the highlights of each finished run among `paths` that lacks them.
+pub fn write_missing(
+    paths: &[PathBuf],
+    mut files: Vec<PathBuf>,
+) -> Result<WithHighlights, Failure> {
+    let mut written = Vec::new();
+    for path in paths
+        .iter()
+        .filter(|path| path.join("rules.json").is_file())
+    {
+        let folder = RunFolder::open(path);
+        let has_story = path.join(Extent::Story.file_name()).is_file();
+        if has_story || folder.is_interrupted() || folder.plan()?.maze.is_vast() {
+            continue;
+        }
+        let place = tempfile::tempdir()?;
+        let file = place.path().join(Extent::Story.file_name());
+        std::fs::write(&file, folder.story()?)?;
+        files.push(file);
+        written.push(place);
+    }
+    Ok(WithHighlights {
+        files,
+        _temporary: written,
+    })
+}
