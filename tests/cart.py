@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Compares the size of the rules of xcscr-plus with that of decision trees (CART) for the same decisions.
+"""Compares the size of the rules of xcscr-plus with that of decision trees for the same decisions.
 
-Usage: cart.py XCSCR WORLD... [--trials N]     needs scikit-learn
+Usage: cart.py XCSCR WORLD... [--trials N] [--dtcontrol PROGRAM]     needs scikit-learn
 
 For each world and seed, xcscr-plus learns on the grid with the percept as its state. The decisions of its rules in all
 cells are then given to scikit-learn. Of equally good actions the tree may use any: each of 100 fits draws one at random,
 and the tree with the fewest leaves counts. A rule's conditions are its bits that are not "don't care"; a tree's
-conditions are the tests on the paths to all of its leaves.
+conditions are the tests on the paths to all of its leaves. dtControl gets all equally good actions of each percept and
+determinises by itself; its presets `maxfreq` and `mlentropy` are run, and the tree with the fewest leaves counts.
 """
 
 import argparse
@@ -20,6 +21,7 @@ from pathlib import Path
 from sklearn.tree import DecisionTreeClassifier
 
 FITS = 100
+PRESETS = ["maxfreq", "mlentropy"]
 # Column and row, clockwise from north.
 AROUND = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)]
 
@@ -67,7 +69,28 @@ def smallest_tree(decisions, seed):
     return min(sizes)
 
 
-def compare(xcscr, world, seed):
+def paths_of(tree, depth=0):
+    """Yields the length of the path to each leaf of a tree of dtControl."""
+    if not tree["children"]:
+        yield depth
+    for child in tree["children"]:
+        yield from paths_of(child, depth + 1)
+
+
+def smallest_of_dtcontrol(program, decisions):
+    """Returns leaves and conditions of dtControl's smallest tree."""
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [[*percept, str(action)] for percept, actions in decisions for action in actions]
+        lines = ["#PERMISSIVE", f"#BEGIN {len(decisions[0][0])} 1", *map(",".join, rows)]
+        Path(folder, "policy.csv").write_text("\n".join(lines) + "\n")
+        command = [program, "-i", "policy.csv", "-p", *PRESETS, "-o", "out"]
+        subprocess.run(command, check=True, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        files = [Path(folder, "out", preset, "policy", f"{preset}.json") for preset in PRESETS]
+        trees = [list(paths_of(json.loads(file.read_text()))) for file in files]
+        return min((len(paths), sum(paths)) for paths in trees)
+
+
+def compare(xcscr, world, seed, dtcontrol):
     with tempfile.TemporaryDirectory() as folder:
         what = ["--arena", "grid", "--record", "none", "--quiet", "--json", "--set", "plus.estimator=percept"]
         command = [xcscr, "train", world, *what, "--seed", str(seed), "--out", f"{folder}/run"]
@@ -76,7 +99,8 @@ def compare(xcscr, world, seed):
     decided = [(percept, best_actions(rules, percept)) for percept in percepts(world)]
     decisions = [one for one in decided if one[1]]
     conditions = sum(16 - rule["condition"].count("#") for rule in rules)
-    return (len(decisions), len(rules), conditions, *smallest_tree(decisions, seed))
+    sizes = (len(decisions), len(rules), conditions, *smallest_tree(decisions, seed))
+    return sizes + (smallest_of_dtcontrol(dtcontrol, decisions) if dtcontrol else ())
 
 
 def main():
@@ -84,11 +108,14 @@ def main():
     parser.add_argument("xcscr")
     parser.add_argument("worlds", nargs="+")
     parser.add_argument("--trials", type=int, default=10)
+    parser.add_argument("--dtcontrol")
     args = parser.parse_args()
-    print("| world | percepts | rules | conditions of rules | leaves of CART | conditions of CART |")
-    print("|---|---|---|---|---|---|")
+    head = "| world | percepts | rules | conditions of rules | leaves of CART | conditions of CART |"
+    if args.dtcontrol:
+        head += " leaves of dtControl | conditions of dtControl |"
+    print(f"{head}\n{'|---' * (head.count('|') - 1)}|")
     for world in args.worlds:
-        sizes = [compare(args.xcscr, world, seed) for seed in range(1, args.trials + 1)]
+        sizes = [compare(args.xcscr, world, seed, args.dtcontrol) for seed in range(1, args.trials + 1)]
         medians = [f"{statistics.median(column):g}" for column in zip(*sizes)]
         print(f"| `{Path(world).stem}` | {' | '.join(medians)} |")
 

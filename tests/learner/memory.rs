@@ -92,6 +92,32 @@ fn what_is_far_is_looked_for_on_from_where_the_episode_before_had_to_give_up() {
     }
 }
 
+/// A corridor that winds three times through a world of 66 columns, with the goal at its end.
+fn serpentine() -> Maze {
+    let free = ".".repeat(63);
+    let wall = "#".repeat(66);
+    let bend = "#".repeat(64);
+    let rows = [
+        wall.clone(),
+        format!("#S{free}#"),
+        format!("{bend}.#"),
+        format!("#.{free}#"),
+        format!("#.{bend}"),
+        format!("#.{}G#", &free[1..]),
+        wall,
+    ];
+    let world = serde_json::json!({ "name": "serpentine", "moves": 4, "rows": rows });
+    Maze::from_json(world.to_string().as_bytes(), "serpentine.json").unwrap()
+}
+
+#[test]
+fn a_map_reaches_over_64_columns_and_over_more_steps_than_a_short_episode_has() {
+    let plan = Plan::new(serpentine()).method(Method::XcscrPlus);
+    let plan = plan.arena(ArenaKind::Grid).sensor(Sensor::Neighbours);
+    let trial = plan.episodes(12).seed(3).run().unwrap();
+    assert_eq!(greedy(&trial), 193.0);
+}
+
 /// The rules that look at more than the sixteen bits of the percept, and all.
 fn rules_beyond_the_percept(world: &str) -> [usize; 2] {
     let plan = on_a_map(on_the_grid(world, Method::XcscrPlus))

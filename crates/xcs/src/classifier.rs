@@ -44,8 +44,6 @@ fn no_mapping() -> f32 {
     1.0
 }
 
-const _: () = assert!(size_of::<Classifier>() == 128);
-
 impl Classifier {
     /// A covering rule, which knows nothing yet.
     pub fn new(condition: Condition, action: Action, time: u64, params: &Params) -> Self {

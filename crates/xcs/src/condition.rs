@@ -267,9 +267,9 @@ mod tests {
 
     #[test]
     fn crossover_across_machine_words_exchanges_nothing_else() {
-        let (mut a, mut b) = (condition(&"0".repeat(256)), condition(&"1".repeat(256)));
+        let (mut a, mut b) = (condition(&"0".repeat(320)), condition(&"1".repeat(320)));
         a.exchange(&mut b, 60, 200);
-        let expected = ["0".repeat(60), "1".repeat(140), "0".repeat(56)].concat();
+        let expected = ["0".repeat(60), "1".repeat(140), "0".repeat(120)].concat();
         assert_eq!(a.to_string(), expected);
     }
 
@@ -296,13 +296,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_condition_prints_as_it_was_read(text in "[01#]{0,256}") {
+        fn a_condition_prints_as_it_was_read(text in "[01#]{0,320}") {
             prop_assert_eq!(condition(&text).to_string(), text);
         }
 
         #[test]
         fn mutation_and_crossover_within_a_niche_keep_it_matched(
-            bits in "[01]{1,256}", seed in any::<u64>(), from in 0_usize..257, len in 0_usize..257,
+            bits in "[01]{1,320}", seed in any::<u64>(), from in 0_usize..321, len in 0_usize..321,
         ) {
             let percept: Percept = bits.parse().unwrap();
             let mut stream = Stream::new(seed, 0_u64);

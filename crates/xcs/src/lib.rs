@@ -40,7 +40,7 @@
 //! [`Xcs::evolve`]. With an adaptive mapping it is XCSAM: see [`Xcs::with_adaptive_mapping`].
 //! [`compact`] condenses what was learned. The examples show the 11-multiplexer and a corridor.
 //!
-//! Percepts have up to 256 bits, and there are up to 8 actions.
+//! Percepts have up to 320 bits, and there are up to 8 actions.
 
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 /// Machine words in a [`Percept`]; 64 bits each.
-pub const PERCEPT_WORDS: usize = 4;
+pub const PERCEPT_WORDS: usize = 5;
 /// The widest percept, in bits.
 pub const MAX_PERCEPT_BITS: usize = 64 * PERCEPT_WORDS;
 /// The largest number of actions that a learner can tell apart.

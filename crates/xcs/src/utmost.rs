@@ -64,7 +64,7 @@ fn opened(tells: bool) -> (usize, Population) {
 
 #[test]
 fn the_bounds_are_those_of_the_documentation() {
-    assert_eq!((MAX_PERCEPT_BITS, MAX_ACTIONS), (256, 8));
+    assert_eq!((MAX_PERCEPT_BITS, MAX_ACTIONS), (320, 8));
 }
 
 #[test]

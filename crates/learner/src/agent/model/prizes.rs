@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent::model::pomdp::GOAL;
 
 /// No way costs more steps than this.
-pub const MOST_STEPS: f64 = 1000.0;
+pub const MOST_STEPS: f64 = 4000.0;
 /// Discounts with which neither a sum of rewards is without end nor only the next one counts.
 const DISCOUNTS: [f64; 2] = [0.01, 0.999_999];
 /// What the goal is worth at least.

@@ -11,7 +11,7 @@ use xcs::random::Stream;
 use xcs::{Action, MAX_ACTIONS, PredictionArray};
 
 /// The most beliefs of which costs are kept; then all are forgotten.
-pub const MOST_BELIEFS: usize = 50_000;
+pub const MOST_BELIEFS: usize = 500_000;
 
 /// How often all states of a belief are imagined to be true, at most, until its costs settle.
 const MOST_SWEEPS: usize = 16;

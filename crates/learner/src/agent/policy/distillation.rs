@@ -23,9 +23,11 @@ const LEAST_OFTEN: f64 = 4.5;
 const EXACT: f64 = 1e-6;
 /// Imagined episodes, if moves slip or cells are misread.
 const IMAGINED: u32 = 300;
-/// Imagined episodes from each state in which rules act, if they do not: chance decides between
-/// actions that the rules hold for equally good, as it does when they drive.
-const IMAGINED_OF_TIES: u32 = 8;
+/// Simulated episodes from each state in which rules act, if they do not: chance decides between
+/// actions that the rules hold for equally good, as it does when they drive. On large maps there are fewer,
+/// and this many in all.
+const SIMULATED_OF_TIES: u32 = 8;
+const SIMULATED_OF_LARGE: u32 = 2400;
 
 /// How rules are corrected on a map.
 pub struct Distillation<'a> {
@@ -54,7 +56,10 @@ impl<'a> Distillation<'a> {
                 let episodes = IMAGINED.div_ceil(map.starts());
                 (ROUNDS, episodes, episodes)
             }
-            false => (ROUNDS_OF_EXACT, 1, IMAGINED_OF_TIES),
+            false => {
+                let most = SIMULATED_OF_LARGE / map.starts().max(1);
+                (ROUNDS_OF_EXACT, 1, most.clamp(1, SIMULATED_OF_TIES))
+            }
         };
         let misread = map.misread > 0.0;
         let (tolerance, least_often) = match slips {

@@ -347,6 +347,7 @@ fn likeliest(step: &MapStep, next: &Surroundings, robot: &RobotModel) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::agent::estimator::map::cell_counts::FURTHEST;
 
     const EAST: usize = 2;
 
@@ -408,7 +409,7 @@ mod tests {
 
     #[test]
     fn steps_beyond_the_reach_of_a_map_have_no_place_and_all_others_the_right_one() {
-        for cells in [30, 60, 150] {
+        for cells in [30, 80, 150] {
             let steps = from_the_east(cells);
             let aligned = align(
                 &steps,
@@ -416,7 +417,7 @@ mod tests {
                 &robot(MotionModel::known(8)),
             );
             for (place, east) in aligned.places.iter().zip((1..=cells).rev()) {
-                let expected = (east <= 48).then_some(Place::new(east, 0));
+                let expected = (east <= FURTHEST as i16).then_some(Place::new(east, 0));
                 assert_eq!(*place, expected, "{cells} cells");
             }
         }
@@ -426,7 +427,7 @@ mod tests {
     fn steps_beyond_the_reach_of_a_map_teach_nothing_about_the_motion_model() {
         let mut robot = robot(MotionModel::known(8));
         let before = robot.motion;
-        let steps = from_the_east(60);
+        let steps = from_the_east(80);
         let aligned = align(&steps, &CellCounts::default(), &robot);
         robot.learn_in_context(&steps[0], &aligned.fits[0]);
         let west = steps[0].action;

@@ -7,7 +7,7 @@ use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place, Surround
 /// Observations of a cell that count; from here on the older ones fade.
 const MOST_SIGHTINGS: u8 = 20;
 /// Cells further from the goal than this, in moves, are not charted.
-pub const FURTHEST: u16 = 48;
+pub const FURTHEST: u16 = 64;
 /// The weight of whatever is seen in a cell that nobody has seen before, beside that of a cell that agrees with the map. This is
 /// no probability: a new cell counts nearly as much as one that agrees, so that maps grow.
 const UNKNOWN: f64 = 0.9;

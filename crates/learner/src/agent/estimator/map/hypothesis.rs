@@ -10,7 +10,7 @@ use crate::agent::estimator::map::place::{CellState, Place};
 use crate::agent::estimator::map::reward_map::RewardMap;
 
 /// The last steps of an episode that are kept.
-pub const KEPT_STEPS: usize = 200;
+pub const KEPT_STEPS: usize = 2000;
 /// Episodes begin in one place if so many of them did, and this share of all.
 const LEAST_BEGUN: u32 = 3;
 const ALWAYS: f64 = 0.9;

@@ -247,12 +247,12 @@ impl View {
 /// A coordinate in unary: as many ones as it is greater than the least one.
 fn above(coordinate: i16) -> Percept {
     let ones = i32::from(coordinate) + i32::from(FURTHEST);
-    let ones = (1_u128 << ones.clamp(0, COORDINATE_BITS as i32)) - 1;
-    let low = Percept::from_word(ones as u64, 64);
-    low.followed_by(&Percept::from_word(
-        (ones >> 64) as u64,
-        COORDINATE_BITS - 64,
-    ))
+    let word = |ones: i32| match ones.clamp(0, 64) as u32 {
+        0 => 0,
+        ones => u64::MAX >> (64 - ones),
+    };
+    let high = Percept::from_word(word(ones - 64), COORDINATE_BITS - 64);
+    Percept::from_word(word(ones), 64).followed_by(&high)
 }
 
 fn step_bits(step: Option<(Percept, Action)>) -> Percept {
