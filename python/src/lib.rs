@@ -3,6 +3,7 @@
 mod plan;
 mod robot;
 mod trial;
+mod wheels;
 
 use pyo3::prelude::*;
 
@@ -13,6 +14,8 @@ mod _native {
     use super::robot::Robot;
     #[pymodule_export]
     use super::trial::{Trained, train};
+    #[pymodule_export]
+    use super::wheels::Wheels;
 
     use super::*;
 

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use xcs::Action;
 use xcscr_learner::trial::Plan;
 use xcscr_robot::arena::{Arena, Outcome};
-use xcscr_robot::world::{Cell, Paths};
+use xcscr_robot::world::{Cell, Maze, Paths};
 
 use crate::plan::{Choice, invalid};
 
@@ -42,7 +42,7 @@ impl Robot {
 
     /// Puts the robot at rest into the middle of a free cell.
     fn reset(&mut self, start: (u16, u16)) -> PyResult<()> {
-        let cell = self.free_cell(start)?;
+        let cell = free_cell(&self.plan.maze, start)?;
         self.arena.reset(cell);
         Ok(())
     }
@@ -102,7 +102,7 @@ impl Robot {
 
     /// The length of the shortest path from a cell to a goal, in moves; `None` if there is none.
     fn shortest_distance(&self, cell: (u16, u16)) -> PyResult<Option<u32>> {
-        let cell = self.free_cell(cell)?;
+        let cell = free_cell(&self.plan.maze, cell)?;
         Ok(self.paths.distance(&self.plan.maze, cell))
     }
 
@@ -171,16 +171,15 @@ impl Robot {
     }
 }
 
-impl Robot {
-    fn free_cell(&self, (col, row): (u16, u16)) -> PyResult<Cell> {
-        let (maze, cell) = (&self.plan.maze, Cell { col, row });
-        let inside = col < maze.width() && row < maze.height();
-        match inside && !maze.is_wall(cell) {
-            true => Ok(cell),
-            false => Err(invalid(format!(
-                "({col}, {row}) is not a free cell of {}",
-                maze.name()
-            ))),
-        }
+/// A cell, if it is inside of the maze and no wall.
+pub fn free_cell(maze: &Maze, (col, row): (u16, u16)) -> PyResult<Cell> {
+    let cell = Cell { col, row };
+    let inside = col < maze.width() && row < maze.height();
+    match inside && !maze.is_wall(cell) {
+        true => Ok(cell),
+        false => Err(invalid(format!(
+            "({col}, {row}) is not a free cell of {}",
+            maze.name()
+        ))),
     }
 }

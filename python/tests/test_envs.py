@@ -71,6 +71,17 @@ def test_the_start_can_be_chosen_and_poses_are_in_metres_of_the_map():
         env.reset(options={"start": (0, 0)})
 
 
+def test_the_goal_can_be_chosen_and_holds_until_it_is_taken_back():
+    env = made(world="maze4", arena="grid")
+    _, info = env.reset(seed=1, options={"goal": (2, 1)})
+    assert info["shortest_distance"] == 1
+    assert env.step(np.int64(EAST))[1:3] == (1.0, True)
+    assert env.reset()[1]["shortest_distance"] == 1
+    assert env.reset(options={"goal": None})[1]["shortest_distance"] == 10
+    with pytest.raises(ValueError, match="not a free cell"):
+        env.reset(options={"goal": (0, 0)})
+
+
 @pytest.mark.parametrize("arena", ["grid", "physics"])
 def test_a_pickled_environment_goes_on_as_the_original(arena):
     env = made(arena=arena, sensor="neighbours", slip=0.3).unwrapped

@@ -11,8 +11,9 @@ from gymnasium.envs.registration import register, registry
 from ._native import bundled_worlds, methods, sensors
 from .envs import MazeEnv
 from .learning import Result, Rule, train
+from .wheels import WheelsEnv
 
-__all__ = ["MazeEnv", "Result", "Rule", "bundled_worlds", "methods", "sensors", "train"]
+__all__ = ["MazeEnv", "Result", "Rule", "WheelsEnv", "bundled_worlds", "methods", "sensors", "train"]
 __version__ = "0.1.0"
 
 
@@ -25,6 +26,8 @@ def _register() -> None:
     entry = "xcscr.envs:MazeEnv"
     if "xcscr/Maze-v0" not in registry:
         register("xcscr/Maze-v0", entry_point=entry)
+    if "xcscr/Wheels-v0" not in registry:
+        register("xcscr/Wheels-v0", entry_point="xcscr.wheels:WheelsEnv")
     for world in bundled_worlds():
         if _id(world) not in registry:
             register(_id(world), entry_point=entry, kwargs={"world": world})

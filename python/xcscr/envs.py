@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium import spaces
 
 from ._native import Robot
+from .choice import choice, with_goal
 
 CELL_PX = 32
 COLOURS = {
@@ -38,7 +39,8 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
     Auxiliary rewards of the world are added.
 
     ## Starting State
-    The start cell of the world, or a random free cell. `reset(options={"start": (column, row)})` chooses one.
+    The start cell of the world, or a random free cell. `reset(options={"start": (column, row), "goal": (column, row)})` chooses them. A
+    goal holds until another one is given. `"goal": None` brings the goals of the world back.
 
     ## Episode Termination
     The episode terminates at a goal. It is truncated after `max_steps` steps (default: the step threshold of the world).
@@ -80,7 +82,7 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
             sets["physics.noise"] = noise
         if slip:
             sets["arena.slip"] = slip
-        self._choice = choice(world, arena, sensor, robot, sets, seed=1)
+        self._given = self._choice = choice(world, arena, sensor, robot, sets, seed=1)
         self._robot = Robot(self._choice)
         self._rewards = (goal_reward, step_reward, collision_reward)
         self._max_steps = max_steps or self._robot.step_threshold
@@ -93,9 +95,13 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         super().reset(seed=seed)
         options = dict(options or {})
-        start = options.pop("start", None)
-        if options:
-            raise ValueError(f"unknown options {sorted(options)}: only `start` is known")
+        unknown = options.keys() - {"start", "goal"}
+        if unknown:
+            raise ValueError(f"unknown options {sorted(unknown)}: only `start` and `goal` are known")
+        if "goal" in options:
+            self._choice = with_goal(self._given, options["goal"])
+            self._robot = Robot(self._choice)
+        start = options.get("start")
         # Each episode draws its noise from a seed of its own, so that it can be repeated alone.
         noise = int(self.np_random.integers(2**63))
         if start is None:
@@ -182,15 +188,3 @@ class MazeEnv(gymnasium.Env[np.ndarray, np.int64]):
             self._robot.reset(start)
             for action in actions:
                 self._robot.step(action)
-
-
-def choice(
-    world: str, arena: str, sensor: str | None, robot: str | None, settings: dict[str, Any], seed: int
-) -> dict[str, Any]:
-    """What the native part takes: settings as the program writes them."""
-
-    def written(value: Any) -> str:
-        return str(value).lower() if isinstance(value, bool) else str(value)
-
-    sets = [f"{key}={written(value)}" for key, value in settings.items()]
-    return {"world": world, "arena": arena, "sensor": sensor, "robot": robot, "settings": sets, "seed": seed}

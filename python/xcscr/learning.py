@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from . import _native
-from .envs import choice
+from .choice import choice
 
 COLUMNS = ["episode", "steps", "collisions", "explored", "reward", "reached", "rules", "optimal"]
 

@@ -23,7 +23,7 @@ pub use physics::check_fit;
 pub use physics::{
     BatchArena, BumperParams, Care, CautiousParams, EncoderParams, EstimatorParams, FaultParams,
     GyroParams, Lanes, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,
-    Snapshot,
+    Snapshot, WheelDrive,
 };
 pub use sensed::{Beam, Estimate, Sensed};
 pub use slip::ArenaParams;

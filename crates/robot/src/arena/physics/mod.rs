@@ -34,6 +34,7 @@ mod terrain;
 #[cfg(test)]
 mod tests;
 mod walls;
+mod wheel_drive;
 
 use nalgebra::{Point2, Vector2};
 use rapier2d::prelude::SharedShape;
@@ -43,6 +44,7 @@ pub use cautious::{Care, CautiousParams};
 pub use error::PhysicsError;
 pub use params::{Localisation, PhysicsParams};
 pub use snapshot::Snapshot;
+pub use wheel_drive::WheelDrive;
 
 use self::contact::{Hits, is_frontal};
 use self::controller::Maneuver;

@@ -1,0 +1,179 @@
+//! The robot without its controller: somebody else drives the wheels, step by step.
+
+use nalgebra::{Rotation2, Vector2};
+
+use super::motion::Command;
+use super::{PhysicsArena, cell_from_position};
+use crate::arena::Arena;
+use crate::world::Cell;
+use xcscr_sensing::cast;
+
+/// A robot whose wheels are driven directly: one physics step of 50 ms at a time, with the same body, wheels, floor, walls
+/// and wheel noise as in [`PhysicsArena`].
+pub struct WheelDrive {
+    arena: PhysicsArena,
+    /// The share by which each wheel turns too fast in this episode.
+    bias: [f64; 2],
+}
+
+impl WheelDrive {
+    /// Takes over the robot of an arena.
+    pub fn new(arena: PhysicsArena) -> Self {
+        Self {
+            arena,
+            bias: [0.0; 2],
+        }
+    }
+
+    /// The arena, for its view.
+    pub fn arena(&self) -> &PhysicsArena {
+        &self.arena
+    }
+
+    /// Puts the robot at rest into the middle of a free cell, heading in radians counter-clockwise from the grid's x axis.
+    pub fn reset(&mut self, start: Cell, heading_rad: f64) {
+        self.arena.reset(start);
+        let body = self.arena.simulation.body_mut();
+        let mut pose = *body.position();
+        pose.rotation = rapier2d::prelude::Rotation::from_angle(heading_rad as f32);
+        body.set_position(pose, true);
+        self.bias = self.arena.noise.wheel_bias();
+        self.arena.begin_trace();
+    }
+
+    /// Drives for one step of 50 ms. The motors follow the wanted speeds of the left and the right rim, in m/s, with their lag
+    /// and limited acceleration; the wheels push as far as the floor's friction allows.
+    pub fn step(&mut self, rims_mps: [f64; 2]) {
+        let arena = &mut self.arena;
+        arena.begin_trace();
+        let most = arena.params.max_speed_mps;
+        let [left, right] = rims_mps.map(|speed| match speed.is_nan() {
+            true => 0.0,
+            false => speed.clamp(-most, most),
+        });
+        let command = Command {
+            forward_mps: (left + right) / 2.0,
+            turn_radps: (right - left) / arena.params.wheel_base_m,
+        };
+        let motion = arena.motion();
+        arena.drive(command, &motion, self.bias, false);
+        arena.step(Vector2::x());
+        let position_m = arena.motion().pose.translation.vector.into();
+        arena.cell = cell_from_position(&arena.maze, position_m, arena.cell);
+    }
+
+    /// The largest speed of a rim in m/s.
+    pub fn max_speed_mps(&self) -> f64 {
+        self.arena.params.max_speed_mps
+    }
+
+    /// The distances in metres to the first wall, at most `limit_m`, in so many directions, evenly apart and counter-clockwise
+    /// from straight ahead.
+    pub fn ranges_m(&self, beams: usize, limit_m: f64) -> Vec<f64> {
+        let pose = self.arena.motion().pose;
+        let apart_rad = std::f64::consts::TAU / beams.max(1) as f64;
+        let ranges = (0..beams).map(|beam| {
+            let turned = Rotation2::new(beam as f64 * apart_rad);
+            let direction = pose.rotation * (turned * Vector2::x());
+            cast(
+                &self.arena.maze,
+                pose.translation.vector,
+                direction,
+                limit_m,
+            )
+            .unwrap_or(limit_m)
+        });
+        ranges.collect()
+    }
+
+    /// The distance to the middle of the nearest goal cell in metres, in a straight line, and its bearing in radians,
+    /// counter-clockwise from straight ahead.
+    pub fn goal(&self) -> (f64, f64) {
+        let pose = self.arena.motion().pose;
+        let goals = self.arena.maze.goals().iter();
+        let seen = goals.map(|&cell| {
+            let middle = self.arena.maze.centre_in_grid(cell);
+            let ahead = pose.inverse_transform_point(&middle).coords;
+            (ahead.norm(), libm::atan2(ahead.y, ahead.x))
+        });
+        let nearest = seen.reduce(|best, one| if one.0 < best.0 { one } else { best });
+        nearest.expect("every maze has a goal")
+    }
+
+    /// Does the middle of the robot stand in a goal cell?
+    pub fn has_arrived(&self) -> bool {
+        self.arena.maze.is_goal(self.arena.cell)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arena::PhysicsParams;
+    use crate::world::Maze;
+
+    /// A robot without noise at the western end of a corridor of three cells of 1 m.
+    fn corridor() -> WheelDrive {
+        let world = br######"{ "rows": ["#####", "#S.G#", "#####"] }"######;
+        let maze = Maze::from_json(world, "corridor.json").unwrap();
+        let params = PhysicsParams {
+            noise: 0.0,
+            ..PhysicsParams::default()
+        };
+        let mut drive = WheelDrive::new(PhysicsArena::new(maze, params, 1).unwrap());
+        drive.reset(Cell { col: 1, row: 1 }, 0.0);
+        drive
+    }
+
+    #[test]
+    fn equal_wheels_drive_straight_to_the_goal_and_stop_at_the_wall() {
+        let mut drive = corridor();
+        assert!((drive.goal().0 - 2.0).abs() < 1e-6 && drive.goal().1.abs() < 1e-6);
+        let mut arrived = None;
+        for step in 0..100 {
+            drive.step([1.0, 1.0]);
+            arrived = arrived.or(drive.has_arrived().then_some(step));
+        }
+        // 1.5 m to the goal cell at 1 m/s, and a few steps to speed up.
+        assert!((28..36).contains(&arrived.unwrap()), "{arrived:?}");
+        let at = drive.arena().view().now().robot_in_map.translation;
+        assert!(
+            (at.x - 3.7).abs() < 0.02 && (at.y - 1.5).abs() < 1e-3,
+            "{at}"
+        );
+    }
+
+    #[test]
+    fn opposite_wheels_turn_on_the_spot() {
+        let mut drive = corridor();
+        (0..10).for_each(|_| drive.step([-0.2, 0.2]));
+        let pose = drive.arena().view().now().robot_in_map;
+        assert!(pose.rotation.angle() > 0.3, "{pose}");
+        assert!((pose.translation.x - 1.5).abs() < 1e-3, "{pose}");
+    }
+
+    #[test]
+    fn ranges_begin_straight_ahead_and_go_counter_clockwise() {
+        let drive = corridor();
+        let ranges = drive.ranges_m(4, 2.0);
+        // East to the limit, north, west, south: half a cell each.
+        let expected = [2.0, 0.5, 0.5, 0.5];
+        for (range, expected) in ranges.iter().zip(expected) {
+            assert!((range - expected).abs() < 1e-6, "{ranges:?}");
+        }
+    }
+
+    #[test]
+    fn the_same_seed_and_speeds_give_the_same_bits() {
+        let world = br######"{ "rows": ["#####", "#S.G#", "#####"] }"######;
+        let path = || {
+            let maze = Maze::from_json(world, "corridor.json").unwrap();
+            let arena = PhysicsArena::new(maze, PhysicsParams::default(), 7).unwrap();
+            let mut drive = WheelDrive::new(arena);
+            drive.reset(Cell { col: 1, row: 1 }, 0.3);
+            (0..50).for_each(|step| drive.step([0.4, 0.1 * f64::from(step % 9)]));
+            drive.arena().view().now().robot_in_map
+        };
+        assert_eq!(path(), path());
+    }
+}

@@ -1,0 +1,84 @@
+//! A robot whose wheels are driven from Python.
+
+use pyo3::prelude::*;
+use xcscr_learner::trial::Plan;
+use xcscr_robot::arena::{Arena, PhysicsArena, WheelDrive};
+
+use crate::plan::{Choice, invalid};
+use crate::robot::free_cell;
+
+/// A differential-drive robot whose wheels are driven directly, 20 times a second.
+#[pyclass(unsendable, module = "xcscr._native")]
+pub struct Wheels {
+    plan: Plan,
+    drive: WheelDrive,
+}
+
+fn drive(plan: &Plan) -> PyResult<WheelDrive> {
+    let params = plan.config.settings.physics.clone();
+    let arena = PhysicsArena::new(plan.maze.clone(), params, plan.config.seed);
+    Ok(WheelDrive::new(arena.map_err(invalid)?))
+}
+
+#[pymethods]
+impl Wheels {
+    #[new]
+    fn new(choice: Choice) -> PyResult<Self> {
+        let plan = choice.plan(None, 1)?;
+        Ok(Self {
+            drive: drive(&plan)?,
+            plan,
+        })
+    }
+
+    /// Begins the random numbers of the wheel noise anew.
+    fn reseed(&mut self, seed: u64) -> PyResult<()> {
+        self.plan.config.seed = seed;
+        self.drive = drive(&self.plan)?;
+        Ok(())
+    }
+
+    /// Puts the robot at rest into the middle of a free cell, with a heading in radians.
+    fn reset(&mut self, start: (u16, u16), heading: f64) -> PyResult<()> {
+        let cell = free_cell(&self.plan.maze, start)?;
+        self.drive.reset(cell, heading);
+        Ok(())
+    }
+
+    /// Drives for 50 ms with the wanted speeds of the left and the right rim in m/s. Returns whether the robot stands in a goal
+    /// cell, and the impulses of the hits on walls, added up, in newton-seconds.
+    fn step(&mut self, left: f64, right: f64) -> (bool, f64) {
+        self.drive.step([left, right]);
+        let contacts = self.drive.arena().view().contacts.iter();
+        let impulse = contacts.map(|contact| contact.impulse_ns).sum();
+        (self.drive.has_arrived(), impulse)
+    }
+
+    /// The distances to the first wall in metres, at most `limit`, counter-clockwise from straight ahead.
+    fn ranges(&self, beams: usize, limit: f64) -> Vec<f64> {
+        self.drive.ranges_m(beams, limit)
+    }
+
+    /// The distance to the nearest goal in metres, and its bearing in radians from straight ahead.
+    #[getter]
+    fn goal(&self) -> (f64, f64) {
+        self.drive.goal()
+    }
+
+    /// The pose in the map frame: x and y in metres, heading in radians from the x axis.
+    #[getter]
+    fn pose(&self) -> (f64, f64, f64) {
+        let pose = self.drive.arena().view().now().robot_in_map;
+        (
+            pose.translation.x,
+            pose.translation.y,
+            pose.rotation.angle(),
+        )
+    }
+
+    /// The largest speed of a rim in m/s.
+    #[getter]
+    fn max_speed(&self) -> f64 {
+        self.drive.max_speed_mps()
+    }
+}
