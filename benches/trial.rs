@@ -84,6 +84,8 @@ fn train(plan: Plan, mode: RecordMode) -> Trial {
         sensor: plan.config.sensor,
         episodes: plan.config.episodes,
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
+        slip: 0.0,
+        goal: 1000.0,
         is_evaluation: false,
     };
     let recorder = Recorder::create(folder.path(), &plan.maze, info, mode);

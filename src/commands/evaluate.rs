@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use xcscr::agent::Knowledge;
 use xcscr::arena::ArenaKind;
 use xcscr::disk;
-use xcscr::run::{clear_evaluation, record_evaluation};
+use xcscr::run::{RunError, clear_evaluation, record_evaluation};
 use xcscr::study::{ConditionResult, Robustness};
 use xcscr::trial::{Evaluation, Plan};
 
 use super::choices::{self, SettingsArgs};
 use super::failure::{Exit, Failure};
+use super::interrupt::Interrupt;
 use super::learned::LearnedArgs;
 
 /// Arguments of `evaluate`.
@@ -107,8 +108,16 @@ fn evaluate(
     }
     let folder = args.out.clone().unwrap_or_else(|| args.learned.beside());
     clear_evaluation(&folder, args.force)?;
-    let (evaluation, _) = record_evaluation(plan, knowledge, args.episodes, &folder)?;
-    Ok((evaluation, Some(folder)))
+    let interrupt = Interrupt::notice()?;
+    let stop = || interrupt.came();
+    match record_evaluation(plan, knowledge, args.episodes, &folder, &stop) {
+        Err(RunError::Stopped) => {
+            clear_evaluation(&folder, true)?;
+            let message = "interrupted; nothing was kept, so run it again".to_owned();
+            Err(Failure::new(Exit::Interrupted, message))
+        }
+        recorded => Ok((recorded?.0, Some(folder))),
+    }
 }
 
 fn print_folder(folder: &Path, out: &mut impl Write) -> Result<(), Failure> {

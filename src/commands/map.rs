@@ -75,6 +75,7 @@ impl Kind {
 fn plan(args: &MapArgs) -> Result<(Plan, Option<u32>), Failure> {
     if args.run.exists() && !args.run.is_dir() {
         let source = Source::of(&args.run)?;
+        source.require_training()?;
         return Ok((source.plan, source.extent.episode()));
     }
     let folder = RunFolder::open(&args.run);

@@ -3,6 +3,22 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
+
+use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
+
+/// What cannot stand as it is in the path of an address.
+const IN_PATHS: &AsciiSet = &CONTROLS
+    .add(b' ')
+    .add(b'"')
+    .add(b'#')
+    .add(b'%')
+    .add(b'<')
+    .add(b'>')
+    .add(b'?')
+    .add(b'`')
+    .add(b'{')
+    .add(b'}');
 
 /// Columns of a terminal.
 const COLUMNS: usize = 80;
@@ -144,6 +160,14 @@ pub fn print_link(words: &str, address: &str) -> io::Result<()> {
     let (words, address) = (escaped(words), escaped(address));
     write!(out, "\u{1b}]8;;{address}\u{1b}\\{words}\u{1b}]8;;\u{1b}\\")?;
     out.flush()
+}
+
+/// Returns the address of a file on this machine (`file://...`).
+pub fn file_link(path: &Path) -> String {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let encoded = whole.to_string_lossy();
+    let encoded = utf8_percent_encode(&encoded, IN_PATHS);
+    format!("file://{encoded}")
 }
 
 /// Text on its way to the terminal, in which whatever commands a terminal is shown as `\u001b`.

@@ -17,7 +17,8 @@ use super::failure::{Exit, Failure};
 use super::interrupt::Interrupt;
 use super::live::{LIVE_PORT, LiveArgs};
 use super::progress::Progress;
-use super::terminal::say;
+use super::replay::browser;
+use super::terminal::{file_link, say};
 use super::train_report::TrainReport;
 
 /// What is settled once a run has begun.
@@ -71,6 +72,9 @@ pub struct TrainArgs {
     /// The port for `--live`.
     #[arg(long, value_name = "P", default_value_t = LIVE_PORT)]
     port: u16,
+    /// Open the page of the highlights in the browser when the run has ended.
+    #[arg(long)]
+    open: bool,
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
@@ -132,6 +136,9 @@ pub fn run(args: &TrainArgs, out: &mut impl Write) -> Result<(), Failure> {
         recording,
         steps,
     } = finished?;
+    if let Some(page) = folder.page().filter(|_| args.open) {
+        browser::open(&file_link(&page));
+    }
     let report = TrainReport::new(&trial, folder.path());
     if args.json {
         return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?);

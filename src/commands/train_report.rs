@@ -8,12 +8,13 @@ use xcscr::agent::Chosen;
 use xcscr::disk;
 use xcscr::episode::PolicyMap;
 use xcscr::record::RecordSummary;
+use xcscr::run::RunFolder;
 use xcscr::trial::{Plan, Trial};
 use xcscr::world::{Cell, Facts, Maze};
 
 use super::failure::Failure;
 use super::sparkline::sparkline;
-use super::terminal::print_maze;
+use super::terminal::{file_link, print_maze};
 
 /// What the letters over the maze mean.
 const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
@@ -215,24 +216,14 @@ impl TrainReport {
         let megabytes = recording.bytes as f64 / 1e6;
         let (dir, typed) = (&self.run_dir, disk::typed(&self.folder));
         writeln!(out, "Recorded {files} files, {megabytes:.1} MB, in {dir}.")?;
-        let has_story = recording
-            .files
-            .iter()
-            .any(|file| file.ends_with("story.mcap"));
-        let (what, opened) = match has_story {
-            true => (
-                "Watch how it learned, in less than two minutes: the first link of",
-                "story.mcap",
-            ),
-            false => ("Watch it:", "an episode"),
-        };
-        writeln!(
+        if let Some(page) = RunFolder::open(&self.folder).page() {
+            writeln!(out, "Watch how it learned, in a browser:")?;
+            writeln!(out, "  {}", file_link(&page))?;
+        }
+        Ok(writeln!(
             out,
-            "{what}\n  xcscr replay {typed}\n\
-             or open {opened} in Foxglove or Lichtblick, and import foxglove-layout.json\n\
-             (for run.mcap: foxglove-layout-run.json) from there."
-        )?;
-        Ok(())
+            "In Foxglove or Lichtblick:\n  xcscr replay {typed}"
+        )?)
     }
 }
 

@@ -1,5 +1,7 @@
 //! From a film to shapes.
 
+use std::collections::BTreeSet;
+
 use super::arrow::Heading;
 use super::film::{Film, Moment};
 use super::shapes::{Colour, Drawing, Shape};
@@ -16,10 +18,13 @@ const START: Colour = Colour::hex(0xf4b740);
 const GOAL: Colour = Colour::hex(0x7fdca0);
 const REWARD: Colour = Colour::hex(0xe3cdf9);
 const PATH: Colour = Colour::hex(0x9cc3f5);
-/// The colours of best actions, by the rank of their worth: red, yellow, green.
-const WORST: Colour = Colour::hex(0xe0322f);
-const MIDDLE: Colour = Colour::hex(0xf2b632);
-const BEST: Colour = Colour::hex(0x1f9d55);
+/// The colours of best actions, by how near the goal is along the policy. Their lightness falls, so that colour-blind viewers
+/// see the order, too.
+const FAR: Colour = Colour::hex(0xe6ac00);
+const MIDDLE: Colour = Colour::hex(0x1f8f8a);
+const NEAR: Colour = Colour::hex(0x45106b);
+/// The same where the policy does not arrive.
+const ASTRAY: Colour = Colour::hex(0x9aa3b0);
 /// The colour of all other actions.
 const NONE: Colour = Colour::hex(0xb9c0cc);
 
@@ -28,7 +33,7 @@ const MARGIN: f64 = 16.0;
 /// Room for title and caption above the maze.
 const HEAD: f64 = 62.0;
 /// Room for the legend below the maze.
-const FOOT: f64 = 66.0;
+const FOOT: f64 = 90.0;
 /// The least width, so that the words fit.
 const LEAST_WIDTH: f64 = 544.0;
 /// The edge of a cell; less in mazes that would become larger than [`MOST`].
@@ -56,7 +61,7 @@ pub(super) fn draw(film: &Film) -> Drawing {
         frames: frames
             .map(|moment| plane.moment(moment, &film.paths))
             .collect(),
-        labels: plane.labels(&film.title),
+        labels: plane.labels(film),
     }
 }
 
@@ -108,8 +113,10 @@ impl<'a> Plane<'a> {
     /// What changes from moment to moment: cells visited, path, arrows, caption.
     fn moment(&self, moment: &Moment, paths: &Paths) -> Vec<Shape> {
         let mut shapes = Vec::new();
+        let visited = moment.visited.iter().map(|&cell| self.maze.index(cell));
+        let visited: BTreeSet<usize> = visited.collect();
         for cell in self.maze.free_cells() {
-            let was_here = moment.visited.contains(&cell);
+            let was_here = visited.contains(&self.maze.index(cell));
             let fill = match () {
                 () if was_here => VISITED,
                 () if self.maze.friction(cell).is_some() => SLIPPERY,
@@ -133,18 +140,18 @@ impl<'a> Plane<'a> {
         shapes
     }
 
-    /// An arrow per action and free cell. The best ones are long and coloured by the rank of their
-    /// worth among all cells, which tells cells apart however far the goal is; the others are short
-    /// and faint.
+    /// An arrow per action and free cell. The best ones are long and coloured by how near the goal is along the policy;
+    /// the others are short and faint.
     fn arrows(&self, moment: &Moment) -> Vec<Shape> {
         let mut shapes = Vec::new();
-        for ((cell, worth), rank) in moment.policy.cells().zip(moment.policy.ranks()) {
+        let near = moment.policy.nearness(self.maze);
+        for ((cell, worth), near) in moment.policy.cells().zip(near) {
             let directions = self.maze.moves().directions().iter();
             for (&direction, &one) in directions.zip(worth.as_slice()) {
                 let is_best = one.is_some() && one == worth.greatest();
                 let (length, fill) = match (one, is_best) {
                     (None, _) => (0.0, NONE),
-                    (Some(_), true) => (0.47, shade(rank.unwrap_or(0.0))),
+                    (Some(_), true) => (0.47, near.map_or(ASTRAY, shade)),
                     (Some(_), false) => (0.2, NONE),
                 };
                 shapes.push(Shape::Arrow {
@@ -171,7 +178,7 @@ impl<'a> Plane<'a> {
     }
 
     /// The letters of start, goals and rewards, title and legend.
-    fn labels(&self, title: &str) -> Vec<Shape> {
+    fn labels(&self, film: &Film) -> Vec<Shape> {
         let start = self.maze.start().map(|cell| (cell, "S"));
         let goals = self.maze.goals().iter().map(|&cell| (cell, "G"));
         let paying = self.maze.rewarding_cells().iter().map(|&cell| (cell, "*"));
@@ -182,8 +189,10 @@ impl<'a> Plane<'a> {
         };
         let marked = start.into_iter().chain(goals).chain(paying);
         let mut shapes: Vec<Shape> = marked.map(letter).collect();
-        shapes.push(words(MARGIN, 26.0, 17.0, INK, title));
+        shapes.push(words(MARGIN, 26.0, 17.0, INK, &film.title));
         shapes.extend(self.legend());
+        let third = self.height - FOOT + 26.0 + 48.0;
+        shapes.push(words(MARGIN, third, 12.0, INK, film.arrows));
         shapes
     }
 
@@ -204,14 +213,14 @@ impl<'a> Plane<'a> {
         };
         vec![
             sample(MARGIN, first, 1.0),
-            says(50.0, first, "most worth"),
+            says(50.0, first, "near the goal"),
             sample(152.0, first, 0.0),
-            says(186.0, first, "least worth"),
+            says(186.0, first, "far from it"),
             path,
             says(320.0, first, "greedy path: the best actions"),
             block(MARGIN + 4.0, second - 13.0, 17.0, 17.0, VISITED),
             says(50.0, second, "visited in this episode"),
-            says(226.0, second, "long: the best action; colour: its rank"),
+            says(226.0, second, "long: best action; grey: leads to no goal"),
         ]
     }
 }
@@ -235,10 +244,10 @@ fn words(x: f64, y: f64, size: f64, colour: Colour, text: impl Into<String>) -> 
     }
 }
 
-/// The colour of a rank, from 0 (worst) to 1 (best).
-fn shade(rank: f64) -> Colour {
-    match rank < 0.5 {
-        true => WORST.toward(MIDDLE, 2.0 * rank),
-        false => MIDDLE.toward(BEST, 2.0 * rank - 1.0),
+/// The colour of a share, from 0 (far from the goal) to 1 (near it).
+fn shade(near: f64) -> Colour {
+    match near < 0.5 {
+        true => FAR.toward(MIDDLE, 2.0 * near),
+        false => MIDDLE.toward(NEAR, 2.0 * near - 1.0),
     }
 }

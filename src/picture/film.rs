@@ -7,8 +7,8 @@ use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
 use crate::trial::{Judge, Plan, PlanError, Trial, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
 
-/// The most moments of an animation; of longer runs not every episode is shown.
-const MOST_MOMENTS: u32 = 45;
+/// The most moments of an animation; where the policy changes more often, not every change is shown.
+const MOST_MOMENTS: usize = 45;
 /// The most cells of a maze that is drawn: with so many, an SVG takes 145 MB.
 const MOST_CELLS: usize = 1 << 20;
 
@@ -19,7 +19,7 @@ pub enum Scenes {
     Last,
     /// The policy after this one, counted from 1.
     After(u32),
-    /// The policy as it forms, in at most 45 moments.
+    /// The policy as it forms: after the episodes that changed a best action, in at most 45 moments.
     Forming,
 }
 
@@ -43,6 +43,8 @@ pub struct Moment {
 pub struct Film {
     pub(super) maze: Maze,
     pub(super) title: String,
+    /// What is to be said of the arrows, or nothing.
+    pub(super) arrows: &'static str,
     pub(super) paths: Paths,
     pub(super) moments: Vec<Moment>,
 }
@@ -74,26 +76,26 @@ impl Film {
     pub fn of(plan: &Plan, scenes: Scenes) -> Result<Self, FilmError> {
         check_size(&plan.maze)?;
         let episodes = plan.config.episodes;
-        let (last, every) = match scenes {
-            Scenes::Last => (episodes, episodes),
-            Scenes::After(wanted) if (1..=episodes).contains(&wanted) => (wanted, wanted),
+        let last = match scenes {
+            Scenes::Last | Scenes::Forming => episodes,
+            Scenes::After(wanted) if (1..=episodes).contains(&wanted) => wanted,
             Scenes::After(wanted) => return Err(FilmError::NoSuchEpisode { wanted, episodes }),
-            Scenes::Forming => (episodes, episodes.div_ceil(MOST_MOMENTS)),
         };
         let mut trial = Trial::new(plan.clone())?;
-        let mut camera = Camera::new(last, every, trial.plan());
+        let mut camera = Camera::new(last, scenes == Scenes::Forming, trial.plan());
         // The camera itself ends the trial.
         let _ = trial.run(&mut camera);
         let config = &plan.config;
         let (world, method) = (plan.maze.name(), config.method.name());
         let (arena, seed) = (config.arena.name(), config.seed);
         let arrows = match trial.method().remembers() {
-            true => "; arrows: as if an episode began there",
+            true => "arrows: as if an episode began there",
             false => "",
         };
         Ok(Self {
             maze: plan.maze.clone(),
-            title: format!("{world}: {method} on {arena}, seed {seed}{arrows}"),
+            title: format!("{world}: {method} on {arena}, seed {seed}"),
+            arrows,
             paths: camera.judge.paths().clone(),
             moments: camera.moments,
         })
@@ -120,23 +122,56 @@ fn check_size(maze: &Maze) -> Result<(), FilmError> {
 /// Keeps the moments that are wanted.
 struct Camera {
     last: u32,
-    every: u32,
+    /// Are changes shown, and not only the last episode?
+    shows_changes: bool,
+    /// Changes so far, and every how many of them one is kept.
+    changes: usize,
+    stride: usize,
     judge: Judge,
     visited: Vec<Cell>,
     moments: Vec<Moment>,
 }
 
 impl Camera {
-    fn new(last: u32, every: u32, plan: &Plan) -> Self {
+    fn new(last: u32, shows_changes: bool, plan: &Plan) -> Self {
         let Plan { maze, config } = plan;
         Self {
             last,
-            every,
+            shows_changes,
+            changes: 0,
+            stride: 1,
             judge: Judge::new(maze, config.sensor, config.settings.arena.slip),
             visited: Vec::new(),
             moments: Vec::new(),
         }
     }
+
+    /// Is this policy to be kept? Counts the change, and makes room for it.
+    fn keeps(&mut self, policy: &PolicyMap) -> bool {
+        let before = self.moments.last();
+        if !self.shows_changes || before.is_some_and(|before| agree(&before.policy, policy)) {
+            return false;
+        }
+        let number = self.changes;
+        self.changes += 1;
+        // The last episode comes in addition.
+        if self.moments.len() == MOST_MOMENTS - 1 {
+            let mut at = 0..;
+            self.moments
+                .retain(|_| at.next().is_some_and(|at: usize| at.is_multiple_of(2)));
+            self.stride *= 2;
+        }
+        number.is_multiple_of(self.stride)
+    }
+}
+
+/// Have two policies the same best actions in all cells?
+fn agree(one: &PolicyMap, other: &PolicyMap) -> bool {
+    let both = one.cells().zip(other.cells());
+    one.cells().count() == other.cells().count()
+        && both.into_iter().all(|((cell, worth), (there, other))| {
+            cell == there && worth.best_actions().eq(other.best_actions())
+        })
 }
 
 impl Observer for Camera {
@@ -149,10 +184,13 @@ impl Observer for Camera {
     }
 
     fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
-        // Counted from the last, so that it is always there.
-        if (self.last - episode.episode).is_multiple_of(self.every) {
-            let (method, sensor, maze) = (learned.method, learned.sensor, learned.view.maze);
-            let policy = PolicyMap::of(method, sensor, maze);
+        let is_last = episode.episode == self.last;
+        if !is_last && !self.shows_changes {
+            return ControlFlow::Continue(());
+        }
+        let (method, sensor, maze) = (learned.method, learned.sensor, learned.view.maze);
+        let policy = PolicyMap::of(method, sensor, maze);
+        if self.keeps(&policy) || is_last {
             let from = self.visited[0];
             self.moments.push(Moment {
                 episode: *episode,
@@ -162,9 +200,9 @@ impl Observer for Camera {
                 visited: std::mem::take(&mut self.visited),
             });
         }
-        match episode.episode < self.last {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
+        match is_last {
+            false => ControlFlow::Continue(()),
+            true => ControlFlow::Break(()),
         }
     }
 }
@@ -201,7 +239,10 @@ impl Moment {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::agent::Method;
     use crate::arena::ArenaKind;
 
     /// An empty hall with a start and a goal.
@@ -228,5 +269,28 @@ mod tests {
         let plan = Plan::new(hall(40, 5)).arena(ArenaKind::Grid).episodes(1);
         let film = Film::of(&plan, Scenes::Last).unwrap();
         assert_eq!(film.moments().len(), 1);
+    }
+
+    #[test]
+    fn an_animation_shows_the_episodes_that_changed_the_policy_and_the_last_one() {
+        let plan = Plan::new(hall(40, 5)).arena(ArenaKind::Grid).episodes(30);
+        let film = Film::of(&plan, Scenes::Forming).unwrap();
+        let [before @ .., last] = film.moments() else {
+            panic!("there is no moment");
+        };
+        assert_eq!(last.episode.episode, 30);
+        assert!((2..30).contains(&before.len()), "{}", before.len());
+        for pair in before.windows(2) {
+            assert!(!agree(&pair[0].policy, &pair[1].policy));
+        }
+    }
+
+    #[test]
+    fn of_many_changes_some_are_shown() {
+        let maze = Maze::find(Path::new("maze4")).unwrap();
+        let plan = Plan::new(maze).method(Method::Xcscr);
+        let film = Film::of(&plan.arena(ArenaKind::Grid).episodes(300), Scenes::Forming).unwrap();
+        let shown = film.moments().len();
+        assert!((20..=MOST_MOMENTS).contains(&shown), "{shown}");
     }
 }

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use super::mode::RecordMode;
-use crate::agent::Params;
 use crate::sensor::Sensor;
 
 /// The entry of the metadata record `run` that tells an evaluation from a training ...
@@ -32,27 +31,15 @@ pub struct RunInfo {
     pub episodes: u32,
     /// What the robot looks like.
     pub robot: RobotShape,
+    /// The probability that an action slips.
+    pub slip: f64,
+    /// What a goal pays.
+    pub goal: f64,
     /// Is nothing learned in it?
     pub is_evaluation: bool,
 }
 
 impl RunInfo {
-    /// The probability that actions slip, as the settings have it; 0 where they say nothing.
-    pub(super) fn slip(&self) -> f64 {
-        self.setting("arena/slip").unwrap_or(0.0)
-    }
-
-    /// What a goal pays; as usual where the settings say nothing.
-    pub(super) fn goal(&self) -> f64 {
-        let usual = Params::default().goal;
-        self.setting("reward/goal").unwrap_or(usual)
-    }
-
-    fn setting(&self, name: &str) -> Option<f64> {
-        let config: serde_json::Value = serde_json::from_str(&self.config_json).ok()?;
-        config.pointer(&format!("/settings/{name}"))?.as_f64()
-    }
-
     /// World, method and seed in a line.
     pub(super) fn heading(&self, world: &str) -> String {
         let (method, arena, sensor) = (&self.method, &self.arena, self.sensor.name());

@@ -9,6 +9,7 @@ mod info;
 mod json;
 pub mod layout;
 mod mode;
+pub mod player;
 mod read;
 mod repair;
 mod ros;

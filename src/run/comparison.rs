@@ -54,6 +54,7 @@ fn material(path: &Path) -> Result<Material, RunError> {
         true => Material::of(&RunFolder::open(path)),
         false => {
             let source = Source::of(path)?;
+            source.require_training()?;
             Material::again(&source.plan, source.mode)
         }
     }

@@ -39,6 +39,9 @@ pub enum RunError {
         .0.display()
     )]
     TwoRuns(PathBuf),
+    /// An evaluation was asked to end before its last episode.
+    #[error("interrupted")]
+    Stopped,
     /// A story draws every cell, and the maze has too many.
     #[error(
         "{world} has too many cells for a story, which draws each of them; watch single episodes instead"

@@ -2,13 +2,15 @@
 
 use std::fs;
 use std::io;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use super::error::{RunError, RunFolderError};
 use super::facts::run_info;
-use super::folder::is_of_a_run;
+use super::folder::{is_of_a_run, is_of_a_training};
 use crate::agent::{Frozen, Knowledge};
 use crate::disk;
+use crate::episode::{Episode, Learned, Observer};
 use crate::record::reader::Recording;
 use crate::record::{Extent, RecordMode, RecordSummary, Recorder, RunInfo};
 use crate::trial::{Evaluation, Plan, PlanError};
@@ -17,19 +19,20 @@ use crate::trial::{Evaluation, Plan, PlanError};
 /// them in `folder`, which is made if it is missing.
 ///
 /// # Errors
-/// When the plan cannot be run, the knowledge is that of another world, or a file cannot be
-/// written.
+/// When the plan cannot be run, the knowledge is that of another world, a file cannot be written, or `stop` asks for the end
+/// after an episode: [`RunError::Stopped`].
 pub fn record_evaluation(
     plan: &Plan,
     knowledge: &Knowledge,
     episodes: u32,
     folder: &Path,
+    stop: &dyn Fn() -> bool,
 ) -> Result<(Evaluation, RecordSummary), RunError> {
-    record_drives(plan, knowledge, episodes, folder, RecordMode::All)
+    record_drives(plan, knowledge, episodes, folder, (RecordMode::All, stop))
 }
 
 /// Makes room for a recorded evaluation: the folder must be missing or empty; with `force`, the
-/// files of an earlier evaluation are removed from it, and nothing else.
+/// files of an earlier evaluation, finished or not, are removed from it, and nothing else.
 ///
 /// # Errors
 /// When the folder holds something else, or cannot be read or emptied.
@@ -48,7 +51,12 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
     let names = entries.iter().map(fs::DirEntry::file_name);
     let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
     let run = Extent::Run.file_name();
-    let is_evaluation = Recording::open(&folder.join(&run)).is_ok_and(|run| run.is_evaluation());
+    // One that was interrupted has no whole `run.mcap`, and no evaluation has files of a training.
+    let is_unfinished = |names: &[String]| {
+        names.contains(&format!("{run}.part")) && !names.iter().any(|name| is_of_a_training(name))
+    };
+    let is_evaluation = Recording::open(&folder.join(&run)).is_ok_and(|run| run.is_evaluation())
+        || is_unfinished(&names);
     if !is_evaluation || names.len() < entries.len() || !names.iter().all(|name| is_of_a_run(name))
     {
         return Err(RunFolderError::Foreign(folder.to_owned()));
@@ -72,7 +80,7 @@ pub(super) fn record_drives(
     knowledge: &Knowledge,
     episodes: u32,
     folder: &Path,
-    mode: RecordMode,
+    (mode, stop): (RecordMode, &dyn Fn() -> bool),
 ) -> Result<(Evaluation, RecordSummary), RunError> {
     let plan = evaluation_plan(plan, knowledge, episodes)?;
     let Plan { maze, config } = &plan;
@@ -84,8 +92,24 @@ pub(super) fn record_drives(
     let limit = config.settings.reward.step_threshold;
     let frozen = Frozen::new(knowledge.clone(), maze.action_count(), limit);
     recorder.know(&frozen, maze);
-    let evaluation = Evaluation::observed(&plan, knowledge, episodes, &mut recorder)?;
+    let mut observers = (&mut recorder, &mut Until(stop));
+    let evaluation = Evaluation::observed(&plan, knowledge, episodes, &mut observers)?;
+    if stop() {
+        return Err(RunError::Stopped);
+    }
     Ok((evaluation, recorder.finish(&frozen)?))
+}
+
+/// Ends an evaluation after an episode.
+struct Until<'a>(&'a dyn Fn() -> bool);
+
+impl Observer for Until<'_> {
+    fn ended(&mut self, _: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+        match (self.0)() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
 }
 
 /// The plan of an evaluation of what was learned, if that is about the world of the plan.

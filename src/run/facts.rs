@@ -19,6 +19,8 @@ pub(super) fn run_info(plan: &Plan) -> RunInfo {
         sensor: config.sensor,
         episodes: config.episodes,
         robot: robot_shape(plan),
+        slip: config.settings.arena.slip,
+        goal: config.settings.reward.goal,
         is_evaluation: false,
     }
 }

@@ -23,10 +23,13 @@ const WORLD: &str = "world.json";
 const CONFIG: &str = "config.json";
 /// What was learned.
 const RULES: &str = "rules.json";
+/// The page that plays the highlights.
+const PAGE: &str = "replay.html";
 /// What recordings leave beside numbered episodes.
-const RECORDINGS: [&str; 4] = [
+const RECORDINGS: [&str; 5] = [
     "run.mcap",
     "story.mcap",
+    PAGE,
     "foxglove-layout.json",
     "foxglove-layout-run.json",
 ];
@@ -219,6 +222,20 @@ impl RunFolder {
         Ok((self.path.join(name), story.len() as u64))
     }
 
+    /// Saves the page that plays the highlights.
+    ///
+    /// # Errors
+    /// An error of the file system.
+    pub fn save_page(&self, page: &str) -> Result<(), RunFolderError> {
+        self.write(PAGE, page.as_bytes())
+    }
+
+    /// Returns the page that plays the highlights, if there is one.
+    pub fn page(&self) -> Option<PathBuf> {
+        let page = self.path.join(PAGE);
+        page.is_file().then_some(page)
+    }
+
     /// How to resume the run in a folder, if it was stopped.
     pub fn way_to_resume(folder: &Path) -> Option<String> {
         has_checkpoint(folder).then(|| way_on(folder))
@@ -369,6 +386,11 @@ pub(super) fn is_of_a_run(name: &str) -> bool {
         || [WORLD, CONFIG, RULES, CHECKPOINT].contains(&whole)
         || RECORDINGS.contains(&whole)
         || whole == "run.mcap.again"
+}
+
+/// Is this a file that only a training leaves?
+pub(super) fn is_of_a_training(name: &str) -> bool {
+    [WORLD, CONFIG, RULES, CHECKPOINT].contains(&name)
 }
 
 fn to_json(value: &impl Serialize) -> String {

@@ -12,6 +12,8 @@ use super::folder::RunFolder;
 use super::story;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
+use crate::record::player;
+use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory, Tap};
 use crate::trial::{Checkpoint, Trial};
 
@@ -170,11 +172,8 @@ impl Session {
             let mut observers = (&mut self.recorder, &mut *observer);
             let (episode, flow) = self.trial.run_episode(&mut observers);
             self.steps.push(episode.steps);
-            if flow == ControlFlow::Break(()) {
-                // A break comes from the recorder, whose error this gives out.
-                self.save()?;
-            }
-            if stop() {
+            // Where the recorder failed, saving returns its error.
+            if flow == ControlFlow::Break(()) || stop() {
                 self.save()?;
                 return Err(self.interrupted());
             }
@@ -208,12 +207,16 @@ impl Session {
     }
 }
 
-/// Tells the story of a run whose episodes are all recorded; its file, and how many bytes it has.
+/// Saves the highlights of a run whose episodes are all recorded, and the page that plays them. Returns the file of the
+/// highlights, and its bytes.
 fn tell(
     folder: &RunFolder,
     trial: &Trial,
     knowledge: &Knowledge,
 ) -> Result<(PathBuf, u64), RunError> {
     let story = story::tell(folder.path(), trial.plan(), knowledge)?;
-    Ok(folder.save_story(&story)?)
+    let saved = folder.save_story(&story)?;
+    let page = player::page(&Recording::from_bytes(&saved.0, story)?)?;
+    folder.save_page(&page)?;
+    Ok(saved)
 }

@@ -55,6 +55,21 @@ impl Source {
 }
 
 impl Source {
+    /// Requires the recording of a training.
+    ///
+    /// # Errors
+    /// When it is that of an evaluation, in which nothing is learned.
+    pub fn require_training(&self) -> Result<(), RunError> {
+        match self.evaluated {
+            None => Ok(()),
+            Some(_) => Err(RunError::Recording {
+                file: self.file.clone(),
+                fault: "it shows an evaluation, in which nothing is learned; give the folder of the run whose policy it drives"
+                    .to_owned(),
+            }),
+        }
+    }
+
     /// Returns what was learned at the end of what the recording shows. A training is repeated up to there.
     ///
     /// # Errors

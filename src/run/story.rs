@@ -32,6 +32,7 @@ impl Source {
     /// # Errors
     /// When the plan is refused, or a temporary file cannot be written.
     pub fn story(&self) -> Result<Vec<u8>, RunError> {
+        self.require_training()?;
         Material::again(&self.plan, self.mode)?.tell()
     }
 }
@@ -98,7 +99,8 @@ impl Material {
         let run = Recording::open(&folder.join(Extent::Run.file_name()))?;
         let aside = tempfile::tempdir().map_err(RunError::Temporary)?;
         // Its beams are shown in any story: they take little, and tell what it goes by.
-        record_drives(&plan, knowledge, 1, aside.path(), RecordMode::Beams)?;
+        let mode = (RecordMode::Beams, &(|| false) as &dyn Fn() -> bool);
+        record_drives(&plan, knowledge, 1, aside.path(), mode)?;
         let drive = Recording::open(&aside.path().join(Extent::Episode(1).file_name()))?;
         Ok(Self {
             plan,

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::io;
-use std::path::Path;
 
 use tempfile::TempDir;
 
@@ -36,7 +35,7 @@ impl Again {
         let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
         if let Some(knowledge) = &source.evaluated {
             let episodes = plan.config.episodes;
-            record_evaluation(plan, knowledge, episodes, folder.path())?;
+            record_evaluation(plan, knowledge, episodes, folder.path(), &|| false)?;
             return Ok(Self {
                 plan: plan.clone(),
                 mode,
@@ -74,27 +73,22 @@ impl Again {
     /// When one of the two cannot be read.
     pub fn difference(&self, source: &Source) -> Result<Option<String>, RunError> {
         let name = source.extent.file_name();
+        let folder = self.folder.path();
         let bytes = match source.extent {
-            Extent::Story => Ok(story::tell(
-                self.folder.path(),
-                &self.plan,
-                &self.knowledge,
-            )?),
-            Extent::Run | Extent::Episode(_) | Extent::Comparison => self.read(&name),
-        };
-        let bytes = match bytes {
-            Ok(bytes) => bytes,
-            Err(_) => {
-                let episodes = self.plan.config.episodes;
-                let fault = format!("a new run of {episodes} episodes makes no {name}");
-                return Ok(Some(fault));
+            Extent::Story => story::tell(folder, &self.plan, &self.knowledge)?,
+            Extent::Run | Extent::Episode(_) | Extent::Comparison => {
+                match fs::read(folder.join(&name)) {
+                    Ok(bytes) => bytes,
+                    Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
+                        let episodes = self.plan.config.episodes;
+                        let fault = format!("a new run of {episodes} episodes makes no {name}");
+                        return Ok(Some(fault));
+                    }
+                    Err(cause) => return Err(RunError::Temporary(cause)),
+                }
             }
         };
         let difference = record::compare(&source.bytes, &bytes)?;
         Ok(difference.map(|difference| difference.to_string()))
-    }
-
-    fn read(&self, name: impl AsRef<Path>) -> io::Result<Vec<u8>> {
-        fs::read(self.folder.path().join(name))
     }
 }

@@ -75,6 +75,8 @@ impl Trial {
             sensor: Sensor::Neighbours,
             episodes: self.episodes,
             robot: RobotShape::for_cell(maze.cell_size_m()),
+            slip: 0.0,
+            goal: 1000.0,
             is_evaluation: false,
         }
     }

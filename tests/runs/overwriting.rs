@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::kit::folder::contents;
-use crate::kit::program::{ended, expect, spawn, xcscr};
+use crate::kit::program::{ended, expect, outcome, spawn, xcscr};
 
 const WORLD: &str = "worlds/maze4.json";
 
@@ -248,6 +248,51 @@ fn an_evaluation_is_forced_only_into_the_place_of_an_evaluation() {
     expect(0, &again);
     refused(&again, &desk.path("own"), "--force");
     expect(0, &[&again[..], &["--force"]].concat());
+    // One that was killed has no whole `run.mcap`.
+    fs::rename(desk.path("own/run.mcap"), desk.path("own/run.mcap.part")).unwrap();
+    refused(&again, &desk.path("own"), "--force");
+    expect(0, &[&again[..], &["--force"]].concat());
+    assert!(!desk.path("own/run.mcap.part").exists());
+}
+
+#[test]
+fn an_evaluation_is_not_taken_for_a_training() {
+    let desk = Desk::new();
+    let [run, own] = ["run", "own"].map(|name| desk.name(name));
+    let trained = [
+        "train",
+        WORLD,
+        "--episodes",
+        "1",
+        "--quiet",
+        "--arena",
+        "grid",
+        "--out",
+        &run,
+    ];
+    expect(0, &trained);
+    expect(
+        0,
+        &[
+            "evaluate",
+            &run,
+            "--episodes",
+            "1",
+            "--record",
+            "--out",
+            &own,
+        ],
+    );
+    let (episode, file) = (format!("{own}/ep-0001.mcap"), desk.name("out"));
+    for args in [
+        &["map", &episode, "-o", "map.svg"][..],
+        &["recording", "highlights", &episode, "-o", &file],
+        &["replay", &run, &episode, "--compare", "-o", &file],
+    ] {
+        let (code, _, stderr) = outcome(args);
+        assert_eq!(code, Some(65), "{args:?}: {stderr}");
+        assert!(stderr.contains("it shows an evaluation"), "{stderr}");
+    }
 }
 
 #[cfg(unix)]

@@ -34,6 +34,8 @@ fn info(plan: &Plan) -> RunInfo {
         sensor: plan.config.sensor,
         episodes: plan.config.episodes,
         robot: RobotShape::for_cell(plan.maze.cell_size_m()),
+        slip: 0.0,
+        goal: 1000.0,
         is_evaluation: false,
     }
 }

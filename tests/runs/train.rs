@@ -131,8 +131,8 @@ fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
     let (first, second, other) = (run("a", "7"), run("b", "7"), run("c", "8"));
     assert_eq!(
         first.len(),
-        6 + 2 + 3 + 2,
-        "six episodes, the run, the story, three texts, two layouts"
+        6 + 2 + 1 + 3 + 2,
+        "six episodes, the run, the highlights and their page, three texts, two layouts"
     );
     for ((name, a), (_, b)) in first.iter().zip(&second) {
         assert!(a == b, "{name} differs between two runs of one seed");
@@ -470,7 +470,8 @@ fn the_report_draws_the_policy_and_says_how_to_watch_it() {
         "10 steps, 3 such paths",
         "globally optimal",
         "██→ ↓ ██",
-        "foxglove-layout.json",
+        "/replay.html\n",
+        "xcscr replay ",
     ] {
         assert!(stdout.contains(part), "{part} in\n{stdout}");
     }

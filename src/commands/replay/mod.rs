@@ -1,7 +1,8 @@
 //! `xcscr replay`: opens recordings in a viewer.
 
-mod browser;
+pub mod browser;
 mod highlights;
+mod page;
 mod serve;
 mod stream;
 
@@ -24,13 +25,17 @@ pub struct ReplayArgs {
     /// Show the highlights of two runs side by side.
     #[arg(long, conflicts_with = "live")]
     compare: bool,
+    /// Write a web page that plays the recording without network, server or viewer. Of a run, the page has the
+    /// highlights.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["live", "compare"])]
+    html: Option<PathBuf>,
     /// Write the comparison to this file (.mcap) in place of serving it.
     #[arg(short, long, value_name = "FILE", requires = "compare")]
     output: Option<PathBuf>,
-    /// Replace that file if it exists.
-    #[arg(long, requires = "output")]
+    /// Replace the file of `--html` or `--output` if it exists.
+    #[arg(long)]
     force: bool,
-    /// Open the first link in the browser.
+    /// Open the first link, or the page, in the browser.
     #[arg(long, conflicts_with_all = ["live", "output"])]
     open: bool,
     #[command(flatten)]
@@ -44,6 +49,9 @@ pub struct ReplayArgs {
 pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     if args.compare {
         return compare(args, out);
+    }
+    if let Some(file) = &args.html {
+        return page::write(&args.recordings, (file, args.force), args.open, out);
     }
     let mut files = Vec::new();
     for path in &args.recordings {

@@ -21,6 +21,9 @@ pub fn run(files: &[PathBuf], mut broadcast: Broadcast) -> Result<(), Failure> {
     };
     for file in streamed {
         stream(file, &mut broadcast)?;
+        if broadcast.is_interrupted() {
+            return Ok(());
+        }
     }
     broadcast.stay();
     Ok(())

@@ -4,12 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
-use super::reader::Recording;
+use super::reader::{Message, Recording};
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
 use crate::record::json::json_tree;
 use crate::record::layout;
+use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
+use crate::trial::Config;
 use crate::world::Maze;
 
 /// Gaps between messages with poses up to this long are normal: each shows two seconds of the way.
@@ -43,7 +45,7 @@ pub enum FindingKind {
     Facts,
     /// A topic or its schema is missing or another.
     Topic,
-    /// A message is not valid JSON.
+    /// A message does not fit its schema.
     Message,
     /// Time runs backwards.
     Order,
@@ -144,15 +146,31 @@ fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
     }
 }
 
+/// Does the robot estimate where it is, and are the beams of its lidar recorded? As the facts of a recording, or of a side of
+/// a comparison, say.
+fn sensing(side: &str, recording: &Recording) -> [bool; 2] {
+    let side = side.trim_start_matches('/');
+    let (config, facts) = match side {
+        "" => ("config.json".to_owned(), "run"),
+        side => (format!("{side}/config.json"), side),
+    };
+    let config = recording.attachment(&config);
+    let config: Option<Config> = config.and_then(|text| serde_json::from_slice(text).ok());
+    let mode = recording
+        .metadata(facts)
+        .and_then(|facts| facts.get("record"));
+    let beams = mode.is_some_and(|mode| mode.parse() == Ok(RecordMode::Beams));
+    [config.is_some_and(|config| config.senses()), beams]
+}
+
 /// The topics of a recording, or of a side of a comparison.
 fn check_side(side: &str, extent: Extent, recording: &Recording, findings: &mut Vec<Finding>) {
     let present = recording.topics();
     let expected = if extent == Extent::Run {
         Topic::of_run()
     } else {
-        let named = |topic: Topic| format!("{side}{}", topic.name());
-        let has = |topic: Topic| present.iter().any(|found| found.name == named(topic));
-        Topic::of_episode(has(Topic::Estimate), has(Topic::Scan))
+        let [senses, beams] = sensing(side, recording);
+        Topic::of_episode(senses, beams && extent != Extent::Story)
     };
     for topic in expected {
         let name = format!("{side}{}", topic.name());
@@ -195,8 +213,8 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
             findings.push(finding(FindingKind::Order, what));
         }
         before_ns = now_ns;
-        if !message.is_valid() {
-            let what = format!("{topic} at {now_ns} ns is not JSON");
+        if let Some(fault) = fault(&message) {
+            let what = format!("{topic} at {now_ns} ns {fault}");
             findings.push(finding(FindingKind::Message, what));
         }
         if plain(topic) == Topic::Transforms.name() {
@@ -208,6 +226,17 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
         }
     }
     check_index(recording, &counts, findings);
+}
+
+/// What is wrong with a message, as far as its schema tells.
+fn fault(message: &Message) -> Option<String> {
+    match Topic::named(plain(message.topic())) {
+        Some(topic) => topic.fault(&message.data),
+        None if message.encoding() == "json" && message.json().is_none() => {
+            Some("is not JSON".to_owned())
+        }
+        None => None,
+    }
 }
 
 /// The index must count the messages that there are.

@@ -8,7 +8,6 @@ use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError, McapResult, MessageStream, Summary};
 use serde::Serialize;
-use serde::de::IgnoredAny;
 
 use super::parse::parse_record;
 use crate::disk;
@@ -72,11 +71,6 @@ impl Message {
     /// of ours.
     pub fn json(&self) -> Option<serde_json::Value> {
         (self.encoding() == "json").then(|| json_tree(&self.data))?
-    }
-
-    /// Is the message valid, as far as its encoding tells?
-    pub fn is_valid(&self) -> bool {
-        self.encoding() != "json" || serde_json::from_slice::<IgnoredAny>(&self.data).is_ok()
     }
 }
 

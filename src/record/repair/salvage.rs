@@ -11,7 +11,7 @@ use mcap::{MAGIC, McapResult, Summary};
 use crate::disk;
 use crate::record::read::parse::parse_record;
 use crate::record::read::reader::{HEAD_BYTES, Records, longest_record, unpacked_size};
-use crate::record::write::sink::{Packing, Sink};
+use crate::record::write::sink::{self, Packing, Sink};
 
 /// What was saved, and what was not.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -128,7 +128,7 @@ struct Salvor<W: Write> {
 impl<W: Write> Salvor<W> {
     fn new(sink: W) -> McapResult<Self> {
         Ok(Self {
-            writer: Sink::new(sink, Packing::Small)?,
+            writer: sink::begin(sink, Packing::Small)?,
             schemas: BTreeMap::from([(0, 0)]),
             channels: BTreeMap::new(),
             recovery: Recovery::default(),
@@ -177,7 +177,7 @@ impl<W: Write> Salvor<W> {
             Record::Message { header, data } => self.take_message(header, &data, at)?,
             Record::Attachment { header, data, .. } => self.take_attachment(header, data)?,
             Record::Metadata(metadata) => {
-                self.writer.metadata(&metadata)?;
+                self.writer.write_metadata(&metadata)?;
                 self.recovery.metadata += 1;
             }
             _ => {}
@@ -226,7 +226,7 @@ impl<W: Write> Salvor<W> {
             channel_id,
             ..header
         };
-        self.writer.message(&header, data)?;
+        self.writer.write_to_known_channel(&header, data)?;
         self.recovery.messages += 1;
         Ok(())
     }
@@ -252,6 +252,6 @@ impl<W: Write> Salvor<W> {
     }
 
     fn finish(self) -> McapResult<(W, Recovery)> {
-        Ok((self.writer.finish()?, self.recovery))
+        Ok((sink::finish(self.writer)?, self.recovery))
     }
 }

@@ -187,6 +187,7 @@ pub fn status_line(status: u16) -> String {
         413 => "Content Too Large",
         416 => "Range Not Satisfiable",
         421 => "Misdirected Request",
+        500 => "Internal Server Error",
         431 => "Request Header Fields Too Large",
         _ => "Service Unavailable",
     };

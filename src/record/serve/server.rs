@@ -151,9 +151,8 @@ impl Contents {
         let answer = match (head.method.as_str(), self.at(&head.target)) {
             ("OPTIONS", _) => Answer::empty(204),
             // The file may have gone since the server was started.
-            ("GET" | "HEAD", Some(content)) => {
-                Answer::part(content, head.range.as_deref()).unwrap_or(Answer::empty(404))
-            }
+            ("GET" | "HEAD", Some(content)) => Answer::part(content, head.range.as_deref())
+                .unwrap_or_else(|cause| Answer::failure(&cause)),
             ("GET" | "HEAD", None) => Answer::empty(404),
             _ => Answer::empty(405),
         };
@@ -176,6 +175,15 @@ impl Answer {
             headers: String::new(),
             body: nothing.take(0),
         }
+    }
+
+    /// What became of content that cannot be read.
+    fn failure(cause: &io::Error) -> Self {
+        Self::empty(match cause.kind() {
+            io::ErrorKind::NotFound => 404,
+            io::ErrorKind::PermissionDenied => 403,
+            _ => 500,
+        })
     }
 
     /// The wanted bytes of some content.

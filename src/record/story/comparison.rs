@@ -15,7 +15,7 @@ use crate::record::info::Extent;
 use crate::record::layout::{self, SIDES};
 use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::{self, Topic};
-use crate::record::write::sink::{Packing, Sink};
+use crate::record::write::sink::{self, Packing, Sink};
 
 /// Two stories in one recording.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ pub fn compare_stories(stories: [Teller<'_>; 2]) -> Result<Comparison, RecordErr
     let [a, b] = stories.map(read_again);
     merge(&[a?, b?], &mut out, &channels)?;
     Ok(Comparison {
-        bytes: out.finish().map_err(unwritten)?,
+        bytes: sink::finish(out).map_err(unwritten)?,
         layout,
         headings,
     })
@@ -51,7 +51,7 @@ type Channels = BTreeMap<(usize, usize), u16>;
 
 /// A file with all that comes before the first message.
 fn begun(stories: &[Teller<'_>; 2], layout: &str) -> McapResult<(Sink<Vec<u8>>, Channels)> {
-    let mut out = Sink::new(Vec::new(), Packing::Small)?;
+    let mut out = sink::begin(Vec::new(), Packing::Small)?;
     introduce(&mut out, stories, layout)?;
     let mut channels = Channels::new();
     for (side, story) in stories.iter().enumerate() {
@@ -115,7 +115,8 @@ fn put(
         publish_time: message.time_ns,
     };
     let data = below(SIDES[side], topic, &message.data);
-    out.message(&header, &data).map_err(unwritten)
+    out.write_to_known_channel(&header, &data)
+        .map_err(unwritten)
 }
 
 /// The facts of both runs, those of each below the name of its side.
@@ -137,7 +138,7 @@ fn metadata(
     name: &str,
     metadata: BTreeMap<String, String>,
 ) -> McapResult<()> {
-    out.metadata(&Metadata {
+    out.write_metadata(&Metadata {
         name: name.to_owned(),
         metadata,
     })

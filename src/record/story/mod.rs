@@ -8,4 +8,5 @@ mod teller;
 
 pub use chapter::{Chapter, chapters};
 pub use comparison::{Comparison, compare_stories};
+pub(super) use retime::decoded;
 pub use teller::Teller;

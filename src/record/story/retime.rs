@@ -21,6 +21,8 @@ pub struct Tempo {
     pub begin_ns: u64,
     /// How long it is there; at most as long as it was.
     pub shown_ns: u64,
+    /// The number of the episode in the story, if it is another one there.
+    pub episode: Option<u32>,
 }
 
 impl Tempo {
@@ -68,10 +70,25 @@ pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, Stri
         Message::Log => {
             let mut line: Log = decoded(data)?;
             tempo.stamp(&mut line.timestamp);
+            if tempo.episode.is_some() {
+                line.message = line.message.replacen("episode 1 ", "the last drive ", 1);
+            }
             Ok(encoded(&line))
         }
-        Message::Own(_) => Ok(data.to_vec()),
+        Message::Own(_) => match tempo.episode {
+            Some(episode) => renumbered(data, episode).map_err(|fault| fault.to_string()),
+            None => Ok(data.to_vec()),
+        },
     }
+}
+
+/// The same JSON message of another episode.
+fn renumbered(data: &[u8], episode: u32) -> serde_json::Result<Vec<u8>> {
+    let mut fields: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(data)?;
+    if let Some(number) = fields.get_mut("episode") {
+        *number = episode.into();
+    }
+    serde_json::to_vec(&fields)
 }
 
 /// The frames of a message, without poses that lie too close together.
@@ -127,8 +144,17 @@ mod tests {
             length_ns: 40,
             begin_ns: 7,
             shown_ns: 10,
+            episode: None,
         };
         assert_eq!([100, 102, 120, 140].map(|at| tempo.at(at)), [7, 7, 12, 17]);
         assert_eq!((tempo.end_ns(), tempo.speed()), (17, 4.0));
+    }
+
+    #[test]
+    fn a_message_of_the_last_drive_has_the_number_of_the_episodes_before_it() {
+        let message = renumbered(br#"{"episode":1,"step":3,"worth":[0.5]}"#, 180).unwrap();
+        assert_eq!(message, br#"{"episode":180,"step":3,"worth":[0.5]}"#);
+        assert_eq!(renumbered(br#"{"x":1}"#, 180).unwrap(), br#"{"x":1}"#);
+        assert!(renumbered(b"[1]", 180).is_err());
     }
 }

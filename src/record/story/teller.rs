@@ -92,7 +92,7 @@ impl<'a> Teller<'a> {
     /// # Errors
     /// When its recording is damaged.
     pub fn chapter(&mut self, chapter: &Chapter, episode: &Recording) -> Result<(), RecordError> {
-        let figures = self.play(&chapter.title(false), episode, chapter.most_ns())?;
+        let figures = self.play(&chapter.title(false), episode, chapter.most_ns(), None)?;
         let arrows = match chapter.changed {
             0 => "no arrow changed".to_owned(),
             1 => "1 arrow changed".to_owned(),
@@ -108,7 +108,7 @@ impl<'a> Teller<'a> {
     /// When its recording is damaged.
     pub fn drive(&mut self, episodes: u32, drive: &Recording) -> Result<(), RecordError> {
         let title = format!("After {episodes} episodes: greedy, exploration off");
-        let figures = self.play(&title, drive, DRIVE_NS)?;
+        let figures = self.play(&title, drive, DRIVE_NS, Some(episodes))?;
         let fewest = match figures.shortest {
             Some(fewest) if figures.steps == Some(fewest) => ", as few as possible".to_owned(),
             Some(fewest) => format!(" ({fewest} would do)"),
@@ -164,12 +164,13 @@ impl<'a> Teller<'a> {
         Ok(())
     }
 
-    /// Plays an episode; what it came to.
+    /// Plays an episode, under another number if one is given; what it came to.
     fn play(
         &mut self,
         title: &str,
         episode: &Recording,
         most_ns: u64,
+        number: Option<u32>,
     ) -> Result<Figures, RecordError> {
         let length = Length::of(episode)?;
         let tempo = Tempo {
@@ -177,6 +178,7 @@ impl<'a> Teller<'a> {
             length_ns: length.to_ns.saturating_sub(length.from_ns),
             begin_ns: self.now_ns,
             shown_ns: length.to_ns.saturating_sub(length.from_ns).min(most_ns),
+            episode: number,
         };
         if !self.is_begun {
             let curve = self.curve.clone();
@@ -196,9 +198,9 @@ impl<'a> Teller<'a> {
             let Some(topic) = topic.filter(|&topic| self.wants(topic)) else {
                 continue;
             };
-            let number = &mut numbers[topic as usize];
-            *number += 1;
-            if !length.shows(topic, *number) {
+            let count = &mut numbers[topic as usize];
+            *count += 1;
+            if !length.shows(topic, *count) {
                 continue;
             }
             let data = retimed(topic, &message.data, &tempo).map_err(damaged)?;

@@ -17,7 +17,7 @@ const LETTER: f64 = 0.6;
 const WIDEST: f64 = 1.35;
 
 /// Three lines above each other.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::record) struct Caption {
     /// What is seen.
     pub title: String,
@@ -41,6 +41,20 @@ impl Caption {
             .map(|(text, up, size, rgb)| line(maze, text, up, size, rgb))
             .collect();
         update(vec![lines])
+    }
+
+    /// Reads the lines of a caption's scene, which their colours tell apart.
+    pub fn read(scene: &SceneUpdate) -> Self {
+        let texts = || scene.entities.iter().flat_map(|entity| &entity.texts);
+        let line = |rgb| {
+            let found = texts().find(|text| text.color == color(rgb, 1.0));
+            found.map_or_else(String::new, |text| text.text.clone())
+        };
+        Self {
+            title: line(TITLE),
+            remark: line(REMARK),
+            heading: line(HEADING),
+        }
     }
 }
 
@@ -70,5 +84,24 @@ fn line(maze: &Maze, text: &str, up: f64, share: f64, rgb: u32) -> TextPrimitive
         scale_invariant: false,
         color: color(rgb, 1.0),
         text: text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_caption_is_read_as_it_was_written_also_where_a_line_is_missing() {
+        let world = br######"{ "rows": ["####", "#SG#", "####"] }"######;
+        let maze = Maze::from_json(world, "m.json").unwrap();
+        let mut caption = Caption {
+            title: "a title".to_owned(),
+            remark: "a remark".to_owned(),
+            heading: "a heading".to_owned(),
+        };
+        assert_eq!(Caption::read(&caption.scene(&maze, 0)), caption);
+        caption.remark.clear();
+        assert_eq!(Caption::read(&caption.scene(&maze, 0)), caption);
     }
 }

@@ -35,6 +35,7 @@ pub(in crate::record) struct EstimateRecord {
     sd_heading_deg: f64,
     error_m: f64,
     heading_error_deg: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
     nees: Option<f64>,
     lost: bool,
 }

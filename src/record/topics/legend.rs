@@ -26,11 +26,12 @@ type Entry = (&'static str, u32);
 
 /// What the arrows and the way mean.
 pub(super) fn of_policy(maze: &Maze, time_ns: u64) -> SceneEntity {
-    let [worst, _, best] = policy::SCALE;
+    let [far, _, near] = policy::SCALE;
     let entries = [
-        ("arrow: best action, worth", WORDS),
-        ("least", worst),
-        ("most", best),
+        ("arrow: best action, goal", WORDS),
+        ("far", far),
+        ("near", near),
+        ("never", policy::ASTRAY),
         ("way", trail::FASTEST),
         ("hit", trail::HIT),
     ];

@@ -25,12 +25,13 @@ pub(super) mod trail;
 pub(super) mod transforms;
 pub(super) mod worth;
 
-pub(super) use scene::timestamp;
+pub(super) use caption::Caption;
+pub(super) use scene::{ESTIMATE, ROBOT, WORLD, timestamp};
 
 use std::sync::LazyLock;
 
 use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
-use foxglove::{Encode, Schema};
+use foxglove::{Decode, Encode, Schema};
 use strum::VariantArray;
 
 use super::info::Extent;
@@ -202,6 +203,21 @@ impl Topic {
             Message::Own(fields) => return fields().schema(explained),
         };
         descriptor::short(&well_known.expect("well-known messages have a schema"))
+    }
+
+    /// What is wrong with a message, as far as the topic's schema tells.
+    pub(super) fn fault(self, data: &[u8]) -> Option<String> {
+        fn undecodable<M: Decode>(data: &[u8]) -> Option<String> {
+            let fault = M::decode(data).err()?;
+            Some(format!("is not what its schema says: {fault}"))
+        }
+        match self.message() {
+            Message::Frames => undecodable::<FrameTransforms>(data),
+            Message::Scene => undecodable::<SceneUpdate>(data),
+            Message::Scan => undecodable::<LaserScan>(data),
+            Message::Log => undecodable::<Log>(data),
+            Message::Own(fields) => fields().fault(data),
+        }
     }
 
     /// How the topic's messages are encoded: `json` or `protobuf`.

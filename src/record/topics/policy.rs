@@ -1,7 +1,7 @@
-//! `/scene/policy`: the best actions of each cell, coloured by the rank of their worth among all
-//! cells (the paper's figure 5): a scale that tells cells apart however far the goal is.
+//! `/scene/policy`: the best actions of each cell, coloured by how near the goal is along the policy. The colour only
+//! gets darker along a path to the goal.
 //!
-//! `/scene/worth`: the same ranks as columns, a landscape that a viewer can switch on.
+//! `/scene/worth`: the ranks of the cells' values as columns, a landscape that a viewer can switch on.
 
 use std::collections::BTreeMap;
 
@@ -13,9 +13,12 @@ use super::scene::{WORLD, color, cube, entity, place, point, update, vector};
 use crate::episode::PolicyMap;
 use crate::world::{Cell, Direction, Maze};
 
-/// The colours of the least worth, of the median and of the greatest: red, yellow, green.
-pub(super) const SCALE: [u32; 3] = [0xd92b2b, 0xf2a900, 0x128a43];
-/// Ranks are told apart in so many steps, each a list of triangles in one colour.
+/// The colours far from the goal, half-way, and near it. Their lightness falls, so that colour-blind viewers see the order,
+/// too.
+pub(super) const SCALE: [u32; 3] = [0xe6ac00, 0x1f8f8a, 0x45106b];
+/// The colour where the policy does not arrive.
+pub(super) const ASTRAY: u32 = 0x9aa3b0;
+/// Shares are told apart in so many steps, each a list of triangles in one colour.
 const SHADES: f64 = 8.0;
 /// An arrow is a dart on the floor, on which the robot drives. Its corners, ahead and to the left of
 /// a cell's middle: tip, left, notch, right.
@@ -36,12 +39,14 @@ pub(in crate::record) type Mark = (Cell, u8, u8);
 
 /// What decides how the arrows look. All are the same when these are, which is known in a fraction
 /// of the time that the arrows take.
-pub(in crate::record) fn marks(policy: Option<&PolicyMap>) -> Vec<Mark> {
-    let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
-    let marks = ranked.map(|((cell, worth), rank)| {
+pub(in crate::record) fn marks(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<Mark> {
+    let near = policy
+        .into_iter()
+        .flat_map(|p| p.cells().zip(p.nearness(maze)));
+    let marks = near.map(|((cell, worth), near)| {
         let best = worth.best_actions();
         let bits = best.fold(0, |bits, action| bits | 1 << action.index());
-        (*cell, shade(rank), bits)
+        (*cell, shade(near), bits)
     });
     marks.filter(|(.., bits)| *bits != 0).collect()
 }
@@ -52,12 +57,14 @@ pub(in crate::record) fn painted(
     maze: &Maze,
 ) -> Vec<TriangleListPrimitive> {
     let mut darts: BTreeMap<u8, Vec<Point3>> = BTreeMap::new();
-    let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
-    for ((cell, worth), rank) in ranked {
+    let near = policy
+        .into_iter()
+        .flat_map(|p| p.cells().zip(p.nearness(maze)));
+    for ((cell, worth), near) in near {
         let best = worth.best_actions();
         let mut best = best.filter_map(|action| maze.direction(action)).peekable();
         if best.peek().is_some() {
-            let corners = darts.entry(shade(rank)).or_default();
+            let corners = darts.entry(shade(near)).or_default();
             corners.extend(best.flat_map(|direction| dart(maze, *cell, direction)));
         }
     }
@@ -127,18 +134,21 @@ fn triangles(maze: &Maze, shade: u8, corners: Vec<Point3>) -> TriangleListPrimit
     }
 }
 
-/// The step of a rank from 0 (worst) to 1 (best).
-fn shade(rank: Option<f64>) -> u8 {
-    (rank.unwrap_or(0.0) * SHADES).round() as u8
+/// The step of a share from 0 (far) to 1 (near), and one beyond these where there is none.
+fn shade(share: Option<f64>) -> u8 {
+    share.map_or(SHADES as u8 + 1, |share| (share * SHADES).round() as u8)
 }
 
 /// The colour of a step.
 pub(super) fn colour(shade: u8, opacity: f64) -> Option<Color> {
-    let [worst, middle, best] = SCALE.map(|rgb| color(rgb, 1.0).unwrap_or_default());
+    if f64::from(shade) > SHADES {
+        return color(ASTRAY, opacity);
+    }
+    let [far, middle, near] = SCALE.map(|rgb| color(rgb, 1.0).unwrap_or_default());
     let rank = f64::from(shade) / SHADES;
     let (from, to, share) = match rank < 0.5 {
-        true => (worst, middle, 2.0 * rank),
-        false => (middle, best, 2.0 * rank - 1.0),
+        true => (far, middle, 2.0 * rank),
+        false => (middle, near, 2.0 * rank - 1.0),
     };
     let blend = |from: f64, to: f64| rounded(from + (to - from) * share);
     Some(Color {

@@ -10,13 +10,13 @@ use super::rounded;
 
 /// The grid frame, in which everything that does not move is drawn: origin in the south-western corner, x east,
 /// y north, z up.
-pub(super) const WORLD: &str = "world";
+pub(in crate::record) const WORLD: &str = "world";
 /// The map frame, of worlds that have an `origin`; in other worlds the grid frame takes its place.
 pub(super) const MAP: &str = "map";
 /// The robot's frame: origin on the floor below its middle, x ahead, y to the left.
-pub(super) const ROBOT: &str = "robot";
+pub(in crate::record) const ROBOT: &str = "robot";
 /// The same frame where the robot believes it to be, seen from where it is.
-pub(super) const ESTIMATE: &str = "estimate";
+pub(in crate::record) const ESTIMATE: &str = "estimate";
 
 /// A time of the simulation clock.
 pub(in crate::record) fn timestamp(time_ns: u64) -> Timestamp {

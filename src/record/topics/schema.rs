@@ -4,6 +4,9 @@
 use std::borrow::Cow;
 
 use foxglove::Schema;
+use serde_json::Value;
+
+use crate::record::json::json_tree;
 
 /// Numbers, and the names that they stand for.
 type Names = &'static [(u8, &'static str)];
@@ -20,6 +23,22 @@ enum Kind {
 }
 
 impl Kind {
+    /// Can a field of this type have this value? An unknown number of a list is null.
+    fn admits(self, value: &Value) -> bool {
+        match self {
+            Self::Bool => value.is_boolean(),
+            Self::Count => value.is_u64(),
+            Self::Named(names) => names
+                .iter()
+                .any(|(n, _)| value.as_u64() == Some((*n).into())),
+            Self::Number => value.is_number(),
+            Self::Text => value.is_string(),
+            Self::Numbers => value
+                .as_array()
+                .is_some_and(|list| list.iter().all(|one| one.is_number() || one.is_null())),
+        }
+    }
+
     fn text(self) -> String {
         let text = match self {
             Self::Bool => r#""type":"boolean""#,
@@ -82,6 +101,26 @@ impl Object {
     /// orange, yellow, green, cyan, purple; words get colours that mean nothing.
     pub fn named(self, field: &'static str, names: Names, meaning: &'static str) -> Self {
         self.with(field, Kind::Named(names), meaning)
+    }
+
+    /// What is wrong with a message: it must be an object, with no other fields, and of the right types.
+    pub fn fault(&self, data: &[u8]) -> Option<String> {
+        let Some(message) = json_tree(data) else {
+            return Some("is not JSON, or larger than any message of ours".to_owned());
+        };
+        let Some(fields) = message.as_object() else {
+            return Some("is no JSON object".to_owned());
+        };
+        fields.iter().find_map(|(name, value)| {
+            let known = self.fields.iter().find(|(field, ..)| field == name);
+            match known {
+                None => Some(format!("has an unknown field `{name}`")),
+                Some((_, kind, _)) if !kind.admits(value) => Some(format!(
+                    "has a field `{name}` of another type than the schema says"
+                )),
+                Some(_) => None,
+            }
+        })
     }
 
     /// The schema; if `explained`, it tells what each field means.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, McapResult};
 
-use super::sink::{Packing, Sink};
+use super::sink::{self, Packing, Sink};
 use crate::disk;
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
@@ -26,7 +26,7 @@ pub struct LogFile<W: Write> {
 impl<W: Write> LogFile<W> {
     /// Begins a file; the topics must have been declared before the first message.
     pub fn new(sink: W, packing: Packing) -> McapResult<Self> {
-        let writer = Sink::new(sink, packing)?;
+        let writer = sink::begin(sink, packing)?;
         Ok(Self {
             writer,
             channels: [None; Topic::ALL.len()],
@@ -66,7 +66,7 @@ impl<W: Write> LogFile<W> {
             publish_time: time_ns,
         };
         self.messages += 1;
-        self.writer.message(&header, encoded)
+        self.writer.write_to_known_channel(&header, encoded)
     }
 
     /// Messages written so far.
@@ -87,7 +87,7 @@ impl<W: Write> LogFile<W> {
 
     /// Writes a metadata record.
     pub fn metadata(&mut self, name: &str, metadata: BTreeMap<String, String>) -> McapResult<()> {
-        self.writer.metadata(&Metadata {
+        self.writer.write_metadata(&Metadata {
             name: name.to_owned(),
             metadata,
         })
@@ -100,7 +100,7 @@ impl<W: Write> LogFile<W> {
 
     /// Writes the indexes and gives the sink back.
     pub fn finish(self) -> McapResult<W> {
-        self.writer.finish()
+        sink::finish(self.writer)
     }
 }
 

@@ -1,6 +1,5 @@
 //! Writing recordings, while episodes are run.
 
-mod encoding;
 pub(super) mod log_file;
 pub(super) mod outbox;
 mod rebuild;

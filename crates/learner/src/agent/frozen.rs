@@ -33,23 +33,21 @@ impl Frozen {
         }
     }
 
-    /// Which rules match what was perceived last; none for a table, nor for rules with a memory,
-    /// which are asked in every step of many searches.
+    /// Returns the rules that match what rules look at now; none for a table or a plan.
     fn matching(&self, action: Action) -> StepCredit {
         let mut found = StepCredit::default();
-        let rules = self
-            .knowledge
-            .rules()
-            .filter(|_| !self.knowledge.remembers());
-        let Some((rules, percept)) = rules.zip(self.percept) else {
+        let context = match self.knowledge.map() {
+            Some(map) => Some(self.tracker.context(map)),
+            None => self.percept,
+        };
+        let Some((rules, context)) = self.knowledge.rules().zip(context) else {
             return found;
         };
         let (mut error, mut fitness, mut greatest) = (0.0, 0.0, f64::NEG_INFINITY);
-        let rules = rules.rules().iter();
-        for rule in rules.filter(|rule| rule.condition.matches(&percept)) {
+        rules.for_each_match(&context, |_, rule| {
             found.match_set += rule.numerosity;
             if rule.action != action {
-                continue;
+                return;
             }
             found.action_set += rule.numerosity;
             error += rule.error * rule.fitness;
@@ -58,7 +56,7 @@ impl Frozen {
                 greatest = rule.fitness;
                 found.fired = Some(rule.condition);
             }
-        }
+        });
         if fitness > 0.0 {
             found.error = error / fitness;
         }
@@ -87,8 +85,9 @@ impl Agent for Frozen {
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let matching = self.matching(action);
         self.tracker.act(action, outcome.into());
-        self.matching(action)
+        matching
     }
 
     fn end_episode(&mut self, _: bool) -> EndCredit {

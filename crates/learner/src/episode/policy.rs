@@ -53,6 +53,41 @@ impl PolicyMap {
         greatest.map(|worth| worth.map(rank)).collect()
     }
 
+    /// How near the goal each cell is along the greedy policy, the first of the best actions on ties: from 0 (the most
+    /// steps of all cells) to 1 (one step), in the order of [`cells`](Self::cells); `None` where the policy does not
+    /// arrive. Along a greedy path it only grows.
+    pub fn nearness(&self, maze: &Maze) -> Vec<Option<f64>> {
+        let steps = self.steps_to_goal(maze);
+        let most = steps.iter().flatten().max().copied().unwrap_or(1);
+        let share = |steps: u32| f64::from(most - steps) / f64::from(most.max(2) - 1);
+        steps.into_iter().map(|steps| steps.map(share)).collect()
+    }
+
+    /// The steps to a goal from each cell along the greedy policy.
+    fn steps_to_goal(&self, maze: &Maze) -> Vec<Option<u32>> {
+        let mut before: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut arrived = Vec::new();
+        for (at, (cell, worth)) in self.cells.iter().enumerate() {
+            match ahead(maze, *cell, worth) {
+                Some(next) if maze.is_goal(next) => arrived.push(at),
+                Some(next) => before.entry(maze.index(next)).or_default().push(at),
+                None => {}
+            }
+        }
+        let mut steps = vec![None; self.cells.len()];
+        let mut number = 1;
+        while !arrived.is_empty() {
+            let here = std::mem::take(&mut arrived);
+            for at in here {
+                steps[at] = Some(number);
+                let from = before.remove(&maze.index(self.cells[at].0));
+                arrived.extend(from.into_iter().flatten());
+            }
+            number += 1;
+        }
+        steps
+    }
+
     fn along_the_way(maze: &Maze, worth: impl Fn(Cell) -> (Cell, PredictionArray)) -> Self {
         let mut cells = BTreeMap::new();
         let mut at = maze.start();

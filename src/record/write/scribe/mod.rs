@@ -73,7 +73,7 @@ impl Shown {
     /// All of it.
     fn all(policy: &PolicyMap, maze: &Maze) -> Self {
         Self {
-            marks: Some(policy::marks(Some(policy))),
+            marks: Some(policy::marks(Some(policy), maze)),
             floor: Some(worth::Floor::of(Some(policy), maze)),
             columns: Some(policy::columns(Some(policy), maze)),
         }
@@ -85,7 +85,7 @@ impl Scribe {
         Self {
             robot: info.robot,
             sensor: info.sensor,
-            goal: info.goal(),
+            goal: info.goal,
             heading: info.heading(maze.name()),
             episodes: match info.is_evaluation {
                 true => ("Greedy drive", info.episodes),
@@ -94,7 +94,7 @@ impl Scribe {
             transforms: Transforms::new(maze),
             trail: Trail::new(maze),
             curve: Curve::default(),
-            judge: Judge::new(maze, info.sensor, info.slip()),
+            judge: Judge::new(maze, info.sensor, info.slip),
             start: None,
             policy: None,
             shown: Shown::default(),
@@ -275,7 +275,7 @@ impl Scribe {
         maze: &Maze,
         time_ns: u64,
     ) -> Result<(), RecordError> {
-        let marks = Some(policy::marks(self.policy.as_ref()));
+        let marks = Some(policy::marks(self.policy.as_ref(), maze));
         if self.shown(to).marks != marks {
             let arrows = policy::painted(self.policy.as_ref(), maze);
             out.send(to, Topic::Policy, time_ns, &policy::scene(arrows, time_ns))?;

@@ -71,7 +71,7 @@ impl Scribe {
         }
         let maze = step.view.maze;
         let policy = PolicyMap::of(step.method, self.sensor, maze);
-        let marks = policy::marks(Some(&policy));
+        let marks = policy::marks(Some(&policy), maze);
         self.policy = Some(policy);
         match self.shown.marks == Some(marks) {
             true => Ok(()),

@@ -1,0 +1,295 @@
+//! What a page knows of a recording: its messages, by topic, with the time of each in seconds.
+
+use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::shapes::{Scene, thousandths};
+use crate::record::reader::{Message, Recording};
+use crate::record::story::decoded;
+use crate::record::topics::{Caption, ESTIMATE, ROBOT};
+use crate::record::{Extent, RecordError, RobotShape, Topic};
+use crate::world::{Cell, Maze};
+use xcs::Action;
+
+/// A JSON message with its time as the field `t`.
+type Timed = Map<String, Value>;
+
+/// All that the page shows. Lists are in order of their times.
+#[derive(Debug, Serialize)]
+pub struct Data {
+    heading: String,
+    /// What the last episode came to.
+    result: String,
+    /// The length, in seconds.
+    end: f64,
+    world: World,
+    /// The names of the actions.
+    actions: Vec<String>,
+    robot_radius_m: f64,
+    /// Time, x, y and heading in the map frame: seconds, metres, radians.
+    poses: Vec<[f64; 4]>,
+    /// The same of the estimated pose, seen from the robot.
+    mistakes: Vec<[f64; 4]>,
+    estimates: Vec<Timed>,
+    decisions: Vec<Timed>,
+    episodes: Vec<Timed>,
+    /// Those of `episodes` that are the beginning of one.
+    begins: Vec<Timed>,
+    contacts: Vec<Timed>,
+    curve: Value,
+    captions: Vec<Timed>,
+    /// The captions with another title than the one before.
+    chapters: Vec<Timed>,
+    scenes: Scenes,
+    /// The middle of the cell of each step, as poses, and the steps.
+    #[serde(skip)]
+    cells: Vec<[f64; 4]>,
+    #[serde(skip)]
+    steps: Vec<Timed>,
+    #[serde(skip)]
+    from_ns: Option<u64>,
+}
+
+/// The maze from above.
+#[derive(Debug, Serialize)]
+struct World {
+    width: u16,
+    height: u16,
+    cell_size_m: f64,
+    /// The pose of the grid frame in the map frame: metres and radians.
+    origin: [f64; 3],
+    /// `#` wall, `S` start, `G` goal, `.` free; the northern row first.
+    rows: Vec<String>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Scenes {
+    values: Vec<Scene>,
+    policy: Vec<Scene>,
+    percept: Vec<Scene>,
+}
+
+impl World {
+    fn of(maze: &Maze) -> Self {
+        let origin = maze.origin();
+        let sign = |at| match maze.start() == Some(at) {
+            true => 'S',
+            false if maze.is_goal(at) => 'G',
+            false if maze.is_wall(at) => '#',
+            false => '.',
+        };
+        let cells: Vec<char> = maze.cells().map(sign).collect();
+        let rows = cells.chunks(usize::from(maze.width()));
+        Self {
+            width: maze.width(),
+            height: maze.height(),
+            cell_size_m: maze.cell_size_m(),
+            origin: [origin.x_m, origin.y_m, origin.yaw_rad],
+            rows: rows.map(|row| row.iter().collect()).collect(),
+        }
+    }
+}
+
+impl Data {
+    /// Reads a recording of a run, of an episode, or of highlights.
+    pub fn of(recording: &Recording) -> Result<Self, RecordError> {
+        if recording.extent() == Some(Extent::Comparison) {
+            return Err(RecordError::TwoRuns {
+                path: recording.path().to_owned(),
+            });
+        }
+        let damaged = |cause: String| recording.damaged(cause);
+        let world = recording.attachment("world.json");
+        let world = world.ok_or_else(|| damaged("it has no attachment world.json".to_owned()))?;
+        let maze =
+            Maze::from_json(world, "world.json").map_err(|fault| damaged(fault.to_string()))?;
+        let mut data = Self::empty(&maze, heading(recording));
+        for message in recording.messages() {
+            data.add(&message?, &maze).map_err(damaged)?;
+        }
+        data.complete();
+        Ok(data)
+    }
+
+    fn empty(maze: &Maze, heading: String) -> Self {
+        Self {
+            heading,
+            result: String::new(),
+            end: 0.0,
+            world: World::of(maze),
+            actions: Action::all(maze.action_count())
+                .map(|action| maze.action_name(action))
+                .collect(),
+            robot_radius_m: RobotShape::for_cell(maze.cell_size_m()).radius_m,
+            poses: Vec::new(),
+            mistakes: Vec::new(),
+            estimates: Vec::new(),
+            decisions: Vec::new(),
+            episodes: Vec::new(),
+            begins: Vec::new(),
+            contacts: Vec::new(),
+            curve: json!({ "episode": [], "steps": [] }),
+            captions: Vec::new(),
+            chapters: Vec::new(),
+            scenes: Scenes::default(),
+            cells: Vec::new(),
+            steps: Vec::new(),
+            from_ns: None,
+        }
+    }
+
+    /// World, method, arena, sensor and seed.
+    pub fn heading(&self) -> &str {
+        &self.heading
+    }
+
+    fn add(&mut self, message: &Message, maze: &Maze) -> Result<(), String> {
+        let t = self.seconds(message.time_ns);
+        self.end = self.end.max(t);
+        let Some(topic) = Topic::named(message.topic()) else {
+            return Ok(());
+        };
+        let scene = || decoded::<SceneUpdate>(&message.data);
+        match topic {
+            Topic::Transforms => self.follow(&decoded(&message.data)?),
+            Topic::Robot => self.measure(&scene()?),
+            Topic::Policy => self.scenes.policy.push(Scene::of(t, &scene()?)),
+            Topic::Worth => self.scenes.values.push(Scene::of(t, &scene()?)),
+            Topic::Percept => self.scenes.percept.push(Scene::of(t, &scene()?)),
+            Topic::Caption => self.captions.extend(caption(t, &scene()?)),
+            Topic::Rule => self.decisions.push(timed(t, message)?),
+            Topic::Step => self.step(t, message, maze)?,
+            Topic::Episode => self.episodes.push(timed(t, message)?),
+            Topic::Estimate => self.estimates.push(timed(t, message)?),
+            Topic::Contact => self.contacts.push(timed(t, message)?),
+            Topic::Curve => {
+                self.curve = serde_json::from_slice(&message.data).map_err(|e| e.to_string())?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Seconds since the first message.
+    fn seconds(&mut self, time_ns: u64) -> f64 {
+        let from_ns = *self.from_ns.get_or_insert(time_ns);
+        thousandths(time_ns.saturating_sub(from_ns) as f64 / 1e9)
+    }
+
+    /// Takes down the poses of the robot, and those that it estimates.
+    fn follow(&mut self, message: &FrameTransforms) {
+        for frame in &message.transforms {
+            let pose = self.pose(frame);
+            match frame.child_frame_id.as_str() {
+                ROBOT => self.poses.push(pose),
+                ESTIMATE => self.mistakes.push(pose),
+                _ => {}
+            }
+        }
+    }
+
+    fn pose(&mut self, frame: &FrameTransform) -> [f64; 4] {
+        let time_ns = frame.timestamp.map_or(0, |stamp| {
+            u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec())
+        });
+        let at = frame.translation.unwrap_or_default();
+        let turned = frame.rotation.unwrap_or_default();
+        let yaw_rad = 2.0 * libm::atan2(turned.z, turned.w);
+        [self.seconds(time_ns), at.x, at.y, yaw_rad].map(thousandths)
+    }
+
+    /// The robot is as wide as the widest part of its picture.
+    fn measure(&mut self, robot: &SceneUpdate) {
+        let parts = robot.entities.iter().flat_map(|one| &one.cylinders);
+        let widths = parts.filter_map(|part| Some(part.size?.x / 2.0));
+        let widest = widths.fold(0.0, f64::max);
+        if widest > 0.0 {
+            self.robot_radius_m = thousandths(widest);
+        }
+    }
+
+    /// Recordings of whole runs have neither poses nor reasons: there, a step stands for both.
+    fn step(&mut self, t: f64, message: &Message, maze: &Maze) -> Result<(), String> {
+        let mut step = timed(t, message)?;
+        let number = |key: &str| u16::try_from(step.get(key)?.as_u64()?).ok();
+        if let Some((col, row)) = number("col").zip(number("row")) {
+            let at = maze.centre_m(Cell { col, row });
+            self.cells.push([t, at.x, at.y, 0.0].map(thousandths));
+        }
+        // A reason knows each action's value as a share of what the goal pays. People compare the values themselves.
+        let values = step.remove("worth").unwrap_or(Value::Null);
+        let number = |step: &Timed| [step.get("episode").cloned(), step.get("step").cloned()];
+        let decision = self.decisions.last_mut();
+        if let Some(decision) = decision.filter(|decision| number(decision) == number(&step)) {
+            decision.insert("values".to_owned(), values);
+        } else {
+            step.insert("values".to_owned(), values);
+        }
+        self.steps.push(step);
+        Ok(())
+    }
+
+    /// Derives what depends on the whole recording.
+    fn complete(&mut self) {
+        if self.poses.is_empty() {
+            self.poses = std::mem::take(&mut self.cells);
+        }
+        if self.decisions.is_empty() {
+            self.decisions = std::mem::take(&mut self.steps);
+        }
+        self.poses.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let last = self.poses.last().map_or(0.0, |pose| pose[0]);
+        self.end = self.end.max(last);
+        let begins = |episode: &&Timed| episode.get("outcome") == Some(&json!("running"));
+        self.begins = self.episodes.iter().filter(begins).cloned().collect();
+        self.chapters = self.captions.clone();
+        self.chapters
+            .dedup_by(|next, before| next.get("title") == before.get("title"));
+        self.result = self.episodes.last().map_or_else(String::new, result);
+    }
+}
+
+/// A JSON message with its time, and without the bits of the percept.
+fn timed(t: f64, message: &Message) -> Result<Timed, String> {
+    let mut fields: Timed = serde_json::from_slice(&message.data).map_err(|e| e.to_string())?;
+    fields.insert("t".to_owned(), json!(t));
+    fields.remove("percept");
+    Ok(fields)
+}
+
+/// The words of a caption; `None` of one without.
+fn caption(t: f64, scene: &SceneUpdate) -> Option<Timed> {
+    let Caption { title, remark, .. } = Caption::read(scene);
+    let fields = [
+        ("t", json!(t)),
+        ("title", json!(title)),
+        ("remark", json!(remark)),
+    ];
+    let fields = fields.map(|(name, value)| (name.to_owned(), value));
+    (!title.is_empty()).then(|| fields.into_iter().collect())
+}
+
+/// World, method, arena, sensor and seed, as the recording says.
+fn heading(recording: &Recording) -> String {
+    let entry = |key: &str| recording.metadata("run")?.get(key).cloned();
+    let words = ["world", "method", "arena", "sensor"].map(|key| entry(key).unwrap_or_default());
+    let seed = entry("seed").unwrap_or_default();
+    format!(
+        "{}: {} on {}, {}, seed {seed}",
+        words[0], words[1], words[2], words[3]
+    )
+}
+
+/// What an episode came to, and whether the policy is optimal.
+fn result(episode: &Timed) -> String {
+    let number = |key: &str| episode.get(key).and_then(Value::as_u64);
+    let how = match episode.get("outcome").and_then(Value::as_str) {
+        Some("goal") => "reached the goal",
+        Some("running") | None => return String::new(),
+        Some(_) => "ended before the goal",
+    };
+    let (steps, shortest) = (number("steps").unwrap_or(0), number("shortest"));
+    let shortest = shortest.map_or_else(String::new, |n| format!("; the shortest path has {n}"));
+    format!("The last episode {how} after {steps} steps{shortest}.")
+}

@@ -1,0 +1,79 @@
+//! A recording as one HTML page that plays it: no network, no other file.
+//!
+//! The page holds what the recording's messages say, as JSON ([`data`]), and a script that draws it. The script's
+//! functions without a page are in `timeline.js`, and `timeline.test.mjs` tests them with Node.
+
+mod data;
+mod shapes;
+
+use crate::record::RecordError;
+use crate::record::reader::Recording;
+use data::Data;
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = concat!(include_str!("timeline.js"), "\n", include_str!("player.js"));
+
+/// Returns a recording as an HTML page that plays it in a browser.
+///
+/// # Errors
+/// [`RecordError::Damaged`] when messages cannot be decoded or the world is missing, [`RecordError::TwoRuns`] for a
+/// comparison of two runs.
+pub fn page(recording: &Recording) -> Result<String, RecordError> {
+    let data = Data::of(recording)?;
+    let json = serde_json::to_string(&data).expect("the data have text keys and finite numbers");
+    let parts = [
+        ("{{title}}", escaped(data.heading())),
+        ("{{style}}", STYLE.to_owned()),
+        ("{{data}}", inert(&json)),
+        ("{{script}}", SCRIPT.to_owned()),
+    ];
+    Ok(filled(PAGE, &parts))
+}
+
+/// Replaces placeholders in one pass, so that nothing in a value is taken for another placeholder.
+fn filled(template: &str, parts: &[(&str, String)]) -> String {
+    let mut page = String::new();
+    let mut rest = template;
+    while let Some(at) = rest.find("{{") {
+        let (before, after) = rest.split_at(at);
+        page.push_str(before);
+        let part = parts.iter().find(|(name, _)| after.starts_with(name));
+        let (name, value) = part.map_or(("{{", "{{"), |(name, value)| (*name, value));
+        page.push_str(value);
+        rest = &after[name.len()..];
+    }
+    page.push_str(rest);
+    page
+}
+
+/// JSON that cannot end the element in which it stands: no `<` is left in it.
+fn inert(json: &str) -> String {
+    json.replace('<', "\\u003c")
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_look_like_placeholders_stay_as_they_are() {
+        let parts = [("{{a}}", "{{b}}".to_owned()), ("{{b}}", "2".to_owned())];
+        assert_eq!(filled("x {{a}} {{b}} {{c}}", &parts), "x {{b}} 2 {{c}}");
+    }
+
+    #[test]
+    fn json_cannot_end_its_element() {
+        let json = serde_json::to_string("</script><script>alert(1)").unwrap();
+        let inert = inert(&json);
+        assert!(!inert.contains('<'));
+        let read: String = serde_json::from_str(&inert).unwrap();
+        assert_eq!(read, "</script><script>alert(1)");
+    }
+}

@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+"""Plays the page of a recording in a real browser, and compares what it shows with the recording.
+
+Usage: browser.py PAGE RECORDING [CHROMIUM]     needs Chromium and the Python package mcap
+
+The browser is driven through its debugging pipe. The page must show the decisions of the recording, play, pause, seek,
+obey the keys, fit into 360 pixels, load nothing, and write nothing to the console. Ends with code 1 at the first fault.
+"""
+
+import bisect
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from mcap.reader import make_reader
+
+SIZES = [(360, 780), (1280, 900), (3840, 2160)]
+
+
+class Browser:
+    """A headless browser with one page, driven through the Chrome DevTools Protocol."""
+
+    def __init__(self, program):
+        self.profile = tempfile.TemporaryDirectory()
+        (theirs_in, self.out), (self.inp, theirs_out) = os.pipe(), os.pipe()
+        arguments = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe"]
+        command = [program, *arguments, f"--user-data-dir={self.profile.name}", "about:blank"]
+        # The browser reads from descriptor 3 and writes to descriptor 4.
+        shell = ["bash", "-c", f'exec "$@" 3<&{theirs_in} 4>&{theirs_out}', "browser", *command]
+        self.process = subprocess.Popen(shell, pass_fds=(theirs_in, theirs_out), stderr=subprocess.DEVNULL)
+        os.close(theirs_in)
+        os.close(theirs_out)
+        self.number, self.rest, self.events, self.session = 0, b"", [], None
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ["Page", "Runtime", "Log", "Network"]:
+            self.call(f"{domain}.enable")
+
+    def call(self, method, **params):
+        """Calls a method of the protocol and returns its result. Keeps the events that come meanwhile."""
+        self.number += 1
+        message = {"id": self.number, "method": method, "params": params}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.out, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self.receive()
+            if answer.get("id") != self.number:
+                self.events.append(answer)
+            elif "error" in answer:
+                raise SystemExit(f"{method}: {answer['error']}")
+            else:
+                return answer["result"]
+
+    def receive(self):
+        while b"\0" not in self.rest:
+            piece = os.read(self.inp, 1 << 16)
+            if not piece:
+                raise SystemExit("the browser has ended")
+            self.rest += piece
+        message, self.rest = self.rest.split(b"\0", 1)
+        return json.loads(message)
+
+    def evaluate(self, script):
+        result = self.call("Runtime.evaluate", expression=script, returnByValue=True)
+        if "exceptionDetails" in result:
+            raise SystemExit(f"{script}: {result['exceptionDetails']}")
+        return result["result"].get("value")
+
+    def key(self, name, text=""):
+        for kind in ["keyDown", "keyUp"]:
+            self.call("Input.dispatchKeyEvent", type=kind, key=name, text=text if kind == "keyDown" else "")
+
+    def close(self):
+        self.call("Browser.close")
+        self.process.wait(30)
+
+
+def expect(condition, what):
+    if not condition:
+        raise SystemExit(f"fault: {what}")
+
+
+def decisions(recording):
+    """Returns the time in seconds, the step, the rule and the action of each decision."""
+    with open(recording, "rb") as file:
+        messages = [(m.log_time, c.topic, m.data) for _, c, m in make_reader(file).iter_messages()]
+    first = min(time_ns for time_ns, _, _ in messages)
+    reasons = [((t - first) / 1e9, json.loads(data)) for t, topic, data in messages if topic == "/rule"]
+    return [(t, one["step"], one["rule"], one["action"]) for t, one in reasons]
+
+
+def seek(browser, t):
+    browser.evaluate(f"var s = document.getElementById('seek'); s.value = {t}; s.dispatchEvent(new Event('input'))")
+
+
+def shown(browser):
+    facts = "Object.fromEntries([...document.querySelectorAll('dt')].map((t) => [t.textContent, t.nextSibling.textContent]))"
+    return browser.evaluate(f"({{why: document.getElementById('why').textContent, t: state.t, playing: state.playing, ...{facts}}})")
+
+
+def check_numbers(browser, recording):
+    expected = decisions(recording)
+    times = [t for t, *_ in expected]
+    for t, step, rule, action in expected[:: max(len(expected) // 20, 1)]:
+        seek(browser, t + 0.03)
+        last = expected[bisect.bisect_right(times, browser.evaluate("state.t") + 1e-9) - 1]
+        seen = shown(browser)
+        expect(seen["why"] == last[2], f"at {t} s the page says {seen['why']!r}, the recording {last[2]!r}")
+        expect((seen["step"], seen["action"]) == (str(last[1]), last[3]), f"at {t} s: {seen}, {last}")
+    return len(expected)
+
+
+def check_playing(browser):
+    seek(browser, 0)
+    browser.evaluate("document.getElementById('play').click()")
+    time.sleep(1.0)
+    playing = shown(browser)
+    expect(playing["playing"] and playing["t"] > 0.2, f"it does not play: {playing}")
+    browser.evaluate("document.activeElement.blur()")
+    browser.key(" ", " ")
+    paused = shown(browser)
+    expect(not paused["playing"], "space does not pause")
+    browser.key("ArrowRight")
+    after = shown(browser)
+    expect(after["t"] > paused["t"], "the right arrow does not go to the next decision")
+    browser.key("ArrowLeft")
+    expect(shown(browser)["t"] < after["t"], "the left arrow does not go back")
+    browser.key("End")
+    expect(shown(browser)["t"] == browser.evaluate("data.end"), "End does not go to the end")
+
+
+def check_sizes(browser):
+    for width, height in SIZES:
+        browser.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        time.sleep(0.3)
+        wide = browser.evaluate("document.documentElement.scrollWidth")
+        expect(wide <= width, f"at {width} pixels the page is {wide} wide")
+        painted = "(() => { const c = document.getElementById('maze'); const p = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; return new Set(p.filter((_, i) => i % 4 === 0)).size; })()"
+        expect(browser.evaluate(painted) > 5, f"at {width} pixels the maze is not drawn")
+
+
+def main():
+    page, recording = sys.argv[1:3]
+    browser = Browser(sys.argv[3] if len(sys.argv) > 3 else "chromium")
+    browser.call("Page.navigate", url=Path(page).resolve().as_uri())
+    time.sleep(1.5)
+    count = check_numbers(browser, recording)
+    check_playing(browser)
+    check_sizes(browser)
+    said = [e for e in browser.events if e.get("method") in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown")]
+    logged = [e["params"]["entry"] for e in browser.events if e.get("method") == "Log.entryAdded"]
+    # A warning about reading pixels back is this script's own.
+    said += [entry for entry in logged if entry["source"] != "rendering"]
+    expect(not said, f"the console has {said[:3]}")
+    asked = [e["params"]["request"]["url"] for e in browser.events if e.get("method") == "Network.requestWillBeSent"]
+    expect(all(url.startswith("file:") and url.endswith(".html") for url in asked), f"it loads {asked}")
+    browser.close()
+    print(f"the page shows {count} decisions as the recording has them; it plays, seeks and fits")
+
+
+if __name__ == "__main__":
+    main()
