@@ -20,6 +20,10 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     for file in &run.recording.files {
         println!("{}", file.display());
     }
-    assert_eq!(run.recording.files.len(), 12, "episodes, run and story");
+    assert_eq!(
+        run.recording.files.len(),
+        12,
+        "episodes, run and highlights"
+    );
     Ok(())
 }

@@ -10,7 +10,7 @@ const OWN_WORDS: [(&str, &str); 13] = [
     ("astray", "mislocalised"),
     ("atlas", "maps"),
     ("ballot", "quantised policy"),
-    ("eaten`", "collected"),
+    ("collected`", "collected"),
     ("foreseen", "predicted"),
     ("foretell", "predict"),
     ("foretold", "predicted"),
@@ -19,7 +19,7 @@ const OWN_WORDS: [(&str, &str); 13] = [
     ("lessons", "examples"),
     ("look alike", "share a percept"),
     ("salvage", "recover"),
-    ("teller", "highlights builder"),
+    ("builder", "highlights builder"),
 ];
 
 fn root() -> &'static Path {

@@ -136,7 +136,7 @@ const closeUp = (cells) => (layout) => {
 
 const landscape = (layout) => {
   const panel = layout.configById["3D!main"];
-  panel.topics["/scene/worth"].visible = true;
+  panel.topics["/scene/values"].visible = true;
   panel.cameraState.phi = 50;
   panel.cameraState.distance *= 0.9;
   panel.topics["/scene/rule"].visible = false;
@@ -158,11 +158,11 @@ async function main() {
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
   });
   const shown = await serve(run("run"));
-  const [story, whole] = shown.links;
-  await moving(browser, "story", story, 48, alone, [1120, 800]);
-  await picture(browser, "story", story, 41);
+  const [highlights, whole] = shown.links;
+  await moving(browser, "highlights", highlights, 48, alone, [1120, 800]);
+  await picture(browser, "highlights", highlights, 41);
   await picture(browser, "run", whole, 1396);
-  await picture(browser, "landscape", story, 41, landscape, [1120, 680]);
+  await picture(browser, "landscape", highlights, 41, landscape, [1120, 680]);
   shown.child.kill();
   const felt = await serve(path.join(run("run"), "ep-0001.mcap"));
   await picture(browser, "felt", felt.links[0], 30, closeUp(5), [1120, 680]);

@@ -187,7 +187,7 @@ impl From<RunError> for Failure {
             RunError::Plan(error) => error.into(),
             RunError::World(error) => error.into(),
             RunError::Record(error) => error.into(),
-            RunError::Recording { .. } | RunError::TwoRuns(_) | RunError::NoStory { .. } => {
+            RunError::Recording { .. } | RunError::TwoRuns(_) | RunError::NoHighlights { .. } => {
                 Self::new(Exit::BadData, message)
             }
             RunError::Interrupted { .. } => Self::new(Exit::Interrupted, message),

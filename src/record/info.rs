@@ -76,10 +76,10 @@ pub enum Extent {
     /// All of it, but what happens more often than once per step.
     Run,
     /// Its turning points, and a drive of what was learned.
-    Story,
+    Highlights,
     /// One episode, by its number from 1.
     Episode(u32),
-    /// The stories of two runs side by side.
+    /// The highlights of two runs side by side.
     Comparison,
 }
 
@@ -88,7 +88,7 @@ impl Extent {
     pub fn file_name(self) -> String {
         match self {
             Self::Run => "run.mcap".to_owned(),
-            Self::Story => "story.mcap".to_owned(),
+            Self::Highlights => "highlights.mcap".to_owned(),
             Self::Episode(number) => format!("ep-{number:04}.mcap"),
             Self::Comparison => "comparison.mcap".to_owned(),
         }
@@ -98,14 +98,14 @@ impl Extent {
     pub fn episode(self) -> Option<u32> {
         match self {
             Self::Episode(number) => Some(number),
-            Self::Run | Self::Story | Self::Comparison => None,
+            Self::Run | Self::Highlights | Self::Comparison => None,
         }
     }
 
     /// What the entry `episode` of the metadata record `run` says; the run for anything unknown.
     pub fn of_entry(text: &str) -> Self {
         match text {
-            "story" => Self::Story,
+            "highlights" => Self::Highlights,
             "comparison" => Self::Comparison,
             text => text.parse().map_or(Self::Run, Self::Episode),
         }
@@ -116,7 +116,7 @@ impl fmt::Display for Extent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Run => f.write_str("run"),
-            Self::Story => f.write_str("story"),
+            Self::Highlights => f.write_str("highlights"),
             Self::Comparison => f.write_str("comparison"),
             Self::Episode(number) => write!(f, "{number}"),
         }

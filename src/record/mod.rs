@@ -14,11 +14,13 @@ mod read;
 mod repair;
 mod ros;
 mod serve;
-mod story;
+mod highlights;
 mod topics;
 mod write;
 
 pub use error::RecordError;
+pub use highlights::Comparison;
+pub(crate) use highlights::{HighlightsBuilder, Segment, compare_highlights, segments};
 pub use info::{Extent, RobotShape, RunInfo};
 pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
@@ -28,7 +30,5 @@ pub(crate) use ros::{RosBag, RosRobot};
 #[cfg(feature = "live")]
 pub use serve::live;
 pub use serve::server;
-pub use story::Comparison;
-pub(crate) use story::{Chapter, Teller, chapters, compare_stories};
 pub use topics::Topic;
 pub use write::{RecordSummary, Recorder, RecorderMemory, Tap};

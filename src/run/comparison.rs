@@ -4,13 +4,13 @@ use std::path::Path;
 
 use super::error::RunError;
 use super::folder::RunFolder;
+use super::highlights::Material;
 use super::source::{Source, attached_plan, recorded_mode};
-use super::story::Material;
 use crate::record::reader::Recording;
-use crate::record::{self, Comparison, compare_stories, layout};
+use crate::record::{self, Comparison, compare_highlights, layout};
 
 impl Comparison {
-    /// Puts the stories of two runs side by side: chapter by chapter, each pair at the same time,
+    /// Puts the highlights of two runs side by side: segment by segment, each pair at the same time,
     /// then the drives of what was learned. A path is the folder of a run or a recording of it.
     ///
     /// # Errors
@@ -37,16 +37,16 @@ impl Comparison {
 }
 
 fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, RunError> {
-    let (mut of_a, mut of_b) = (a.teller()?, b.teller()?);
-    for number in 0..a.chapters().max(b.chapters()) {
+    let (mut of_a, mut of_b) = (a.builder()?, b.builder()?);
+    for number in 0..a.segments().max(b.segments()) {
         a.tell_chapter(number, &mut of_a)?;
         b.tell_chapter(number, &mut of_b)?;
         of_a.catch_up(&mut of_b)?;
     }
-    a.tell_drive(&mut of_a)?;
-    b.tell_drive(&mut of_b)?;
+    a.add_drive(&mut of_a)?;
+    b.add_drive(&mut of_b)?;
     of_a.catch_up(&mut of_b)?;
-    Ok(compare_stories([of_a, of_b])?)
+    Ok(compare_highlights([of_a, of_b])?)
 }
 
 fn material(path: &Path) -> Result<Material, RunError> {

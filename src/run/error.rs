@@ -42,11 +42,11 @@ pub enum RunError {
     /// An evaluation was asked to end before its last episode.
     #[error("interrupted")]
     Stopped,
-    /// A story draws every cell, and the maze has too many.
+    /// a highlights recording draws every cell, and the maze has too many.
     #[error(
-        "{world} has too many cells for a story, which draws each of them; watch single episodes instead"
+        "{world} has too many cells for a highlights recording, which draws each of them; watch single episodes instead"
     )]
-    NoStory {
+    NoHighlights {
         /// The name of the maze.
         world: String,
     },

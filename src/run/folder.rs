@@ -28,7 +28,7 @@ const PAGE: &str = "replay.html";
 /// What recordings leave beside numbered episodes.
 const RECORDINGS: [&str; 5] = [
     "run.mcap",
-    "story.mcap",
+    "highlights.mcap",
     PAGE,
     "foxglove-layout.json",
     "foxglove-layout-run.json",
@@ -212,14 +212,14 @@ impl RunFolder {
         self.read(RULES)
     }
 
-    /// Saves the story of the run; where, and how many bytes it has.
+    /// Saves the highlights of the run; where, and how many bytes it has.
     ///
     /// # Errors
     /// An error of the file system.
-    pub fn save_story(&self, story: &[u8]) -> Result<(PathBuf, u64), RunFolderError> {
-        let name = Extent::Story.file_name();
-        self.write(&name, story)?;
-        Ok((self.path.join(name), story.len() as u64))
+    pub fn save_highlights(&self, highlights: &[u8]) -> Result<(PathBuf, u64), RunFolderError> {
+        let name = Extent::Highlights.file_name();
+        self.write(&name, highlights)?;
+        Ok((self.path.join(name), highlights.len() as u64))
     }
 
     /// Saves the page that plays the highlights.

@@ -2,7 +2,7 @@
 //!
 //! [`Session`] trains and records into a [`RunFolder`], and resumes what was stopped; [`Source`]
 //! tells what run a recording comes from, and [`Again`] makes that run again to compare the bytes.
-//! [`RunFolder::story`] shows its turning points in less than two minutes.
+//! [`RunFolder::highlights`] shows its turning points in less than two minutes.
 //!
 //! # Example
 //! ```
@@ -14,7 +14,7 @@
 //! let folder = RunFolder::create(&parent.path().join("run"), false)?;
 //! let trial = Trial::new(Plan::new(maze).episodes(3))?;
 //! let run = Session::begin(folder, trial, RecordMode::All)?.run(&mut (), &|| false)?;
-//! assert_eq!(run.recording.files.len(), 5); // three episodes, run.mcap and story.mcap
+//! assert_eq!(run.recording.files.len(), 5); // three episodes, run.mcap and highlights.mcap
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -26,7 +26,7 @@ mod ros;
 mod session;
 mod source;
 mod comparison;
-mod story;
+mod highlights;
 mod verify;
 mod way_on;
 

@@ -24,15 +24,15 @@ impl Source {
     /// What the recording shows, in the same form.
     ///
     /// # Errors
-    /// When it cannot be run again, or is a story, which shows parts of many episodes.
+    /// When it cannot be run again, or is a highlights recording, which shows parts of many episodes.
     pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
         let only = match self.extent {
             Extent::Episode(episode) => Some(episode),
             Extent::Run => None,
-            Extent::Story | Extent::Comparison => {
+            Extent::Highlights | Extent::Comparison => {
                 return Err(RunError::Recording {
                     file: self.file.clone(),
-                    fault: "a story shows parts of many episodes and cannot be written for ROS 2; give an episode, \
+                    fault: "a highlights recording shows parts of many episodes and cannot be written for ROS 2; give an episode, \
                             run.mcap, or the folder of a run"
                         .to_owned(),
                 });

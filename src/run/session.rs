@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::error::RunError;
 use super::facts::run_info;
 use super::folder::RunFolder;
-use super::story;
+use super::highlights;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::record::player;
@@ -214,9 +214,9 @@ fn tell(
     trial: &Trial,
     knowledge: &Knowledge,
 ) -> Result<(PathBuf, u64), RunError> {
-    let story = story::tell(folder.path(), trial.plan(), knowledge)?;
-    let saved = folder.save_story(&story)?;
-    let page = player::page(&Recording::from_bytes(&saved.0, story)?)?;
+    let highlights = highlights::tell(folder.path(), trial.plan(), knowledge)?;
+    let saved = folder.save_highlights(&highlights)?;
+    let page = player::page(&Recording::from_bytes(&saved.0, highlights)?)?;
     folder.save_page(&page)?;
     Ok(saved)
 }

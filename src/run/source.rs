@@ -100,7 +100,7 @@ pub(super) fn recorded_mode(recording: &Recording, name: &str) -> Result<RecordM
     })
 }
 
-/// How the episodes of a story are recorded: with beams if those of its run are, and all of them.
+/// How the episodes of a highlights recording are recorded: with beams if those of its run are, and all of them.
 pub(super) fn told_mode(mode: RecordMode) -> RecordMode {
     match mode {
         RecordMode::Beams => RecordMode::Beams,

@@ -8,8 +8,8 @@ use tempfile::TempDir;
 use super::error::RunError;
 use super::evaluation::record_evaluation;
 use super::facts::run_info;
+use super::highlights;
 use super::source::Source;
-use super::story;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
 use crate::record::{self, Extent, RecordMode, Recorder};
@@ -75,7 +75,7 @@ impl Again {
         let name = source.extent.file_name();
         let folder = self.folder.path();
         let bytes = match source.extent {
-            Extent::Story => story::tell(folder, &self.plan, &self.knowledge)?,
+            Extent::Highlights => highlights::tell(folder, &self.plan, &self.knowledge)?,
             Extent::Run | Extent::Episode(_) | Extent::Comparison => {
                 match fs::read(folder.join(&name)) {
                     Ok(bytes) => bytes,

@@ -70,31 +70,31 @@ fn drive(trial: &Trial, arena: &mut dyn Arena, start: Cell) -> Brought {
 }
 
 /// The greatest discounted sum of rewards from a start, by trying all ways of up to `steps` steps on
-/// a table of cells and of what has been eaten.
+/// a table of cells and of what has been collected.
 fn best(maze: &Maze, start: Cell, steps: u32) -> f64 {
     let paying = maze.rewarding_cells();
     let cells: Vec<Cell> = maze.free_cells().collect();
-    let index = |cell: Cell, eaten: usize| {
+    let index = |cell: Cell, collected: usize| {
         let at = cells.iter().position(|&other| other == cell).unwrap();
-        at << paying.len() | eaten
+        at << paying.len() | collected
     };
     let mut worth = vec![0.0; cells.len() << paying.len()];
     for _ in 0..steps {
         let before = worth.clone();
         for &cell in cells.iter().filter(|&&cell| !maze.is_goal(cell)) {
-            for eaten in 0..1 << paying.len() {
+            for collected in 0..1 << paying.len() {
                 let ways = maze.moves().directions().iter();
                 let ways = ways.filter_map(|&along| maze.step(cell, along));
                 let way = ways.map(|next| {
                     let bit = paying.iter().position(|&other| other == next);
-                    let after = bit.map_or(eaten, |bit| eaten | 1 << bit);
-                    let paid = maze.auxiliary_reward(next).filter(|_| after != eaten);
+                    let after = bit.map_or(collected, |bit| collected | 1 << bit);
+                    let paid = maze.auxiliary_reward(next).filter(|_| after != collected);
                     match maze.is_goal(next) {
                         true => 999.0,
                         false => paid.unwrap_or(0.0) - 1.0 + 0.9 * before[index(next, after)],
                     }
                 });
-                worth[index(cell, eaten)] = way.fold(f64::NEG_INFINITY, f64::max);
+                worth[index(cell, collected)] = way.fold(f64::NEG_INFINITY, f64::max);
             }
         }
     }

@@ -61,7 +61,7 @@ fn it_draws_the_same_maps_as_the_learner_of_rules() {
         as_json(&plan.run().unwrap())[kind]["map"].clone()
     };
     let own = |episodes| charts(Method::RMax, "planned", episodes);
-    assert!(own(60)["spots"].is_array());
+    assert!(own(60)["states"].is_array());
     assert_eq!(
         own(60),
         charts(Method::XcscrPlus, "remembering", 60),
@@ -132,7 +132,7 @@ fn where_cells_are_misread_it_plans_on_in_each_step_and_resumes_to_the_same_byte
             assert!(same, "after episode {episode}");
         }
     }
-    let misread = as_json(&whole)["planned"]["map"]["misread"].as_f64();
+    let misread = as_json(&whole)["planned"]["map"]["observation_error"].as_f64();
     assert!(misread.unwrap() > 0.01, "control: {misread:?}");
     let bound = Bounds::of_belief(&whole.plan().maze, Sensor::Neighbours).unwrap();
     let steps = greedy(&whole);

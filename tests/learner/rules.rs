@@ -123,7 +123,7 @@ fn the_many_rules_of_the_original_method_condense_to_few() {
 #[test]
 fn a_cell_shows_the_rules_that_match_there_in_the_wanted_order() {
     let desk = Desk::new("xcscr");
-    let csv = desk.fine(&["rules", "run", "--cell", "1,1", "--sort", "worth", "--csv"]);
+    let csv = desk.fine(&["rules", "run", "--cell", "1,1", "--sort", "value", "--csv"]);
     let mut table = csv::Reader::from_reader(csv.as_bytes());
     let column = |name: &str| {
         let header = csv::Reader::from_reader(csv.as_bytes())
@@ -207,7 +207,7 @@ fn a_run_that_began_with_rules_is_repeated_from_its_recording() {
     let said = "5 of 5 recordings are bit-identical";
     assert!(
         text.contains(said),
-        "three episodes, the run, the story: {text}"
+        "three episodes, the run, the highlights recording: {text}"
     );
 }
 
@@ -302,7 +302,7 @@ fn why_tells_who_votes_what_would_change_it_and_how_the_rule_came_to_be() {
         told.contains("perceives   north wall, north-east wall, east free"),
         "{told}"
     );
-    assert!(told.contains("goes        east   (worth: east "), "{told}");
+    assert!(told.contains("goes        east   (values: east "), "{told}");
     assert!(
         told.contains("100 %"),
         "one rule has the whole vote: {told}"

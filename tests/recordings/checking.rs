@@ -114,7 +114,7 @@ fn a_faithful_copy_is_sound() {
 
 #[test]
 fn a_layout_that_points_at_nothing_is_found() {
-    for (there, nowhere) in [("/rule.worth", "/rule.wealth"), ("/scene/trail", "/trail")] {
+    for (there, nowhere) in [("/rule.values", "/rule.wealth"), ("/scene/trail", "/trail")] {
         let mut parts = Parts::new();
         let layout = parts.attached.get_mut("foxglove-layout.json").unwrap();
         assert!(layout.contains(there), "{layout}");

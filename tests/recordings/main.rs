@@ -9,7 +9,7 @@ mod checking;
 mod forged_recordings;
 #[cfg(feature = "live")]
 mod live;
-mod long_story;
+mod long_highlights;
 mod page;
 mod recording;
 mod recording_faults;
@@ -19,5 +19,5 @@ mod ros;
 mod schemas;
 mod serving;
 mod size;
-mod story;
+mod highlights;
 mod watching;

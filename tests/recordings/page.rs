@@ -56,7 +56,7 @@ fn a_page_has_the_decisions_values_estimates_and_episodes_of_its_recording() {
         for field in ["episode", "step", "rule", "action", "seen"] {
             assert_eq!(decision[field], reason[field], "{field}");
         }
-        assert_eq!(decision["values"], step["worth"], "{decision}");
+        assert_eq!(decision["values"], step["values"], "{decision}");
     }
     for (list, topic) in [
         ("estimates", "/estimate"),

@@ -136,8 +136,8 @@ fn fields(recording: &Recording) -> BTreeMap<(String, String), bool> {
 /// Of an episode there are many files: what a field means is told once, in those of the run.
 #[test]
 fn every_field_is_explained_in_the_recording_of_the_run_or_in_its_story() {
-    let story = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
-    let mut explained = fields(&story);
+    let highlights = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
+    let mut explained = fields(&highlights);
     let mut met = 0;
     for recording in fresh().1 {
         let is_run = recording.path().ends_with("run.mcap");
@@ -389,7 +389,7 @@ fn a_reason_names_rule_action_worth_error_and_support_and_says_when_it_is_none()
         {
             let text = rule["rule"].as_str().unwrap();
             let action = rule["action"].as_str().unwrap();
-            assert!(text.contains(&format!(" -> {action}, worth ")), "{text}");
+            assert!(text.contains(&format!(" -> {action}, value ")), "{text}");
             let support = format!(", {} of {} match", step["action_set"], step["match_set"]);
             assert!(text.ends_with(&support), "{text}");
             let is_explored = rule["explored"].as_bool().unwrap();

@@ -88,8 +88,18 @@ fn a_recording_for_ros_has_its_encoding_and_the_same_bytes_again() {
         );
     }
 
-    let story = at("run/story.mcap");
-    let refused = ["recording", "ros", &story, "-o", &at("story.mcap")];
-    let (_, stderr) = ended(&xcscr(&refused).output().unwrap(), 65, "a story");
+    let highlights = at("run/highlights.mcap");
+    let refused = [
+        "recording",
+        "ros",
+        &highlights,
+        "-o",
+        &at("highlights.mcap"),
+    ];
+    let (_, stderr) = ended(
+        &xcscr(&refused).output().unwrap(),
+        65,
+        "a highlights recording",
+    );
     assert!(stderr.contains("give an episode"), "{stderr}");
 }

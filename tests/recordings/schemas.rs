@@ -13,9 +13,9 @@ use xcscr::record::reader::Recording;
 /// Arrays in which `null` stands for what is unknown. A schema cannot say so: viewers refuse one
 /// whose items have two types. Their meaning says it instead.
 const MAY_HOLD_NULL: [(&str, &str); 3] = [
-    ("/episode", "start_worth"),
-    ("/rule", "worth"),
-    ("/step", "worth"),
+    ("/episode", "start_values"),
+    ("/rule", "values"),
+    ("/step", "values"),
 ];
 
 /// The topics of a recording that carry JSON, with their schemas.
@@ -56,7 +56,7 @@ fn keeps_to_its_schemas(recording: &Recording) -> BTreeSet<String> {
     met
 }
 
-/// The recordings of a short run, with its story.
+/// The recordings of a short run, with its highlights.
 fn recordings(run: &Path, more: &[&str]) -> Vec<Recording> {
     let out = ["--quiet", "--episodes", "3", "--out", run.to_str().unwrap()];
     expect(
@@ -70,7 +70,11 @@ fn recordings(run: &Path, more: &[&str]) -> Vec<Recording> {
     let recordings: Vec<_> = recordings
         .map(|file| Recording::open(&file).unwrap())
         .collect();
-    assert_eq!(recordings.len(), 5, "three episodes, the run and its story");
+    assert_eq!(
+        recordings.len(),
+        5,
+        "three episodes, the run and its highlights"
+    );
     recordings
 }
 
@@ -92,9 +96,9 @@ fn every_message_of_every_method_is_what_its_schema_says() {
 
 #[test]
 fn where_null_stands_for_unknown_the_schema_of_the_story_says_so() {
-    let story = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
-    let schemas = schemas(&story);
-    keeps_to_its_schemas(&story);
+    let highlights = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
+    let schemas = schemas(&highlights);
+    keeps_to_its_schemas(&highlights);
     for (topic, field) in MAY_HOLD_NULL {
         let meaning = &schemas[topic]["properties"][field]["description"];
         assert!(
@@ -106,18 +110,18 @@ fn where_null_stands_for_unknown_the_schema_of_the_story_says_so() {
 
 #[test]
 fn a_message_that_breaks_its_schema_is_told_from_one_that_keeps_it() {
-    let story = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
-    let schema = &schemas(&story)["/episode"];
+    let highlights = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
+    let schema = &schemas(&highlights)["/episode"];
     let faults = [
         (json!({"episode": 1, "state": 3, "reward": 0.5}), None),
-        (json!({"start_worth": [1.0, 2]}), None),
+        (json!({"start_values": [1.0, 2]}), None),
         (
             json!({"generality": null}),
             Some(".generality: null is no \"number\""),
         ),
         (
-            json!({"start_worth": [1.0, null]}),
-            Some(".start_worth[1]: null is no \"number\""),
+            json!({"start_values": [1.0, null]}),
+            Some(".start_values[1]: null is no \"number\""),
         ),
         (json!({"steps": 1.5}), Some(".steps: 1.5 is no \"integer\"")),
         (json!({"state": 2}), Some(".state: 2 is none of")),

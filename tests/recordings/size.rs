@@ -8,7 +8,7 @@ use crate::kit::program::expect;
 use xcscr::agent::Method;
 use xcscr::record::reader::Recording;
 
-/// Bytes that recordings may take for each cell move, the story included.
+/// Bytes that recordings may take for each cell move, the highlights recording included.
 const MOST: u64 = 2000;
 
 /// All recordings of a default run, in bytes, and its steps.

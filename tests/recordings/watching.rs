@@ -215,7 +215,7 @@ fn the_links_name_the_files_and_the_layout_of_each_kind() {
         "{text}"
     );
     assert!(
-        text.starts_with("The story of the run in maze4: xcscr-plus, seed 1\n"),
+        text.starts_with("Highlights of the run in maze4: xcscr-plus, seed 1\n"),
         "{text}"
     );
     let count = |what: &str| text.matches(what).count();
@@ -336,7 +336,7 @@ fn a_speed_that_makes_no_sense_is_refused() {
 }
 
 /// When the program changes what a run gives, make the sample anew: `cargo run -- train
-/// worlds/maze4.json --out RUN`, then copy `RUN/story.mcap` over it.
+/// worlds/maze4.json --out RUN`, then copy `RUN/highlights.mcap` over it.
 #[test]
 fn the_sample_in_the_repository_is_sound_small_and_the_same_as_a_new_run() {
     let sample = "recordings/sample-maze4.mcap";

@@ -377,16 +377,23 @@ fn a_world_of_a_million_cells_is_trained_in_within_100_megabytes_and_too_large_a
     // With as many steps as the maze asks for.
     let all = [&args[..args.len() - 4], &["--out", out, "--force"]].concat();
     ended(&within(ITSELF + LARGEST, &all), 0, "train");
-    let story = folder.path().join("story.mcap");
+    let highlights = folder.path().join("highlights.mcap");
     let told = [
         "recording",
         "highlights",
         out,
         "-o",
-        story.to_str().unwrap(),
+        highlights.to_str().unwrap(),
     ];
-    let (_, stderr) = ended(&within(ITSELF + LARGEST, &told), 65, "a story");
-    assert!(stderr.contains("too many cells for a story"), "{stderr}");
+    let (_, stderr) = ended(
+        &within(ITSELF + LARGEST, &told),
+        65,
+        "a highlights recording",
+    );
+    assert!(
+        stderr.contains("too many cells for a highlights recording"),
+        "{stderr}"
+    );
     fs::write(world, format!(r#"{{"rows": {:?}}}"#, vec!["###"; 4097])).unwrap();
     let (_, stderr) = ended(
         &within(ITSELF + LARGEST, &["world", "info", world]),

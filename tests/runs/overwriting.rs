@@ -209,13 +209,17 @@ fn exports_stories_maps_and_manual_pages_want_force_for_a_file_that_exists() {
         &[&trained[..], &["--arena", "grid", "--method", "q-learning"]].concat(),
     );
     let out = desk.folder("out", &["p.py", "s.mcap", "m.yaml", "m.pgm", "xcscr.1"]);
-    let [export, story, map] = ["p.py", "s.mcap", "m.yaml"].map(|name| format!("{out}/{name}"));
+    let [export, highlights, map] =
+        ["p.py", "s.mcap", "m.yaml"].map(|name| format!("{out}/{name}"));
     for (args, replaced) in [
         (
             &["export", &run, "--target", "python", "-o", &export][..],
             "p.py",
         ),
-        (&["recording", "highlights", &run, "-o", &story], "s.mcap"),
+        (
+            &["recording", "highlights", &run, "-o", &highlights],
+            "s.mcap",
+        ),
         (&["world", "convert", WORLD, "-o", &map], "m.pgm"),
         (&["man", "--out", &out], "xcscr.1"),
     ] {

@@ -83,19 +83,19 @@ fn run_with_stops(plan: &Plan, folder: &Path, mode: RecordMode, times: usize) ->
     let mut stops: Vec<usize> = (0..times).map(|_| dice.below(all + 1)).collect();
     stops.sort();
     let mut run = Run::begin(plan, folder, mode);
-    let mut story = String::new();
+    let mut highlights = String::new();
     for stop in stops {
         run.episodes(stop as u32);
         let bytes = run.save();
         let killed = stop + dice.below(all - stop + 1).min(4);
         run.episodes(killed as u32);
-        story += &format!("checkpoint after episode {stop}, killed after {killed}; ");
+        highlights += &format!("checkpoint after episode {stop}, killed after {killed}; ");
         // As a kill would leave it: the unfinished file is dropped where it is.
         drop(run);
         run = Run::resume(&bytes, folder);
     }
     run.episodes(all as u32);
-    (story, run.end())
+    (highlights, run.end())
 }
 
 fn stops_and_resumes(method: Method, arena: ArenaKind, mode: RecordMode, times: usize) {
@@ -107,9 +107,9 @@ fn stops_and_resumes(method: Method, arena: ArenaKind, mode: RecordMode, times: 
     whole.episodes(episodes);
     let end = whole.end();
     let found = folder.path().join("found");
-    let (story, stopped) = run_with_stops(&plan, &found, mode, times);
+    let (highlights, stopped) = run_with_stops(&plan, &found, mode, times);
     let (method, arena) = (method.name(), arena.name());
-    let what = format!("{method} on {arena}, {mode}: {story}");
+    let what = format!("{method} on {arena}, {mode}: {highlights}");
     assert!(
         stopped == end,
         "{what}the learner or a random stream differs"
@@ -241,7 +241,7 @@ fn train_with_kills(
     dice: &mut Stream,
 ) -> (String, String) {
     let dir = out.to_str().unwrap();
-    let mut story = String::new();
+    let mut highlights = String::new();
     let mut before = 0;
     for attempt in 0..5 {
         // A kill can come after the run is done, but before it has said so.
@@ -259,28 +259,28 @@ fn train_with_kills(
         if attempt < 4 {
             signal(&child, name);
         }
-        story += &format!("{name} after {pause:?}; ");
+        highlights += &format!("{name} after {pause:?}; ");
         let status = child.wait().unwrap();
         let output = std::process::Output {
             status,
             ..child.wait_with_output().unwrap()
         };
         if status.success() {
-            return (story, ended(&output, 0, "").0);
+            return (highlights, ended(&output, 0, "").0);
         }
         if status.code().is_some_and(|code| code == 75) {
-            ended(&output, 75, &story);
+            ended(&output, 75, &highlights);
         }
         if out.is_dir() {
-            let now = assert_sound(out, &story);
+            let now = assert_sound(out, &highlights);
             assert!(
                 now >= before,
-                "{story}: {before} episodes were finished, now {now}"
+                "{highlights}: {before} episodes were finished, now {now}"
             );
             before = now;
         }
     }
-    panic!("{story}: never ended");
+    panic!("{highlights}: never ended");
 }
 
 #[test]
@@ -309,14 +309,14 @@ fn a_run_killed_at_random_moments_loses_no_finished_episode_and_ends_in_the_same
     // A signal that comes too late proves nothing, and does not count.
     while kills < rounds(10, 200) {
         round += 1;
-        let (story, json) = train_with_kills(&out, &args, undisturbed, &mut dice);
-        let what = format!("round {round}: {story}");
+        let (highlights, json) = train_with_kills(&out, &args, undisturbed, &mut dice);
+        let what = format!("round {round}: {highlights}");
         assert_same(&out, &wanted, &what);
         if !json.contains("\"finished\": true") {
             assert_eq!(json, wanted_json, "{what}");
         }
         fs::remove_dir_all(&out).unwrap();
-        let stops = story.trim_end_matches("; ").rsplit_once("; ");
+        let stops = highlights.trim_end_matches("; ").rsplit_once("; ");
         kills += stops.map_or(0, |(stops, _)| stops.matches("KILL").count());
     }
 }

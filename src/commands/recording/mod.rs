@@ -91,8 +91,8 @@ pub fn run(command: &RecordingCommand, out: &mut impl Write) -> Result<(), Failu
 /// The highlights of a run, or of the run that a recording comes from.
 fn highlights(from: &Path) -> Result<Vec<u8>, RunError> {
     match from.is_dir() {
-        true => RunFolder::open(from).story(),
-        false => Source::of(from)?.story(),
+        true => RunFolder::open(from).highlights(),
+        false => Source::of(from)?.highlights(),
     }
 }
 

@@ -27,13 +27,13 @@ pub fn write_missing(
         .filter(|path| path.join("rules.json").is_file())
     {
         let folder = RunFolder::open(path);
-        let has_story = path.join(Extent::Story.file_name()).is_file();
-        if has_story || folder.is_interrupted() || folder.plan()?.maze.is_vast() {
+        let has_highlights = path.join(Extent::Highlights.file_name()).is_file();
+        if has_highlights || folder.is_interrupted() || folder.plan()?.maze.is_vast() {
             continue;
         }
         let place = tempfile::tempdir()?;
-        let file = place.path().join(Extent::Story.file_name());
-        std::fs::write(&file, folder.story()?)?;
+        let file = place.path().join(Extent::Highlights.file_name());
+        std::fs::write(&file, folder.highlights()?)?;
         files.push(file);
         written.push(place);
     }

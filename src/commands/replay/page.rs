@@ -39,7 +39,7 @@ fn page_of(path: &Path) -> Result<String, Failure> {
     }
     let recordings = crate::commands::source::recordings(path)?;
     let with_highlights = highlights::write_missing(&[path.to_owned()], recordings)?;
-    let is_highlights = |file: &&PathBuf| file.ends_with(Extent::Story.file_name());
+    let is_highlights = |file: &&PathBuf| file.ends_with(Extent::Highlights.file_name());
     let found = with_highlights.files.iter().find(is_highlights);
     let file = found.ok_or_else(|| {
         let path = path.display();

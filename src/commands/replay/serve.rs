@@ -73,7 +73,7 @@ pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut impl Write) -> R
     Ok(())
 }
 
-/// What a viewer is offered of these recordings, stories first.
+/// What a viewer is offered of these recordings, highlights first.
 pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
     let (mut compared, mut others) = (Vec::new(), Vec::new());
     for file in files {
@@ -115,7 +115,7 @@ struct Group {
 /// What they show, in the order in which they are offered.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    Story,
+    Highlights,
     Run,
     Episodes,
 }
@@ -123,7 +123,7 @@ enum Kind {
 impl Group {
     fn name(&self) -> String {
         let what = match self.kind {
-            Kind::Story => "The story of the run",
+            Kind::Highlights => "Highlights of the run",
             Kind::Run => "The whole run",
             Kind::Episodes => "Episodes",
         };
@@ -135,19 +135,19 @@ impl Group {
     fn layout(&self) -> String {
         match self.kind {
             Kind::Run => layout::of_run(&self.plan.maze),
-            Kind::Story | Kind::Episodes => layout::of_episode(&self.plan.maze),
+            Kind::Highlights | Kind::Episodes => layout::of_episode(&self.plan.maze),
         }
     }
 }
 
-/// The files run by run and kind by kind, stories first.
+/// The files run by run and kind by kind, highlights first.
 fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
     let mut groups: Vec<Group> = Vec::new();
     for file in files {
         let source = Source::of(file)?;
         let plan = source.plan;
         let kind = match source.extent {
-            Extent::Story => Kind::Story,
+            Extent::Highlights => Kind::Highlights,
             Extent::Run => Kind::Run,
             // Comparisons are offered by themselves.
             Extent::Episode(_) | Extent::Comparison => Kind::Episodes,

@@ -10,9 +10,9 @@ use crate::commands::failure::Failure;
 use crate::commands::live::Broadcast;
 
 /// Streams all files in order, then stays until the last viewer has gone. Ctrl-C ends it. Beside
-/// episodes, the recording of the whole run and the story are left out: time would jump back.
+/// episodes, the recording of the whole run and the highlights recording are left out: time would jump back.
 pub fn run(files: &[PathBuf], mut broadcast: Broadcast) -> Result<(), Failure> {
-    let apart = [Extent::Run, Extent::Story].map(Extent::file_name);
+    let apart = [Extent::Run, Extent::Highlights].map(Extent::file_name);
     let is_apart = |file: &&PathBuf| apart.iter().any(|name| file.ends_with(name));
     let episodes = files.iter().filter(|file| !is_apart(file));
     let streamed: Vec<_> = match episodes.clone().next() {

@@ -109,7 +109,7 @@ pub fn headline(shown: &Shown<'_>) -> String {
 /// The rules as a table.
 pub fn table(rows: &[Row]) -> Table {
     let mut table = Table::new([
-        "if", "go", "covers", "worth", "error", "fitness", "num", "exp",
+        "if", "go", "covers", "value", "error", "fitness", "num", "exp",
     ]);
     let cells = |row: &Row| {
         vec![

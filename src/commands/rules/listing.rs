@@ -14,7 +14,7 @@ pub enum Order {
     /// Percepts of the world that it matches.
     Covers,
     Action,
-    Worth,
+    Value,
     Error,
     Fitness,
     Numerosity,
@@ -87,7 +87,7 @@ pub fn rows(
     match by {
         Order::Covers => rows.sort_by_key(|row| Reverse(row.covers)),
         Order::Action => rows.sort_by_key(|row| row.action),
-        Order::Worth => rows.sort_by(|a, b| b.prediction.total_cmp(&a.prediction)),
+        Order::Value => rows.sort_by(|a, b| b.prediction.total_cmp(&a.prediction)),
         Order::Error => rows.sort_by(|a, b| a.error.total_cmp(&b.error)),
         Order::Fitness => rows.sort_by(|a, b| b.fitness.total_cmp(&a.fitness)),
         Order::Numerosity => rows.sort_by_key(|row| Reverse(row.numerosity)),

@@ -44,7 +44,7 @@ const TOO_VAST: &str = "The maze has too many cells for a picture of its policy.
 
 /// What the columns of the rules say.
 const LEGEND: &str = "**if**: the condition; **covers**: percepts of this world that it matches; \
-    **worth**: the prediction of the reward; **error**: its mean absolute error; **fitness**: the \
+    **value**: the prediction of the reward; **error**: its mean absolute error; **fitness**: the \
     weight of its vote; **num**: numerosity, classifiers that the rule stands for; **exp**: how often \
     it was updated.";
 
@@ -52,7 +52,7 @@ const LEGEND: &str = "**if**: the condition; **covers**: percepts of this world 
 fn policy(plan: &Plan) -> Result<Picture, Failure> {
     Ok(Picture {
         name: "policy",
-        caption: "The learned policy: arrows are the best actions, red to green by their worth",
+        caption: "The learned policy: arrows are the best actions, yellow far from the goal and purple near it",
         svg: Film::of(plan, Scenes::Last)?.svg(),
     })
 }
@@ -76,7 +76,7 @@ fn add_cells(shown: &Shown<'_>, blocks: &mut Vec<Block>) {
         )));
         return;
     }
-    let mut table = Table::new(["cell", "goes", "worth", "because", "perceives"]);
+    let mut table = Table::new(["cell", "goes", "value", "because", "perceives"]);
     table.rows = cells.into_iter().map(|cell| row(shown, cell)).collect();
     blocks.push(Block::Table(table));
 }

@@ -50,7 +50,7 @@ pub fn print(
     }
 }
 
-/// Where it goes, and what that and all else is worth.
+/// Where it goes, and the value of each action.
 fn choice(plan: &Plan, why: &Why) -> String {
     let name = |action| plan.maze.action_name(action);
     let best: Vec<String> = why.worth.best_actions().map(name).collect();
@@ -65,7 +65,7 @@ fn choice(plan: &Plan, why: &Why) -> String {
     let rated: Vec<String> = rated.collect();
     match rated.is_empty() {
         true => "anywhere, because no rule matches".to_owned(),
-        false => format!("{}   (worth: {})", best.join(" or "), rated.join(", ")),
+        false => format!("{}   (values: {})", best.join(" or "), rated.join(", ")),
     }
 }
 
@@ -75,7 +75,7 @@ fn print_votes(
     why: &Why,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let mut table = Table::new(["if", "go", "worth", "share", "error", "num", "exp"]);
+    let mut table = Table::new(["if", "go", "value", "share", "error", "num", "exp"]);
     let mut more = Vec::new();
     for votes in why.votes.chunk_by(|a, b| a.rule.action == b.rule.action) {
         let (shown, rest) = votes.split_at(votes.len().min(MOST_VOTES));
@@ -92,7 +92,7 @@ fn print_votes(
     }
     writeln!(
         out,
-        "\nRules that match, and their share in the worth of their action:"
+        "\nRules that match, and their share in the value of their action:"
     )?;
     writeln!(out, "\n{}", table.text().trim_end())?;
     match more.is_empty() {
@@ -174,7 +174,7 @@ fn print_history(
             .map_or("new".to_owned(), |worth| format!("{worth:.1}"));
         writeln!(
             out,
-            "  episode {episode:<5} worth {before} -> {after:.1}   ({ending} after {steps} steps)"
+            "  episode {episode:<5} value {before} -> {after:.1}   ({ending} after {steps} steps)"
         )?;
     }
     Ok(())

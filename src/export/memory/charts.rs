@@ -14,6 +14,7 @@ pub struct Charts {
     /// The probability that another action than the chosen one is executed, each with the same chance.
     pub slip: f64,
     /// The probability that a cell is misread.
+    #[serde(rename = "observation_error")]
     pub misread: f64,
     /// Does the tracker not look at whether the robot bumped?
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -31,9 +32,10 @@ pub struct State {
     /// Cells to the north of it.
     pub y: i16,
     /// The number of the chart.
+    #[serde(rename = "map")]
     pub chart: u8,
     /// As bits: which rewards of the chart were found.
-    pub eaten: u8,
+    pub collected: u8,
     /// By action: the state that it leads to; none for the goal.
     pub next: Vec<Option<u16>>,
 }
@@ -62,7 +64,7 @@ impl Charts {
 
     /// How many rewards the charts know.
     pub fn rewards(&self) -> u32 {
-        let found = self.states.iter().map(|state| state.eaten.count_ones());
+        let found = self.states.iter().map(|state| state.collected.count_ones());
         found.max().unwrap_or(0)
     }
 
@@ -102,7 +104,7 @@ impl State {
             x: spot.place.east,
             y: spot.place.north,
             chart: spot.chart,
-            eaten: spot.eaten,
+            collected: spot.collected,
             next: actions
                 .map(|action| number(map.pomdp.next(at, action)))
                 .collect(),

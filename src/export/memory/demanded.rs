@@ -34,7 +34,7 @@ fn name(part: Part) -> &'static str {
         Part::X => "x",
         Part::Y => "y",
         Part::Chart => "chart",
-        Part::Eaten => "eaten",
+        Part::Eaten => "collected",
         Part::Last => "last",
         Part::Before => "before",
     }

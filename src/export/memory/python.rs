@@ -218,12 +218,12 @@ fn states(charts: &Charts) -> String {
             x,
             y,
             chart,
-            eaten,
+            collected,
             ..
         } = state;
         let _ = writeln!(
             text,
-            "    ({percept:#06x}, {x}, {y}, {chart}, {eaten}, ({})),  # {at}",
+            "    ({percept:#06x}, {x}, {y}, {chart}, {collected}, ({})),  # {at}",
             state.successors("None")
         );
     }
@@ -234,7 +234,7 @@ fn states(charts: &Charts) -> String {
 /// The rules as statements.
 fn rules(ballot: &Ballot, provenance: &Provenance) -> String {
     let mut text = String::from(
-        "\n\ndef votes(percept, x, y, chart, eaten, last, before):\n    \
+        "\n\ndef votes(percept, x, y, chart, collected, last, before):\n    \
          \"\"\"Action, weight and worth of each rule that matches.\"\"\"\n",
     );
     for vote in ballot.votes() {

@@ -34,7 +34,7 @@ pub fn of_run(maze: &Maze) -> String {
     fitted(RUN, maze)
 }
 
-/// The layout for two stories side by side, as compact JSON: their mazes and headings.
+/// The layout for two highlights side by side, as compact JSON: their mazes and headings.
 pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
     let mut layout: Value =
         serde_json::from_str(COMPARISON).expect("the layouts beside this file are JSON");
@@ -195,7 +195,7 @@ pub fn paths(layout: &[u8]) -> Vec<MessagePath> {
     texts.into_iter().map(message_path).collect()
 }
 
-/// `/step.worth[0]` is the field `worth` of `/step`, and so is `/step{step==1}.worth[0]`.
+/// `/step.values[0]` is the field `worth` of `/step`, and so is `/step{step==1}.values[0]`.
 fn message_path(text: &str) -> MessagePath {
     let (topic, rest) = text.split_once('.').unwrap_or((text, ""));
     let topic = topic.split('{').next().unwrap_or(topic);
@@ -213,8 +213,8 @@ mod tests {
     #[test]
     fn a_path_has_a_topic_and_perhaps_a_field() {
         let show = |text| message_path(text).to_string();
-        assert_eq!(show("/step.worth[0]"), "/step.worth");
-        assert_eq!(show("/step{step==1}.worth[0]"), "/step.worth");
+        assert_eq!(show("/step.values[0]"), "/step.values");
+        assert_eq!(show("/step{step==1}.values[0]"), "/step.values");
         assert_eq!(show("/curve.steps[:]"), "/curve.steps");
         assert_eq!(show("/step"), "/step");
     }

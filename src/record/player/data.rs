@@ -5,8 +5,8 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::shapes::{Scene, thousandths};
+use crate::record::highlights::decoded;
 use crate::record::reader::{Message, Recording};
-use crate::record::story::decoded;
 use crate::record::topics::{Caption, ESTIMATE, ROBOT};
 use crate::record::{Extent, RecordError, RobotShape, Topic};
 use crate::world::{Cell, Maze};
@@ -40,7 +40,7 @@ pub struct Data {
     curve: Value,
     captions: Vec<Timed>,
     /// The captions with another title than the one before.
-    chapters: Vec<Timed>,
+    segments: Vec<Timed>,
     scenes: Scenes,
     /// The middle of the cell of each step, as poses, and the steps.
     #[serde(skip)]
@@ -131,7 +131,7 @@ impl Data {
             contacts: Vec::new(),
             curve: json!({ "episode": [], "steps": [] }),
             captions: Vec::new(),
-            chapters: Vec::new(),
+            segments: Vec::new(),
             scenes: Scenes::default(),
             cells: Vec::new(),
             steps: Vec::new(),
@@ -217,8 +217,8 @@ impl Data {
             let at = maze.centre_m(Cell { col, row });
             self.cells.push([t, at.x, at.y, 0.0].map(thousandths));
         }
-        // A reason knows each action's value as a share of what the goal pays. People compare the values themselves.
-        let values = step.remove("worth").unwrap_or(Value::Null);
+        // A reason has each action's value as a share of what the goal pays. People compare the values themselves.
+        let values = step.remove("values").unwrap_or(Value::Null);
         let number = |step: &Timed| [step.get("episode").cloned(), step.get("step").cloned()];
         let decision = self.decisions.last_mut();
         if let Some(decision) = decision.filter(|decision| number(decision) == number(&step)) {
@@ -243,8 +243,8 @@ impl Data {
         self.end = self.end.max(last);
         let begins = |episode: &&Timed| episode.get("outcome") == Some(&json!("running"));
         self.begins = self.episodes.iter().filter(begins).cloned().collect();
-        self.chapters = self.captions.clone();
-        self.chapters
+        self.segments = self.captions.clone();
+        self.segments
             .dedup_by(|next, before| next.get("title") == before.get("title"));
         self.result = self.episodes.last().map_or_else(String::new, result);
     }

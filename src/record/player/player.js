@@ -262,7 +262,7 @@ function describe() {
     ["policy", episode && (episode.optimal ? "optimal" : "not optimal yet")],
   ]);
   setValues(current);
-  byId("chapter").selectedIndex = Math.max(lastIndex(data.chapters, state.t), 0);
+  byId("segment").selectedIndex = Math.max(lastIndex(data.segments, state.t), 0);
   byId("clock").textContent = `${clock(state.t)} / ${clock(data.end)}`;
   byId("seek").value = state.t;
   byId("seek").setAttribute("aria-valuetext", `${clock(state.t)}, ${caption?.title ?? ""}`);
@@ -344,10 +344,10 @@ function begin() {
     label.append(box, ` ${text}`);
     byId("layers").append(label);
   }
-  const chapters = data.chapters.map(({ t, title }) => new Option(title, t));
-  byId("chapter").replaceChildren(...chapters);
-  byId("chapter").parentElement.hidden = chapters.length < 2;
-  byId("chapter").addEventListener("change", (event) => seek(Number(event.target.value)));
+  const segments = data.segments.map(({ t, title }) => new Option(title, t));
+  byId("segment").replaceChildren(...segments);
+  byId("segment").parentElement.hidden = segments.length < 2;
+  byId("segment").addEventListener("change", (event) => seek(Number(event.target.value)));
   byId("play").addEventListener("click", () => setPlaying(!state.playing));
   byId("maze").addEventListener("click", () => setPlaying(!state.playing));
   byId("back").addEventListener("click", () => step(-1));

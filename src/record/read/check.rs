@@ -18,7 +18,7 @@ use crate::world::Maze;
 const LONGEST_GAP_NS: u64 = 2_000_000_000;
 /// What every recording carries.
 const ATTACHED: [&str; 2] = ["world.json", "config.json"];
-/// What that of a whole run or a story carries beside.
+/// What that of a whole run or a highlights recording carries beside.
 const ATTACHED_TO_RUN: [&str; 1] = ["foxglove-layout.json"];
 
 /// The most faults that are listed: a small file can hold hundreds of thousands.
@@ -120,7 +120,7 @@ fn attachments(extent: Option<Extent>) -> Vec<String> {
         _ => below("").to_vec(),
     };
     let of_run: &[&str] = match extent {
-        Some(Extent::Run | Extent::Story | Extent::Comparison) => &ATTACHED_TO_RUN,
+        Some(Extent::Run | Extent::Highlights | Extent::Comparison) => &ATTACHED_TO_RUN,
         _ => &[],
     };
     let of_run = of_run.iter().map(|name| (*name).to_owned());
@@ -142,7 +142,7 @@ fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
         return check_side("", extent, recording, findings);
     }
     for side in layout::SIDES {
-        check_side(&format!("/{side}"), Extent::Story, recording, findings);
+        check_side(&format!("/{side}"), Extent::Highlights, recording, findings);
     }
 }
 
@@ -170,7 +170,7 @@ fn check_side(side: &str, extent: Extent, recording: &Recording, findings: &mut 
         Topic::of_run()
     } else {
         let [senses, beams] = sensing(side, recording);
-        Topic::of_episode(senses, beams && extent != Extent::Story)
+        Topic::of_episode(senses, beams && extent != Extent::Highlights)
     };
     for topic in expected {
         let name = format!("{side}{}", topic.name());

@@ -19,9 +19,9 @@ pub(in crate::record) struct Outlook {
     /// The fewest steps that anyone needs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shortest: Option<u32>,
-    /// What each action is worth in the start cell; null: unknown.
+    /// The value of each action in the start cell; null: unknown.
     #[serde(serialize_with = "decimals")]
-    pub start_worth: PredictionArray,
+    pub start_values: PredictionArray,
 }
 
 /// Numbers as JSON messages carry them.
@@ -199,7 +199,7 @@ pub(super) fn schema() -> Object {
         )
         .count("shortest", "steps of the shortest path from this start")
         .numbers(
-            "start_worth",
+            "start_values",
             "of each action in the start cell, clockwise from north; null: unknown",
         )
 }

@@ -16,9 +16,9 @@ pub(in crate::record) fn began(episode: u32, time_ns: u64) -> Log {
     )
 }
 
-/// A chapter of the story begins, or ends.
+/// A segment of the highlights recording begins, or ends.
 pub(in crate::record) fn told(text: &str, time_ns: u64) -> Log {
-    line(time_ns, Level::Info, "story", text.to_owned())
+    line(time_ns, Level::Info, "highlights", text.to_owned())
 }
 
 /// A collision; `None` if the step had none.

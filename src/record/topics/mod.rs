@@ -48,7 +48,7 @@ pub enum Topic {
     Robot,
     /// `/scene/policy`: the best actions of each cell, as they are learned.
     Policy,
-    /// `/worth`: the greatest worth of each cell as colour on the floor, as it is learned.
+    /// `/values`: the greatest worth of each cell as colour on the floor, as it is learned.
     Worth,
     /// `/scene/trail`: the way that the robot took in this episode, after each step.
     Trail,
@@ -71,7 +71,7 @@ pub enum Topic {
     /// `/scene/percept`: what the robot perceives of the cells around it, and where one that only
     /// senses believes to be, when it decides.
     Percept,
-    /// `/scene/worth`: what cells are worth as columns, when an episode was learned.
+    /// `/scene/values`: what cells are worth as columns, when an episode was learned.
     Landscape,
     /// `/estimate`: where a robot that only senses believes to be, and how much it is mistaken.
     Estimate,
@@ -119,7 +119,7 @@ impl Topic {
             Self::Maze => ("/scene/maze", Place::Both, Message::Scene),
             Self::Robot => ("/scene/robot", Place::Episode, Message::Scene),
             Self::Policy => ("/scene/policy", Place::Both, Message::Scene),
-            Self::Worth => ("/worth", Place::Both, Message::Scene),
+            Self::Worth => ("/values", Place::Both, Message::Scene),
             Self::Trail => ("/scene/trail", Place::Both, Message::Scene),
             Self::Contact => ("/contact", Place::Episode, Message::Own(contact::schema)),
             Self::Step => ("/step", Place::Both, Message::Own(step::schema)),
@@ -130,7 +130,7 @@ impl Topic {
             Self::Rule => ("/rule", Place::Episode, Message::Own(rule::schema)),
             Self::RuleText => ("/scene/rule", Place::Episode, Message::Scene),
             Self::Percept => ("/scene/percept", Place::Episode, Message::Scene),
-            Self::Landscape => ("/scene/worth", Place::Both, Message::Scene),
+            Self::Landscape => ("/scene/values", Place::Both, Message::Scene),
             Self::Estimate => ("/estimate", Place::Sensed, Message::Own(estimate::schema)),
             Self::Scan => ("/scan", Place::Beams, Message::Scan),
             Self::Ended => ("/ended", Place::Run, Message::Own(episode::schema_of_ended)),
@@ -181,7 +181,7 @@ impl Topic {
     }
 
     /// The schema of the topic's messages in such a recording. Those of our own tell what each
-    /// field means in the recording of a run and in its story, and only its type in that of an
+    /// field means in the recording of a run and in its highlights, and only its type in that of an
     /// episode, of which there are many.
     pub(super) fn schema(self, of: Extent) -> &'static Schema {
         static SCHEMAS: LazyLock<[Vec<Schema>; 2]> = LazyLock::new(|| {

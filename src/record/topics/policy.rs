@@ -1,7 +1,7 @@
 //! `/scene/policy`: the best actions of each cell, coloured by how near the goal is along the policy. The colour only
 //! gets darker along a path to the goal.
 //!
-//! `/scene/worth`: the ranks of the cells' values as columns, a landscape that a viewer can switch on.
+//! `/scene/values`: the ranks of the cells' values as columns, a landscape that a viewer can switch on.
 
 use std::collections::BTreeMap;
 

@@ -48,7 +48,7 @@ pub(in crate::record) struct RuleRecord {
     seen: String,
     percept: Percept,
     left: u32,
-    worth: Vec<Option<f64>>,
+    values: Vec<Option<f64>>,
     #[serde(skip)]
     because: String,
     #[serde(skip)]
@@ -72,11 +72,11 @@ impl RuleRecord {
                 .map(|(n, _)| *n),
             percept: step.percept,
             left: left_percent(step),
-            worth: worth_percent(step, goal),
-            choice: format!("-> {}", worth(step, step.action)),
+            values: value_percent(step, goal),
+            choice: format!("-> {}", value(step, step.action)),
             seen: sensor.words(maze, &|at| Some(step.percept.bit(at))),
-            rule: format!("{because} -> {}{}", worth(step, step.action), support(step)),
-            runner_up: runner_up(step).map_or_else(String::new, |other| worth(step, other)),
+            rule: format!("{because} -> {}{}", value(step, step.action), support(step)),
+            runner_up: runner_up(step).map_or_else(String::new, |other| value(step, other)),
             action,
             because,
         }
@@ -150,11 +150,11 @@ fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
     }
 }
 
-/// An action and its worth.
-fn worth(step: &Step<'_>, action: Action) -> String {
+/// An action and its value.
+fn value(step: &Step<'_>, action: Action) -> String {
     let name = step.view.maze.action_name(action);
-    let worth = step.worth.as_slice().get(action.index()).copied().flatten();
-    worth.map_or_else(|| name.clone(), |worth| format!("{name}, worth {worth:.0}"))
+    let value = step.worth.as_slice().get(action.index()).copied().flatten();
+    value.map_or_else(|| name.clone(), |value| format!("{name}, value {value:.0}"))
 }
 
 /// The share of the step-threshold that is left when the step is decided.
@@ -163,12 +163,12 @@ fn left_percent(step: &Step<'_>) -> u32 {
     (100.0 * (1.0 - f64::from(step.step - 1).min(most) / most)).round() as u32
 }
 
-/// What each action is worth, as a share of what a goal pays.
-fn worth_percent(step: &Step<'_>, goal: f64) -> Vec<Option<f64>> {
+/// The value of each action, as a share of what a goal pays.
+fn value_percent(step: &Step<'_>, goal: f64) -> Vec<Option<f64>> {
     let all = if goal > 0.0 { goal } else { 100.0 };
-    let worth = step.worth.as_slice().iter();
-    worth
-        .map(|worth| worth.map(|worth| tenths(100.0 * worth / all)))
+    let values = step.worth.as_slice().iter();
+    values
+        .map(|value| value.map(|value| tenths(100.0 * value / all)))
         .collect()
 }
 
@@ -219,10 +219,10 @@ pub(super) fn schema() -> Object {
         .bool("explored", "chosen to explore?")
         .text("seen", "what is perceived, in words")
         .text("percept", "the same as bits")
-        .text("rule", "the rule of [A] that weighs most in words, action, worth, error, and how many of the rules in [M] advocate it")
-        .text("runner_up", "the best other action, and its worth")
+        .text("rule", "the rule of [A] that weighs most in words, action, value, error, and how many of the rules in [M] advocate it")
+        .text("runner_up", "the best other action, and its value")
         .count("left", "percent of the step-threshold that are left, this step included")
-        .numbers("worth", "of each action, clockwise from north, in percent of what a goal pays; null: unknown")
+        .numbers("values", "of each action, clockwise from north, in percent of what a goal pays; null: unknown")
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ pub(in crate::record) struct StepRecord<'a> {
     left: f64,
     reward: f64,
     #[serde(serialize_with = "decimals")]
-    worth: &'a PredictionArray,
+    values: &'a PredictionArray,
     error: f64,
     match_set: u32,
     action_set: u32,
@@ -54,7 +54,7 @@ impl<'a> StepRecord<'a> {
             result: outcome(step.outcome).0,
             left: left(step),
             reward: decimal(step.credit.short_term_reward),
-            worth: &step.worth,
+            values: &step.worth,
             error: decimal(step.credit.error),
             match_set: step.credit.match_set,
             action_set: step.credit.action_set,
@@ -111,7 +111,7 @@ pub(super) fn schema() -> Object {
         .number("left", "share of the step-threshold that is left")
         .number("reward", "short-term reward")
         .numbers(
-            "worth",
+            "values",
             "of each action, clockwise from north; null: unknown",
         )
         .number("error", "mean prediction error of [A], in reward")

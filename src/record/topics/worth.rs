@@ -1,4 +1,4 @@
-//! `/worth`: the greatest worth of each cell as colour on the floor. In a large maze, whose arrows are
+//! `/values`: the greatest worth of each cell as colour on the floor. In a large maze, whose arrows are
 //! too small for who sees the whole of it, the colours are those of the arrows, and the way that the
 //! greedy policy takes from the start is drawn.
 

@@ -224,10 +224,10 @@ pub struct ArmSummary {
     /// Of all steps, the share before which the robot perceived something else than perfect senses
     /// would have; not there where none did.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub misread_share: Option<f64>,
+    pub observation_error_share: Option<f64>,
     /// The share after which it believed to stand in another cell than it did.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub astray_share: Option<f64>,
+    pub mislocalised_share: Option<f64>,
     /// Mean number of rules at the end.
     pub mean_rules: Option<f64>,
     /// Mean steps of the greedy policy over all starts at the end, over all trials.
@@ -301,8 +301,8 @@ impl ArmSummary {
             iqm_env_steps_high: iqm.map(|iqm| rounded(iqm.high)),
             mean_steps: records.mean(|one| one.progress.steps as f64),
             mean_collisions: records.mean(|one| one.progress.collisions as f64),
-            misread_share: records.share_of_steps(|one| one.misread),
-            astray_share: records.share_of_steps(|one| one.astray),
+            observation_error_share: records.share_of_steps(|one| one.misread),
+            mislocalised_share: records.share_of_steps(|one| one.astray),
             mean_rules: records.mean(|one| one.rules as f64),
             mean_greedy_steps: records.mean_of(|one| one.greedy_steps),
             most_greedy_steps: records.greedy_steps().reduce(f64::max).map(rounded),

@@ -17,9 +17,9 @@ pub const LEGEND: &str = "optimal: trials whose greedy policy became globally op
     optimum count with all their steps. driven: of the episodes in which the greedy policy drove the \
     trial's own robot at the end, those that reached a goal; behind it the 95 % interval of the share \
     of trials that always did. shortest, driven steps: the episodes that took a shortest path (where \
-    moves slip: chose nothing but best actions), and mean steps. misread, astray: what makes physics \
-    another task than the grid: of all steps those before which the senses showed something else \
-    than perfect ones would have, and those after which the robot believed in another cell than its own. \
+    moves slip: chose nothing but best actions), and mean steps. obs. errors, mislocalised: what makes physics \
+    another task than the grid: of all steps those before which the sensors read something else \
+    than perfect ones would, and those after which the robot was in another cell than its estimate. \
     collisions, rules: means of a trial. condensed: \
     what is left of the rules of retained trials when they are condensed, median and most.";
 
@@ -85,8 +85,8 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
         "95 % interval  ",
         "shortest",
         "driven steps",
-        "misread",
-        "astray",
+        "obs. errors",
+        "mislocalised",
         "collisions",
         "rules",
         "condensed",
@@ -99,10 +99,10 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
         .collect();
     let none_erred = summaries
         .iter()
-        .all(|one| one.misread_share.is_none() && one.astray_share.is_none());
+        .all(|one| one.observation_error_share.is_none() && one.mislocalised_share.is_none());
     let none_drove = summaries.iter().all(|one| one.driven_goals.is_none());
     table.without_dull(|name| match name {
-        "misread" | "astray" => none_erred,
+        "obs. errors" | "mislocalised" => none_erred,
         "driven" | "95 % interval  " | "shortest" | "driven steps" => none_drove,
         _ => ["arena", "sensor", "variant", "condensed", "failed"].contains(&name),
     })
@@ -140,8 +140,8 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
         percent(arm.driven_optimal),
         arm.driven_steps
             .map_or("–".to_owned(), |steps| format!("{steps:.1}")),
-        per_mille(arm.misread_share),
-        per_mille(arm.astray_share),
+        per_mille(arm.observation_error_share),
+        per_mille(arm.mislocalised_share),
         whole(arm.mean_collisions),
         whole(arm.mean_rules),
         arm.median_condensed_rules

@@ -37,7 +37,7 @@ impl Learned {
         };
         Charted {
             last_chart: map.spots.iter().map(|spot| spot.chart).max(),
-            most_eaten: map.spots.iter().map(|spot| spot.eaten).max(),
+            most_eaten: map.spots.iter().map(|spot| spot.collected).max(),
             begins_in_one_place: map.begin.is_some(),
         }
     }

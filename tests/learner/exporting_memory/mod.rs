@@ -144,8 +144,8 @@ fn it_drives_so_where_cells_pay_by_themselves() {
         plan.config.settings.sensor.flip_probability = flips;
         let name = format!("reward {reward}, slip {slip}, flips {flips}");
         let learned = checked(&name, plan);
-        let eaten = learned.charted().most_eaten;
-        assert!(eaten > Some(0), "{name}: no reward is on the chart");
+        let collected = learned.charted().most_eaten;
+        assert!(collected > Some(0), "{name}: no reward is on the chart");
     }
 }
 

@@ -6,7 +6,7 @@ pub const LOOKS: &str = r"
 static inline int xcscr_looks(uint16_t at, uint16_t percept, uint8_t found)
 {
     const struct xcscr_state state = xcscr_state(at);
-    return state.percept == percept && xcscr_count(state.eaten) == found;
+    return state.percept == percept && xcscr_count(state.collected) == found;
 }
 ";
 
@@ -48,13 +48,13 @@ static inline void xcscr_look_around(struct xcscr_tracker *tracker, uint16_t per
     for (at = 0; at < XCSCR_STATES; at++) {
         const struct xcscr_state state = xcscr_state(at);
         const int differences = xcscr_differences(state.percept, percept);
-        if (xcscr_count(state.eaten) == tracker->found && differences < least) {
+        if (xcscr_count(state.collected) == tracker->found && differences < least) {
             least = differences;
         }
     }
     for (at = 0; at < XCSCR_STATES; at++) {
         const struct xcscr_state state = xcscr_state(at);
-        tracker->belief[at] = xcscr_count(state.eaten) == tracker->found
+        tracker->belief[at] = xcscr_count(state.collected) == tracker->found
                               && xcscr_differences(state.percept, percept) == least;
     }
     (void)xcscr_settle(tracker->belief);
@@ -135,7 +135,7 @@ static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept,
         const struct xcscr_state state = xcscr_state(at);
         const double weight = tracker->next[at] * (1.0 - astray) + astray / XCSCR_STATES;
         const int wrong = xcscr_differences(state.percept, percept)
-                          + (xcscr_count(state.eaten) != tracker->found);
+                          + (xcscr_count(state.collected) != tracker->found);
         tracker->belief[at] = weight * xcscr_misread(wrong);
     }
     (void)xcscr_settle(tracker->belief);

@@ -156,12 +156,12 @@ fn table(charts: &Charts) -> String {
             x,
             y,
             chart,
-            eaten,
+            collected,
             ..
         } = state;
         let _ = writeln!(
             text,
-            "    {{{{{}}}, {percept:#06x}, {x}, {y}, {chart}, {eaten}}}, /* {at} */",
+            "    {{{{{}}}, {percept:#06x}, {x}, {y}, {chart}, {collected}}}, /* {at} */",
             state.successors("XCSCR_GOAL")
         );
     }

@@ -9,7 +9,7 @@ struct xcscr_state {
     int8_t x;                     /* cells to the east of the goal */
     int8_t y;                     /* cells to the north of it */
     uint8_t chart;                /* the number of the chart: each is drawn around one goal */
-    uint8_t eaten;                /* as bits: which rewards of the chart were found */
+    uint8_t collected;                /* as bits: which rewards of the chart were found */
 };
 
 /* What rules look at. A step is 1 + 2 * action + 16 * percept, or 0 if there was none. */
@@ -20,7 +20,7 @@ struct xcscr_context {
     int8_t x;         /* the likeliest state */
     int8_t y;
     uint8_t chart;
-    uint8_t eaten;
+    uint8_t collected;
 };
 
 /* What is remembered of an episode. */
@@ -106,9 +106,9 @@ static inline struct xcscr_state xcscr_state(uint16_t at)
 }
 
 /* How many rewards were found. */
-static inline uint8_t xcscr_count(uint8_t eaten)
+static inline uint8_t xcscr_count(uint8_t collected)
 {
-    return (uint8_t)((eaten & 1) + (eaten >> 1 & 1) + (eaten >> 2 & 1) + (eaten >> 3 & 1));
+    return (uint8_t)((collected & 1) + (collected >> 1 & 1) + (collected >> 2 & 1) + (collected >> 3 & 1));
 }
 
 /* In how many of the eight cells around the robot two percepts differ. A goal that is not barred, 1, is
@@ -156,7 +156,7 @@ static inline struct xcscr_context xcscr_context(const struct xcscr_tracker *tra
         context.x = state.x;
         context.y = state.y;
         context.chart = state.chart;
-        context.eaten = state.eaten;
+        context.collected = state.collected;
     }
     return context;
 }

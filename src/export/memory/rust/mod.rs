@@ -82,12 +82,12 @@ fn table(charts: &Charts) -> String {
             x,
             y,
             chart,
-            eaten,
+            collected,
             ..
         } = state;
         let _ = writeln!(
             text,
-            "    State {{ next: [{}], percept: {percept:#06x}, x: {x}, y: {y}, chart: {chart}, eaten: {eaten} }},",
+            "    State {{ next: [{}], percept: {percept:#06x}, x: {x}, y: {y}, chart: {chart}, collected: {collected} }},",
             state.successors("GOAL")
         );
     }

@@ -16,7 +16,7 @@ pub struct State {
     /// The number of the chart: each is drawn around one goal.
     pub chart: u8,
     /// As bits: which rewards of the chart were found.
-    pub eaten: u8,
+    pub collected: u8,
 }
 
 /// What rules look at. A step is 1 + 2 * action + 16 * percept, or 0 if there was none.
@@ -35,7 +35,7 @@ pub struct Context {
     /// The number of the chart.
     pub chart: u8,
     /// As bits: which rewards of the chart were found.
-    pub eaten: u8,
+    pub collected: u8,
 }
 ";
 
@@ -112,7 +112,7 @@ fn settle(belief: &mut [Weight; STATES]) -> bool {
 pub const TRACKER: &str = r"
 /// How many rewards were found.
 fn found_in(state: &State) -> u8 {
-    state.eaten.count_ones() as u8
+    state.collected.count_ones() as u8
 }
 
 /// In how many of the eight cells around the robot two percepts differ. A goal that is not barred, 1,
@@ -188,8 +188,8 @@ impl Tracker {
         let Some(likeliest) = self.likeliest() else {
             return context;
         };
-        let State { x, y, chart, eaten, .. } = CHARTS[usize::from(likeliest)];
-        Context { x, y, chart, eaten, ..context }
+        let State { x, y, chart, collected, .. } = CHARTS[usize::from(likeliest)];
+        Context { x, y, chart, collected, ..context }
     }
 
     /// Where an action may lead, if from and to fit; can anything come of it?

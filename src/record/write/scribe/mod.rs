@@ -243,7 +243,7 @@ impl Scribe {
         let worth = self.start.and_then(|cell| policy.worth(cell).copied());
         let path = |cell| judge.greedy_path(method, policy, maze, cell);
         Outlook {
-            start_worth: worth.unwrap_or_else(|| PredictionArray::new(0)),
+            start_values: worth.unwrap_or_else(|| PredictionArray::new(0)),
             greedy_steps: self
                 .start
                 .map(path)

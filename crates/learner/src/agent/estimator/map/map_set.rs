@@ -111,7 +111,7 @@ impl MapSet {
             .spots
             .iter()
             .zip(0..)
-            .filter(|(spot, _)| spot.eaten == 0)
+            .filter(|(spot, _)| spot.collected == 0)
         {
             let at = usize::from(spot.chart);
             while self.brought.len() <= at {

@@ -35,8 +35,9 @@ pub struct Worth {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct MapState {
     /// As bits: which of the paying cells of the chart have paid in this episode.
-    pub eaten: u8,
-    /// The number of the chart.
+    pub collected: u8,
+    /// The number of the map.
+    #[serde(rename = "map")]
     pub chart: u8,
     /// The place on it.
     pub place: Place,
@@ -62,8 +63,9 @@ pub struct Map {
 #[derive(Deserialize)]
 struct ReadMap {
     pomdp: Pomdp,
+    #[serde(rename = "states")]
     spots: Vec<MapState>,
-    #[serde(default)]
+    #[serde(default, rename = "observation_error")]
     misread: f64,
     #[serde(default)]
     begin: Option<u32>,
@@ -77,8 +79,8 @@ impl Serialize for Map {
         let says = self.unfelt || !serializer.is_human_readable();
         let mut map = serializer.serialize_struct("Map", 4 + usize::from(says))?;
         map.serialize_field("pomdp", &self.pomdp)?;
-        map.serialize_field("spots", &self.spots)?;
-        map.serialize_field("misread", &self.misread)?;
+        map.serialize_field("states", &self.spots)?;
+        map.serialize_field("observation_error", &self.misread)?;
         map.serialize_field("begin", &self.begin)?;
         if says {
             map.serialize_field("unfelt", &self.unfelt)?;
@@ -144,27 +146,27 @@ impl<'a> Charted<'a> {
 
     /// All spots of the chart with this number.
     fn spots(&self, chart: u8) -> impl Iterator<Item = MapState> + '_ {
-        let eaten = 0..1_u8 << self.paying.len();
-        eaten.flat_map(move |eaten| {
+        let collected = 0..1_u8 << self.paying.len();
+        collected.flat_map(move |collected| {
             let places = self.places.iter();
             places.map(move |&place| MapState {
-                eaten,
+                collected,
                 chart,
                 place,
             })
         })
     }
 
-    /// What has been eaten once a robot comes into a place, if it was `eaten` before.
-    fn eaten_in(&self, place: Place, eaten: u8) -> u8 {
+    /// What has been collected once a robot comes into a place, if it was `collected` before.
+    fn collected_in(&self, place: Place, collected: u8) -> u8 {
         let at = self.paying.iter().position(|paying| paying.0 == place);
-        at.map_or(eaten, |at| eaten | 1 << at)
+        at.map_or(collected, |at| collected | 1 << at)
     }
 
     /// What was paid in all.
-    fn paid(&self, eaten: u8) -> f64 {
+    fn paid(&self, collected: u8) -> f64 {
         let paying = self.paying.iter().enumerate();
-        let paid = paying.filter(|(at, _)| eaten >> at & 1 == 1);
+        let paid = paying.filter(|(at, _)| collected >> at & 1 == 1);
         paid.map(|(_, (_, reward))| reward).sum()
     }
 }
@@ -190,7 +192,7 @@ impl Map {
             .map(|spot| {
                 let around = on(spot).chart.around(spot.place, on(spot).vision);
                 let around = around.expect("only places that are charted all around");
-                sight(&percept_of(&around), spot.eaten.count_ones())
+                sight(&percept_of(&around), spot.collected.count_ones())
             })
             .collect();
         let next = |state: usize, action: Action| match aims[action.index()] {
@@ -199,7 +201,10 @@ impl Map {
         };
         let mut pomdp = Pomdp::new(aims.len(), slip, &seen, next);
         if charted.iter().any(|one| !one.paying.is_empty()) {
-            let found = spots.iter().map(|spot| on(spot).paid(spot.eaten)).collect();
+            let found = spots
+                .iter()
+                .map(|spot| on(spot).paid(spot.collected))
+                .collect();
             let Worth { goal, step, gamma } = *worth;
             pomdp = pomdp.with_prizes(Prizes::new(gamma, goal, step, found));
         }
@@ -215,9 +220,9 @@ impl Map {
     /// The same, where all episodes begin in this place of this chart.
     pub fn begun_in(self, begun: Option<(u8, Place)>) -> Self {
         let state = begun.and_then(|(chart, place)| {
-            let eaten = 0;
+            let collected = 0;
             let spot = MapState {
-                eaten,
+                collected,
                 chart,
                 place,
             };
@@ -243,18 +248,18 @@ impl Map {
 
     /// The states in which an episode may begin: nothing was found yet.
     pub fn starts(&self) -> u32 {
-        self.spots.partition_point(|spot| spot.eaten == 0) as u32
+        self.spots.partition_point(|spot| spot.collected == 0) as u32
     }
 
     /// Does it pay to come from one state into another?
     pub fn pays(&self, from: u32, to: u32) -> bool {
-        let [from, to] = [from, to].map(|state| self.spots[state as usize].eaten);
+        let [from, to] = [from, to].map(|state| self.spots[state as usize].collected);
         from != to
     }
 
     /// Returns how many cells with a reward the map knows.
     pub fn rewards(&self) -> u32 {
-        let collected = self.spots.iter().map(|spot| spot.eaten.count_ones());
+        let collected = self.spots.iter().map(|spot| spot.collected.count_ones());
         collected.max().unwrap_or(0)
     }
 
@@ -263,7 +268,7 @@ impl Map {
         let charted = |spot: &MapState| {
             usize::from(spot.chart) < MOST_CHARTS
                 && spot.place.reach() <= FURTHEST
-                && spot.eaten < 1 << MOST_PAYING
+                && spot.collected < 1 << MOST_PAYING
         };
         let blank = self.spots.is_empty() && self.pomdp == Pomdp::default();
         (0.0..=1.0).contains(&self.misread)
@@ -285,9 +290,9 @@ fn next(spots: &[MapState], on: &Charted<'_>, state: usize, heading: usize) -> u
         Some(CellState::Goal) => GOAL,
         _ if place == Place::ORIGIN => GOAL,
         Some(CellState::Free) => {
-            let eaten = on.eaten_in(place, spot.eaten);
+            let collected = on.collected_in(place, spot.collected);
             let known = spots.binary_search(&MapState {
-                eaten,
+                collected,
                 place,
                 ..spot
             });

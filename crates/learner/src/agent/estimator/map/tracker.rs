@@ -83,7 +83,7 @@ impl Tracker {
 
     /// In a state of which it is sure, before anything was done.
     pub fn standing(map: &Map, state: u32) -> Self {
-        let found = map.spots[state as usize].eaten.count_ones();
+        let found = map.spots[state as usize].collected.count_ones();
         let mut tracker = Self {
             found,
             ..Self::begun(Belief::even([state]))
@@ -123,7 +123,7 @@ impl Tracker {
         (1..likely.len()).for_each(|errors| likely[errors] = likely[errors - 1] * map.misread);
         let fits = |state: u32| {
             let spot = &map.spots[state as usize];
-            let wrong = usize::from(spot.eaten.count_ones() != found);
+            let wrong = usize::from(spot.collected.count_ones() != found);
             likely[strange(map, state, &seen) + wrong]
         };
         let anywhere = map.pomdp.states() as u32;
@@ -192,7 +192,7 @@ impl Tracker {
             .followed_by(&above(spot.place.east))
             .followed_by(&above(spot.place.north))
             .followed_by(&Percept::from_word(spot.chart.into(), CHART_BITS))
-            .followed_by(&Percept::from_word(spot.eaten.into(), MOST_PAYING));
+            .followed_by(&Percept::from_word(spot.collected.into(), MOST_PAYING));
         for step in self.window.iter().rev() {
             context = context.followed_by(&step_bits(*step));
         }
@@ -272,7 +272,7 @@ fn lost(map: &Map, percept: &Percept, found: u32) -> Belief {
     let seen = around(percept);
     let strange = |state: u32| strange(map, state, &seen);
     let states = 0..pomdp.states() as u32;
-    let states = states.filter(|&state| map.spots[state as usize].eaten.count_ones() == found);
+    let states = states.filter(|&state| map.spots[state as usize].collected.count_ones() == found);
     let least = states.clone().map(strange).min();
     match least {
         Some(least) => Belief::even(states.filter(|&state| strange(state) == least)),
@@ -297,8 +297,8 @@ pub fn words(alleles: Alleles<'_>, seen: &dyn Fn(Alleles<'_>) -> Option<String>)
     let east = PERCEPT_BITS;
     let north = east + COORDINATE_BITS;
     let chart = north + COORDINATE_BITS;
-    let eaten = chart + CHART_BITS;
-    let window = eaten + MOST_PAYING;
+    let collected = chart + CHART_BITS;
+    let window = collected + MOST_PAYING;
     let mut words = coordinate_words("x", east, alleles);
     words.extend(coordinate_words("y", north, alleles));
     let part = |name: &str, range: std::ops::Range<usize>| {
@@ -306,8 +306,8 @@ pub fn words(alleles: Alleles<'_>, seen: &dyn Fn(Alleles<'_>) -> Option<String>)
         let bits: String = range.map(state).collect();
         bits.contains(['0', '1']).then(|| format!("{name} {bits}"))
     };
-    words.extend(part("chart", chart..eaten));
-    words.extend(part("rewards found", eaten..window));
+    words.extend(part("map", chart..collected));
+    words.extend(part("rewards found", collected..window));
     for (step, ago) in ["last step", "step before"].into_iter().enumerate() {
         let from = window + step * STEP_BITS;
         words.extend(part(&format!("{ago} taken"), from..from + 1));
@@ -379,8 +379,8 @@ mod tests {
     /// Two states that look different, in the second of which `rewards` rewards were found.
     fn paying(rewards: u32, misread: f64) -> Map {
         let look = |word, found| sight(&Percept::from_word(word, PERCEPT_BITS), found);
-        let spot = |eaten| MapState {
-            eaten,
+        let spot = |collected| MapState {
+            collected,
             ..MapState::default()
         };
         Map {

@@ -1,11 +1,11 @@
-//! The story of episodes with many thousands of steps.
+//! The highlights of episodes with many thousands of steps.
 
 use std::path::Path;
 
 use crate::kit::program::expect;
 use xcscr::record::reader::Recording;
 
-/// The most messages of a topic that are shown of an episode; see `record/story/teller.rs`.
+/// The most messages of a topic that are shown of an episode; see `record/highlights/builder.rs`.
 const MOST_SHOWN: u64 = 2_000;
 
 fn messages(file: &Path, topic: &str) -> u64 {
@@ -48,9 +48,13 @@ fn a_story_shows_no_more_messages_of_an_episode_however_many_steps_it_has() {
         assert!(recorded > MOST_SHOWN, "control: {recorded}");
         expect(
             0,
-            &["recording", "check", file("story.mcap").to_str().unwrap()],
+            &[
+                "recording",
+                "check",
+                file("highlights.mcap").to_str().unwrap(),
+            ],
         );
-        ["/step", "/tf", "/scene/trail"].map(|topic| messages(&file("story.mcap"), topic))
+        ["/step", "/tf", "/scene/trail"].map(|topic| messages(&file("highlights.mcap"), topic))
     };
     for limit in ["2500", "5000"] {
         for shown in shown_of(limit) {

@@ -1,4 +1,4 @@
-//! The story of a run: what it shows, how long it takes, and that it comes from the run alone.
+//! The highlights of a run: what it shows, how long it takes, and that it comes from the run alone.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -21,9 +21,9 @@ fn train(parent: &Path, name: &str, more: &[&str]) -> PathBuf {
     run
 }
 
-/// What stands in the caption's largest line, chapter after chapter.
-fn titles(story: &Recording) -> Vec<String> {
-    let captions = story.messages().map(|message| message.unwrap());
+/// What stands in the caption's largest line, segment after segment.
+fn titles(highlights: &Recording) -> Vec<String> {
+    let captions = highlights.messages().map(|message| message.unwrap());
     let captions = captions.filter(|message| message.topic() == "/scene/caption");
     let mut titles: Vec<String> = captions
         .map(|message| {
@@ -36,8 +36,8 @@ fn titles(story: &Recording) -> Vec<String> {
 }
 
 /// All messages of a topic, as JSON.
-fn said(story: &Recording, topic: &str) -> Vec<(u64, Value)> {
-    let messages = story.messages().map(|message| message.unwrap());
+fn said(highlights: &Recording, topic: &str) -> Vec<(u64, Value)> {
+    let messages = highlights.messages().map(|message| message.unwrap());
     let of_topic = messages.filter(|message| message.topic() == topic);
     of_topic
         .map(|message| (message.time_ns, message.json().unwrap()))
@@ -50,10 +50,10 @@ fn the_story_of_a_run_goes_from_failure_to_a_greedy_drive_in_less_than_two_minut
     // With the default percept the first episode of seed 1 reaches the goal, and nothing fails.
     let slow = ["--sensor", "neighbours", "--method", "xcscr"];
     let run = train(folder.path(), "run", &slow);
-    let file = run.join("story.mcap");
+    let file = run.join("highlights.mcap");
     assert_eq!(check(&file).unwrap(), []);
-    let story = Recording::open(&file).unwrap();
-    let titles = titles(&story);
+    let highlights = Recording::open(&file).unwrap();
+    let titles = titles(&highlights);
     assert_eq!(titles[0], "Episode 1: how it begins", "{titles:#?}");
     let place = |what: &str| titles.iter().position(|title| title.contains(what));
     let goal = place("the goal for the first time").unwrap();
@@ -62,31 +62,35 @@ fn the_story_of_a_run_goes_from_failure_to_a_greedy_drive_in_less_than_two_minut
     let last = titles.last().unwrap();
     assert_eq!(last, "After 180 episodes: greedy, exploration off");
 
-    let end_ns = story.messages().map(|m| m.unwrap().time_ns).max().unwrap();
+    let end_ns = highlights
+        .messages()
+        .map(|m| m.unwrap().time_ns)
+        .max()
+        .unwrap();
     assert!((30..120).contains(&(end_ns / 1_000_000_000)), "{end_ns} ns");
     assert!(fs::metadata(&file).unwrap().len() < 300_000);
 
-    let episodes = said(&story, "/episode");
+    let episodes = said(&highlights, "/episode");
     let outcome = |at: usize| episodes[at].1["outcome"].as_str().unwrap();
     assert_eq!([outcome(0), outcome(1)], ["running", "step-limit"]);
     assert_eq!(outcome(episodes.len() - 1), "goal");
     let (drive_ns, _) = episodes[episodes.len() - 2];
-    let steps = said(&story, "/step");
+    let steps = said(&highlights, "/step");
     let explored = |after: bool| {
         let of_part = steps.iter().filter(|(at, _)| (*at >= drive_ns) == after);
         of_part.filter(|(_, step)| step["explored"] == true).count()
     };
     assert!(explored(false) > 0 && explored(true) == 0);
-    let reasons = said(&story, "/rule");
+    let reasons = said(&highlights, "/rule");
     let driving = reasons.iter().filter(|(at, _)| *at >= drive_ns);
     for (_, reason) in driving {
         let text = reason["rule"].as_str().unwrap();
         assert!(
-            text.ends_with(" match") && text.contains(", worth "),
+            text.ends_with(" match") && text.contains(", value "),
             "{text}"
         );
         assert!(
-            reason["runner_up"].as_str().unwrap().contains(", worth "),
+            reason["runner_up"].as_str().unwrap().contains(", value "),
             "{reason}"
         );
     }
@@ -98,9 +102,9 @@ fn a_caption_calls_a_policy_optimal_only_while_the_indicator_does() {
     let folder = tempfile::tempdir().unwrap();
     let few = ["--arena", "grid", "--method", "xcscr", "--seed", "2"];
     let run = train(folder.path(), "run", &few);
-    let story = Recording::open(&run.join("story.mcap")).unwrap();
+    let highlights = Recording::open(&run.join("highlights.mcap")).unwrap();
     let (mut is_optimal, mut claims, mut others) = (false, 0, 0);
-    for message in story.messages().map(|message| message.unwrap()) {
+    for message in highlights.messages().map(|message| message.unwrap()) {
         match message.topic() {
             "/episode" => is_optimal = message.json().unwrap()["optimal"] == true,
             "/scene/caption" => {
@@ -125,12 +129,16 @@ fn a_caption_calls_a_policy_optimal_only_while_the_indicator_does() {
 fn every_panel_has_something_to_show_from_the_first_step_on() {
     let folder = tempfile::tempdir().unwrap();
     let run = train(folder.path(), "run", &["--episodes", "3"]);
-    let story = Recording::open(&run.join("story.mcap")).unwrap();
-    let messages = story.messages().map(|message| message.unwrap());
+    let highlights = Recording::open(&run.join("highlights.mcap")).unwrap();
+    let messages = highlights.messages().map(|message| message.unwrap());
     let before = messages.take_while(|message| message.topic() != "/step");
     let mut shown: BTreeSet<String> = before.map(|m| m.topic().to_owned()).collect();
     shown.insert("/step".to_owned());
-    let all: BTreeSet<String> = story.topics().into_iter().map(|topic| topic.name).collect();
+    let all: BTreeSet<String> = highlights
+        .topics()
+        .into_iter()
+        .map(|topic| topic.name)
+        .collect();
     assert_eq!(shown, all);
     let told = Topic::of_episode(true, false);
     let told = told.iter().map(|topic| topic.name().to_owned());
@@ -143,16 +151,17 @@ fn every_panel_has_something_to_show_from_the_first_step_on() {
 fn the_plot_of_worth_has_a_line_from_the_first_decision_on_and_agrees_with_the_words() {
     let folder = tempfile::tempdir().unwrap();
     let run = train(folder.path(), "run", &["--episodes", "4"]);
-    let story = Recording::open(&run.join("story.mcap")).unwrap();
-    let layout = xcscr::record::layout::paths(story.attachment("foxglove-layout.json").unwrap());
-    for plotted in ["left", "worth"] {
+    let highlights = Recording::open(&run.join("highlights.mcap")).unwrap();
+    let layout =
+        xcscr::record::layout::paths(highlights.attachment("foxglove-layout.json").unwrap());
+    for plotted in ["left", "values"] {
         let is_plotted = |path: &str| path == format!("/rule.{plotted}");
         assert!(
             layout.iter().any(|path| is_plotted(&path.to_string())),
             "{plotted}"
         );
     }
-    let reasons = said(&story, "/rule");
+    let reasons = said(&highlights, "/rule");
     let (first_ns, first) = &reasons[0];
     assert_eq!(
         (*first_ns, first["left"].as_u64()),
@@ -167,8 +176,8 @@ fn the_plot_of_worth_has_a_line_from_the_first_decision_on_and_agrees_with_the_w
         let number = ["north", "east", "south", "west"]
             .iter()
             .position(|&it| it == action);
-        let percent = reason["worth"][number.unwrap()].as_f64();
-        let words = text.split_once(", worth ").map(|(_, rest)| rest);
+        let percent = reason["values"][number.unwrap()].as_f64();
+        let words = text.split_once(", value ").map(|(_, rest)| rest);
         let words = words.and_then(|rest| rest.split(',').next()?.parse::<f64>().ok());
         // Control: what has no worth in words has none in the plot.
         assert_eq!(words.is_some(), percent.is_some(), "{reason}");
@@ -200,8 +209,8 @@ fn ray_ends(data: &[u8]) -> Vec<[f64; 2]> {
 fn the_drive_of_a_story_shows_each_beam_as_a_ray_that_ends_at_a_wall() {
     let folder = tempfile::tempdir().unwrap();
     let run = train(folder.path(), "run", &["--episodes", "4"]);
-    let story = Recording::open(&run.join("story.mcap")).unwrap();
-    let drive_ns = said(&story, "/episode").iter().rev().nth(1).unwrap().0;
+    let highlights = Recording::open(&run.join("highlights.mcap")).unwrap();
+    let drive_ns = said(&highlights, "/episode").iter().rev().nth(1).unwrap().0;
     let maze = Maze::load(&run.join("world.json")).unwrap();
     // A range is off by some centimetres: what is hit has a wall at most that far away.
     let is_at_a_wall = |[x, y]: [f64; 2]| {
@@ -218,7 +227,7 @@ fn the_drive_of_a_story_shows_each_beam_as_a_ray_that_ends_at_a_wall() {
         })
     };
     assert_eq!(maze.cell_size_m(), 1.0);
-    let percepts = story.messages().map(|message| message.unwrap());
+    let percepts = highlights.messages().map(|message| message.unwrap());
     let percepts = percepts.filter(|message| message.topic() == "/scene/percept");
     let (mut rays, mut at_walls) = (0, 0);
     for message in percepts {
@@ -240,7 +249,7 @@ fn the_drive_of_a_story_shows_each_beam_as_a_ray_that_ends_at_a_wall() {
     );
 }
 
-/// Then each of its chapters shows them, and a new run tells the same story.
+/// Then each of its segments shows them, and a new run tells the same highlights.
 #[test]
 fn the_story_of_a_run_that_records_beams_shows_them_throughout() {
     let folder = tempfile::tempdir().unwrap();
@@ -249,9 +258,9 @@ fn the_story_of_a_run_that_records_beams_shows_them_throughout() {
         "run",
         &["--episodes", "2", "--record", "beams"],
     );
-    let file = run.join("story.mcap");
-    let story = Recording::open(&file).unwrap();
-    let percepts = story.messages().map(|message| message.unwrap());
+    let file = run.join("highlights.mcap");
+    let highlights = Recording::open(&file).unwrap();
+    let percepts = highlights.messages().map(|message| message.unwrap());
     let mut percepts = percepts.filter(|message| message.topic() == "/scene/percept");
     assert!(percepts.all(|message| !ray_ends(&message.data).is_empty()));
     let (code, stdout, stderr) = outcome(&["recording", "verify", file.to_str().unwrap()]);
@@ -292,13 +301,13 @@ fn the_story_comes_from_the_run_alone_and_has_the_same_bytes_each_time() {
     let folder = tempfile::tempdir().unwrap();
     let few = ["--episodes", "4"];
     let whole = train(folder.path(), "whole", &few);
-    let told = fs::read(whole.join("story.mcap")).unwrap();
+    let told = fs::read(whole.join("highlights.mcap")).unwrap();
     let bare = train(
         folder.path(),
         "bare",
         &[&few[..], &["--record", "none"]].concat(),
     );
-    assert!(!bare.join("story.mcap").exists());
+    assert!(!bare.join("highlights.mcap").exists());
     for (number, from) in [&whole, &bare, &whole.join("ep-0002.mcap")]
         .into_iter()
         .enumerate()
@@ -312,7 +321,7 @@ fn the_story_comes_from_the_run_alone_and_has_the_same_bytes_each_time() {
         let (code, _, stderr) = outcome(&args);
         assert_eq!(code, Some(73), "a file was replaced: {stderr}");
     }
-    let file = whole.join("story.mcap");
+    let file = whole.join("highlights.mcap");
     let (code, stdout, _) = outcome(&["recording", "verify", file.to_str().unwrap()]);
     assert_eq!(code, Some(0), "{stdout}");
 }
@@ -325,8 +334,8 @@ fn a_run_that_never_succeeds_claims_nothing() {
         "run",
         &["--episodes", "2", "--arena", "grid", "--method", "xcscr"],
     );
-    let story = Recording::open(&run.join("story.mcap")).unwrap();
-    let titles = titles(&story);
+    let highlights = Recording::open(&run.join("highlights.mcap")).unwrap();
+    let titles = titles(&highlights);
     assert!(
         !titles
             .iter()
@@ -523,8 +532,8 @@ fn a_table_is_said_to_have_chosen_what_it_chose_and_rules_what_they_did() {
     let folder = tempfile::tempdir().unwrap();
     for (method, chooser) in [("q-learning", "table"), ("xcs", "rules")] {
         let few = ["--method", method, "--episodes", "3", "--arena", "grid"];
-        let story = train(folder.path(), method, &few).join("story.mcap");
-        let told = said(&Recording::open(&story).unwrap(), "/rule");
+        let highlights = train(folder.path(), method, &few).join("highlights.mcap");
+        let told = said(&Recording::open(&highlights).unwrap(), "/rule");
         let (_, last) = told.last().unwrap();
         assert_eq!(last["chosen_by"], chooser, "{last}");
     }

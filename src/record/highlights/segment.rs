@@ -1,4 +1,4 @@
-//! Which episodes the story shows.
+//! Which episodes the highlights recording shows.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,9 +24,9 @@ enum Reason {
     FirstOptimal,
 }
 
-/// An episode that the story shows.
+/// An episode that the highlights recording shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Chapter {
+pub struct Segment {
     /// The episode's number, from 1.
     pub episode: u32,
     reasons: Vec<Reason>,
@@ -34,7 +34,7 @@ pub struct Chapter {
     pub changed: usize,
 }
 
-impl Chapter {
+impl Segment {
     /// What is seen. That a policy is optimal is said once it is: it becomes so at the episode's end.
     pub fn title(&self, is_over: bool) -> String {
         let is_alone = self.reasons.len() == 1;
@@ -79,7 +79,7 @@ struct Figures {
 ///
 /// # Errors
 /// When the recording is damaged.
-pub fn chapters(run: &Recording) -> Result<Vec<Chapter>, RecordError> {
+pub fn segments(run: &Recording) -> Result<Vec<Segment>, RecordError> {
     let mut told = Vec::new();
     let mut policy = Policy::default();
     for message in run.messages() {
@@ -132,7 +132,7 @@ fn corner_bits(dart: &[Point3]) -> [u64; 4] {
     [tip.x, tip.y, left.x, left.y].map(f64::to_bits)
 }
 
-fn chosen(told: &[Told]) -> Vec<Chapter> {
+fn chosen(told: &[Told]) -> Vec<Segment> {
     let mut reasons: BTreeMap<u32, Vec<Reason>> = BTreeMap::new();
     let mut add = |told: Option<&Told>, reason| {
         if let Some(told) = told {
@@ -148,21 +148,21 @@ fn chosen(told: &[Told]) -> Vec<Chapter> {
     for one in changes.into_iter().take(MOST_CHANGES) {
         reasons.insert(one.episode, vec![Reason::GreatChange]);
     }
-    let chapter = |one: &Told| {
-        Some(Chapter {
+    let segment = |one: &Told| {
+        Some(Segment {
             episode: one.episode,
             reasons: reasons.remove(&one.episode)?,
             changed: one.changed,
         })
     };
-    told.iter().filter_map(chapter).collect()
+    told.iter().filter_map(segment).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Titles of the chapters of episodes with these goals, optima and changes.
+    /// Titles of the segments of episodes with these goals, optima and changes.
     fn titles(episodes: &[(bool, bool, usize)]) -> Vec<String> {
         let numbered = (1..).zip(episodes);
         let told: Vec<Told> = numbered
@@ -173,8 +173,8 @@ mod tests {
                 changed,
             })
             .collect();
-        let chapters = chosen(&told);
-        chapters.iter().map(|chapter| chapter.title(true)).collect()
+        let segments = chosen(&told);
+        segments.iter().map(|segment| segment.title(true)).collect()
     }
 
     #[test]
@@ -203,12 +203,12 @@ mod tests {
     #[test]
     fn nothing_is_called_optimal_before_it_is() {
         let title = |reasons: &[Reason], is_over| {
-            let chapter = Chapter {
+            let segment = Segment {
                 episode: 3,
                 reasons: reasons.to_vec(),
                 changed: 1,
             };
-            chapter.title(is_over)
+            segment.title(is_over)
         };
         let both = [Reason::FirstGoal, Reason::FirstOptimal];
         assert_eq!(

@@ -1,4 +1,4 @@
-//! Two stories side by side, in one recording: topics and frames of the first below `/a`, those of
+//! Two highlights side by side, in one recording: topics and frames of the first below `/a`, those of
 //! the second below `/b`.
 
 use std::collections::BTreeMap;
@@ -8,8 +8,8 @@ use foxglove::messages::{FrameTransforms, SceneUpdate};
 use mcap::McapResult;
 use mcap::records::{MessageHeader, Metadata};
 
+use super::builder::{HighlightsBuilder, unwritten};
 use super::retime::{decoded, encoded};
-use super::teller::{Teller, unwritten};
 use crate::record::error::RecordError;
 use crate::record::info::Extent;
 use crate::record::layout::{self, SIDES};
@@ -17,7 +17,7 @@ use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::{self, Topic};
 use crate::record::write::sink::{self, Packing, Sink};
 
-/// Two stories in one recording.
+/// Two highlights in one recording.
 #[derive(Debug)]
 pub struct Comparison {
     /// The recording.
@@ -28,16 +28,18 @@ pub struct Comparison {
     pub headings: [String; 2],
 }
 
-/// Puts two stories side by side.
+/// Puts two highlights side by side.
 ///
 /// # Errors
-/// None that has been seen: stories can be read, and there is room in memory.
-pub fn compare_stories(stories: [Teller<'_>; 2]) -> Result<Comparison, RecordError> {
-    let [a, b] = &stories;
+/// None that has been seen: highlights can be read, and there is room in memory.
+pub fn compare_highlights(
+    highlights: [HighlightsBuilder<'_>; 2],
+) -> Result<Comparison, RecordError> {
+    let [a, b] = &highlights;
     let layout = layout::of_comparison([a.maze(), b.maze()], [a.heading(), b.heading()]);
     let headings = [a.heading(), b.heading()].map(str::to_owned);
-    let (mut out, channels) = begun(&stories, &layout).map_err(unwritten)?;
-    let [a, b] = stories.map(read_again);
+    let (mut out, channels) = begun(&highlights, &layout).map_err(unwritten)?;
+    let [a, b] = highlights.map(read_again);
     merge(&[a?, b?], &mut out, &channels)?;
     Ok(Comparison {
         bytes: sink::finish(out).map_err(unwritten)?,
@@ -50,13 +52,16 @@ pub fn compare_stories(stories: [Teller<'_>; 2]) -> Result<Comparison, RecordErr
 type Channels = BTreeMap<(usize, usize), u16>;
 
 /// A file with all that comes before the first message.
-fn begun(stories: &[Teller<'_>; 2], layout: &str) -> McapResult<(Sink<Vec<u8>>, Channels)> {
+fn begun(
+    highlights: &[HighlightsBuilder<'_>; 2],
+    layout: &str,
+) -> McapResult<(Sink<Vec<u8>>, Channels)> {
     let mut out = sink::begin(Vec::new(), Packing::Small)?;
-    introduce(&mut out, stories, layout)?;
+    introduce(&mut out, highlights, layout)?;
     let mut channels = Channels::new();
-    for (side, story) in stories.iter().enumerate() {
-        for topic in story.topics() {
-            let schema = topic.schema(Extent::Story);
+    for (side, highlights) in highlights.iter().enumerate() {
+        for topic in highlights.topics() {
+            let schema = topic.schema(Extent::Highlights);
             let id = out.add_schema(&schema.name, &schema.encoding, &schema.data)?;
             let name = format!("/{}{}", SIDES[side], topic.name());
             let encoding = topic.message_encoding();
@@ -67,9 +72,12 @@ fn begun(stories: &[Teller<'_>; 2], layout: &str) -> McapResult<(Sink<Vec<u8>>, 
     Ok((out, channels))
 }
 
-/// A story from its packed bytes, so that its messages never lie in memory all at once.
-fn read_again(story: Teller<'_>) -> Result<Recording, RecordError> {
-    Recording::from_bytes(Path::new(&Extent::Story.file_name()), story.finish()?)
+/// a highlights recording from its packed bytes, so that its messages never lie in memory all at once.
+fn read_again(highlights: HighlightsBuilder<'_>) -> Result<Recording, RecordError> {
+    Recording::from_bytes(
+        Path::new(&Extent::Highlights.file_name()),
+        highlights.finish()?,
+    )
 }
 
 /// Writes the messages of both sides in the order of time, those of the first side first.
@@ -96,7 +104,7 @@ fn merge(
     }
 }
 
-/// Writes a message of a side. Beams, which one run may have recorded, are in no story.
+/// Writes a message of a side. Beams, which one run may have recorded, are in no highlights.
 fn put(
     out: &mut Sink<Vec<u8>>,
     channels: &Channels,
@@ -120,13 +128,21 @@ fn put(
 }
 
 /// The facts of both runs, those of each below the name of its side.
-fn introduce(out: &mut Sink<Vec<u8>>, stories: &[Teller<'_>; 2], layout: &str) -> McapResult<()> {
+fn introduce(
+    out: &mut Sink<Vec<u8>>,
+    highlights: &[HighlightsBuilder<'_>; 2],
+    layout: &str,
+) -> McapResult<()> {
     let whole = [("episode", Extent::Comparison.to_string())];
     let whole = whole.map(|(key, text)| (key.to_owned(), text));
     metadata(out, "run", whole.into())?;
-    for (side, story) in SIDES.iter().zip(stories) {
-        let (info, world) = (story.info(), story.maze().name());
-        metadata(out, side, info.metadata(world, story.mode(), Extent::Story))?;
+    for (side, highlights) in SIDES.iter().zip(highlights) {
+        let (info, world) = (highlights.info(), highlights.maze().name());
+        metadata(
+            out,
+            side,
+            info.metadata(world, highlights.mode(), Extent::Highlights),
+        )?;
         attach(out, &format!("{side}/world.json"), &info.world_json)?;
         attach(out, &format!("{side}/config.json"), &info.config_json)?;
     }
@@ -174,6 +190,6 @@ fn below(side: &str, topic: Topic, data: &[u8]) -> Vec<u8> {
             return data.to_vec();
         }
     };
-    // A story holds only what could be decoded.
+    // a highlights recording holds only what could be decoded.
     moved.unwrap_or_else(|_| data.to_vec())
 }

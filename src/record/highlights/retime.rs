@@ -1,4 +1,4 @@
-//! Messages of an episode, moved to the clock of the story.
+//! Messages of an episode, moved to the clock of the highlights recording.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use foxglove::{Decode, Encode};
 
 use crate::record::topics::{Message, Topic, timestamp};
 
-/// Poses of a frame are at least so far apart on the clock of the story.
+/// Poses of a frame are at least so far apart on the clock of the highlights recording.
 const POSE_PERIOD_NS: u64 = 50_000_000;
 
 /// A stretch of time that is moved and made shorter.
@@ -17,16 +17,16 @@ pub struct Tempo {
     pub from_ns: u64,
     /// How long it is there.
     pub length_ns: u64,
-    /// When it begins in the story.
+    /// When it begins in the highlights recording.
     pub begin_ns: u64,
     /// How long it is there; at most as long as it was.
     pub shown_ns: u64,
-    /// The number of the episode in the story, if it is another one there.
+    /// The number of the episode in the highlights recording, if it is another one there.
     pub episode: Option<u32>,
 }
 
 impl Tempo {
-    /// A moment of the stretch on the clock of the story.
+    /// A moment of the stretch on the clock of the highlights recording.
     pub fn at(&self, time_ns: u64) -> u64 {
         let since = u128::from(time_ns.saturating_sub(self.from_ns).min(self.length_ns));
         let shown = since * u128::from(self.shown_ns) / u128::from(self.length_ns.max(1));
@@ -38,7 +38,7 @@ impl Tempo {
         self.length_ns as f64 / self.shown_ns.max(1) as f64
     }
 
-    /// When it ends in the story.
+    /// When it ends in the highlights recording.
     pub fn end_ns(&self) -> u64 {
         self.begin_ns + self.shown_ns
     }
@@ -152,8 +152,8 @@ mod tests {
 
     #[test]
     fn a_message_of_the_last_drive_has_the_number_of_the_episodes_before_it() {
-        let message = renumbered(br#"{"episode":1,"step":3,"worth":[0.5]}"#, 180).unwrap();
-        assert_eq!(message, br#"{"episode":180,"step":3,"worth":[0.5]}"#);
+        let message = renumbered(br#"{"episode":1,"step":3,"values":[0.5]}"#, 180).unwrap();
+        assert_eq!(message, br#"{"episode":180,"step":3,"values":[0.5]}"#);
         assert_eq!(renumbered(br#"{"x":1}"#, 180).unwrap(), br#"{"x":1}"#);
         assert!(renumbered(b"[1]", 180).is_err());
     }

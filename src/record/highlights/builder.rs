@@ -1,4 +1,4 @@
-//! Who tells the story: chapter after chapter, with captions.
+//! Who tells the highlights recording: segment after segment, with captions.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -7,8 +7,8 @@ use foxglove::messages::{FrameTransform, FrameTransforms};
 use mcap::{McapError, McapResult};
 use serde::Deserialize;
 
-use super::chapter::Chapter;
 use super::retime::{Tempo, decoded, encoded, retimed};
+use super::segment::Segment;
 use crate::record::error::RecordError;
 use crate::record::info::{Extent, RunInfo};
 use crate::record::layout;
@@ -20,7 +20,7 @@ use crate::record::write::log_file::LogFile;
 use crate::record::write::sink::Packing;
 use crate::world::Maze;
 
-/// What came of a chapter stands for so long after it.
+/// What came of a segment stands for so long after it.
 const PAUSE_NS: u64 = 2_000_000_000;
 /// In a pause the robot is shown where it is so often; no viewer lets it glide to the next start.
 const HOLD_NS: u64 = 500_000_000;
@@ -31,11 +31,11 @@ const DRIVE_NS: u64 = 20_000_000_000;
 
 /// The most messages of one topic that are shown of an episode: 100 a second where it is shown for
 /// 20 s, more often than viewers draw. Of longer episodes every second one is shown, or every third,
-/// and so on, so that the size of the story does not depend on the number of steps.
+/// and so on, so that the size of the highlights recording does not depend on the number of steps.
 pub(super) const MOST_SHOWN: u64 = 2_000;
 
-/// Tells a story. It is kept in memory as the packed bytes of its file.
-pub struct Teller<'a> {
+/// Tells a highlights recording. It is kept in memory as the packed bytes of its file.
+pub struct HighlightsBuilder<'a> {
     log: LogFile<Vec<u8>>,
     maze: &'a Maze,
     info: RunInfo,
@@ -59,8 +59,8 @@ struct Figures {
     shortest: Option<u32>,
 }
 
-impl<'a> Teller<'a> {
-    /// A story that is to begin, of episodes recorded in this mode, with the learning `curve` of the
+impl<'a> HighlightsBuilder<'a> {
+    /// a highlights recording that is to begin, of episodes recorded in this mode, with the learning `curve` of the
     /// run, which is shown from the first moment on; `senses`: is the robot not told where it is?
     ///
     /// # Errors
@@ -91,14 +91,14 @@ impl<'a> Teller<'a> {
     ///
     /// # Errors
     /// When its recording is damaged.
-    pub fn chapter(&mut self, chapter: &Chapter, episode: &Recording) -> Result<(), RecordError> {
-        let figures = self.play(&chapter.title(false), episode, chapter.most_ns(), None)?;
-        let arrows = match chapter.changed {
+    pub fn segment(&mut self, segment: &Segment, episode: &Recording) -> Result<(), RecordError> {
+        let figures = self.play(&segment.title(false), episode, segment.most_ns(), None)?;
+        let arrows = match segment.changed {
             0 => "no arrow changed".to_owned(),
             1 => "1 arrow changed".to_owned(),
             changed => format!("{changed} arrows changed"),
         };
-        let title = chapter.title(true);
+        let title = segment.title(true);
         self.close(&title, &format!("{}; {arrows}", result(&figures)))
     }
 
@@ -117,7 +117,7 @@ impl<'a> Teller<'a> {
         self.close(&title, &format!("{}{fewest}", result(&figures)))
     }
 
-    /// The story, as the bytes of a file.
+    /// The highlights recording, as the bytes of a file.
     ///
     /// # Errors
     /// None that has been seen: there is room in memory.
@@ -125,7 +125,7 @@ impl<'a> Teller<'a> {
         self.log.finish().map_err(unwritten)
     }
 
-    /// The topics that the story has.
+    /// The topics that the highlights recording has.
     pub(super) fn topics(&self) -> Vec<Topic> {
         Topic::of_episode(self.senses, false)
     }
@@ -150,15 +150,15 @@ impl<'a> Teller<'a> {
         self.maze
     }
 
-    /// Lets the story that is behind the other stand as it is until both go on.
+    /// Lets the highlights recording that is behind the other stand as it is until both go on.
     ///
     /// # Errors
     /// None that has been seen: there is room in memory.
     pub fn catch_up(&mut self, other: &mut Self) -> Result<(), RecordError> {
         let end_ns = self.now_ns.max(other.now_ns);
-        for story in [self, other] {
-            if story.now_ns < end_ns {
-                story.hold_until(end_ns)?;
+        for highlights in [self, other] {
+            if highlights.now_ns < end_ns {
+                highlights.hold_until(end_ns)?;
             }
         }
         Ok(())
@@ -217,7 +217,7 @@ impl<'a> Teller<'a> {
         figures
     }
 
-    /// Captions and the curve are the story's own, and what never changes is told once.
+    /// Captions and the curve are the highlights recording's own, and what never changes is told once.
     fn wants(&self, topic: Topic) -> bool {
         match topic {
             Topic::Caption | Topic::Curve => false,
@@ -235,7 +235,7 @@ impl<'a> Teller<'a> {
         Ok(())
     }
 
-    /// Says what came of a chapter, while nothing moves.
+    /// Says what came of a segment, while nothing moves.
     fn close(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
         self.say(title, remark)?;
         let line = log::told(&format!("{title}: {remark}"), self.now_ns);
@@ -292,11 +292,11 @@ fn begun(
     senses: bool,
 ) -> McapResult<LogFile<Vec<u8>>> {
     let mut log = LogFile::new(Vec::new(), Packing::Small)?;
-    log.metadata("run", info.metadata(maze.name(), mode, Extent::Story))?;
+    log.metadata("run", info.metadata(maze.name(), mode, Extent::Highlights))?;
     log.attach("world.json", 0, &info.world_json)?;
     log.attach("config.json", 0, &info.config_json)?;
     log.attach("foxglove-layout.json", 0, &layout::of_episode(maze))?;
-    log.declare(Extent::Story, &Topic::of_episode(senses, false))?;
+    log.declare(Extent::Highlights, &Topic::of_episode(senses, false))?;
     Ok(log)
 }
 
@@ -347,7 +347,7 @@ fn result(figures: &Figures) -> String {
 
 pub(super) fn unwritten(cause: McapError) -> RecordError {
     RecordError::Write {
-        path: PathBuf::from(Extent::Story.file_name()),
+        path: PathBuf::from(Extent::Highlights.file_name()),
         cause: cause.to_string(),
     }
 }

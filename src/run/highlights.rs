@@ -1,4 +1,4 @@
-//! The story of a run, made of its recordings alone.
+//! The highlights of a run, made of its recordings alone.
 
 use std::path::{Path, PathBuf};
 
@@ -11,54 +11,54 @@ use super::folder::RunFolder;
 use super::source::{Source, recorded_mode, told_mode};
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
-use crate::record::{Chapter, Extent, RecordMode, Recorder, Teller, Topic, chapters};
+use crate::record::{Extent, HighlightsBuilder, RecordMode, Recorder, Segment, Topic, segments};
 use crate::trial::{Plan, Trial};
 
 impl RunFolder {
-    /// Tells the story of the run: `story.mcap` as bytes. The same run gives the same bytes.
+    /// Builds the highlights of the run: `highlights.mcap` as bytes. The same run gives the same bytes.
     ///
     /// Where the folder lacks the recordings of some episodes, the trial is run again.
     ///
     /// # Errors
     /// When the folder is not that of a finished run, or a recording in it is damaged.
-    pub fn story(&self) -> Result<Vec<u8>, RunError> {
+    pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
         Material::of(self)?.tell()
     }
 }
 
 impl Source {
-    /// Tells the story of the recorded trial, which is run again for that.
+    /// Builds the highlights of the recorded trial, which is run again for that.
     ///
     /// # Errors
     /// When the plan is refused, or a temporary file cannot be written.
-    pub fn story(&self) -> Result<Vec<u8>, RunError> {
+    pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
         self.require_training()?;
         Material::again(&self.plan, self.mode)?.tell()
     }
 }
 
-/// Tells the story of the recordings in `folder`, all of which are there.
+/// Builds the highlights of the recordings in `folder`, all of which are there.
 pub(super) fn tell(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Vec<u8>, RunError> {
     Material::in_folder(folder, plan, knowledge)?.tell()
 }
 
-/// A story keeps scenes of all cells in memory.
+/// a highlights recording keeps scenes of all cells in memory.
 fn require_few_cells(plan: &Plan) -> Result<(), RunError> {
     match plan.maze.is_vast() {
-        true => Err(RunError::NoStory {
+        true => Err(RunError::NoHighlights {
             world: plan.maze.name().to_owned(),
         }),
         false => Ok(()),
     }
 }
 
-/// What a story is made of.
+/// What a highlights recording is made of.
 pub(super) struct Material {
     plan: Plan,
     /// With beams, or without.
     mode: RecordMode,
     folder: PathBuf,
-    chapters: Vec<Chapter>,
+    segments: Vec<Segment>,
     drive: Recording,
     /// What goes away with this: the folder of a trial that was run again.
     _aside: Option<TempDir>,
@@ -98,7 +98,7 @@ impl Material {
         let plan = plan.clone().settled();
         let run = Recording::open(&folder.join(Extent::Run.file_name()))?;
         let aside = tempfile::tempdir().map_err(RunError::Temporary)?;
-        // Its beams are shown in any story: they take little, and tell what it goes by.
+        // Its beams are shown in any highlights: they take little, and tell what it goes by.
         let mode = (RecordMode::Beams, &(|| false) as &dyn Fn() -> bool);
         record_drives(&plan, knowledge, 1, aside.path(), mode)?;
         let drive = Recording::open(&aside.path().join(Extent::Episode(1).file_name()))?;
@@ -106,36 +106,42 @@ impl Material {
             plan,
             mode: told_mode(recorded_mode(&run, "run")?),
             folder: folder.to_owned(),
-            chapters: chapters(&run)?,
+            segments: segments(&run)?,
             drive,
             _aside: None,
         })
     }
 
     /// Who tells it.
-    pub fn teller(&self) -> Result<Teller<'_>, RunError> {
+    pub fn builder(&self) -> Result<HighlightsBuilder<'_>, RunError> {
         let (info, senses) = (run_info(&self.plan), self.plan.config.senses());
         let curve = self.whole_curve()?;
         let maze = &self.plan.maze;
-        Ok(Teller::new(maze, info, self.mode, curve, senses)?)
+        Ok(HighlightsBuilder::new(
+            maze, info, self.mode, curve, senses,
+        )?)
     }
 
-    /// How many chapters there are before the drive.
-    pub fn chapters(&self) -> usize {
-        self.chapters.len()
+    /// How many segments there are before the drive.
+    pub fn segments(&self) -> usize {
+        self.segments.len()
     }
 
-    /// Tells chapter `number`, from 0; nothing beyond the last one.
-    pub fn tell_chapter(&self, number: usize, teller: &mut Teller<'_>) -> Result<(), RunError> {
-        match self.chapters.get(number) {
-            Some(chapter) => Ok(teller.chapter(chapter, &self.episode(chapter.episode)?)?),
+    /// Tells segment `number`, from 0; nothing beyond the last one.
+    pub fn tell_chapter(
+        &self,
+        number: usize,
+        builder: &mut HighlightsBuilder<'_>,
+    ) -> Result<(), RunError> {
+        match self.segments.get(number) {
+            Some(segment) => Ok(builder.segment(segment, &self.episode(segment.episode)?)?),
             None => Ok(()),
         }
     }
 
     /// Tells what was learned.
-    pub fn tell_drive(&self, teller: &mut Teller<'_>) -> Result<(), RunError> {
-        Ok(teller.drive(self.plan.config.episodes, &self.drive)?)
+    pub fn add_drive(&self, builder: &mut HighlightsBuilder<'_>) -> Result<(), RunError> {
+        Ok(builder.drive(self.plan.config.episodes, &self.drive)?)
     }
 
     /// The learning curve of all episodes, as `/curve` has it.
@@ -156,12 +162,12 @@ impl Material {
     }
 
     fn tell(&self) -> Result<Vec<u8>, RunError> {
-        let mut teller = self.teller()?;
-        for number in 0..self.chapters() {
-            self.tell_chapter(number, &mut teller)?;
+        let mut builder = self.builder()?;
+        for number in 0..self.segments() {
+            self.tell_chapter(number, &mut builder)?;
         }
-        self.tell_drive(&mut teller)?;
-        Ok(teller.finish()?)
+        self.add_drive(&mut builder)?;
+        Ok(builder.finish()?)
     }
 }
 
