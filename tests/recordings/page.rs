@@ -86,6 +86,33 @@ fn a_page_has_the_decisions_values_estimates_and_episodes_of_its_recording() {
 }
 
 #[test]
+fn the_page_of_a_whole_run_has_its_steps_and_its_learning_curve() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let out = run.to_str().unwrap();
+    let train = [
+        "train",
+        "maze4",
+        "--arena",
+        "grid",
+        "--episodes",
+        "5",
+        "--quiet",
+        "--out",
+        out,
+    ];
+    assert_eq!(outcome(&train).0, Some(0));
+    let recording = Recording::open(&run.join("run.mcap")).unwrap();
+    let data = data(&player::page(&recording).unwrap());
+    let steps = said(&recording, "/step").len();
+    assert_eq!(data["decisions"].as_array().unwrap().len(), steps);
+    assert_eq!(data["poses"].as_array().unwrap().len(), steps);
+    let left = data["decisions"][0]["left"].as_f64().unwrap();
+    assert!((90.0..100.0).contains(&left), "{left} %");
+    assert_eq!(data["curve"]["episode"], serde_json::json!([1, 2, 3, 4, 5]));
+}
+
+#[test]
 fn the_page_loads_nothing_and_its_policy_forbids_it() {
     let page = player::page(&sample()).unwrap();
     for outside in ["http://", "https://", "src=", "@import", "url("] {

@@ -226,8 +226,22 @@ impl Data {
         } else {
             step.insert("values".to_owned(), values);
         }
+        // A step has the bits of the rule, and a reason its words.
+        step.remove("rule");
+        // Of the steps that are left a reason knows the percentage, and a step the share.
+        if let Some(left) = step.get_mut("left") {
+            *left = json!((100.0 * left.as_f64().unwrap_or(0.0)).round());
+        }
         self.steps.push(step);
         Ok(())
+    }
+
+    /// The learning curve, of a recording that has the ends of all episodes instead.
+    fn curve_of_episodes(&self) -> Value {
+        let ends = self.episodes.iter();
+        let ends = ends.filter_map(|end| Some((end.get("episode")?, end.get("steps")?)));
+        let (episode, steps): (Vec<&Value>, Vec<&Value>) = ends.unzip();
+        json!({ "episode": episode, "steps": steps })
     }
 
     /// Derives what depends on the whole recording.
@@ -237,6 +251,9 @@ impl Data {
         }
         if self.decisions.is_empty() {
             self.decisions = std::mem::take(&mut self.steps);
+        }
+        if self.curve["episode"] == json!([]) {
+            self.curve = self.curve_of_episodes();
         }
         self.poses.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let last = self.poses.last().map_or(0.0, |pose| pose[0]);

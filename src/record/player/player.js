@@ -94,7 +94,7 @@ function drawTrail(context, begun, pixel) {
   let pen = false;
   for (let at = Math.max(lastIndex(data.poses, begun), 0); at < data.poses.length && data.poses[at].t <= state.t; at++) {
     const pose = inGrid(data.poses[at], world.origin);
-    if (pen) context.lineTo(pose.x, pose.y);
+    if (pen && !pose.jumps) context.lineTo(pose.x, pose.y);
     else context.moveTo(pose.x, pose.y);
     pen = data.poses[at].t >= begun;
   }
@@ -247,8 +247,8 @@ function describe() {
   const caption = lastAt(data.captions, state.t);
   byId("caption").textContent = caption?.title ?? "";
   byId("remark").textContent = caption?.remark ?? "";
-  byId("why").textContent = current ? current.rule : "";
   const who = { rules: "a rule", table: "the table or plan", planner: "planned exploration", chance: "chance" };
+  byId("why").textContent = current ? current.rule || `chosen by ${who[current.chosen_by] ?? current.chosen_by}` : "";
   setFacts([
     ["episode", episode?.episode],
     ["step", current?.step],
