@@ -1,6 +1,6 @@
 //! A recording as one HTML page that plays it: no network, no other file.
 //!
-//! The page holds what the recording's messages say, as JSON ([`data`]), and a script that draws it. The script's
+//! The page holds what the recording's messages say, as JSON (`data.rs`), and a script that draws it. The script's
 //! functions without a page are in `timeline.js`, and `timeline.test.mjs` tests them with Node.
 
 mod data;
