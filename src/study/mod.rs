@@ -2,6 +2,7 @@
 
 mod analysis;
 mod cluster;
+mod episodes;
 mod error;
 mod protocol;
 mod report;

@@ -701,3 +701,54 @@ fn a_study_tries_a_sample_of_its_combinations() {
     // 2 worlds x 2 methods x 3 of 6 combinations.
     assert!(status.contains("12 of 12 trials"), "{status}");
 }
+
+/// The rows of the table of episodes, by column.
+fn episode_rows(folder: &Path) -> Vec<BTreeMap<String, String>> {
+    let packed = fs::File::open(folder.join("episodes.csv.gz")).unwrap();
+    let mut table = csv::Reader::from_reader(flate2::read::GzDecoder::new(packed));
+    table.deserialize().map(|row| row.unwrap()).collect()
+}
+
+#[test]
+fn the_table_of_episodes_agrees_with_the_trials_and_does_not_depend_on_the_jobs() {
+    let desk = Desk::new();
+    desk.done("run small.toml --out a --jobs 1 --quiet");
+    desk.done("run small.toml --out b --jobs 2 --quiet");
+    desk.done("episodes a --jobs 1");
+    desk.done("episodes b --jobs 3");
+    let packed = |name: &str| fs::read(desk.path(name).join("episodes.csv.gz")).unwrap();
+    assert_eq!(packed("a"), packed("b"));
+    let rows = episode_rows(&desk.path("a"));
+    assert_eq!(rows.len(), 2 * 2 * 4 * 12);
+    let mut trials = csv::Reader::from_path(desk.path("a/trials.csv")).unwrap();
+    for trial in trials.deserialize() {
+        let trial: BTreeMap<String, String> = trial.unwrap();
+        let same = |row: &&BTreeMap<String, String>| {
+            ["world", "method", "trial", "seed"]
+                .iter()
+                .all(|key| row[*key] == trial[*key])
+        };
+        let of_trial: Vec<_> = rows.iter().filter(same).collect();
+        let sum = |key: &str| {
+            of_trial
+                .iter()
+                .map(|row| row[key].parse::<u64>().unwrap())
+                .sum::<u64>()
+        };
+        assert_eq!(of_trial.len(), 12);
+        for key in ["steps", "collisions"] {
+            assert_eq!(sum(key).to_string(), trial[key], "{key} of {trial:?}");
+        }
+        let first = of_trial.iter().find(|row| row["optimal"] == "true");
+        let first = first.map_or(String::new(), |row| row["episode"].clone());
+        assert_eq!(first, trial["first_optimal_episode"]);
+        assert_eq!(of_trial[11]["optimal"], trial["retained"]);
+    }
+    // It is written anew only where that changes nothing, or by force.
+    desk.done("episodes a");
+    desk.write("a/episodes.csv.gz", "mine");
+    let message = desk.refused("episodes a", 73);
+    assert!(message.contains("--force"), "{message}");
+    desk.done("episodes a --force");
+    assert_eq!(packed("a"), packed("b"));
+}

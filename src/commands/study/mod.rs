@@ -67,6 +67,17 @@ pub enum StudyCommand {
         #[arg(long)]
         force: bool,
     },
+    /// Write a row for each episode of a study into episodes.csv.gz in its folder. The trials are run again for that.
+    Episodes {
+        /// The folder of a study.
+        folder: PathBuf,
+        /// Trials at a time; 0 for as many as there are cores.
+        #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+        jobs: u16,
+        /// Replace a table that holds something else, such as changes by hand.
+        #[arg(long)]
+        force: bool,
+    },
     /// Print the result of a study, and write report.md, report.html and the figures into its
     /// folder. Of a study that is not finished, print the table of its finished trials, without
     /// tests, and write nothing.
@@ -159,6 +170,11 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
             out: path,
             force,
         } => finish(&merge(folders, path.as_deref(), *force)?, Format::Text, out),
+        StudyCommand::Episodes {
+            folder,
+            jobs,
+            force,
+        } => episodes(folder, (*jobs).into(), *force),
         StudyCommand::Report {
             folder,
             force,
@@ -220,6 +236,18 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     Status::new(&folder, None).print(args.json, out)?;
     refuse_failed(&folder)
+}
+
+/// Writes the table of episodes.
+fn episodes(path: &Path, jobs: usize, force: bool) -> Result<(), Failure> {
+    let folder = StudyFolder::read_locked(path)?.replacing(force);
+    let interrupt = Interrupt::notice()?;
+    let written = folder.write_episodes(jobs, &|| interrupt.came());
+    if written.is_err() && interrupt.came() {
+        let message = "interrupted; nothing was written, so run it again";
+        return Err(Failure::new(Exit::Interrupted, message));
+    }
+    Ok(written?)
 }
 
 /// Says on stderr what speaks against arms of a study, once for all arms of which the same is true.

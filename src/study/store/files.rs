@@ -21,6 +21,8 @@ pub const TASKS: &str = "tasks.json";
 pub const SEARCH: &str = "search.json";
 /// Finished trials.
 pub const JOURNAL: &str = "journal";
+/// The table of episodes.
+pub const EPISODES: &str = "episodes.csv.gz";
 
 /// What `plan.json` holds.
 #[derive(Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::files::{JOURNAL, PLAN, foreign, names, read_plan, read_records, write_plan};
+use super::files::{EPISODES, JOURNAL, PLAN, foreign, names, read_plan, read_records, write_plan};
 use super::journal::{self, Journal};
 use super::record::TrialRecord;
 use super::records::Records;
@@ -18,8 +18,9 @@ use crate::study::protocol::Protocol;
 /// So many records are written to a journal at once.
 const MOST_AT_ONCE: usize = 1_000;
 /// What is made of finished trials.
-const OUTPUTS: [&str; 12] = [
+const OUTPUTS: [&str; 13] = [
     "trials.csv",
+    EPISODES,
     "summary.json",
     "report.md",
     "report.html",

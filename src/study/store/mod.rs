@@ -3,7 +3,7 @@
 pub(super) mod files;
 pub(super) mod folder;
 pub(super) mod journal;
-mod record;
+pub(super) mod record;
 mod records;
 mod shard;
 

@@ -121,8 +121,8 @@ impl TrialRecord {
     /// record.
     pub fn of(protocol: &Protocol, trial: usize) -> Self {
         let result = catch_unwind(AssertUnwindSafe(|| {
-            let (plan, earlier) = (protocol.plan(trial), protocol.earlier_plan(trial));
-            figures(plan, earlier, protocol.drives)
+            let trial = self::trial(protocol, trial)?;
+            figures(&finished(trial), protocol.drives)
         }));
         let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
         Self { trial, result }
@@ -151,12 +151,18 @@ impl TrialRecord {
     }
 }
 
-/// Runs a trial, from what an earlier one has learned if there is one.
-fn figures(mut plan: Plan, earlier: Option<Plan>, drives: u32) -> Result<Figures, String> {
-    if let Some(earlier) = earlier {
-        plan.config.initial = Some(finished(earlier)?.method().knowledge());
+/// Prepares a trial of a study, which starts from what an earlier one has learned if there is one.
+pub(in crate::study) fn trial(protocol: &Protocol, number: usize) -> Result<Trial, String> {
+    let mut plan = protocol.plan(number);
+    if let Some(earlier) = protocol.earlier_plan(number) {
+        let earlier = Trial::new(earlier).map_err(|fault| fault.to_string())?;
+        plan.config.initial = Some(finished(earlier).method().knowledge());
     }
-    let trial = finished(plan)?;
+    Trial::new(plan).map_err(|fault| fault.to_string())
+}
+
+/// The figures of a finished trial.
+fn figures(trial: &Trial, drives: u32) -> Result<Figures, String> {
     let Plan { maze, config } = trial.plan();
     let knowledge = trial.method().knowledge();
     let condensed = Condensed::new(&knowledge, config.sensor, maze, trial.paths());
@@ -168,16 +174,15 @@ fn figures(mut plan: Plan, earlier: Option<Plan>, drives: u32) -> Result<Figures
         greedy_steps: Some(greedy.mean),
         greedy_ratio: greedy.ratio(trial.plan()),
         driven: (drives > 0)
-            .then(|| Driven::of(&trial, drives))
+            .then(|| Driven::of(trial, drives))
             .transpose()?,
     })
 }
 
-fn finished(plan: Plan) -> Result<Trial, String> {
-    let mut trial = Trial::new(plan).map_err(|fault| fault.to_string())?;
+fn finished(mut trial: Trial) -> Trial {
     // `()` never breaks off.
     let _ = trial.run(&mut ());
-    Ok(trial)
+    trial
 }
 
 /// What a panic says.

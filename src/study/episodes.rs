@@ -1,0 +1,131 @@
+//! A row for each episode of a study, made by running its trials again.
+//!
+//! A trial follows from its plan, so nothing about episodes has to be kept while a study runs. The rows are the same for any
+//! number of threads, shards and machines.
+
+use std::io::{self, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde::Serialize;
+
+use super::error::StudyError;
+use super::protocol::Protocol;
+use super::store::files::EPISODES;
+use super::store::folder::StudyFolder;
+use super::store::record::trial;
+use crate::episode::{Ending, Episode};
+use crate::trial::Trial;
+
+/// Trials that are run at a time, for each thread: their rows wait in memory until they are written in order.
+const TRIALS_PER_THREAD: usize = 4;
+
+/// A row of the table of episodes; fields without a value are empty.
+#[derive(Debug, Serialize)]
+struct EpisodeRow {
+    world: String,
+    method: &'static str,
+    arena: &'static str,
+    sensor: &'static str,
+    variant: String,
+    /// From 0, as in `trials.csv`.
+    trial: usize,
+    seed: u64,
+    /// From 1.
+    episode: u32,
+    steps: u32,
+    collisions: u32,
+    explored: u32,
+    reward: f64,
+    /// Did it end at a goal?
+    reached: bool,
+    /// Steps of the greedy policy from the start after it; empty if it does not arrive, or episodes start anywhere.
+    greedy_steps: Option<usize>,
+    /// Is the greedy policy globally optimal after it?
+    optimal: bool,
+}
+
+impl EpisodeRow {
+    fn new(protocol: &Protocol, number: usize, trial: &Trial, episode: &Episode) -> Self {
+        let plan = trial.plan();
+        let path = trial.greedy_path();
+        let arrives = |path: &Vec<_>| path.last().is_some_and(|&cell| plan.maze.is_goal(cell));
+        Self {
+            world: plan.maze.name().to_owned(),
+            method: plan.config.method.name(),
+            arena: plan.config.arena.name(),
+            sensor: plan.config.sensor.name(),
+            variant: protocol.arm(number).variant.to_string(),
+            trial: protocol.replicate(number),
+            seed: plan.config.seed,
+            episode: episode.episode,
+            steps: episode.steps,
+            collisions: episode.collisions,
+            explored: episode.explored,
+            reward: episode.reward,
+            reached: episode.ending == Ending::Goal,
+            greedy_steps: path.filter(arrives).map(|path| path.len() - 1),
+            optimal: trial.progress().optimal,
+        }
+    }
+}
+
+impl StudyFolder {
+    /// Runs the trials of the study again, and writes a row for each episode into `episodes.csv.gz` in its folder, in the order of
+    /// the trials. A trial that fails has no rows. `stop` is asked between trials.
+    ///
+    /// # Errors
+    /// When there are no threads, the file holds something else, it cannot be written, or `stop` asked for the end.
+    pub fn write_episodes(&self, jobs: usize, stop: &dyn Fn() -> bool) -> Result<(), StudyError> {
+        let pool = ThreadPoolBuilder::new().num_threads(jobs).build();
+        let pool = pool.map_err(|cause| StudyError::Jobs {
+            jobs,
+            fault: cause.to_string(),
+        })?;
+        self.write_with(EPISODES, |file| {
+            let mut table = csv::Writer::from_writer(GzEncoder::new(file, Compression::default()));
+            self.write_rows(&pool, &mut table, stop)?;
+            let packed = table.into_inner().map_err(|fault| fault.into_error())?;
+            packed.finish().map(|_| ())
+        })
+    }
+
+    fn write_rows(
+        &self,
+        pool: &ThreadPool,
+        table: &mut csv::Writer<impl Write>,
+        stop: &dyn Fn() -> bool,
+    ) -> io::Result<()> {
+        let protocol = self.protocol();
+        let trials: Vec<usize> = (0..protocol.len()).collect();
+        for trials in trials.chunks(TRIALS_PER_THREAD * pool.current_num_threads()) {
+            if stop() {
+                return Err(io::ErrorKind::Interrupted.into());
+            }
+            let rows = |&trial: &usize| rows(protocol, trial);
+            let all: Vec<Vec<EpisodeRow>> = pool.install(|| trials.par_iter().map(rows).collect());
+            for row in all.iter().flatten() {
+                table.serialize(row)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The rows of a trial; none of one that fails.
+fn rows(protocol: &Protocol, number: usize) -> Vec<EpisodeRow> {
+    let run = || -> Result<Vec<EpisodeRow>, String> {
+        let mut trial = trial(protocol, number)?;
+        let mut rows = Vec::new();
+        while !trial.is_finished() {
+            let (episode, _) = trial.run_episode(&mut ());
+            rows.push(EpisodeRow::new(protocol, number, &trial, &episode));
+        }
+        Ok(rows)
+    };
+    let rows = catch_unwind(AssertUnwindSafe(run));
+    rows.ok().and_then(Result::ok).unwrap_or_default()
+}
