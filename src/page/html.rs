@@ -105,7 +105,8 @@ fn between(text: &str, mark: &str, element: &str) -> String {
     parts.map(part).collect()
 }
 
-fn escaped(text: &str) -> String {
+/// Text as it stands in HTML, SVG and their attributes.
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

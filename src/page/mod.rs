@@ -6,4 +6,5 @@ mod html;
 
 pub use blocks::{Block, Picture, Table};
 pub(crate) use blocks::{markdown, terminal};
+pub(crate) use html::escaped;
 pub use html::html;

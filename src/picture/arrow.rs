@@ -4,6 +4,12 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::world::Direction;
 
+/// The colours of best actions far from the goal along the policy, half-way, and near it. Their lightness falls, so that
+/// colour-blind viewers see the order, too.
+pub(crate) const SCALE: [u32; 3] = [0xe6ac00, 0x1f8f8a, 0x45106b];
+/// The colour of best actions that lead to no goal.
+pub(crate) const NO_GOAL: u32 = 0x9aa3b0;
+
 /// The arrow of length 1 that points east, from its tail at the origin; y downward.
 pub(super) const OUTLINE: [(f64, f64); 7] = [
     (0.0, -0.07),
@@ -56,6 +62,26 @@ impl Heading {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn colours_get_darker_toward_the_goal() {
+        // Relative luminance, as WCAG 2 defines it.
+        let luminance = SCALE.map(|rgb| {
+            let part = |shift: u32| {
+                let part = f64::from(rgb >> shift & 0xff) / 255.0;
+                if part <= 0.04045 {
+                    part / 12.92
+                } else {
+                    ((part + 0.055) / 1.055).powf(2.4)
+                }
+            };
+            0.2126 * part(16) + 0.7152 * part(8) + 0.0722 * part(0)
+        });
+        // Differences that are seen without any hue: contrasts of at least 1.5.
+        for pair in luminance.windows(2) {
+            assert!((pair[0] + 0.05) / (pair[1] + 0.05) > 1.5, "{luminance:?}");
+        }
+    }
 
     #[test]
     fn the_tip_lies_where_the_direction_says_and_degrees_agree() {

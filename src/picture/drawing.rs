@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::arrow::Heading;
+use super::arrow::{Heading, NO_GOAL, SCALE};
 use super::film::{Film, Moment};
 use super::shapes::{Colour, Drawing, Shape};
 use crate::world::{Cell, Direction, Maze, Paths};
@@ -18,13 +18,6 @@ const START: Colour = Colour::hex(0xf4b740);
 const GOAL: Colour = Colour::hex(0x7fdca0);
 const REWARD: Colour = Colour::hex(0xe3cdf9);
 const PATH: Colour = Colour::hex(0x9cc3f5);
-/// The colours of best actions, by how near the goal is along the policy. Their lightness falls, so that colour-blind viewers
-/// see the order, too.
-const FAR: Colour = Colour::hex(0xe6ac00);
-const MIDDLE: Colour = Colour::hex(0x1f8f8a);
-const NEAR: Colour = Colour::hex(0x45106b);
-/// The same where the policy does not arrive.
-const ASTRAY: Colour = Colour::hex(0x9aa3b0);
 /// The colour of all other actions.
 const NONE: Colour = Colour::hex(0xb9c0cc);
 
@@ -151,7 +144,7 @@ impl<'a> Plane<'a> {
                 let is_best = one.is_some() && one == worth.greatest();
                 let (length, fill) = match (one, is_best) {
                     (None, _) => (0.0, NONE),
-                    (Some(_), true) => (0.47, near.map_or(ASTRAY, shade)),
+                    (Some(_), true) => (0.47, near.map_or(Colour::hex(NO_GOAL), shade)),
                     (Some(_), false) => (0.2, NONE),
                 };
                 shapes.push(Shape::Arrow {
@@ -246,8 +239,9 @@ fn words(x: f64, y: f64, size: f64, colour: Colour, text: impl Into<String>) -> 
 
 /// The colour of a share, from 0 (far from the goal) to 1 (near it).
 fn shade(near: f64) -> Colour {
+    let [far, middle, nearest] = SCALE.map(Colour::hex);
     match near < 0.5 {
-        true => FAR.toward(MIDDLE, 2.0 * near),
-        false => MIDDLE.toward(NEAR, 2.0 * near - 1.0),
+        true => far.toward(middle, 2.0 * near),
+        false => middle.toward(nearest, 2.0 * near - 1.0),
     }
 }

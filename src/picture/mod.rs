@@ -11,5 +11,6 @@ mod pixels;
 mod shapes;
 mod svg;
 
+pub(crate) use arrow::{NO_GOAL, SCALE};
 pub use film::{Film, FilmError, Moment, Scenes};
 pub use map_preview::map_preview;

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::arrow::OUTLINE;
 use super::shapes::{Colour, Drawing, LAST_MS, MOMENT_MS, Shape};
+use crate::page::escaped;
 
 /// The document.
 pub(super) fn document(drawing: &Drawing) -> String {
@@ -227,12 +228,6 @@ fn decimals(number: f64, most: usize) -> String {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => text,
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ pub enum RunError {
     /// An evaluation was asked to end before its last episode.
     #[error("interrupted")]
     Stopped,
-    /// a highlights recording draws every cell, and the maze has too many.
+    /// Highlights draw every cell, and the maze has too many.
     #[error(
         "{world} has too many cells for a highlights recording, which draws each of them; watch single episodes instead"
     )]

@@ -1,4 +1,4 @@
-//! The highlights of a run, made of its recordings alone.
+//! Builds the highlights of a run from its recordings alone.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use super::error::RunError;
 use super::evaluation::record_drives;
 use super::facts::run_info;
 use super::folder::RunFolder;
-use super::source::{Source, recorded_mode, told_mode};
+use super::source::{Source, mode_for_highlights, recorded_mode};
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
 use crate::record::{Extent, HighlightsBuilder, RecordMode, Recorder, Segment, Topic, segments};
@@ -22,7 +22,7 @@ impl RunFolder {
     /// # Errors
     /// When the folder is not that of a finished run, or a recording in it is damaged.
     pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
-        Material::of(self)?.tell()
+        Material::of(self)?.build()
     }
 }
 
@@ -33,16 +33,20 @@ impl Source {
     /// When the plan is refused, or a temporary file cannot be written.
     pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
         self.require_training()?;
-        Material::again(&self.plan, self.mode)?.tell()
+        Material::again(&self.plan, self.mode)?.build()
     }
 }
 
 /// Builds the highlights of the recordings in `folder`, all of which are there.
-pub(super) fn tell(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Vec<u8>, RunError> {
-    Material::in_folder(folder, plan, knowledge)?.tell()
+pub(super) fn build(
+    folder: &Path,
+    plan: &Plan,
+    knowledge: &Knowledge,
+) -> Result<Vec<u8>, RunError> {
+    Material::in_folder(folder, plan, knowledge)?.build()
 }
 
-/// a highlights recording keeps scenes of all cells in memory.
+/// Refuses vast worlds: highlights draw every cell.
 fn require_few_cells(plan: &Plan) -> Result<(), RunError> {
     match plan.maze.is_vast() {
         true => Err(RunError::NoHighlights {
@@ -82,7 +86,7 @@ impl Material {
         let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
         let mut trial = Trial::new(plan.clone())?;
         let (maze, info) = (&trial.plan().maze, run_info(trial.plan()));
-        let mut recorder = Recorder::create(folder.path(), maze, info, told_mode(mode))?;
+        let mut recorder = Recorder::create(folder.path(), maze, info, mode_for_highlights(mode))?;
         // A break comes from the recorder, whose error `finish` gives out.
         let _ = trial.run(&mut recorder);
         recorder.finish(trial.method())?;
@@ -98,13 +102,13 @@ impl Material {
         let plan = plan.clone().settled();
         let run = Recording::open(&folder.join(Extent::Run.file_name()))?;
         let aside = tempfile::tempdir().map_err(RunError::Temporary)?;
-        // Its beams are shown in any highlights: they take little, and tell what it goes by.
+        // The drive always shows its beams: they take little, and show what the robot senses.
         let mode = (RecordMode::Beams, &(|| false) as &dyn Fn() -> bool);
         record_drives(&plan, knowledge, 1, aside.path(), mode)?;
         let drive = Recording::open(&aside.path().join(Extent::Episode(1).file_name()))?;
         Ok(Self {
             plan,
-            mode: told_mode(recorded_mode(&run, "run")?),
+            mode: mode_for_highlights(recorded_mode(&run, "run")?),
             folder: folder.to_owned(),
             segments: segments(&run)?,
             drive,
@@ -161,7 +165,7 @@ impl Material {
         Ok(Recording::open(&self.folder.join(file))?)
     }
 
-    fn tell(&self) -> Result<Vec<u8>, RunError> {
+    fn build(&self) -> Result<Vec<u8>, RunError> {
         let mut builder = self.builder()?;
         for number in 0..self.segments() {
             self.tell_chapter(number, &mut builder)?;

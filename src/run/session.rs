@@ -149,9 +149,9 @@ impl Session {
         let saved = folder.save_knowledge(&knowledge).map_err(RunError::from);
         saved.map_err(resumable)?;
         if matches!(mode, RecordMode::All | RecordMode::Beams) && !trial.plan().maze.is_vast() {
-            let told = tell(&folder, &trial, &knowledge).map_err(resumable)?;
-            recording.files.push(told.0);
-            recording.bytes += told.1;
+            let saved = save_highlights(&folder, &trial, &knowledge).map_err(resumable)?;
+            recording.files.push(saved.0);
+            recording.bytes += saved.1;
         }
         let ended = folder.remove_checkpoint();
         ended.map_err(|error| resumable(error.into()))?;
@@ -209,12 +209,12 @@ impl Session {
 
 /// Saves the highlights of a run whose episodes are all recorded, and the page that plays them. Returns the file of the
 /// highlights, and its bytes.
-fn tell(
+fn save_highlights(
     folder: &RunFolder,
     trial: &Trial,
     knowledge: &Knowledge,
 ) -> Result<(PathBuf, u64), RunError> {
-    let highlights = highlights::tell(folder.path(), trial.plan(), knowledge)?;
+    let highlights = highlights::build(folder.path(), trial.plan(), knowledge)?;
     let saved = folder.save_highlights(&highlights)?;
     let page = player::page(&Recording::from_bytes(&saved.0, highlights)?)?;
     folder.save_page(&page)?;

@@ -101,7 +101,7 @@ pub(super) fn recorded_mode(recording: &Recording, name: &str) -> Result<RecordM
 }
 
 /// How the episodes of a highlights recording are recorded: with beams if those of its run are, and all of them.
-pub(super) fn told_mode(mode: RecordMode) -> RecordMode {
+pub(super) fn mode_for_highlights(mode: RecordMode) -> RecordMode {
     match mode {
         RecordMode::Beams => RecordMode::Beams,
         _ => RecordMode::All,

@@ -75,7 +75,7 @@ impl Again {
         let name = source.extent.file_name();
         let folder = self.folder.path();
         let bytes = match source.extent {
-            Extent::Highlights => highlights::tell(folder, &self.plan, &self.knowledge)?,
+            Extent::Highlights => highlights::build(folder, &self.plan, &self.knowledge)?,
             Extent::Run | Extent::Episode(_) | Extent::Comparison => {
                 match fs::read(folder.join(&name)) {
                     Ok(bytes) => bytes,

@@ -45,7 +45,7 @@ fn said(highlights: &Recording, topic: &str) -> Vec<(u64, Value)> {
 }
 
 #[test]
-fn the_story_of_a_run_goes_from_failure_to_a_greedy_drive_in_less_than_two_minutes() {
+fn the_highlights_of_a_run_go_from_failure_to_a_greedy_drive_in_less_than_two_minutes() {
     let folder = tempfile::tempdir().unwrap();
     // With the default percept the first episode of seed 1 reaches the goal, and nothing fails.
     let slow = ["--sensor", "neighbours", "--method", "xcscr"];
@@ -206,7 +206,7 @@ fn ray_ends(data: &[u8]) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn the_drive_of_a_story_shows_each_beam_as_a_ray_that_ends_at_a_wall() {
+fn the_drive_of_highlights_shows_each_beam_as_a_ray_that_ends_at_a_wall() {
     let folder = tempfile::tempdir().unwrap();
     let run = train(folder.path(), "run", &["--episodes", "4"]);
     let highlights = Recording::open(&run.join("highlights.mcap")).unwrap();
@@ -251,7 +251,7 @@ fn the_drive_of_a_story_shows_each_beam_as_a_ray_that_ends_at_a_wall() {
 
 /// Then each of its segments shows them, and a new run tells the same highlights.
 #[test]
-fn the_story_of_a_run_that_records_beams_shows_them_throughout() {
+fn the_highlights_of_a_run_that_records_beams_show_them_throughout() {
     let folder = tempfile::tempdir().unwrap();
     let run = train(
         folder.path(),
@@ -297,7 +297,7 @@ fn a_recording_has_a_legend_of_what_it_draws_and_of_nothing_else() {
 }
 
 #[test]
-fn the_story_comes_from_the_run_alone_and_has_the_same_bytes_each_time() {
+fn the_highlights_come_from_the_run_alone_and_have_the_same_bytes_each_time() {
     let folder = tempfile::tempdir().unwrap();
     let few = ["--episodes", "4"];
     let whole = train(folder.path(), "whole", &few);

@@ -18,7 +18,7 @@ fn messages(file: &Path, topic: &str) -> u64 {
 }
 
 #[test]
-fn a_story_shows_no_more_messages_of_an_episode_however_many_steps_it_has() {
+fn highlights_show_no_more_messages_of_an_episode_however_many_steps_it_has() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (json, _) = expect(0, &["world", "generate", "--kind", "dfs", "--size", "31"]);

@@ -28,6 +28,21 @@ fn data(page: &str) -> Value {
     serde_json::from_str(json).unwrap()
 }
 
+/// Trains for five episodes on the grid into this folder.
+fn train(run: &str) {
+    let command = [
+        "train",
+        "maze4",
+        "--arena",
+        "grid",
+        "--episodes",
+        "5",
+        "--quiet",
+        "--out",
+    ];
+    assert_eq!(outcome(&[&command[..], &[run]].concat()).0, Some(0));
+}
+
 /// The messages of a topic.
 fn said(recording: &Recording, topic: &str) -> Vec<Value> {
     let messages = recording.messages().map(|message| message.unwrap());
@@ -90,18 +105,7 @@ fn the_page_of_a_whole_run_has_its_steps_and_its_learning_curve() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");
     let out = run.to_str().unwrap();
-    let train = [
-        "train",
-        "maze4",
-        "--arena",
-        "grid",
-        "--episodes",
-        "5",
-        "--quiet",
-        "--out",
-        out,
-    ];
-    assert_eq!(outcome(&train).0, Some(0));
+    train(out);
     let recording = Recording::open(&run.join("run.mcap")).unwrap();
     let data = data(&player::page(&recording).unwrap());
     let steps = said(&recording, "/step").len();
@@ -181,18 +185,7 @@ fn a_comparison_of_two_runs_has_no_page_and_the_message_says_what_to_give() {
     let folder = tempfile::tempdir().unwrap();
     let [run, both, page] = ["run", "both.mcap", "page.html"].map(|name| folder.path().join(name));
     let [run, both, page] = [&run, &both, &page].map(|path| path.to_str().unwrap());
-    let train = [
-        "train",
-        "maze4",
-        "--arena",
-        "grid",
-        "--episodes",
-        "3",
-        "--quiet",
-        "--out",
-        run,
-    ];
-    assert_eq!(outcome(&train).0, Some(0));
+    train(run);
     assert_eq!(
         outcome(&["replay", run, run, "--compare", "-o", both]).0,
         Some(0)

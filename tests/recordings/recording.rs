@@ -135,7 +135,7 @@ fn fields(recording: &Recording) -> BTreeMap<(String, String), bool> {
 
 /// Of an episode there are many files: what a field means is told once, in those of the run.
 #[test]
-fn every_field_is_explained_in_the_recording_of_the_run_or_in_its_story() {
+fn every_field_is_explained_in_the_recording_of_the_run_or_in_its_highlights() {
     let highlights = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
     let mut explained = fields(&highlights);
     let mut met = 0;

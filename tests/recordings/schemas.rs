@@ -95,7 +95,7 @@ fn every_message_of_every_method_is_what_its_schema_says() {
 }
 
 #[test]
-fn where_null_stands_for_unknown_the_schema_of_the_story_says_so() {
+fn where_null_stands_for_unknown_the_schema_of_highlights_says_so() {
     let highlights = Recording::open(Path::new("recordings/sample-maze4.mcap")).unwrap();
     let schemas = schemas(&highlights);
     keeps_to_its_schemas(&highlights);

@@ -4,6 +4,7 @@
 //! twice as long, and kills 200 times.
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -14,7 +15,9 @@ use crate::kit::program::{ended, expect, signal, spawn};
 use crate::kit::trial::on_the_grid;
 use xcscr::agent::{Estimator, Method, MotionPrior};
 use xcscr::arena::ArenaKind;
+use xcscr::episode::{Episode, Learned, Observer};
 use xcscr::record::{self, RecordMode, Recorder, RecorderMemory, RobotShape, RunInfo};
+use xcscr::run::{Resumed, RunError, RunFolder, Session};
 use xcscr::sensor::Sensor;
 use xcscr::trial::{Checkpoint, Plan, Settings, Trial, seal, unseal};
 use xcscr::xcs::random::Stream;
@@ -83,19 +86,19 @@ fn run_with_stops(plan: &Plan, folder: &Path, mode: RecordMode, times: usize) ->
     let mut stops: Vec<usize> = (0..times).map(|_| dice.below(all + 1)).collect();
     stops.sort();
     let mut run = Run::begin(plan, folder, mode);
-    let mut highlights = String::new();
+    let mut history = String::new();
     for stop in stops {
         run.episodes(stop as u32);
         let bytes = run.save();
         let killed = stop + dice.below(all - stop + 1).min(4);
         run.episodes(killed as u32);
-        highlights += &format!("checkpoint after episode {stop}, killed after {killed}; ");
+        history += &format!("checkpoint after episode {stop}, killed after {killed}; ");
         // As a kill would leave it: the unfinished file is dropped where it is.
         drop(run);
         run = Run::resume(&bytes, folder);
     }
     run.episodes(all as u32);
-    (highlights, run.end())
+    (history, run.end())
 }
 
 fn stops_and_resumes(method: Method, arena: ArenaKind, mode: RecordMode, times: usize) {
@@ -107,9 +110,9 @@ fn stops_and_resumes(method: Method, arena: ArenaKind, mode: RecordMode, times: 
     whole.episodes(episodes);
     let end = whole.end();
     let found = folder.path().join("found");
-    let (highlights, stopped) = run_with_stops(&plan, &found, mode, times);
+    let (history, stopped) = run_with_stops(&plan, &found, mode, times);
     let (method, arena) = (method.name(), arena.name());
-    let what = format!("{method} on {arena}, {mode}: {highlights}");
+    let what = format!("{method} on {arena}, {mode}: {history}");
     assert!(
         stopped == end,
         "{what}the learner or a random stream differs"
@@ -241,7 +244,7 @@ fn train_with_kills(
     dice: &mut Stream,
 ) -> (String, String) {
     let dir = out.to_str().unwrap();
-    let mut highlights = String::new();
+    let mut history = String::new();
     let mut before = 0;
     for attempt in 0..5 {
         // A kill can come after the run is done, but before it has said so.
@@ -259,28 +262,28 @@ fn train_with_kills(
         if attempt < 4 {
             signal(&child, name);
         }
-        highlights += &format!("{name} after {pause:?}; ");
+        history += &format!("{name} after {pause:?}; ");
         let status = child.wait().unwrap();
         let output = std::process::Output {
             status,
             ..child.wait_with_output().unwrap()
         };
         if status.success() {
-            return (highlights, ended(&output, 0, "").0);
+            return (history, ended(&output, 0, "").0);
         }
         if status.code().is_some_and(|code| code == 75) {
-            ended(&output, 75, &highlights);
+            ended(&output, 75, &history);
         }
         if out.is_dir() {
-            let now = assert_sound(out, &highlights);
+            let now = assert_sound(out, &history);
             assert!(
                 now >= before,
-                "{highlights}: {before} episodes were finished, now {now}"
+                "{history}: {before} episodes were finished, now {now}"
             );
             before = now;
         }
     }
-    panic!("{highlights}: never ended");
+    panic!("{history}: never ended");
 }
 
 #[test]
@@ -309,14 +312,14 @@ fn a_run_killed_at_random_moments_loses_no_finished_episode_and_ends_in_the_same
     // A signal that comes too late proves nothing, and does not count.
     while kills < rounds(10, 200) {
         round += 1;
-        let (highlights, json) = train_with_kills(&out, &args, undisturbed, &mut dice);
-        let what = format!("round {round}: {highlights}");
+        let (history, json) = train_with_kills(&out, &args, undisturbed, &mut dice);
+        let what = format!("round {round}: {history}");
         assert_same(&out, &wanted, &what);
         if !json.contains("\"finished\": true") {
             assert_eq!(json, wanted_json, "{what}");
         }
         fs::remove_dir_all(&out).unwrap();
-        let stops = highlights.trim_end_matches("; ").rsplit_once("; ");
+        let stops = history.trim_end_matches("; ").rsplit_once("; ");
         kills += stops.map_or(0, |(stops, _)| stops.matches("KILL").count());
     }
 }
@@ -444,4 +447,44 @@ fn a_damaged_or_foreign_checkpoint_is_refused_and_left_as_it_is() {
             "the checkpoint was changed"
         );
     }
+}
+
+/// Asks for the end after each episode.
+struct Impatient;
+
+impl Observer for Impatient {
+    fn ended(&mut self, _: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
+        ControlFlow::Break(())
+    }
+}
+
+#[test]
+fn an_observer_ends_a_recorded_run_which_resumes_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = plan("maze4", Method::Xcscr, ArenaKind::Grid, 3);
+    let [whole, stopped] = ["whole", "stopped"].map(|name| folder.path().join(name));
+    let begin = |path: &Path| {
+        let run = RunFolder::create(path, false).unwrap();
+        Session::begin(run, Trial::new(plan.clone()).unwrap(), RecordMode::All).unwrap()
+    };
+    begin(&whole).run(&mut (), &|| false).unwrap();
+    let error = begin(&stopped).run(&mut Impatient, &|| false).err();
+    assert!(
+        matches!(
+            error,
+            Some(RunError::Interrupted {
+                done: 1,
+                all: 3,
+                ..
+            })
+        ),
+        "{error:?}"
+    );
+    let Resumed::Unfinished(session) =
+        Session::resume(RunFolder::resume(&stopped).unwrap()).unwrap()
+    else {
+        panic!("the run has a checkpoint");
+    };
+    session.run(&mut (), &|| false).unwrap();
+    assert_same(&stopped, &whole, "after an observer's break");
 }

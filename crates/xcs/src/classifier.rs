@@ -8,9 +8,7 @@ use crate::signal::Action;
 
 /// A macro-classifier: `numerosity` identical rules that share their figures.
 ///
-/// Two cache lines: the first is the condition's, all that a learning
-/// step needs lies in the second.
-#[repr(align(64))]
+/// The condition comes first, and what a learning step needs lies together behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Classifier {

@@ -10,7 +10,7 @@ use crate::commands::failure::Failure;
 use crate::commands::live::Broadcast;
 
 /// Streams all files in order, then stays until the last viewer has gone. Ctrl-C ends it. Beside
-/// episodes, the recording of the whole run and the highlights recording are left out: time would jump back.
+/// episodes, the recording of the whole run and the highlights are left out: time would jump back.
 pub fn run(files: &[PathBuf], mut broadcast: Broadcast) -> Result<(), Failure> {
     let apart = [Extent::Run, Extent::Highlights].map(Extent::file_name);
     let is_apart = |file: &&PathBuf| apart.iter().any(|name| file.ends_with(name));

@@ -1,4 +1,4 @@
-//! Who tells the highlights recording: segment after segment, with captions.
+//! Builds a highlights recording: segment after segment, with captions.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ const DRIVE_NS: u64 = 20_000_000_000;
 /// and so on, so that the size of the highlights recording does not depend on the number of steps.
 pub(super) const MOST_SHOWN: u64 = 2_000;
 
-/// Tells a highlights recording. It is kept in memory as the packed bytes of its file.
+/// Builds a highlights recording, which is kept in memory as the packed bytes of its file.
 pub struct HighlightsBuilder<'a> {
     log: LogFile<Vec<u8>>,
     maze: &'a Maze,
@@ -60,8 +60,8 @@ struct Figures {
 }
 
 impl<'a> HighlightsBuilder<'a> {
-    /// a highlights recording that is to begin, of episodes recorded in this mode, with the learning `curve` of the
-    /// run, which is shown from the first moment on; `senses`: is the robot not told where it is?
+    /// Begins a recording of episodes that were recorded in `mode`. The learning `curve` of the whole run is shown from the first
+    /// moment on. `senses` is true for a robot that estimates its pose.
     ///
     /// # Errors
     /// None that has been seen: there is room in memory.
@@ -117,7 +117,7 @@ impl<'a> HighlightsBuilder<'a> {
         self.close(&title, &format!("{}{fewest}", result(&figures)))
     }
 
-    /// The highlights recording, as the bytes of a file.
+    /// Returns the recording as the bytes of a file.
     ///
     /// # Errors
     /// None that has been seen: there is room in memory.
@@ -125,7 +125,7 @@ impl<'a> HighlightsBuilder<'a> {
         self.log.finish().map_err(unwritten)
     }
 
-    /// The topics that the highlights recording has.
+    /// Returns the topics of the recording.
     pub(super) fn topics(&self) -> Vec<Topic> {
         Topic::of_episode(self.senses, false)
     }
@@ -150,7 +150,7 @@ impl<'a> HighlightsBuilder<'a> {
         self.maze
     }
 
-    /// Lets the highlights recording that is behind the other stand as it is until both go on.
+    /// Holds the shorter of two recordings until it is as long as the other.
     ///
     /// # Errors
     /// None that has been seen: there is room in memory.
@@ -164,7 +164,7 @@ impl<'a> HighlightsBuilder<'a> {
         Ok(())
     }
 
-    /// Plays an episode, under another number if one is given; what it came to.
+    /// Copies an episode, under another number if one is given, and returns its figures.
     fn play(
         &mut self,
         title: &str,
@@ -182,7 +182,7 @@ impl<'a> HighlightsBuilder<'a> {
         };
         if !self.is_begun {
             let curve = self.curve.clone();
-            self.tell(0, Topic::Curve, &curve)?;
+            self.write(0, Topic::Curve, &curve)?;
         }
         let remark = match tempo.speed() {
             speed if speed > 1.05 => format!("shown {speed:.1} times as fast"),
@@ -210,14 +210,14 @@ impl<'a> HighlightsBuilder<'a> {
                 let read = serde_json::from_slice(&message.data);
                 figures = read.map_err(|fault| damaged(fault.to_string()));
             }
-            self.tell(tempo.at(message.time_ns), topic, &data)?;
+            self.write(tempo.at(message.time_ns), topic, &data)?;
         }
         self.is_begun = true;
         self.now_ns = tempo.end_ns();
         figures
     }
 
-    /// Captions and the curve are the highlights recording's own, and what never changes is told once.
+    /// Is a topic of an episode copied? Captions and the curve are the recording's own, and the maze is written once.
     fn wants(&self, topic: Topic) -> bool {
         match topic {
             Topic::Caption | Topic::Curve => false,
@@ -238,8 +238,8 @@ impl<'a> HighlightsBuilder<'a> {
     /// Says what came of a segment, while nothing moves.
     fn close(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
         self.say(title, remark)?;
-        let line = log::told(&format!("{title}: {remark}"), self.now_ns);
-        self.tell(self.now_ns, Topic::Log, &encoded(&line))?;
+        let line = log::segment(&format!("{title}: {remark}"), self.now_ns);
+        self.write(self.now_ns, Topic::Log, &encoded(&line))?;
         self.hold_until(self.now_ns + PAUSE_NS)
     }
 
@@ -265,7 +265,7 @@ impl<'a> HighlightsBuilder<'a> {
         let message = FrameTransforms {
             transforms: self.frames.values().map(stay).collect(),
         };
-        self.tell(time_ns, Topic::Transforms, &encoded(&message))
+        self.write(time_ns, Topic::Transforms, &encoded(&message))
     }
 
     fn say(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
@@ -275,12 +275,12 @@ impl<'a> HighlightsBuilder<'a> {
             heading: self.heading.clone(),
         };
         let scene = encoded(&caption.scene(self.maze, self.now_ns));
-        self.tell(self.now_ns, Topic::Caption, &scene)
+        self.write(self.now_ns, Topic::Caption, &scene)
     }
 
-    fn tell(&mut self, time_ns: u64, topic: Topic, data: &[u8]) -> Result<(), RecordError> {
-        let told = self.log.message(topic, time_ns, data);
-        told.map_err(unwritten)
+    fn write(&mut self, time_ns: u64, topic: Topic, data: &[u8]) -> Result<(), RecordError> {
+        let written = self.log.message(topic, time_ns, data);
+        written.map_err(unwritten)
     }
 }
 

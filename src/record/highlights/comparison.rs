@@ -1,4 +1,4 @@
-//! Two highlights side by side, in one recording: topics and frames of the first below `/a`, those of
+//! The highlights of two runs side by side, in one recording: topics and frames of the first below `/a`, those of
 //! the second below `/b`.
 
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::{self, Topic};
 use crate::record::write::sink::{self, Packing, Sink};
 
-/// Two highlights in one recording.
+/// The highlights of two runs in one recording.
 #[derive(Debug)]
 pub struct Comparison {
     /// The recording.
@@ -28,10 +28,10 @@ pub struct Comparison {
     pub headings: [String; 2],
 }
 
-/// Puts two highlights side by side.
+/// Puts the highlights of two runs side by side.
 ///
 /// # Errors
-/// None that has been seen: highlights can be read, and there is room in memory.
+/// None that has been seen: both can be read, and there is room in memory.
 pub fn compare_highlights(
     highlights: [HighlightsBuilder<'_>; 2],
 ) -> Result<Comparison, RecordError> {
@@ -72,7 +72,7 @@ fn begun(
     Ok((out, channels))
 }
 
-/// a highlights recording from its packed bytes, so that its messages never lie in memory all at once.
+/// A highlights recording, read from its packed bytes, so that its messages never lie in memory all at once.
 fn read_again(highlights: HighlightsBuilder<'_>) -> Result<Recording, RecordError> {
     Recording::from_bytes(
         Path::new(&Extent::Highlights.file_name()),
@@ -104,7 +104,7 @@ fn merge(
     }
 }
 
-/// Writes a message of a side. Beams, which one run may have recorded, are in no highlights.
+/// Writes a message of a side. Highlights have no beams, which one run may have recorded.
 fn put(
     out: &mut Sink<Vec<u8>>,
     channels: &Channels,
@@ -190,6 +190,6 @@ fn below(side: &str, topic: Topic, data: &[u8]) -> Vec<u8> {
             return data.to_vec();
         }
     };
-    // a highlights recording holds only what could be decoded.
+    // A highlights recording holds only what could be decoded.
     moved.unwrap_or_else(|_| data.to_vec())
 }

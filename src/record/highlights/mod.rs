@@ -1,10 +1,10 @@
-//! The highlights of a run: its turning points and a drive of what was learned, in one recording of
-//! less than two minutes, on a clock of its own. And the highlights of two runs, side by side.
+//! The highlights recording of a run: its turning points and a drive of the learned policy, in less than two minutes, on a
+//! clock of its own. Also the highlights of two runs, side by side.
 
-mod segment;
+mod builder;
 mod comparison;
 mod retime;
-mod builder;
+mod segment;
 
 pub use builder::HighlightsBuilder;
 pub use comparison::{Comparison, compare_highlights};

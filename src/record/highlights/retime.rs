@@ -1,4 +1,4 @@
-//! Messages of an episode, moved to the clock of the highlights recording.
+//! Moves messages of an episode to the clock of the highlights recording.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Which episodes the highlights recording shows.
+//! Chooses the episodes of a highlights recording.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,7 +24,7 @@ enum Reason {
     FirstOptimal,
 }
 
-/// An episode that the highlights recording shows.
+/// An episode of a highlights recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Segment {
     /// The episode's number, from 1.
@@ -43,7 +43,7 @@ impl Segment {
             Reason::FirstGoal => Some("the goal for the first time"),
             Reason::GreatChange => Some("a great change of policy"),
             Reason::FirstOptimal if is_over => Some("the first optimal policy"),
-            Reason::FirstOptimal => is_alone.then_some("the last lesson before the optimum"),
+            Reason::FirstOptimal => is_alone.then_some("the last episode before the optimum"),
         });
         let reasons: Vec<&str> = reasons.collect();
         format!("Episode {}: {}", self.episode, reasons.join(", "))
@@ -60,7 +60,7 @@ impl Segment {
 }
 
 /// What an episode came to.
-struct Told {
+struct Ended {
     episode: u32,
     goal: bool,
     optimal: bool,
@@ -80,7 +80,7 @@ struct Figures {
 /// # Errors
 /// When the recording is damaged.
 pub fn segments(run: &Recording) -> Result<Vec<Segment>, RecordError> {
-    let mut told = Vec::new();
+    let mut ended = Vec::new();
     let mut policy = Policy::default();
     for message in run.messages() {
         let message = message?;
@@ -90,7 +90,7 @@ pub fn segments(run: &Recording) -> Result<Vec<Segment>, RecordError> {
                 let figures: Figures = serde_json::from_slice(&message.data)
                     .map_err(|fault| run.damaged(fault.to_string()))?;
                 if figures.outcome != "running" {
-                    told.push(Told {
+                    ended.push(Ended {
                         episode: figures.episode,
                         goal: figures.outcome == "goal",
                         optimal: figures.optimal,
@@ -102,7 +102,7 @@ pub fn segments(run: &Recording) -> Result<Vec<Segment>, RecordError> {
             _ => {}
         }
     }
-    Ok(chosen(&told))
+    Ok(chosen(&ended))
 }
 
 /// The arrows that were drawn last, and how many of them are new.
@@ -132,30 +132,30 @@ fn corner_bits(dart: &[Point3]) -> [u64; 4] {
     [tip.x, tip.y, left.x, left.y].map(f64::to_bits)
 }
 
-fn chosen(told: &[Told]) -> Vec<Segment> {
+fn chosen(ended: &[Ended]) -> Vec<Segment> {
     let mut reasons: BTreeMap<u32, Vec<Reason>> = BTreeMap::new();
-    let mut add = |told: Option<&Told>, reason| {
-        if let Some(told) = told {
-            reasons.entry(told.episode).or_default().push(reason);
+    let mut add = |ended: Option<&Ended>, reason| {
+        if let Some(ended) = ended {
+            reasons.entry(ended.episode).or_default().push(reason);
         }
     };
-    add(told.first(), Reason::First);
-    add(told.iter().find(|one| one.goal), Reason::FirstGoal);
-    add(told.iter().find(|one| one.optimal), Reason::FirstOptimal);
-    let mut changes: Vec<&Told> = told.iter().filter(|one| one.changed > 0).collect();
+    add(ended.first(), Reason::First);
+    add(ended.iter().find(|one| one.goal), Reason::FirstGoal);
+    add(ended.iter().find(|one| one.optimal), Reason::FirstOptimal);
+    let mut changes: Vec<&Ended> = ended.iter().filter(|one| one.changed > 0).collect();
     changes.retain(|one| !reasons.contains_key(&one.episode));
     changes.sort_by_key(|one| (Reverse(one.changed), one.episode));
     for one in changes.into_iter().take(MOST_CHANGES) {
         reasons.insert(one.episode, vec![Reason::GreatChange]);
     }
-    let segment = |one: &Told| {
+    let segment = |one: &Ended| {
         Some(Segment {
             episode: one.episode,
             reasons: reasons.remove(&one.episode)?,
             changed: one.changed,
         })
     };
-    told.iter().filter_map(segment).collect()
+    ended.iter().filter_map(segment).collect()
 }
 
 #[cfg(test)]
@@ -165,15 +165,15 @@ mod tests {
     /// Titles of the segments of episodes with these goals, optima and changes.
     fn titles(episodes: &[(bool, bool, usize)]) -> Vec<String> {
         let numbered = (1..).zip(episodes);
-        let told: Vec<Told> = numbered
-            .map(|(episode, &(goal, optimal, changed))| Told {
+        let ended: Vec<Ended> = numbered
+            .map(|(episode, &(goal, optimal, changed))| Ended {
                 episode,
                 goal,
                 optimal,
                 changed,
             })
             .collect();
-        let segments = chosen(&told);
+        let segments = chosen(&ended);
         segments.iter().map(|segment| segment.title(true)).collect()
     }
 
@@ -216,7 +216,7 @@ mod tests {
             "Episode 3: the goal for the first time"
         );
         assert!(title(&both, true).ends_with(", the first optimal policy"));
-        assert!(title(&both[1..], false).ends_with(": the last lesson before the optimum"));
+        assert!(title(&both[1..], false).ends_with(": the last episode before the optimum"));
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub fn of_run(maze: &Maze) -> String {
     fitted(RUN, maze)
 }
 
-/// The layout for two highlights side by side, as compact JSON: their mazes and headings.
+/// The layout for a comparison of two runs, as compact JSON, from their mazes and headings.
 pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
     let mut layout: Value =
         serde_json::from_str(COMPARISON).expect("the layouts beside this file are JSON");

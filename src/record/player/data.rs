@@ -5,6 +5,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::shapes::{Scene, thousandths};
+use crate::picture::{NO_GOAL, SCALE};
 use crate::record::highlights::decoded;
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::{Caption, ESTIMATE, ROBOT};
@@ -27,6 +28,8 @@ pub struct Data {
     /// The names of the actions.
     actions: Vec<String>,
     robot_radius_m: f64,
+    /// Of best actions far from the goal, near it, and that lead to no goal, as CSS writes them.
+    arrow_colours: [String; 3],
     /// Time, x, y and heading in the map frame: seconds, metres, radians.
     poses: Vec<[f64; 4]>,
     /// The same of the estimated pose, seen from the robot.
@@ -122,6 +125,7 @@ impl Data {
                 .map(|action| maze.action_name(action))
                 .collect(),
             robot_radius_m: RobotShape::for_cell(maze.cell_size_m()).radius_m,
+            arrow_colours: [SCALE[0], SCALE[2], NO_GOAL].map(|rgb| format!("#{rgb:06x}")),
             poses: Vec::new(),
             mistakes: Vec::new(),
             estimates: Vec::new(),

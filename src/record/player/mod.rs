@@ -6,6 +6,7 @@
 mod data;
 mod shapes;
 
+use crate::page::escaped;
 use crate::record::RecordError;
 use crate::record::reader::Recording;
 use data::Data;
@@ -50,12 +51,6 @@ fn filled(template: &str, parts: &[(&str, String)]) -> String {
 /// JSON that cannot end the element in which it stands: no `<` is left in it.
 fn inert(json: &str) -> String {
     json.replace('<', "\\u003c")
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@ const data = JSON.parse(document.getElementById("data").textContent);
 data.poses = posesFrom(data.poses, data.begins);
 data.mistakes = posesFrom(data.mistakes, []);
 const byId = (id) => document.getElementById(id);
-const COLOURS = { wall: "#57657f", floor: "#eef1f5", line: "#c3cad6", start: "#f4b740", goal: "#35c46a", robot: "#f58220", trail: "#a82bd0", estimate: "#2f9ce0", hit: "#e0322f", far: "#e6ac00", near: "#45106b" };
+const COLOURS = { wall: "#57657f", floor: "#eef1f5", line: "#c3cad6", start: "#f4b740", goal: "#35c46a", robot: "#f58220", trail: "#a82bd0", estimate: "#2f9ce0", hit: "#e0322f" };
+[COLOURS.far, COLOURS.near, COLOURS.never] = data.arrow_colours;
 const LAYERS = [
   ["values", "values"],
   ["policy", "policy"],
@@ -322,7 +323,7 @@ function begin() {
   byId("result").textContent = data.result;
   byId("curve-note").textContent = data.curve.episode.length ? "The red line marks the episode that is shown. Click to go to an episode." : "This recording has no learning curve.";
   byId("seek").max = data.end;
-  const legend = [["far", "best action, far from the goal"], ["near", "near it"], ["start", "start"], ["goal", "goal"], ["robot", "robot"], ["trail", "path of this episode"], ["hit", "collision"]];
+  const legend = [["far", "best action, far from the goal"], ["near", "near it"], ["never", "leads to no goal"], ["start", "start"], ["goal", "goal"], ["robot", "robot"], ["trail", "path of this episode"], ["hit", "collision"]];
   if (data.estimates.length) legend.push(["estimate", "estimated pose; dashed: 3 deviations, 10 times as large"]);
   byId("legend").replaceChildren(
     ...legend.map(([colour, text]) => {

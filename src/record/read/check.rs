@@ -18,7 +18,7 @@ use crate::world::Maze;
 const LONGEST_GAP_NS: u64 = 2_000_000_000;
 /// What every recording carries.
 const ATTACHED: [&str; 2] = ["world.json", "config.json"];
-/// What that of a whole run or a highlights recording carries beside.
+/// What a recording of a whole run or of highlights carries in addition.
 const ATTACHED_TO_RUN: [&str; 1] = ["foxglove-layout.json"];
 
 /// The most faults that are listed: a small file can hold hundreds of thousands.

@@ -3,7 +3,8 @@
 use foxglove::messages::{SceneEntity, TextPrimitive};
 
 use super::scene::{WORLD, color, entity, place};
-use super::{estimate, percept, policy, rays, rounded, trail};
+use super::{estimate, percept, rays, rounded, trail};
+use crate::picture::{NO_GOAL, SCALE};
 use crate::sensor::Sensor;
 use crate::world::Maze;
 
@@ -26,12 +27,12 @@ type Entry = (&'static str, u32);
 
 /// What the arrows and the way mean.
 pub(super) fn of_policy(maze: &Maze, time_ns: u64) -> SceneEntity {
-    let [far, _, near] = policy::SCALE;
+    let [far, _, near] = SCALE;
     let entries = [
         ("arrow: best action, goal", WORDS),
         ("far", far),
         ("near", near),
-        ("never", policy::ASTRAY),
+        ("never", NO_GOAL),
         ("way", trail::FASTEST),
         ("hit", trail::HIT),
     ];

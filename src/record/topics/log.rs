@@ -16,8 +16,8 @@ pub(in crate::record) fn began(episode: u32, time_ns: u64) -> Log {
     )
 }
 
-/// A segment of the highlights recording begins, or ends.
-pub(in crate::record) fn told(text: &str, time_ns: u64) -> Log {
+/// A segment of the highlights ends.
+pub(in crate::record) fn segment(text: &str, time_ns: u64) -> Log {
     line(time_ns, Level::Info, "highlights", text.to_owned())
 }
 

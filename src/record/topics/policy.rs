@@ -11,13 +11,9 @@ use nalgebra::{Point2, Vector2};
 use super::rounded;
 use super::scene::{WORLD, color, cube, entity, place, point, update, vector};
 use crate::episode::PolicyMap;
+use crate::picture::{NO_GOAL, SCALE};
 use crate::world::{Cell, Direction, Maze};
 
-/// The colours far from the goal, half-way, and near it. Their lightness falls, so that colour-blind viewers see the order,
-/// too.
-pub(super) const SCALE: [u32; 3] = [0xe6ac00, 0x1f8f8a, 0x45106b];
-/// The colour where the policy does not arrive.
-pub(super) const ASTRAY: u32 = 0x9aa3b0;
 /// Shares are told apart in so many steps, each a list of triangles in one colour.
 const SHADES: f64 = 8.0;
 /// An arrow is a dart on the floor, on which the robot drives. Its corners, ahead and to the left of
@@ -142,7 +138,7 @@ fn shade(share: Option<f64>) -> u8 {
 /// The colour of a step.
 pub(super) fn colour(shade: u8, opacity: f64) -> Option<Color> {
     if f64::from(shade) > SHADES {
-        return color(ASTRAY, opacity);
+        return color(NO_GOAL, opacity);
     }
     let [far, middle, near] = SCALE.map(|rgb| color(rgb, 1.0).unwrap_or_default());
     let rank = f64::from(shade) / SHADES;

@@ -199,3 +199,44 @@ impl FaultFinder {
         std::mem::replace(&mut self.seen[at], self.search) == self.search
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use xcs::Action;
+
+    /// A corridor of six cells with the goal in the east. All cells go east but the second, which goes west; the values are
+    /// in no order.
+    fn policy() -> (Maze, PolicyMap) {
+        let rows = ["########", "#.....G#", "########"];
+        let world = format!(r#"{{ "rows": {rows:?} }}"#);
+        let maze = Maze::from_json(world.as_bytes(), "corridor.json").unwrap();
+        let (east, west) = (Action::new(1).unwrap(), Action::new(3).unwrap());
+        let choices = [
+            (east, 5.0),
+            (west, 9.0),
+            (east, 2.0),
+            (east, 7.0),
+            (east, 1.0),
+        ];
+        let cells = (1..).zip(choices).map(|(col, (action, value))| {
+            let mut values = PredictionArray::new(4);
+            values.set(action, value);
+            (Cell { col, row: 1 }, values)
+        });
+        let cells = cells.collect();
+        (maze, PolicyMap { cells })
+    }
+
+    #[test]
+    fn nearness_grows_along_the_policy_and_is_unknown_where_it_does_not_arrive() {
+        let (maze, policy) = policy();
+        let near = policy.nearness(&maze);
+        assert_eq!(near, [None, None, Some(0.0), Some(0.5), Some(1.0)]);
+        let ranks: Vec<f64> = policy.ranks().into_iter().flatten().collect();
+        assert!(
+            !ranks[2..].is_sorted(),
+            "control: the values are in no order"
+        );
+    }
+}

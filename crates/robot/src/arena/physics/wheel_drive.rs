@@ -1,4 +1,4 @@
-//! The robot without its controller: somebody else drives the wheels, step by step.
+//! The robot without its controller: the caller drives the wheels, step by step.
 
 use nalgebra::{Rotation2, Vector2};
 

@@ -19,8 +19,8 @@ pub enum MotionPrior {
 settings! {
     section "map";
 
-    /// Settings of the maps of `xcscr-plus` and `r-max`. Their size is bounded: cells that are at most 48 from the goal, or in
-    /// exploration from the start, the last 200 steps of the last 100 episodes, and 50,000 beliefs.
+    /// Settings of the maps of `xcscr-plus` and `r-max`. Their size is bounded: cells that are at most 64 from the goal, or in
+    /// exploration from the start, the last 2,000 steps of the last 100 episodes, and 500,000 beliefs.
     pub struct MapParams {
         /// The motion model: `known`, the direction of each action, or `learned` from what successive percepts share.
         motion_model: MotionPrior = MotionPrior::Known;
