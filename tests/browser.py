@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Plays the page of a recording in a real browser, and compares what it shows with the recording.
 
-Usage: browser.py PAGE RECORDING [CHROMIUM]     needs Chromium and the Python package mcap
+Usage: browser.py PAGE RECORDING [COMPARISON [CHROMIUM]]     needs Chromium and the Python package mcap
 
 The browser is driven through its debugging pipe. The page must show the decisions of the recording, play, pause, seek,
-obey the keys, fit into 360 pixels, load nothing, and write nothing to the console. Ends with code 1 at the first fault.
+obey the keys, fit into 360 pixels, load nothing, and write nothing to the console. Both sides of the page COMPARISON must
+play together. Ends with code 1 at the first fault.
 """
 
 import bisect
@@ -144,14 +145,35 @@ def check_sizes(browser):
         expect(browser.evaluate(painted) > 5, f"at {width} pixels the maze is not drawn")
 
 
-def main():
-    page, recording = sys.argv[1:3]
-    browser = Browser(sys.argv[3] if len(sys.argv) > 3 else "chromium")
+def check_comparison(browser, page):
+    """Plays one side of a comparison, pauses the other, and expects both to show the same time."""
+    go(browser, page)
+    clocks = "Array.from(frames).map((side) => side.document.getElementById('clock').textContent)"
+    before = browser.evaluate(clocks)
+    browser.evaluate("frames[0].document.getElementById('play').click()")
+    time.sleep(1.0)
+    browser.evaluate("frames[1].document.getElementById('play').click()")
+    time.sleep(0.2)
+    after = browser.evaluate(clocks)
+    expect(len(after) == 2 and after[0] == after[1] and after != before, f"the sides show {before}, then {after}")
+    time.sleep(0.3)
+    expect(browser.evaluate(clocks) == after, "one side cannot pause the other")
+
+
+def go(browser, page):
     browser.call("Page.navigate", url=Path(page).resolve().as_uri())
     time.sleep(1.5)
+
+
+def main():
+    page, recording, *more = sys.argv[1:]
+    browser = Browser(more[1] if len(more) > 1 else "chromium")
+    go(browser, page)
     count = check_numbers(browser, recording)
     check_playing(browser)
     check_sizes(browser)
+    if more:
+        check_comparison(browser, more[0])
     said = [e for e in browser.events if e.get("method") in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown")]
     logged = [e["params"]["entry"] for e in browser.events if e.get("method") == "Log.entryAdded"]
     # A warning about reading pixels back is this script's own.

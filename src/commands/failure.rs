@@ -203,7 +203,6 @@ impl From<RecordError> for Failure {
             RecordError::Create { .. } => Exit::CannotCreate,
             RecordError::Unfinished { .. }
             | RecordError::Foreign { .. }
-            | RecordError::TwoRuns { .. }
             | RecordError::Damaged { .. } => Exit::BadData,
             RecordError::Read { ref cause, .. } if cause.kind() == io::ErrorKind::FileTooLarge => {
                 Exit::BadData

@@ -64,13 +64,4 @@ pub enum RecordError {
         /// What was found, and where.
         cause: String,
     },
-    /// The recording is a comparison, and a single run is needed.
-    #[error(
-        "this recording is a comparison of two runs; give a recording of one of them: {}",
-        path.display()
-    )]
-    TwoRuns {
-        /// The file.
-        path: PathBuf,
-    },
 }

@@ -26,6 +26,14 @@ impl RunFolder {
     }
 }
 
+/// Builds the highlights of a trial, which is run for that.
+///
+/// # Errors
+/// When the plan is refused, or a temporary file cannot be written.
+pub fn highlights(plan: &Plan, mode: RecordMode) -> Result<Vec<u8>, RunError> {
+    Material::again(plan, mode)?.build()
+}
+
 impl Source {
     /// Builds the highlights of the recorded trial, which is run again for that.
     ///
@@ -33,7 +41,7 @@ impl Source {
     /// When the plan is refused, or a temporary file cannot be written.
     pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
         self.require_training()?;
-        Material::again(&self.plan, self.mode)?.build()
+        highlights(&self.plan, self.mode)
     }
 }
 

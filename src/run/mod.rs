@@ -33,6 +33,7 @@ mod way_on;
 pub use error::{RunError, RunFolderError};
 pub use evaluation::{clear_evaluation, record_evaluation};
 pub use folder::RunFolder;
+pub use highlights::highlights;
 pub use session::{Finished, Resumed, Session};
 pub use source::Source;
 pub use verify::Again;

@@ -181,27 +181,110 @@ fn a_text_from_a_recording_cannot_become_script() {
 }
 
 #[test]
-fn a_comparison_of_two_runs_has_no_page_and_the_message_says_what_to_give() {
+fn the_page_of_a_comparison_holds_the_pages_of_both_runs() {
     let folder = tempfile::tempdir().unwrap();
-    let [run, both, page] = ["run", "both.mcap", "page.html"].map(|name| folder.path().join(name));
-    let [run, both, page] = [&run, &both, &page].map(|path| path.to_str().unwrap());
+    let [run, both, direct, page] =
+        ["run", "both.mcap", "a.html", "b.html"].map(|name| folder.path().join(name));
+    let [run, both, direct, page] =
+        [&run, &both, &direct, &page].map(|path| path.to_str().unwrap());
     train(run);
     assert_eq!(
         outcome(&["replay", run, run, "--compare", "-o", both]).0,
         Some(0)
     );
-    let (code, _, stderr) = outcome(&["replay", both, "--html", page]);
-    assert_eq!(code, Some(65), "{stderr}");
-    assert!(
-        stderr.contains("give a recording of one of them"),
-        "{stderr}"
-    );
-    // Control: one recording of the run has a page.
-    let (code, stdout, _) = outcome(&["replay", &format!("{run}/ep-0001.mcap"), "--html", page]);
+    assert_eq!(outcome(&["replay", both, "--html", page]).0, Some(0));
     assert_eq!(
-        (code, stdout.starts_with("file://")),
-        (Some(0), true),
-        "{stdout}"
+        outcome(&["replay", run, run, "--compare", "--html", direct]).0,
+        Some(0)
     );
-    assert!(Path::new(page).is_file());
+    let text = fs::read_to_string(page).unwrap();
+    assert!(
+        text == fs::read_to_string(direct).unwrap(),
+        "the page depends on how it was asked for"
+    );
+    let sides: Vec<Value> = text.split(r#"srcdoc=""#).skip(1).map(side).collect();
+    let recording = Recording::open(Path::new(both)).unwrap();
+    assert_eq!(sides.len(), 2);
+    for (side, name) in sides.iter().zip(["/a", "/b"]) {
+        let rules = said(&recording, &format!("{name}/rule"));
+        assert_eq!(side["decisions"].as_array().unwrap().len(), rules.len());
+        assert!(side["poses"].as_array().unwrap().len() > 10);
+        assert!(!side["scenes"]["policy"].as_array().unwrap().is_empty());
+    }
+    // Two times the same run.
+    assert_eq!(sides[0], sides[1]);
+}
+
+/// The data of a page that is the value of an attribute.
+fn side(attribute: &str) -> Value {
+    let page = attribute.split('"').next().unwrap();
+    let page = page.replace("&lt;", "<").replace("&gt;", ">");
+    data(
+        &page
+            .replace("&quot;", "\"")
+            .replace("&#39;", "'")
+            .replace("&amp;", "&"),
+    )
+}
+
+#[test]
+fn the_page_of_a_study_is_that_of_its_best_trial() {
+    let folder = tempfile::tempdir().unwrap();
+    let [study, run, page, expected] =
+        ["study", "run", "study.html", "run.html"].map(|name| folder.path().join(name));
+    let [study, run, page, expected] =
+        [&study, &run, &page, &expected].map(|path| path.to_str().unwrap());
+    let file = folder.path().join("two.toml");
+    let text = r#"
+        name = "two"
+        worlds = ["maze4"]
+        methods = ["q-learning", "xcscr-plus"]
+        arenas = ["grid"]
+        trials = 2
+        episodes = 5
+        "#;
+    fs::write(&file, text).unwrap();
+    let command = [
+        "study",
+        "run",
+        file.to_str().unwrap(),
+        "--quiet",
+        "--out",
+        study,
+    ];
+    let (code, _, stderr) = outcome(&command);
+    assert_eq!(code, Some(0), "{stderr}");
+    let (code, stdout, stderr) = outcome(&["replay", study, "--html", page]);
+    assert_eq!(code, Some(0), "{stderr}");
+    let (trial, rest) = stdout.split_once(": ").unwrap();
+    assert!(rest.starts_with("maze4, xcscr-plus, seed "), "{stdout}");
+    // The trials of the table say the same.
+    let trials = fs::read_to_string(Path::new(study).join("trials.csv")).unwrap();
+    let mut rows = csv::Reader::from_reader(trials.as_bytes());
+    let rows: Vec<BTreeMap<String, String>> = rows.deserialize().map(Result::unwrap).collect();
+    let steps =
+        |row: &BTreeMap<String, String>| row["first_optimal_env_steps"].parse().unwrap_or(u64::MAX);
+    let best = rows
+        .iter()
+        .enumerate()
+        .min_by_key(|(_, row)| steps(row))
+        .unwrap();
+    assert_eq!(trial, format!("trial {}", best.0));
+    let seed = best.1["seed"].as_str();
+    let options = [
+        "--arena",
+        "grid",
+        "--episodes",
+        "5",
+        "--quiet",
+        "--seed",
+        seed,
+        "--out",
+        run,
+    ];
+    let train = [&["train", "maze4"], &options[..]].concat();
+    assert_eq!(outcome(&train).0, Some(0));
+    assert_eq!(outcome(&["replay", run, "--html", expected]).0, Some(0));
+    let decisions = |page: &str| data(&fs::read_to_string(page).unwrap())["decisions"].clone();
+    assert_eq!(decisions(page), decisions(expected));
 }

@@ -19,15 +19,15 @@ use super::source::recordings;
 /// Arguments of `replay`.
 #[derive(Debug, clap::Args)]
 pub struct ReplayArgs {
-    /// Recordings (.mcap), or the folder of a run.
+    /// Recordings (.mcap), or the folder of a run. `--html` takes the folder of a study, too.
     #[arg(required = true, value_name = "RECORDING|RUN")]
     recordings: Vec<PathBuf>,
     /// Show the highlights of two runs side by side.
     #[arg(long, conflicts_with = "live")]
     compare: bool,
     /// Write a web page that plays the recording without network, server or viewer. Of a run, the page has the
-    /// highlights.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["live", "compare"])]
+    /// highlights; of a study, those of its best trial; with `--compare`, two runs side by side.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["live", "output"])]
     html: Option<PathBuf>,
     /// Write the comparison to this file (.mcap) in place of serving it.
     #[arg(short, long, value_name = "FILE", requires = "compare")]
@@ -47,11 +47,12 @@ pub struct ReplayArgs {
 
 /// Serves recordings on this machine only and prints links that open them, or streams them.
 pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+    if let Some(file) = &args.html {
+        let output = (file.as_path(), args.force);
+        return page::write(&args.recordings, args.compare, output, args.open, out);
+    }
     if args.compare {
         return compare(args, out);
-    }
-    if let Some(file) = &args.html {
-        return page::write(&args.recordings, (file, args.force), args.open, out);
     }
     let mut files = Vec::new();
     for path in &args.recordings {

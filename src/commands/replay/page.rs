@@ -1,30 +1,38 @@
-//! `xcscr replay --html`: a page that plays a recording.
+//! `xcscr replay --html`: a page that plays a recording, a run, two runs, or the best trial of a study.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use xcscr::record::Extent;
 use xcscr::record::player;
 use xcscr::record::reader::Recording;
+use xcscr::record::{Comparison, Extent, RecordMode};
+use xcscr::run;
+use xcscr::study::StudyFolder;
 
 use super::{browser, highlights};
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::output::OutputFile;
 use crate::commands::terminal::file_link;
 
-/// Writes the page of a recording, or of the highlights of a run, to `file`, and prints its address.
+/// Writes the page of a recording, a run, a comparison of two, or the best trial of a study to `file`, and prints its address.
 pub fn write(
-    recordings: &[PathBuf],
+    paths: &[PathBuf],
+    compare: bool,
     (file, force): (&Path, bool),
     open: bool,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let [path] = recordings else {
-        let message = "`--html` takes one recording, or one run".to_owned();
-        return Err(Failure::new(Exit::Usage, message));
-    };
     let output = OutputFile::free(file, force)?;
-    output.write(page_of(path)?.as_bytes())?;
+    let page = match (paths, compare) {
+        ([a, b], true) => of_bytes("comparison.mcap", Comparison::of([a, b])?.bytes)?,
+        ([path], false) => page_of(path, out)?,
+        _ => {
+            let message =
+                "`--html` takes one recording, run or study, or with `--compare` two runs";
+            return Err(Failure::new(Exit::Usage, message.to_owned()));
+        }
+    };
+    output.write(page.as_bytes())?;
     let link = file_link(file);
     writeln!(out, "{link}")?;
     if open {
@@ -33,9 +41,12 @@ pub fn write(
     Ok(())
 }
 
-fn page_of(path: &Path) -> Result<String, Failure> {
+fn page_of(path: &Path, out: &mut impl Write) -> Result<String, Failure> {
     if !path.is_dir() {
         return Ok(player::page(&Recording::open(path)?)?);
+    }
+    if StudyFolder::is_in(path) {
+        return page_of_study(&StudyFolder::read(path)?, out);
     }
     let recordings = crate::commands::source::recordings(path)?;
     let with_highlights = highlights::write_missing(&[path.to_owned()], recordings)?;
@@ -47,4 +58,30 @@ fn page_of(path: &Path) -> Result<String, Failure> {
         Failure::new(Exit::Missing, message)
     })?;
     Ok(player::page(&Recording::open(file)?)?)
+}
+
+/// The page of the best trial of a study, which is run again for that.
+fn page_of_study(study: &StudyFolder, out: &mut impl Write) -> Result<String, Failure> {
+    let Some((number, plan)) = study.best_trial() else {
+        let path = study.path().display();
+        let message = format!("no trial of the study in {path} reached a goal");
+        return Err(Failure::new(Exit::Missing, message));
+    };
+    let (world, method) = (plan.maze.name(), plan.config.method.name());
+    writeln!(
+        out,
+        "trial {number}: {world}, {method}, seed {}",
+        plan.config.seed
+    )?;
+    of_bytes(
+        &Extent::Highlights.file_name(),
+        run::highlights(&plan, RecordMode::Beams)?,
+    )
+}
+
+fn of_bytes(name: &str, bytes: Vec<u8>) -> Result<String, Failure> {
+    Ok(player::page(&Recording::from_bytes(
+        Path::new(name),
+        bytes,
+    )?)?)
 }

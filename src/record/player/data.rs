@@ -9,7 +9,7 @@ use crate::picture::{NO_GOAL, SCALE};
 use crate::record::highlights::decoded;
 use crate::record::reader::{Message, Recording};
 use crate::record::topics::{Caption, ESTIMATE, ROBOT};
-use crate::record::{Extent, RecordError, RobotShape, Topic};
+use crate::record::{RecordError, RobotShape, Topic};
 use crate::world::{Cell, Maze};
 use xcs::Action;
 
@@ -52,6 +52,9 @@ pub struct Data {
     steps: Vec<Timed>,
     #[serde(skip)]
     from_ns: Option<u64>,
+    /// What the names of frames and, after a slash, of topics begin with: the side of a comparison.
+    #[serde(skip)]
+    below: String,
 }
 
 /// The maze from above.
@@ -95,19 +98,16 @@ impl World {
 }
 
 impl Data {
-    /// Reads a recording of a run, of an episode, or of highlights.
-    pub fn of(recording: &Recording) -> Result<Self, RecordError> {
-        if recording.extent() == Some(Extent::Comparison) {
-            return Err(RecordError::TwoRuns {
-                path: recording.path().to_owned(),
-            });
-        }
+    /// Reads a recording of a run, of an episode, or of highlights; of a comparison, one side.
+    pub fn of(recording: &Recording, side: Option<&str>) -> Result<Self, RecordError> {
         let damaged = |cause: String| recording.damaged(cause);
-        let world = recording.attachment("world.json");
-        let world = world.ok_or_else(|| damaged("it has no attachment world.json".to_owned()))?;
+        let below = side.map_or_else(String::new, |side| format!("{side}/"));
+        let world = recording.attachment(&format!("{below}world.json"));
+        let world =
+            world.ok_or_else(|| damaged(format!("it has no attachment {below}world.json")))?;
         let maze =
             Maze::from_json(world, "world.json").map_err(|fault| damaged(fault.to_string()))?;
-        let mut data = Self::empty(&maze, heading(recording));
+        let mut data = Self::empty(&maze, heading(recording, side.unwrap_or("run")), below);
         for message in recording.messages() {
             data.add(&message?, &maze).map_err(damaged)?;
         }
@@ -115,9 +115,10 @@ impl Data {
         Ok(data)
     }
 
-    fn empty(maze: &Maze, heading: String) -> Self {
+    fn empty(maze: &Maze, heading: String, below: String) -> Self {
         Self {
             heading,
+            below,
             result: String::new(),
             end: 0.0,
             world: World::of(maze),
@@ -151,7 +152,7 @@ impl Data {
     fn add(&mut self, message: &Message, maze: &Maze) -> Result<(), String> {
         let t = self.seconds(message.time_ns);
         self.end = self.end.max(t);
-        let Some(topic) = Topic::named(message.topic()) else {
+        let Some(topic) = self.topic(message) else {
             return Ok(());
         };
         let scene = || decoded::<SceneUpdate>(&message.data);
@@ -175,6 +176,12 @@ impl Data {
         Ok(())
     }
 
+    /// The topic of a message; `None` if the page does not show it or it belongs to the other side.
+    fn topic(&self, message: &Message) -> Option<Topic> {
+        let below = message.topic().strip_prefix('/')?;
+        Topic::named(&format!("/{}", below.strip_prefix(&self.below)?))
+    }
+
     /// Seconds since the first message.
     fn seconds(&mut self, time_ns: u64) -> f64 {
         let from_ns = *self.from_ns.get_or_insert(time_ns);
@@ -185,7 +192,7 @@ impl Data {
     fn follow(&mut self, message: &FrameTransforms) {
         for frame in &message.transforms {
             let pose = self.pose(frame);
-            match frame.child_frame_id.as_str() {
+            match frame.child_frame_id.trim_start_matches(&self.below) {
                 ROBOT => self.poses.push(pose),
                 ESTIMATE => self.mistakes.push(pose),
                 _ => {}
@@ -291,9 +298,9 @@ fn caption(t: f64, scene: &SceneUpdate) -> Option<Timed> {
     (!title.is_empty()).then(|| fields.into_iter().collect())
 }
 
-/// World, method, arena, sensor and seed, as the recording says.
-fn heading(recording: &Recording) -> String {
-    let entry = |key: &str| recording.metadata("run")?.get(key).cloned();
+/// World, method, arena, sensor and seed, as the metadata of this name say.
+fn heading(recording: &Recording, name: &str) -> String {
+    let entry = |key: &str| recording.metadata(name)?.get(key).cloned();
     let words = ["world", "method", "arena", "sensor"].map(|key| entry(key).unwrap_or_default());
     let seed = entry("seed").unwrap_or_default();
     format!(

@@ -1,5 +1,7 @@
 //! A recording as one HTML page that plays it: no network, no other file.
 //!
+//! A comparison is a page with the pages of both runs in frames, which play and pause together.
+//!
 //! The page holds what the recording's messages say, as JSON (`data.rs`), and a script that draws it. The script's
 //! functions without a page are in `timeline.js`, and `timeline.test.mjs` tests them with Node.
 
@@ -7,29 +9,45 @@ mod data;
 mod shapes;
 
 use crate::page::escaped;
-use crate::record::RecordError;
+use crate::record::layout::SIDES;
 use crate::record::reader::Recording;
+use crate::record::{Extent, RecordError};
 use data::Data;
 
+const COMPARISON: &str = include_str!("comparison.html");
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = concat!(include_str!("timeline.js"), "\n", include_str!("player.js"));
 
-/// Returns a recording as an HTML page that plays it in a browser.
+/// Returns a recording as an HTML page that plays it in a browser. A comparison plays both runs side by side.
 ///
 /// # Errors
-/// [`RecordError::Damaged`] when messages cannot be decoded or the world is missing, [`RecordError::TwoRuns`] for a
-/// comparison of two runs.
+/// [`RecordError::Damaged`] when messages cannot be decoded or the world is missing.
 pub fn page(recording: &Recording) -> Result<String, RecordError> {
-    let data = Data::of(recording)?;
-    let json = serde_json::to_string(&data).expect("the data have text keys and finite numbers");
+    if recording.extent() != Some(Extent::Comparison) {
+        return Ok(page_of(&Data::of(recording, None)?));
+    }
+    let [a, b] = SIDES.map(|side| Data::of(recording, Some(side)));
+    let (a, b) = (a?, b?);
+    let parts = [
+        ("{{title_a}}", escaped(a.heading())),
+        ("{{title_b}}", escaped(b.heading())),
+        ("{{a}}", escaped(&page_of(&a))),
+        ("{{b}}", escaped(&page_of(&b))),
+    ];
+    Ok(filled(COMPARISON, &parts))
+}
+
+/// The page of one run.
+fn page_of(data: &Data) -> String {
+    let json = serde_json::to_string(data).expect("the data have text keys and finite numbers");
     let parts = [
         ("{{title}}", escaped(data.heading())),
         ("{{style}}", STYLE.to_owned()),
         ("{{data}}", inert(&json)),
         ("{{script}}", SCRIPT.to_owned()),
     ];
-    Ok(filled(PAGE, &parts))
+    filled(PAGE, &parts)
 }
 
 /// Replaces placeholders in one pass, so that nothing in a value is taken for another placeholder.

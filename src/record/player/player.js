@@ -282,6 +282,26 @@ function seek(t) {
   show();
 }
 
+/** Does something when the user touches an element, here and on the other side of a comparison. */
+function on(id, event, act) {
+  byId(id).addEventListener(event, (happened) => {
+    act(happened);
+    share();
+  });
+}
+
+/** Tells the other side of a comparison what is played. */
+function share() {
+  if (parent !== window) parent.postMessage({ t: state.t, playing: state.playing, speed: state.speed }, "*");
+}
+
+/** Plays what the other side of a comparison plays. */
+function follow({ t, playing, speed }) {
+  byId("speed").value = state.speed = speed;
+  seek(t);
+  if (playing !== state.playing) setPlaying(playing);
+}
+
 function setPlaying(playing) {
   state.playing = playing && data.end > 0;
   if (state.playing && state.t >= data.end) state.t = 0;
@@ -348,17 +368,17 @@ function begin() {
   const segments = data.segments.map(({ t, title }) => new Option(title, t));
   byId("segment").replaceChildren(...segments);
   byId("segment").parentElement.hidden = segments.length < 2;
-  byId("segment").addEventListener("change", (event) => seek(Number(event.target.value)));
-  byId("play").addEventListener("click", () => setPlaying(!state.playing));
-  byId("maze").addEventListener("click", () => setPlaying(!state.playing));
-  byId("back").addEventListener("click", () => step(-1));
-  byId("next").addEventListener("click", () => step(1));
-  byId("speed").addEventListener("change", () => setSpeed(0));
-  byId("seek").addEventListener("input", (event) => {
+  on("segment", "change", (event) => seek(Number(event.target.value)));
+  on("play", "click", () => setPlaying(!state.playing));
+  on("maze", "click", () => setPlaying(!state.playing));
+  on("back", "click", () => step(-1));
+  on("next", "click", () => step(1));
+  on("speed", "change", () => setSpeed(0));
+  on("seek", "input", (event) => {
     setPlaying(false);
     seek(Number(event.target.value));
   });
-  byId("curve").addEventListener("click", (event) => {
+  on("curve", "click", (event) => {
     const [left, wide] = [38, event.target.clientWidth - 46];
     const episode = ((event.offsetX - left) / wide) * data.curve.episode.at(-1);
     const found = data.episodes.reduce((best, one) => (Math.abs(one.episode - episode) < Math.abs(best.episode - episode) ? one : best));
@@ -378,7 +398,9 @@ function begin() {
     if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key] || inControl) return;
     event.preventDefault();
     keys[event.key]();
+    share();
   });
+  addEventListener("message", ({ source, data }) => source === parent && follow(data));
   addEventListener("resize", show);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
   const wanted = /^#t=([\d.]+)$/.exec(location.hash);

@@ -8,12 +8,13 @@ use std::path::{Path, PathBuf};
 
 use super::files::{EPISODES, JOURNAL, PLAN, foreign, names, read_plan, read_records, write_plan};
 use super::journal::{self, Journal};
-use super::record::TrialRecord;
+use super::record::{TrialRecord, trial};
 use super::records::Records;
 use crate::disk;
 use crate::disk::{FolderLock, LOCK, LockError};
 use crate::study::error::StudyError;
 use crate::study::protocol::Protocol;
+use crate::trial::Plan;
 
 /// So many records are written to a journal at once.
 const MOST_AT_ONCE: usize = 1_000;
@@ -49,6 +50,11 @@ pub struct StudyFolder {
 }
 
 impl StudyFolder {
+    /// Is there a study in this folder?
+    pub fn is_in(path: &Path) -> bool {
+        path.join(PLAN).is_file()
+    }
+
     /// Reads the folder of a study.
     ///
     /// # Errors
@@ -233,6 +239,19 @@ impl StudyFolder {
     pub fn failed(&self) -> Vec<usize> {
         let failed = self.records().filter(|record| record.result.is_err());
         failed.map(|record| record.trial).collect()
+    }
+
+    /// The best trial and its plan: optimal at the end, after the fewest steps, and of several the first. `None` if no trial
+    /// reached a goal.
+    pub fn best_trial(&self) -> Option<(usize, Plan)> {
+        let reached = self.records().filter_map(|record| {
+            let progress = record.result.ok()?.progress;
+            let steps = progress.first_optimal_env_steps.unwrap_or(u64::MAX);
+            Some((!progress.optimal, steps, progress.best_steps?, record.trial))
+        });
+        let (.., number) = reached.min()?;
+        let trial = trial(&self.protocol, number).ok()?;
+        Some((number, trial.plan().clone()))
     }
 
     /// Accepts the study when all trials are finished.
