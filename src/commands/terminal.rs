@@ -153,13 +153,21 @@ fn painted(drawn: &str) -> String {
     drawn.chars().map(paint).collect()
 }
 
-/// Prints words on stdout that open an address (OSC 8). The address is one of our own making, whose
-/// letters are ASCII and command nothing.
-pub fn print_link(words: &str, address: &str) -> io::Result<()> {
-    let mut out = io::stdout();
-    let (words, address) = (escaped(words), escaped(address));
-    write!(out, "\u{1b}]8;;{address}\u{1b}\\{words}\u{1b}]8;;\u{1b}\\")?;
-    out.flush()
+/// Prints an address after a name, on a line of stdout: as a link behind short words (OSC 8) where the terminal shows links, so
+/// that 80 columns hold. The address is one of our own making, whose letters are ASCII and command nothing.
+pub fn write_link(name: &str, address: &str, out: &mut impl Write) -> io::Result<()> {
+    if !shows_links() {
+        return writeln!(out, "  {name}{address}");
+    }
+    write!(out, "  {name}")?;
+    out.flush()?;
+    let address = escaped(address);
+    // What goes through `out` would be escaped.
+    write!(
+        io::stdout(),
+        "\u{1b}]8;;{address}\u{1b}\\click here to open it\u{1b}]8;;\u{1b}\\"
+    )?;
+    writeln!(out)
 }
 
 /// Returns the address of a file on this machine (`file://...`).

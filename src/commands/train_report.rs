@@ -14,7 +14,7 @@ use xcscr::world::{Cell, Facts, Maze};
 
 use super::failure::Failure;
 use super::sparkline::sparkline;
-use super::terminal::{file_link, print_maze};
+use super::terminal::{file_link, print_maze, write_link};
 
 /// What the letters over the maze mean.
 const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
@@ -109,6 +109,20 @@ impl TrainReport {
         recording: &RecordSummary,
         out: &mut impl Write,
     ) -> Result<(), Failure> {
+        // The picture comes first: what follows stays in view on a terminal of 24 lines.
+        let maze = &trial.plan().maze;
+        match maze.is_vast() {
+            true => writeln!(out, "The maze is too large to be drawn.\n")?,
+            false => {
+                out.flush()?;
+                let beginnings = match trial.method().remembers() {
+                    true => format!("{BEGINNINGS}\n"),
+                    false => String::new(),
+                };
+                let drawn = picture(maze, &trial.policy());
+                print_maze(&format!("{drawn}{LEGEND}\n{beginnings}"))?;
+            }
+        }
         writeln!(out, "{}", self.headline())?;
         writeln!(out, "  shortest path        {}", self.shortest_path())?;
         writeln!(out, "  first optimal        {}", self.first_optimal())?;
@@ -123,19 +137,6 @@ impl TrainReport {
         writeln!(out, "  {:<20} {}", self.counted, self.rules)?;
         let curve = sparkline(steps_per_episode);
         writeln!(out, "  steps per episode    {curve}")?;
-        let maze = &trial.plan().maze;
-        match maze.is_vast() {
-            true => writeln!(out, "\nThe maze is too large to be drawn.")?,
-            false => {
-                out.flush()?;
-                let beginnings = match trial.method().remembers() {
-                    true => format!("{BEGINNINGS}\n"),
-                    false => String::new(),
-                };
-                let drawn = picture(maze, &trial.policy());
-                print_maze(&format!("\n{drawn}{LEGEND}\n{beginnings}"))?;
-            }
-        }
         self.print_files(recording, out)
     }
 
@@ -218,7 +219,7 @@ impl TrainReport {
         writeln!(out, "Recorded {files} files, {megabytes:.1} MB, in {dir}.")?;
         if let Some(page) = RunFolder::open(&self.folder).page() {
             writeln!(out, "Watch how it learned, in a browser:")?;
-            writeln!(out, "  {}", file_link(&page))?;
+            write_link("", &file_link(&page), out)?;
         }
         Ok(writeln!(
             out,

@@ -1,12 +1,14 @@
 //! Highlights recordings of runs that lack one.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 use xcscr::record::Extent;
+use xcscr::record::reader::Recording;
 use xcscr::run::RunFolder;
 
-use crate::commands::failure::Failure;
+use crate::commands::failure::{Exit, Failure};
+use crate::commands::source::recordings;
 
 /// Files of runs, with highlights recordings in temporary folders for runs that lack one.
 pub struct WithHighlights {
@@ -41,4 +43,20 @@ pub fn write_missing(
         files,
         _temporary: written,
     })
+}
+
+/// Reads a recording, or of a run its highlights, which are made if it has none.
+pub fn recording(path: &Path) -> Result<Recording, Failure> {
+    if !path.is_dir() {
+        return Ok(Recording::open(path)?);
+    }
+    let with_highlights = write_missing(&[path.to_owned()], recordings(path)?)?;
+    let is_highlights = |file: &&PathBuf| file.ends_with(Extent::Highlights.file_name());
+    let found = with_highlights.files.iter().find(is_highlights);
+    let file = found.ok_or_else(|| {
+        let path = path.display();
+        let message = format!("{path} has no highlights; give one of its recordings (ep-....mcap)");
+        Failure::new(Exit::Missing, message)
+    })?;
+    Ok(Recording::open(file)?)
 }

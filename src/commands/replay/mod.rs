@@ -5,6 +5,7 @@ mod highlights;
 mod page;
 mod serve;
 mod stream;
+mod terminal;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -29,6 +30,10 @@ pub struct ReplayArgs {
     /// highlights; of a study, those of its best trial; with `--compare`, two runs side by side.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["live", "output"])]
     html: Option<PathBuf>,
+    /// Play it in this terminal: the maze, the robot, and each decision in words. Of a run, the highlights. Into a file or a
+    /// pipe, write every decision.
+    #[arg(long, conflicts_with_all = ["live", "compare", "html", "open"])]
+    terminal: bool,
     /// Write the comparison to this file (.mcap) in place of serving it.
     #[arg(short, long, value_name = "FILE", requires = "compare")]
     output: Option<PathBuf>,
@@ -47,6 +52,9 @@ pub struct ReplayArgs {
 
 /// Serves recordings on this machine only and prints links that open them, or streams them.
 pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+    if args.terminal {
+        return terminal::run(&args.recordings, out);
+    }
     if let Some(file) = &args.html {
         let output = (file.as_path(), args.force);
         return page::write(&args.recordings, args.compare, output, args.open, out);

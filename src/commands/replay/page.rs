@@ -42,22 +42,10 @@ pub fn write(
 }
 
 fn page_of(path: &Path, out: &mut impl Write) -> Result<String, Failure> {
-    if !path.is_dir() {
-        return Ok(player::page(&Recording::open(path)?)?);
-    }
     if StudyFolder::is_in(path) {
         return page_of_study(&StudyFolder::read(path)?, out);
     }
-    let recordings = crate::commands::source::recordings(path)?;
-    let with_highlights = highlights::write_missing(&[path.to_owned()], recordings)?;
-    let is_highlights = |file: &&PathBuf| file.ends_with(Extent::Highlights.file_name());
-    let found = with_highlights.files.iter().find(is_highlights);
-    let file = found.ok_or_else(|| {
-        let path = path.display();
-        let message = format!("{path} has no highlights; give one of its recordings (ep-....mcap)");
-        Failure::new(Exit::Missing, message)
-    })?;
-    Ok(player::page(&Recording::open(file)?)?)
+    Ok(player::page(&highlights::recording(path)?)?)
 }
 
 /// The page of the best trial of a study, which is run again for that.

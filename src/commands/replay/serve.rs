@@ -15,7 +15,7 @@ use xcscr::trial::Plan;
 
 use super::browser;
 use crate::commands::failure::{Exit, Failure};
-use crate::commands::terminal;
+use crate::commands::terminal::write_link;
 
 /// A link opens at most so many files; the others can be dragged into the viewer.
 const MOST_LINKED: usize = 10;
@@ -181,19 +181,8 @@ fn print_links(server: &mut Server, offer: Offer, out: &mut impl Write) -> Resul
         _ => writeln!(out, "{what}")?,
     }
     let first = lichtblick_link(linked, &layout);
-    print_link("Lichtblick", &first, out)?;
-    print_link("Foxglove", &foxglove_link(linked), out)?;
-    print_link("layout", &layout, out)?;
+    write_link("Lichtblick  ", &first, out)?;
+    write_link("Foxglove    ", &foxglove_link(linked), out)?;
+    write_link("layout      ", &layout, out)?;
     Ok(first)
-}
-
-/// Prints an address: as a link behind short words where the terminal can, so that 80 columns hold.
-fn print_link(name: &str, address: &str, out: &mut impl Write) -> Result<(), Failure> {
-    if !terminal::shows_links() {
-        return Ok(writeln!(out, "  {name:10}  {address}")?);
-    }
-    write!(out, "  {name:10}  ")?;
-    out.flush()?;
-    terminal::print_link("click here to open it", address)?;
-    Ok(writeln!(out)?)
 }

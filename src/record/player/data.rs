@@ -14,7 +14,7 @@ use crate::world::{Cell, Maze};
 use xcs::Action;
 
 /// A JSON message with its time as the field `t`.
-type Timed = Map<String, Value>;
+pub type Timed = Map<String, Value>;
 
 /// All that the page shows. Lists are in order of their times.
 #[derive(Debug, Serialize)]
@@ -23,25 +23,25 @@ pub struct Data {
     /// What the last episode came to.
     result: String,
     /// The length, in seconds.
-    end: f64,
-    world: World,
+    pub end: f64,
+    pub world: World,
     /// The names of the actions.
-    actions: Vec<String>,
+    pub actions: Vec<String>,
     robot_radius_m: f64,
     /// Of best actions far from the goal, near it, and that lead to no goal, as CSS writes them.
     arrow_colours: [String; 3],
     /// Time, x, y and heading in the map frame: seconds, metres, radians.
-    poses: Vec<[f64; 4]>,
+    pub poses: Vec<[f64; 4]>,
     /// The same of the estimated pose, seen from the robot.
     mistakes: Vec<[f64; 4]>,
-    estimates: Vec<Timed>,
-    decisions: Vec<Timed>,
-    episodes: Vec<Timed>,
+    pub estimates: Vec<Timed>,
+    pub decisions: Vec<Timed>,
+    pub episodes: Vec<Timed>,
     /// Those of `episodes` that are the beginning of one.
-    begins: Vec<Timed>,
+    pub begins: Vec<Timed>,
     contacts: Vec<Timed>,
     curve: Value,
-    captions: Vec<Timed>,
+    pub captions: Vec<Timed>,
     /// The captions with another title than the one before.
     segments: Vec<Timed>,
     scenes: Scenes,
@@ -59,14 +59,14 @@ pub struct Data {
 
 /// The maze from above.
 #[derive(Debug, Serialize)]
-struct World {
-    width: u16,
+pub struct World {
+    pub width: u16,
     height: u16,
     cell_size_m: f64,
     /// The pose of the grid frame in the map frame: metres and radians.
-    origin: [f64; 3],
+    pub origin: [f64; 3],
     /// `#` wall, `S` start, `G` goal, `.` free; the northern row first.
-    rows: Vec<String>,
+    pub rows: Vec<String>,
 }
 
 #[derive(Debug, Default, Serialize)]
@@ -94,6 +94,18 @@ impl World {
             origin: [origin.x_m, origin.y_m, origin.yaw_rad],
             rows: rows.map(|row| row.iter().collect()).collect(),
         }
+    }
+
+    /// The column and the row, from the north, of a pose in the map frame; `None` beyond the edge.
+    pub fn cell(&self, pose: &[f64; 4]) -> Option<(usize, usize)> {
+        let [x_m, y_m, yaw_rad] = self.origin;
+        let (east, north) = (pose[1] - x_m, pose[2] - y_m);
+        let (sin, cos) = (libm::sin(yaw_rad), libm::cos(yaw_rad));
+        let column = (cos * east + sin * north) / self.cell_size_m;
+        let row = f64::from(self.height) - (cos * north - sin * east) / self.cell_size_m;
+        let inside = (0.0..f64::from(self.width)).contains(&column)
+            && (0.0..f64::from(self.height)).contains(&row);
+        inside.then_some((column as usize, row as usize))
     }
 }
 

@@ -7,12 +7,14 @@
 
 mod data;
 mod shapes;
+mod text;
 
 use crate::page::escaped;
 use crate::record::layout::SIDES;
 use crate::record::reader::Recording;
 use crate::record::{Extent, RecordError};
 use data::Data;
+pub use text::TextPlayer;
 
 const COMPARISON: &str = include_str!("comparison.html");
 const PAGE: &str = include_str!("page.html");

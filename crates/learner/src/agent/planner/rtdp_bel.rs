@@ -16,6 +16,9 @@ pub const MOST_BELIEFS: usize = 500_000;
 /// How often all states of a belief are imagined to be true, at most, until its costs settle.
 const MOST_SWEEPS: usize = 16;
 
+/// After how many weighed states that stops. One decision then takes some 50 ms at most.
+const MOST_WEIGHED: usize = 300_000;
+
 /// The most steps of an imagined episode.
 const MOST_IMAGINED_STEPS: u32 = 100;
 
@@ -127,14 +130,19 @@ impl BeliefPlanner {
         self.costs(pomdp, belief)
     }
 
-    /// Imagines exact moves from each state of a belief, until no cost changes any more.
+    /// Imagines exact moves from each state of a belief, until no cost changes any more or the work is too much.
     pub fn settle(&mut self, pomdp: &Pomdp, belief: &Belief) {
+        let mut weighed = 0;
         for _ in 0..MOST_SWEEPS {
             let mut change = 0.0_f64;
             for &(state, _) in belief.states() {
                 let next = |state, action| pomdp.next(state, action);
                 let effort = self.follow(pomdp, state, belief.clone(), next);
                 change = change.max(effort.change);
+                weighed += effort.weighed;
+                if weighed > MOST_WEIGHED {
+                    return;
+                }
             }
             if change < 1e-9 {
                 break;
