@@ -1,11 +1,15 @@
-//! A study of one's own: two methods, ten paired seeds, one table.
+//! A study of one's own: an agent of one's own beside two built-in methods, ten paired seeds, one table.
 
 use std::path::Path;
 
-use xcscr::study::{Overrides, Protocol, Report, Shard, StudyFile};
+use xcscr::study::{Overrides, Protocol, Report, Shard, Study, StudyFile};
+
+#[path = "agents/fewest_steps.rs"]
+mod fewest_steps;
+use fewest_steps::FewestSteps;
 
 const STUDY: &str = r#"
-    name = "two-methods"
+    name = "own-agent"
     worlds = ["maze4"]
     methods = ["xcscr", "q-learning"]
     trials = 10
@@ -16,10 +20,13 @@ const STUDY: &str = r#"
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = StudyFile::parse(STUDY, "own_study.rs", Path::new("."))?;
     let protocol = Protocol::new(&file, &Overrides::default())?;
+    let study =
+        Study::new(protocol).with_agent("fewest-steps", |plan| Box::new(FewestSteps::new(plan)))?;
     let parent = tempfile::tempdir()?;
-    let out = parent.path().join("study");
-    let folder = protocol.run(&out, Shard::WHOLE, 1, &mut ())?;
-    println!("{}", Report::new(&folder).terminal());
-    assert_eq!(folder.records().count(), 20);
+    let folder = study.run(&parent.path().join("study"), Shard::WHOLE, 1, &mut ())?;
+    let report = Report::new(&folder).terminal();
+    println!("{report}");
+    assert_eq!(folder.records().count(), 30);
+    assert!(report.contains("fewest-steps"));
     Ok(())
 }

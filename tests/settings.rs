@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
+use xcscr::study::STUDY_KEYS;
 use xcscr::trial::{ReadBy, Resolved, Settings};
 
 /// The page of the documentation, as the declarations have it.
@@ -40,13 +41,42 @@ fn page() -> String {
 
 #[test]
 fn the_page_of_settings_says_what_is_declared() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/settings.md");
+    require(&page(), "docs/src/settings.md");
+}
+
+/// Requires that a page of the documentation is this one.
+fn require(page: &str, path: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     if std::env::var_os("UPDATE_DOCS").is_some() {
-        fs::write(&path, page()).unwrap();
+        fs::write(&path, page).unwrap();
     }
     let written = fs::read_to_string(&path).unwrap();
     let hint = "UPDATE_DOCS=1 cargo test --test settings writes it anew";
-    assert_eq!(written, page(), "{hint}");
+    assert_eq!(written, page, "{hint}");
+}
+
+/// The page of the keys of a study file.
+fn page_of_keys() -> String {
+    let mut page = "# Keys of a study file\n\nAlso printed by `xcscr study keys`. This page is made from the source (`UPDATE_DOCS=1 cargo test --test \
+        settings` writes it anew).\n"
+        .to_owned();
+    for key in &STUDY_KEYS {
+        let default = match key.default {
+            "" => "required".to_owned(),
+            default => format!("default: {}", default.replace('`', "")),
+        };
+        let (name, kind, about, example) = (key.name, key.kind, key.about, key.example);
+        let text = format!(
+            "\n## {name}\n\nA {kind}; {default}. {about}\n\n```toml,example\n{example}\n```"
+        );
+        writeln!(page, "{text}").unwrap();
+    }
+    page
+}
+
+#[test]
+fn the_page_of_study_keys_says_what_is_declared() {
+    require(&page_of_keys(), "docs/src/study-file.md");
 }
 
 #[test]

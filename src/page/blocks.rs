@@ -128,8 +128,59 @@ impl Table {
         text
     }
 
-    /// The table for a terminal: a line for each row, or more where its words need them to fit.
+    /// The table for a terminal: a line for each row, or more where its words need them to fit. A table that is too wide
+    /// even so comes in several parts, each with the first columns of words.
     pub fn text(&self) -> String {
+        let parts = self.parts();
+        let texts: Vec<String> = parts.iter().map(Self::whole_text).collect();
+        texts.join("\n")
+    }
+
+    /// The table as tables that are no wider than a terminal, if that can be. Each begins with the columns before the first
+    /// number.
+    fn parts(&self) -> Vec<Self> {
+        if across(&self.fitted()) <= COLUMNS {
+            return vec![self.clone()];
+        }
+        let columns = self.header.len();
+        let keys = (0..columns)
+            .take_while(|&column| !self.is_number(column))
+            .count();
+        let mut widths = self.widths();
+        let surplus = across(&widths[..keys]).saturating_sub(COLUMNS / 2);
+        if let Some(widest) = (0..keys).max_by_key(|&column| widths[column]) {
+            widths[widest] = widths[widest]
+                .saturating_sub(surplus)
+                .max(NARROWEST.min(widths[widest]));
+        }
+        let mut parts: Vec<Vec<usize>> = Vec::new();
+        for column in keys..columns {
+            let fits = |part: &Vec<usize>| {
+                let shown = (0..keys).chain(part.iter().copied()).chain([column]);
+                across(&shown.map(|column| widths[column]).collect::<Vec<_>>()) <= COLUMNS
+            };
+            match parts.last_mut().filter(|part| fits(part)) {
+                Some(part) => part.push(column),
+                None => parts.push(vec![column]),
+            }
+        }
+        let part = |own: &Vec<usize>| {
+            let kept = |row: &Vec<String>| -> Vec<String> {
+                let shown = (0..keys).chain(own.iter().copied());
+                shown.map(|column| row[column].clone()).collect()
+            };
+            Self {
+                header: kept(&self.header),
+                rows: self.rows.iter().map(kept).collect(),
+            }
+        };
+        match parts.is_empty() {
+            true => vec![self.clone()],
+            false => parts.iter().map(part).collect(),
+        }
+    }
+
+    fn whole_text(&self) -> String {
         let widths = self.fitted();
         let rule = "-".repeat(across(&widths));
         let header = self.line(&self.header, &widths, "  ");
@@ -284,6 +335,25 @@ mod tests {
         table.rows = vec![vec!["maze4".to_owned(), words.to_owned()]];
         let text = table.text();
         assert!(text.contains(words) && text.lines().count() == 3, "{text}");
+    }
+
+    #[test]
+    fn a_table_of_many_numbers_comes_in_parts_and_no_number_is_broken() {
+        let names = (0..12).map(|number| format!("number {number}"));
+        let mut table = Table::new(["world".to_owned()].into_iter().chain(names));
+        let numbers = (0..12).map(|number| format!("{number}00"));
+        table.rows = vec![["maze4".to_owned()].into_iter().chain(numbers).collect()];
+        let text = table.text();
+        assert!(
+            text.lines().all(|line| line.chars().count() <= COLUMNS),
+            "{text}"
+        );
+        assert_eq!(text.matches("maze4").count(), 2, "{text}");
+        let found: Vec<&str> = text
+            .split_whitespace()
+            .filter(|word| word.ends_with("00"))
+            .collect();
+        assert_eq!(found.len(), 12, "{text}");
     }
 
     #[test]

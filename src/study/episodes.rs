@@ -1,4 +1,4 @@
-//! A row for each episode of a study, made by running its trials again.
+//! A row for each episode of a study, and learning curves, made by running its trials again.
 //!
 //! A trial follows from its plan, so nothing about episodes has to be kept while a study runs. The rows are the same for any
 //! number of threads, shards and machines.
@@ -12,9 +12,11 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
+use super::analysis::learning::CurveSums;
 use super::error::StudyError;
+use super::own::Agents;
 use super::protocol::Protocol;
-use super::store::files::EPISODES;
+use super::store::files::{EPISODES, LEARNING_CURVES};
 use super::store::folder::StudyFolder;
 use super::store::record::trial;
 use crate::episode::{Ending, Episode};
@@ -27,7 +29,7 @@ const TRIALS_PER_THREAD: usize = 4;
 #[derive(Debug, Serialize)]
 struct EpisodeRow {
     world: String,
-    method: &'static str,
+    method: String,
     arena: &'static str,
     sensor: &'static str,
     variant: String,
@@ -55,7 +57,7 @@ impl EpisodeRow {
         let arrives = |path: &Vec<_>| path.last().is_some_and(|&cell| plan.maze.is_goal(cell));
         Self {
             world: plan.maze.name().to_owned(),
-            method: plan.config.method.name(),
+            method: protocol.arm(number).method_name().to_owned(),
             arena: plan.config.arena.name(),
             sensor: plan.config.sensor.name(),
             variant: protocol.arm(number).variant.to_string(),
@@ -75,28 +77,50 @@ impl EpisodeRow {
 
 impl StudyFolder {
     /// Runs the trials of the study again, and writes a row for each episode into `episodes.csv.gz` in its folder, in the order of
-    /// the trials. A trial that fails has no rows. `stop` is asked between trials.
+    /// the trials, and their means into `learning-curves.csv`, which the report draws. A trial that fails has no rows. `stop` is asked between trials.
     ///
     /// # Errors
     /// When there are no threads, the file holds something else, it cannot be written, or `stop` asked for the end.
     pub fn write_episodes(&self, jobs: usize, stop: &dyn Fn() -> bool) -> Result<(), StudyError> {
+        self.write_episodes_with(&Agents::default(), jobs, stop)
+    }
+
+    /// The same with agents of one's own.
+    pub(super) fn write_episodes_with(
+        &self,
+        agents: &Agents,
+        jobs: usize,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<(), StudyError> {
         let pool = ThreadPoolBuilder::new().num_threads(jobs).build();
         let pool = pool.map_err(|cause| StudyError::Jobs {
             jobs,
             fault: cause.to_string(),
         })?;
+        agents.require_for(self.protocol())?;
+        let mut sums: Vec<CurveSums> = Vec::new();
+        sums.resize_with(self.protocol().arms.len(), CurveSums::default);
         self.write_with(EPISODES, |file| {
             let mut table = csv::Writer::from_writer(GzEncoder::new(file, Compression::default()));
-            self.write_rows(&pool, &mut table, stop)?;
+            self.write_rows((&pool, agents), &mut table, &mut sums, stop)?;
             let packed = table.into_inner().map_err(|fault| fault.into_error())?;
             packed.finish().map(|_| ())
+        })?;
+        self.write_with(LEARNING_CURVES, |file| {
+            let mut table = csv::Writer::from_writer(file);
+            let arms = self.protocol().arms.iter().zip(&sums);
+            for point in arms.flat_map(|(arm, sums)| sums.points(arm)) {
+                table.serialize(point)?;
+            }
+            table.flush()
         })
     }
 
     fn write_rows(
         &self,
-        pool: &ThreadPool,
+        (pool, agents): (&ThreadPool, &Agents),
         table: &mut csv::Writer<impl Write>,
+        sums: &mut [CurveSums],
         stop: &dyn Fn() -> bool,
     ) -> io::Result<()> {
         let protocol = self.protocol();
@@ -105,10 +129,13 @@ impl StudyFolder {
             if stop() {
                 return Err(io::ErrorKind::Interrupted.into());
             }
-            let rows = |&trial: &usize| rows(protocol, trial);
+            let rows = |&trial: &usize| rows(protocol, agents, trial);
             let all: Vec<Vec<EpisodeRow>> = pool.install(|| trials.par_iter().map(rows).collect());
-            for row in all.iter().flatten() {
-                table.serialize(row)?;
+            for (trial, rows) in trials.iter().zip(&all) {
+                if !rows.is_empty() {
+                    sums[trial / protocol.trials].add(rows.iter().map(|row| row.steps));
+                }
+                rows.iter().try_for_each(|row| table.serialize(row))?;
             }
         }
         Ok(())
@@ -116,9 +143,9 @@ impl StudyFolder {
 }
 
 /// The rows of a trial; none of one that fails.
-fn rows(protocol: &Protocol, number: usize) -> Vec<EpisodeRow> {
+fn rows(protocol: &Protocol, agents: &Agents, number: usize) -> Vec<EpisodeRow> {
     let run = || -> Result<Vec<EpisodeRow>, String> {
-        let mut trial = trial(protocol, number)?;
+        let mut trial = trial(protocol, agents, number)?;
         let mut rows = Vec::new();
         while !trial.is_finished() {
             let (episode, _) = trial.run_episode(&mut ());

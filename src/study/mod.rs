@@ -4,6 +4,7 @@ mod analysis;
 mod cluster;
 mod episodes;
 mod error;
+mod own;
 mod protocol;
 mod report;
 mod robustness;
@@ -14,7 +15,8 @@ mod tuning;
 
 pub use cluster::{PlannedStudy, Queued, Slurm, Survey, TaskState, TaskSurvey};
 pub use error::StudyError;
-pub use protocol::{Arm, Overrides, Protocol, StudyFile, Variant};
+pub use own::Study;
+pub use protocol::{Arm, Overrides, Protocol, STUDY_KEYS, StudyFile, StudyKey, Variant};
 pub use report::Report;
 pub use robustness::{Condition, ConditionResult, LeftOut, Robustness};
 pub use runner::StudyWatcher;

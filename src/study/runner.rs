@@ -10,8 +10,8 @@ use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 
 use super::error::StudyError;
+use super::own::Agents;
 use super::protocol::Protocol;
-use super::store::Shard;
 use super::store::TrialRecord;
 use super::store::folder::{OpenFolder, StudyFolder};
 use super::store::journal::Journal;
@@ -31,27 +31,6 @@ pub trait StudyWatcher {
 }
 
 impl StudyWatcher for () {}
-
-impl Protocol {
-    /// Runs what is missing of one shard of the study in the folder `out`, on `jobs` threads (all
-    /// cores when 0). The results do not depend on `jobs`.
-    ///
-    /// # Errors
-    /// When the folder holds another study, is in use, or cannot be written.
-    pub fn run(
-        &self,
-        out: &Path,
-        shard: Shard,
-        jobs: usize,
-        watcher: &mut dyn StudyWatcher,
-    ) -> Result<StudyFolder, StudyError> {
-        let mut open = OpenFolder::open(out, self)?;
-        let mut trials = open.folder().missing();
-        trials.retain(|trial| shard.holds(*trial));
-        run_trials(self, &trials, jobs, &mut open, watcher)?;
-        open.close()
-    }
-}
 
 impl StudyFolder {
     /// Joins folders of one study, which must be complete together, into the folder `out`.
@@ -106,7 +85,7 @@ type Finished = (TrialRecord, SyncSender<()>);
 /// Runs trials on `jobs` threads (all cores when 0). A thread begins its next trial when the one
 /// before is written, so that whoever kills the process costs each of them one trial at most.
 pub(super) fn run_trials(
-    protocol: &Protocol,
+    study: (&Protocol, &Agents),
     trials: &[usize],
     jobs: usize,
     keep: &mut dyn Keep,
@@ -119,7 +98,7 @@ pub(super) fn run_trials(
     let stop = AtomicBool::new(false);
     let (sender, receiver) = channel();
     thread::scope(|scope| {
-        let run = || pool.install(|| run_each(protocol, trials, sender, &stop));
+        let run = || pool.install(|| run_each(study, trials, sender, &stop));
         let spawned = thread::Builder::new().spawn_scoped(scope, run);
         spawned.map_err(|cause| fault(cause.to_string()))?;
         let kept = keep_all(receiver, keep, watcher, &stop);
@@ -129,14 +108,19 @@ pub(super) fn run_trials(
 }
 
 /// Runs trials on the threads of the pool that this is called in, until they are told to stop.
-fn run_each(protocol: &Protocol, trials: &[usize], sender: Sender<Finished>, stop: &AtomicBool) {
+fn run_each(
+    (protocol, agents): (&Protocol, &Agents),
+    trials: &[usize],
+    sender: Sender<Finished>,
+    stop: &AtomicBool,
+) {
     // One at a time: trials take long, and the last ones should not wait in line.
     let trials = trials.par_iter().with_max_len(1);
     trials.for_each_with(sender, |sender, &trial| {
         if !stop.load(Ordering::Relaxed) {
             let (kept, wait) = sync_channel(0);
             // Nobody listens or answers any more only after an error, which stops us too.
-            let _ = sender.send((TrialRecord::of(protocol, trial), kept));
+            let _ = sender.send((TrialRecord::of(protocol, agents, trial), kept));
             let _ = wait.recv();
         }
     });
@@ -153,11 +137,10 @@ fn keep_all(
         let finished = std::iter::once(first).chain(receiver.try_iter());
         let (records, waiting): (Vec<TrialRecord>, Vec<_>) = finished.unzip();
         keep.write(&records)?;
-        if records
-            .iter()
-            .any(|record| watcher.finished(record).is_break())
-        {
-            stop.store(true, Ordering::Relaxed);
+        for record in &records {
+            if watcher.finished(record).is_break() {
+                stop.store(true, Ordering::Relaxed);
+            }
         }
         drop(waiting);
         keep.sync()?;

@@ -1,5 +1,7 @@
 //! Every file in `examples/` does what it says: each checks its own result.
 
+#![allow(clippy::duplicate_mod, reason = "two examples share an agent")]
+
 #[path = "../../examples/own_agent.rs"]
 mod own_agent;
 #[path = "../../examples/own_study.rs"]

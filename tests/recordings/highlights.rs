@@ -282,13 +282,13 @@ fn a_recording_has_a_legend_of_what_it_draws_and_of_nothing_else() {
         let words = rows.flat_map(|row| row.texts).map(|text| text.text);
         words.collect::<Vec<_>>().join(", ")
     };
-    let policy = "arrow: best action, goal, far, near, never, way, hit";
+    let policy = "arrow: best action, goal, far, near, never, path, hit";
     let seen = "frame: seen free, seen wall";
     assert_eq!(
         legend("grid", &["--arena", "grid"]),
         format!("{policy}, {seen}")
     );
-    let senses = format!("{policy}, {seen}, believes to be here");
+    let senses = format!("{policy}, {seen}, estimate");
     assert_eq!(legend("physics", &[]), senses);
     assert_eq!(
         legend("beams", &["--record", "beams"]),

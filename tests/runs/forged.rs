@@ -12,7 +12,9 @@ use crate::kit::folder::replace;
 use serde_json::{Value, json};
 use xcscr::agent::{Estimator, Knowledge, Method};
 use xcscr::arena::ArenaKind;
-use xcscr::study::{Overrides, PlannedStudy, Protocol, Report, Shard, StudyFile, StudyFolder};
+use xcscr::study::{
+    Overrides, PlannedStudy, Protocol, Report, Shard, Study, StudyFile, StudyFolder,
+};
 use xcscr::trial::{Config, Plan, Trial};
 use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
@@ -115,7 +117,9 @@ episodes = 12
 fn study(folder: &Path) {
     let file = StudyFile::parse(STUDY, "small.toml", Path::new("")).unwrap();
     let protocol = Protocol::new(&file, &Overrides::default()).unwrap();
-    protocol.run(folder, Shard::WHOLE, 1, &mut ()).unwrap();
+    Study::new(protocol.clone())
+        .run(folder, Shard::WHOLE, 1, &mut ())
+        .unwrap();
 }
 
 /// Reads a study and makes its report, if it can be read; says whether it could.

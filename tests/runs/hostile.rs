@@ -17,7 +17,7 @@ use xcscr::episode::Observer;
 use xcscr::record::reader::Recording;
 use xcscr::record::{self, RecordMode, Recorder, RobotShape, RunInfo};
 use xcscr::sensor::Sensor;
-use xcscr::study::{Overrides, Protocol, Shard, StudyFile, StudyFolder};
+use xcscr::study::{Overrides, Protocol, Shard, Study, StudyFile, StudyFolder};
 use xcscr::trial::{Checkpoint, Plan, Resolved, Settings, SettingsError, Trial, seal, unseal};
 use xcscr::world::Maze;
 use xcscr::xcs::random::Stream;
@@ -147,7 +147,7 @@ fn mutants_of_study_folders() {
         ..Overrides::default()
     };
     let protocol = Protocol::new(&file, &few).unwrap();
-    protocol
+    Study::new(protocol)
         .run(folder.path(), Shard::WHOLE, 1, &mut ())
         .unwrap();
     for name in ["plan.json", "journal"] {

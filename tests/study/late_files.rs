@@ -10,7 +10,8 @@ use crate::kit::folder;
 use tempfile::TempDir;
 use xcscr::streams::StreamName;
 use xcscr::study::{
-    Overrides, PlannedStudy, Protocol, Shard, StudyError, StudyFile, StudyWatcher, TrialRecord,
+    Overrides, PlannedStudy, Protocol, Shard, Study, StudyError, StudyFile, StudyWatcher,
+    TrialRecord,
 };
 use xcscr::xcs::random::Stream;
 
@@ -84,7 +85,7 @@ impl StudyWatcher for Patience {
 fn whatever_the_machines_see_of_each_other_the_merge_is_that_of_one_process_or_none() {
     let whole = tempfile::tempdir().unwrap();
     let out = whole.path().join("a");
-    let done = protocol().run(&out, Shard::WHOLE, 1, &mut ());
+    let done = Study::new(protocol()).run(&out, Shard::WHOLE, 1, &mut ());
     done.unwrap();
     let mut chance = Stream::new(1, StreamName::World);
     let (mut twice, mut refused, mut torn) = (0, 0, 0);

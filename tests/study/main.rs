@@ -5,9 +5,11 @@
 #[path = "../kit/mod.rs"]
 mod kit;
 
+mod episodes;
 mod late_files;
 #[cfg(target_os = "linux")]
 mod million;
+mod own_agents;
 #[cfg(unix)]
 mod sharing;
 mod studies;

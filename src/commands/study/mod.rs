@@ -14,11 +14,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Subcommand, ValueEnum};
-use xcscr::study::{PlannedStudy, Protocol, Report, Shard, StudyError, StudyFolder};
+use xcscr::study::{
+    PlannedStudy, Protocol, Report, STUDY_KEYS, Shard, Study, StudyError, StudyFolder,
+};
 
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::interrupt::Interrupt;
-use crate::commands::terminal::say;
+use crate::commands::terminal::{file_link, say, write_link, write_words};
 use choice::ChoiceArgs;
 use plan::PlanArgs;
 use planned_status::PlannedStatus;
@@ -33,6 +35,8 @@ use tune::TuneArgs;
 pub enum StudyCommand {
     /// Run a study, or resume an interrupted one.
     Run(RunArgs),
+    /// List the keys of a study file, with an example of each.
+    Keys,
     /// Show what would be run, and split it into tasks for many machines.
     Plan(PlanArgs),
     /// Submit the tasks of a study to a cluster, or those that are missing or failed.
@@ -63,6 +67,9 @@ pub enum StudyCommand {
         /// The folder of the whole study; for a planned study, `result` in its folder unless given.
         #[arg(short, long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// Write a row for each episode into episodes.csv.gz. The trials are run again for that.
+        #[arg(long)]
+        episodes_csv: bool,
         /// Replace another study in this folder, and what was changed by hand.
         #[arg(long)]
         force: bool,
@@ -134,6 +141,9 @@ pub struct RunArgs {
     /// Replace another study in this folder, and what was changed by hand.
     #[arg(long)]
     force: bool,
+    /// Write a row for each episode into episodes.csv.gz at the end. The trials are run again for that.
+    #[arg(long, conflicts_with = "shard")]
+    episodes_csv: bool,
     /// Print one JSON document instead of the report.
     #[arg(long)]
     json: bool,
@@ -146,6 +156,7 @@ pub struct RunArgs {
 pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> {
     match command {
         StudyCommand::Run(args) => run_trials(args, out),
+        StudyCommand::Keys => keys(out),
         StudyCommand::Plan(args) => plan::run(args, out),
         StudyCommand::Submit(args) => submit::run(args, out),
         StudyCommand::Task(args) => task::run(args),
@@ -168,8 +179,16 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
         StudyCommand::Merge {
             folders,
             out: path,
+            episodes_csv,
             force,
-        } => finish(&merge(folders, path.as_deref(), *force)?, Format::Text, out),
+        } => {
+            let folder = merge(folders, path.as_deref(), *force)?;
+            let folder = match episodes_csv {
+                true => with_episodes(folder, 0)?,
+                false => folder,
+            };
+            finish(&folder, Format::Text, out)
+        }
         StudyCommand::Episodes {
             folder,
             jobs,
@@ -182,6 +201,21 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
             json,
         } => report(folder, *force, format.or_json(*json), out),
     }
+}
+
+/// Lists the keys of a study file.
+fn keys(out: &mut impl Write) -> Result<(), Failure> {
+    for key in &STUDY_KEYS {
+        let default = match key.default {
+            "" => "required".to_owned(),
+            default => format!("default: {default}"),
+        };
+        writeln!(out, "{} ({}; {default})", key.name, key.kind)?;
+        write_words(out, &format!("  {}", key.about))?;
+        let example = key.example.replace('\n', "\n    ");
+        writeln!(out, "    {example}\n")?;
+    }
+    Ok(())
 }
 
 fn merge(folders: &[PathBuf], out: Option<&Path>, force: bool) -> Result<StudyFolder, Failure> {
@@ -219,16 +253,22 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     let farewell = "interrupted in a trial; run the same command again to resume it";
     let interrupt = Interrupt::watch(move || Failure::new(Exit::Interrupted, farewell))?;
     let mut progress = Progress::new(args.quiet, interrupt);
-    let folder = protocol
+    let study = Study::new(protocol);
+    let folder = study
         .run(&path, args.shard, args.jobs.into(), &mut progress)?
         .replacing(args.force);
     drop(progress);
     let missing = folder.missing();
     if missing.is_empty() {
+        let folder = match args.episodes_csv {
+            true => with_episodes(folder, args.jobs.into())?,
+            false => folder,
+        };
         return finish(&folder, Format::Text.or_json(args.json), out);
     }
     if missing.iter().any(|trial| args.shard.holds(*trial)) {
-        let (done, all) = (protocol.len() - missing.len(), protocol.len());
+        let all = study.protocol().len();
+        let done = all - missing.len();
         let message = format!(
             "interrupted after {done} of {all} trials; run the same command again to resume it"
         );
@@ -238,9 +278,25 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     refuse_failed(&folder)
 }
 
-/// Writes the table of episodes.
+/// Writes the table of episodes of the study in a folder.
 fn episodes(path: &Path, jobs: usize, force: bool) -> Result<(), Failure> {
     let folder = StudyFolder::read_locked(path)?.replacing(force);
+    if !folder.missing().is_empty() {
+        return write_episodes(&folder, jobs);
+    }
+    let folder = with_episodes(folder, jobs)?;
+    Ok(Report::new(&folder).write(&folder)?)
+}
+
+/// Writes the table of episodes of a complete study. The report of before, which has no learning curves, may then be replaced,
+/// unless it was changed by hand.
+fn with_episodes(folder: StudyFolder, jobs: usize) -> Result<StudyFolder, Failure> {
+    Report::new(&folder).write(&folder)?;
+    write_episodes(&folder, jobs)?;
+    Ok(folder.replacing(true))
+}
+
+fn write_episodes(folder: &StudyFolder, jobs: usize) -> Result<(), Failure> {
     let interrupt = Interrupt::notice()?;
     let written = folder.write_episodes(jobs, &|| interrupt.came());
     if written.is_err() && interrupt.came() {
@@ -271,7 +327,7 @@ fn report(path: &Path, force: bool, format: Format, out: &mut impl Write) -> Res
         folder => (folder?, None),
     };
     if let Err(incomplete) = folder.require_complete() {
-        print_report(&Report::new(&folder), format, out)?;
+        print_report(&Report::new(&folder), format, None, out)?;
         return Err(incomplete.into());
     }
     busy.map_or(Ok(()), Err)?;
@@ -283,13 +339,26 @@ fn finish(folder: &StudyFolder, format: Format, out: &mut impl Write) -> Result<
     folder.write_tables()?;
     let mut report = Report::new(folder);
     report.write(folder)?;
-    print_report(&report, format, out)?;
+    print_report(&report, format, Some(folder), out)?;
     refuse_failed(folder)
 }
 
-fn print_report(report: &Report, format: Format, out: &mut impl Write) -> Result<(), Failure> {
+/// Prints a report, and where it is if it was written.
+fn print_report(
+    report: &Report,
+    format: Format,
+    written: Option<&StudyFolder>,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
     match format {
-        Format::Text => write!(out, "{}", report.terminal())?,
+        Format::Text => {
+            write!(out, "{}", report.terminal())?;
+            if let Some(folder) = written {
+                let folder = folder.path().join("report.html");
+                write!(out, "\nThe report and its figures:\n")?;
+                write_link("", &file_link(&folder), out)?;
+            }
+        }
         Format::Md => write!(out, "{}", report.markdown())?,
         Format::Html => write!(out, "{}", report.html())?,
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(report)?)?,

@@ -9,6 +9,7 @@ use xcscr::study::{PlannedStudy, Protocol};
 use super::choice::ChoiceArgs;
 use super::status::name;
 use crate::commands::failure::Failure;
+use crate::commands::terminal::say;
 
 /// Arguments of `study plan`.
 #[derive(Debug, clap::Args)]
@@ -50,6 +51,9 @@ pub(super) fn run(args: &PlanArgs, out: &mut impl Write) -> Result<(), Failure> 
             Some(folder) => PlannedStudy::in_folder(folder, protocol, Some(tasks))?.make()?,
             None => drop(PlannedStudy::new(Path::new(""), protocol, tasks)?),
         }
+    }
+    if args.out.is_none() && !args.json {
+        say("nothing was written: with `--tasks` and `--out` the study is frozen in a folder");
     }
     match args.json {
         true => writeln!(out, "{}", serde_json::to_string_pretty(&outline)?)?,

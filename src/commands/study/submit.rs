@@ -28,6 +28,12 @@ pub struct SubmitArgs {
     /// The partition of the cluster.
     #[arg(long, value_name = "NAME", value_parser = partition)]
     partition: Option<String>,
+    /// Processors of a task, each of which runs a trial at a time [default: 1].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    cpus: Option<u32>,
+    /// The memory of a task, such as 500M or 2G [default: what the cluster gives].
+    #[arg(long, value_name = "SIZE", value_parser = megabytes)]
+    mem: Option<u32>,
     /// The most tasks that run at a time.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
     array_limit: Option<u32>,
@@ -56,11 +62,15 @@ pub(super) fn run(args: &SubmitArgs, out: &mut impl Write) -> Result<(), Failure
         program: std::env::current_exe()?,
         minutes: args.time,
         partition: args.partition.clone(),
+        cpus: args.cpus,
+        memory_mb: args.mem,
         array_limit: args.array_limit.map(|limit| limit as usize),
     };
     if args.dry_run {
         return show(&slurm, &planned, out);
     }
+    // Before anything is frozen.
+    Slurm::require()?;
     planned.make()?;
     let queue = match Slurm::knows(&planned) {
         true => Slurm::queue(&planned)?,
@@ -131,6 +141,20 @@ fn minutes(text: &str) -> Result<u64, String> {
         .ok_or_else(|| {
             "write minutes, hours or days, such as 45m, 1h or 2d; a year at most".to_owned()
         })
+}
+
+/// Whole megabytes.
+fn megabytes(text: &str) -> Result<u32, String> {
+    let units = [("M", 1), ("G", 1024)];
+    let read = |(unit, megabytes): (&str, u32)| {
+        let number: u32 = text.strip_suffix(unit)?.parse().ok()?;
+        number.checked_mul(megabytes)
+    };
+    let megabytes = units
+        .into_iter()
+        .find_map(read)
+        .filter(|&megabytes| megabytes > 0);
+    megabytes.ok_or_else(|| "write megabytes or gigabytes, such as 500M or 2G".to_owned())
 }
 
 /// A name that stays one word in a script.

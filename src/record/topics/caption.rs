@@ -3,6 +3,7 @@
 use foxglove::messages::{SceneUpdate, TextPrimitive};
 
 use super::rounded;
+use super::rule;
 use super::scene::{WORLD, color, entity, place, update};
 use crate::world::Maze;
 
@@ -60,14 +61,19 @@ impl Caption {
 
 /// How far a caption reaches north of the maze, in metres.
 pub(in crate::record) fn height_m(maze: &Maze) -> f64 {
-    4.6 * title_height_m(maze)
+    4.6 * title_height_m(maze) + clearance_m(maze)
+}
+
+/// How much farther north a caption begins than it would without words over a robot, in metres.
+fn clearance_m(maze: &Maze) -> f64 {
+    (rule::reach_m(maze) - 0.6 * title_height_m(maze)).max(0.0)
 }
 
 fn title_height_m(maze: &Maze) -> f64 {
     SIZE * f64::from(maze.width().max(maze.height())) * maze.cell_size_m()
 }
 
-/// A line whose middle is `up` title heights north of the maze, and whose letters have a share of
+/// A line whose middle is `up` title heights north of where the caption begins, and whose letters have a share of
 /// that height.
 fn line(maze: &Maze, text: &str, up: f64, share: f64, rgb: u32) -> TextPrimitive {
     let (unit, title) = (maze.cell_size_m(), title_height_m(maze));
@@ -76,7 +82,7 @@ fn line(maze: &Maze, text: &str, up: f64, share: f64, rgb: u32) -> TextPrimitive
         f64::from(maze.height()) * unit,
     );
     let fits = WIDEST * wide / (LETTER * text.chars().count() as f64);
-    let at = place(wide / 2.0, high + up * title, 0.0);
+    let at = place(wide / 2.0, high + clearance_m(maze) + up * title, 0.0);
     TextPrimitive {
         pose: at,
         billboard: true,

@@ -25,7 +25,7 @@ const GAP: usize = 2;
 /// Words, and their colour.
 type Entry = (&'static str, u32);
 
-/// What the arrows and the way mean.
+/// What the arrows and the path mean.
 pub(super) fn of_policy(maze: &Maze, time_ns: u64) -> SceneEntity {
     let [far, _, near] = SCALE;
     let entries = [
@@ -33,7 +33,7 @@ pub(super) fn of_policy(maze: &Maze, time_ns: u64) -> SceneEntity {
         ("far", far),
         ("near", near),
         ("never", NO_GOAL),
-        ("way", trail::FASTEST),
+        ("path", trail::FASTEST),
         ("hit", trail::HIT),
     ];
     row(maze, "legend", 0, &entries, time_ns)
@@ -51,7 +51,7 @@ pub(in crate::record) fn of_robot(
     let frames = frames
         .into_iter()
         .filter(|_| sensor.begins_with_neighbours());
-    let believed = senses.then_some(("believes to be here", estimate::GHOST));
+    let believed = senses.then_some(("estimate", estimate::GHOST));
     let beams = (senses && beams).then_some(("lidar", rays::BEAM));
     let entries: Vec<Entry> = frames.chain(believed).chain(beams).collect();
     row(maze, "robot-legend", 1, &entries, time_ns)

@@ -72,14 +72,39 @@ fn ray(view: &View<'_>, beam: &Beam) -> Option<(Point2<f64>, Point2<f64>)> {
     let ahead = pose.rotation
         * beam.bearing
         * Vector2::new(beam.range_m.filter(|range_m| range_m.is_finite())?, 0.0);
-    let in_grid = |point| view.maze.point_in_grid(point);
-    Some((in_grid(from), in_grid(from + ahead)))
+    let [from, to] = [from, from + ahead].map(|point| view.maze.point_in_grid(point));
+    let unit = view.maze.cell_size_m();
+    let size = [view.maze.width(), view.maze.height()].map(|cells| f64::from(cells) * unit);
+    Some((from, within(from, to, size)))
+}
+
+/// The end of a ray, or where it leaves the maze, whose sides in metres these are: a range can be wrong by much.
+fn within(from: Point2<f64>, to: Point2<f64>, size: [f64; 2]) -> Point2<f64> {
+    let ahead = to - from;
+    let share = |axis: usize| {
+        let wall = if ahead[axis] > 0.0 { size[axis] } else { 0.0 };
+        match ahead[axis] == 0.0 {
+            true => 1.0,
+            false => (wall - from[axis]) / ahead[axis],
+        }
+    };
+    from + ahead * share(0).min(share(1)).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use nalgebra::{Complex, UnitComplex};
+
+    #[test]
+    fn a_ray_ends_at_the_edge_of_the_maze_at_the_latest() {
+        let from = Point2::new(1.0, 2.0);
+        let end = |x, y| within(from, Point2::new(x, y), [4.0, 3.0]);
+        assert_eq!(end(3.0, 2.5), Point2::new(3.0, 2.5));
+        assert_eq!(end(7.0, 2.0), Point2::new(4.0, 2.0));
+        assert_eq!(end(1.0, 12.0), Point2::new(1.0, 3.0));
+        assert_eq!(end(-1.0, 0.0), Point2::new(0.0, 1.0));
+    }
 
     #[test]
     fn a_turn_has_each_direction_once() {

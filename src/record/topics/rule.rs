@@ -21,6 +21,11 @@ const LETTERS: usize = 26;
 const LINES: usize = 2;
 /// How high a letter is, as a share of a cell and of the longer side of a maze: the larger holds.
 const LETTER: [f64; 2] = [0.23, 0.028];
+/// How high the lowest line stands over the floor, and the next one over a line, in letters.
+const FIRST: f64 = 3.6;
+const NEXT: f64 = 2.5;
+/// The share of its height that something upright has for the camera, which looks down steeply.
+const SEEN_UPRIGHT: f64 = 0.5;
 /// Numbers of the directions.
 const HEADINGS: [(u8, &str); 8] = [
     (0, "north"),
@@ -84,20 +89,31 @@ impl RuleRecord {
 
     /// The same over the robot, to be read from anywhere.
     pub fn scene(&self, maze: &Maze, time_ns: u64) -> SceneUpdate {
-        let side = f64::from(maze.width().max(maze.height())) * maze.cell_size_m();
-        let height = (LETTER[0] * maze.cell_size_m()).max(LETTER[1] * side);
+        let height = letter_m(maze);
         let rgb = if self.explored { EXPLORED } else { CHOSEN };
         let lines = in_short(&self.because).into_iter().rev();
         let lines = [self.choice.clone()].into_iter().chain(lines);
         let mut words = entity("rule", ROBOT, time_ns);
         // The camera looks down steeply: what stands upright is half as high for it.
-        let upwards = (0..).map(|line| (3.6 + 2.5 * f64::from(line)) * height);
+        let upwards = (0..).map(|line| (FIRST + NEXT * f64::from(line)) * height);
         words.texts = lines
             .zip(upwards)
             .map(|(line, up)| over(up, height, rgb, &line))
             .collect();
         update(vec![words])
     }
+}
+
+/// How far the words over a robot in the northernmost free cells reach north of the maze, as the camera sees them, in metres.
+pub(super) fn reach_m(maze: &Maze) -> f64 {
+    let top = (FIRST + NEXT * LINES as f64 + 0.5) * letter_m(maze);
+    (SEEN_UPRIGHT * top - 1.5 * maze.cell_size_m()).max(0.0)
+}
+
+/// The height of a letter, in metres.
+fn letter_m(maze: &Maze) -> f64 {
+    let side = f64::from(maze.width().max(maze.height())) * maze.cell_size_m();
+    (LETTER[0] * maze.cell_size_m()).max(LETTER[1] * side)
 }
 
 /// As many demands as fit over the robot, line by line; those that say the least come last.

@@ -1,5 +1,6 @@
 //! What the trials of each arm say together.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use serde::Serialize;
@@ -8,10 +9,11 @@ use crate::episode::Mistakes;
 use crate::streams::StreamName;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::{
-    Interval, Lifetime, Proportion, Survival, bootstrap_interval, quantile,
+    Interval, Lifetime, Pairs, Proportion, Survival, bootstrap_interval, quantile,
 };
 use crate::study::store::folder::StudyFolder;
 use crate::study::store::{Driven, Figures};
+use crate::trial::Progress;
 use xcs::random::Stream;
 
 /// The finished trials of one arm.
@@ -83,17 +85,23 @@ impl<'a> ArmRecords<'a> {
         self.figures().map(lifetime).collect()
     }
 
-    /// The same in steps in the environment.
-    pub fn step_lifetimes(&self) -> Vec<Lifetime> {
-        let lifetime = |one: Figures| {
-            let first = one.progress.first_optimal_env_steps;
-            let steps = first.unwrap_or(one.progress.steps);
-            Lifetime {
-                time: u32::try_from(steps).unwrap_or(u32::MAX),
-                happened: first.is_some(),
+    /// The pairs of its trials with those of another arm that have the same seeds, counted by what `better` says of the
+    /// first in comparison with the second. Trials that failed are in no pair.
+    pub fn pairs(&self, other: &Self, better: impl Fn(&Progress, &Progress) -> Ordering) -> Pairs {
+        let mut pairs = Pairs::default();
+        let [ours, theirs] =
+            [self, other].map(|one| one.trials.clone().map(|trial| one.progress(trial)));
+        for (ours, theirs) in ours.zip(theirs) {
+            if let (Some(ours), Some(theirs)) = (ours, theirs) {
+                pairs.add(better(&ours, &theirs));
             }
-        };
-        self.figures().map(lifetime).collect()
+        }
+        pairs
+    }
+
+    fn progress(&self, trial: usize) -> Option<Progress> {
+        let mut records = self.folder.records_of(trial..trial + 1);
+        Some(records.next()?.result.ok()?.progress)
     }
 
     /// Steps in the environment until the policy was optimal, or else until the end.
@@ -172,6 +180,18 @@ impl<'a> ArmRecords<'a> {
     }
 }
 
+/// The one whose policy became optimal is better.
+pub fn by_success(one: &Progress, other: &Progress) -> Ordering {
+    let is_optimal = |progress: &Progress| progress.first_optimal_episode.is_some();
+    is_optimal(one).cmp(&is_optimal(other))
+}
+
+/// The one whose policy became optimal after fewer steps is better; one that never did is worse than any that did.
+pub fn by_steps(one: &Progress, other: &Progress) -> Ordering {
+    let steps = |progress: &Progress| progress.first_optimal_env_steps.unwrap_or(u64::MAX);
+    steps(other).cmp(&steps(one))
+}
+
 /// A row of `summary.json`. Numbers are rounded to six decimals, so that they do not depend on
 /// the last digit of a machine's logarithm.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -179,7 +199,7 @@ pub struct ArmSummary {
     /// The world's name.
     pub world: String,
     /// The reward method.
-    pub method: &'static str,
+    pub method: String,
     /// The arena.
     pub arena: &'static str,
     /// The percept.
@@ -281,7 +301,7 @@ impl ArmSummary {
             |is: &dyn Fn(&Figures) -> bool| records.figures().filter(|one| is(one)).count() as u64;
         Self {
             world: arm.world.clone(),
-            method: arm.method.name(),
+            method: arm.method_name().to_owned(),
             arena: arm.arena.name(),
             sensor: arm.sensor.name(),
             variant: arm.variant.to_string(),

@@ -13,7 +13,7 @@ use crate::trial::Progress;
 #[derive(Debug, Serialize)]
 struct TrialRow<'a> {
     world: &'a str,
-    method: &'static str,
+    method: &'a str,
     arena: &'static str,
     sensor: &'static str,
     variant: String,
@@ -51,7 +51,7 @@ impl<'a> TrialRow<'a> {
         let progress = figures.map(|Figures { progress, .. }| progress);
         Self {
             world: &arm.world,
-            method: arm.method.name(),
+            method: arm.method_name(),
             arena: arm.arena.name(),
             sensor: arm.sensor.name(),
             variant: arm.variant.to_string(),

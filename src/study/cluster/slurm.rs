@@ -34,6 +34,10 @@ pub struct Slurm {
     pub minutes: u64,
     /// The partition; the cluster's own choice if `None`.
     pub partition: Option<String>,
+    /// Processors of a task, each of which runs a trial at a time; one if `None`.
+    pub cpus: Option<u32>,
+    /// The memory of a task in megabytes; the cluster's own choice if `None`.
+    pub memory_mb: Option<u32>,
     /// Tasks at a time; as many as the cluster likes if `None`.
     pub array_limit: Option<usize>,
 }
@@ -68,6 +72,19 @@ impl Slurm {
     /// Was this study ever given to Slurm?
     pub fn knows(planned: &PlannedStudy) -> bool {
         planned.path().join(FOLDER).is_dir()
+    }
+
+    /// Requires that Slurm's commands are here.
+    ///
+    /// # Errors
+    /// [`StudyError::Engine`] when they are not.
+    pub fn require() -> Result<(), StudyError> {
+        let folders = std::env::var_os("PATH").unwrap_or_default();
+        let mut folders = std::env::split_paths(&folders);
+        match folders.any(|folder| folder.join("sbatch").is_file()) {
+            true => Ok(()),
+            false => Err(no_slurm("sbatch")),
+        }
     }
 
     /// The tasks of a study that are in the queue.
@@ -134,11 +151,12 @@ impl Slurm {
         let limit = self.array_limit.map(|limit| format!("%{limit}"));
         let array = Slurm::ranges(tasks) + &limit.unwrap_or_default();
         let lead = FAREWELL_SECS.min(60 * self.minutes / 2);
-        let own = [
+        let mut own = vec![
             format!("--array={array}"),
             format!("--signal=B:USR1@{lead}"),
             "--requeue".to_owned(),
         ];
+        own.extend(self.cpus.map(|cpus| format!("--cpus-per-task={cpus}")));
         let head = self.head(&name(planned), "%a", &own);
         let (program, count) = (disk::typed(&self.program), planned.tasks());
         format!(
@@ -184,6 +202,10 @@ exit "$code"
         ];
         let partition = self.partition.iter();
         lines.extend(partition.map(|partition| format!("--partition={partition}")));
+        lines.extend(
+            self.memory_mb
+                .map(|memory_mb| format!("--mem={memory_mb}M")),
+        );
         lines.extend_from_slice(own);
         let mut head = "#!/usr/bin/env bash\n".to_owned();
         for line in lines {
@@ -282,6 +304,16 @@ fn sbatch(planned: &PlannedStudy, script: &str, options: &[String]) -> Result<St
     Ok(number.to_owned())
 }
 
+fn no_slurm(command: &str) -> StudyError {
+    StudyError::Engine {
+        command: command.to_owned(),
+        fault:
+            "there is no Slurm here; run this on a login node of the cluster, or see the scripts \
+                with `study submit --dry-run`"
+                .to_owned(),
+    }
+}
+
 /// What a command says when it succeeds.
 fn answer(mut command: Command) -> Result<String, StudyError> {
     let name = command.get_program().to_string_lossy().into_owned();
@@ -290,11 +322,7 @@ fn answer(mut command: Command) -> Result<String, StudyError> {
         fault,
     };
     let output = command.output().map_err(|cause| match cause.kind() {
-        ErrorKind::NotFound => fault(
-            "there is no Slurm here; run this on a login node of the cluster, or see the scripts \
-             with `study submit --dry-run`"
-                .to_owned(),
-        ),
+        ErrorKind::NotFound => no_slurm(&name),
         _ => fault(cause.to_string()),
     })?;
     match output.status.success() {

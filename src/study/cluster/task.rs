@@ -3,6 +3,7 @@
 use super::planned::PlannedStudy;
 use super::survey::Survey;
 use crate::study::error::StudyError;
+use crate::study::own::Agents;
 use crate::study::runner::{StudyWatcher, run_trials};
 use crate::study::store::Shard;
 
@@ -33,7 +34,7 @@ impl PlannedStudy {
         }
         let mut journal = self.begin(task)?;
         run_trials(
-            self.protocol(),
+            (self.protocol(), &Agents::default()),
             before.missing(),
             jobs,
             &mut journal,

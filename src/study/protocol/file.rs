@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::keys::names;
 use super::shipped;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
@@ -17,29 +18,6 @@ use crate::trial::{MOST_TOML_BYTES, RobotProfile, Settings, flatten, shortened, 
 use crate::world::{Maze, Recipe};
 use crate::world::{bundled_world, bundled_worlds};
 use xcs::bounds::OutOfRange;
-
-/// The keys of a study file.
-const KEYS: [&str; 19] = [
-    "name",
-    "worlds",
-    "after",
-    "methods",
-    "arenas",
-    "sensors",
-    "trials",
-    "episodes",
-    "drives",
-    "seed",
-    "robot",
-    "settings",
-    "world-settings",
-    "world-sensors",
-    "method-settings",
-    "sweep",
-    "variants",
-    "sample",
-    "without",
-];
 
 /// What a study file says, before it is frozen into a [`Protocol`](super::Protocol).
 #[derive(Debug, Clone, PartialEq)]
@@ -144,11 +122,11 @@ impl StudyFile {
     /// # Errors
     /// When the text describes no study.
     pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, StudyError> {
-        let fault = |fault: String| StudyError::file(origin, &shortened(&fault));
+        let fault = |fault: String| StudyError::file(origin, &in_words(&fault));
         let table: Table = text
             .parse()
             .map_err(|e: toml::de::Error| fault(e.to_string()))?;
-        if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.as_str())) {
+        if let Some(key) = table.keys().find(|key| !names().any(|name| name == *key)) {
             return Err(fault(unknown_key(key)));
         }
         let document: Document =
@@ -266,10 +244,30 @@ impl StudyFile {
 }
 
 fn unknown_key(key: &str) -> String {
-    match similar(key, KEYS.into_iter()) {
+    match similar(key, names()) {
         Some(known) => format!("there is no key `{key}`; did you mean `{known}`?"),
-        None => format!("there is no key `{key}`, only {}", KEYS.join(", ")),
+        None => {
+            let all: Vec<&str> = names().collect();
+            format!("there is no key `{key}`, only {}", all.join(", "))
+        }
     }
+}
+
+/// The words of the TOML library, but of a name that is none of a closed set: there, the nearest one or else all of them.
+fn in_words(fault: &str) -> String {
+    let named = || {
+        let (place, rest) = fault.split_once("unknown variant `")?;
+        let (name, known) = rest.split_once("`, expected ")?;
+        let known = known.split('`').skip(1).step_by(2);
+        let nearest = similar(name, known.clone());
+        let all = || known.collect::<Vec<_>>().join(", ");
+        let hint = nearest.map_or_else(
+            || format!("give one of {}", all()),
+            |name| format!("did you mean `{name}`?"),
+        );
+        Some(format!("{place}there is no `{}`: {hint}", shortened(name)))
+    };
+    named().unwrap_or_else(|| shortened(fault))
 }
 
 #[cfg(test)]
@@ -304,6 +302,20 @@ mod tests {
     fn a_world_that_is_not_shipped_needs_a_path() {
         let text = SMALL.replace("maze4", "maze99");
         assert!(message(&text).contains("there is no world `maze99`"));
+    }
+
+    #[test]
+    fn an_unknown_method_is_answered_with_a_similar_one_or_with_all_of_them() {
+        let named = message(&SMALL.replace("\"xcs\"", "\"q-lerning\""));
+        assert!(
+            named.ends_with("there is no `q-lerning`: did you mean `q-learning`?"),
+            "{named}"
+        );
+        let named = message(&SMALL.replace("\"xcs\"", "\"?\""));
+        assert!(
+            named.contains("give one of xcs, xcsam,") && named.ends_with("r-max"),
+            "{named}"
+        );
     }
 
     #[test]

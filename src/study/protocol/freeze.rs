@@ -109,6 +109,7 @@ fn arms(
                     variant: told_after(variant, &file.document, after),
                     after: after.clone(),
                     settings: settings.clone(),
+                    agent: None,
                 });
             }
         }

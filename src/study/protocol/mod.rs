@@ -2,6 +2,7 @@
 
 mod file;
 mod freeze;
+mod keys;
 mod overrides;
 mod shipped;
 mod unread;
@@ -15,6 +16,7 @@ use serde_json::value::RawValue;
 
 pub(super) use file::NOTHING;
 pub use file::StudyFile;
+pub use keys::{STUDY_KEYS, StudyKey};
 pub use overrides::Overrides;
 pub(super) use unread::refuse_twins;
 
@@ -72,6 +74,27 @@ pub struct Arm {
     pub after: Option<String>,
     /// All settings, the sweep's among them.
     pub settings: Settings,
+    /// The name of an agent of one's own, which takes the place of the method.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub agent: Option<String>,
+}
+
+impl Arm {
+    /// The name of the method, or of the agent in its place.
+    pub fn method_name(&self) -> &str {
+        self.agent.as_deref().unwrap_or(self.method.name())
+    }
+
+    /// The method, if it is a built-in one.
+    pub fn built_in(&self) -> Option<Method> {
+        Some(self.method).filter(|_| self.agent.is_none())
+    }
+
+    /// Do both differ in nothing but the method?
+    fn is_beside(&self, other: &Self) -> bool {
+        let place = |arm: &Self| (arm.arena, arm.sensor, arm.world.clone(), arm.after.clone());
+        place(self) == place(other) && self.variant == other.variant
+    }
 }
 
 /// A study with everything decided: each trial's plan follows from it.
@@ -111,6 +134,35 @@ impl Protocol {
     /// When a world, a setting or a number is no good.
     pub fn new(file: &StudyFile, overrides: &Overrides) -> Result<Self, StudyError> {
         freeze::freeze(file, overrides)
+    }
+
+    /// Adds an agent of one's own beside the methods, wherever there is one.
+    pub(super) fn add_agent(&mut self, name: &str) -> Result<(), StudyError> {
+        let origin = self.name.clone();
+        let refusal = |fault| Err(StudyError::File { origin, fault });
+        if !is_agent_name(name) {
+            return refusal(format!(
+                "`{name}` is no name for an agent: use 1 to 40 small letters, digits and hyphens"
+            ));
+        }
+        let is_taken = self.arms.iter().any(|arm| arm.method_name() == name);
+        if is_taken || Method::ALL.iter().any(|method| method.name() == name) {
+            return refusal(format!("`{name}` is the name of another method"));
+        }
+        for at in (0..self.arms.len()).rev() {
+            let arm = &self.arms[at];
+            // After the last method of the same world, arena, sensor and variant.
+            if !self.arms[at + 1..].iter().any(|other| other.is_beside(arm)) {
+                let agent = Some(name.to_owned());
+                let own = Arm {
+                    agent,
+                    ..arm.clone()
+                };
+                self.arms.insert(at + 1, own);
+            }
+        }
+        self.check_numbers()
+            .or_else(|fault| refusal(fault.to_string()))
     }
 
     /// Tells this study from every other one: a checksum of all that is in it.
@@ -242,6 +294,10 @@ impl Protocol {
         if self.name.contains(char::is_control) {
             return Err("`name` holds a control character: leave it out".to_owned());
         }
+        let agents = self.arms.iter().filter_map(|arm| arm.agent.as_ref());
+        if let Some(name) = agents.into_iter().find(|name| !is_agent_name(name)) {
+            return Err(format!("`{name}` is no name for an agent"));
+        }
         for worlds in [&self.worlds, &self.earlier] {
             let is_twin = |i: usize| named(&worlds[..i], worlds[i].name()).is_some();
             if let Some(twin) = (0..worlds.len()).find(|&i| is_twin(i)) {
@@ -275,6 +331,12 @@ impl Protocol {
             )),
         }
     }
+}
+
+/// The names that agents of one's own may have: they stand in tables, pages and terminals.
+fn is_agent_name(name: &str) -> bool {
+    let is_plain = |letter: char| matches!(letter, 'a'..='z' | '0'..='9' | '-');
+    (1..=40).contains(&name.len()) && name.chars().all(is_plain)
 }
 
 fn is_none(number: &u32) -> bool {

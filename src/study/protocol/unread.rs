@@ -57,7 +57,7 @@ impl Arm {
 
     /// What messages call it.
     fn name(&self) -> String {
-        let words = [self.method.name(), self.arena.name(), self.sensor.name()];
+        let words = [self.method_name(), self.arena.name(), self.sensor.name()];
         let name = format!("{} {} {}", self.world, words.join(" "), self.variant);
         name.trim_end().to_owned()
     }
@@ -89,7 +89,7 @@ pub(super) fn refuse_unread(
         refuse(names(table), part("world-settings"), &there)?;
     }
     for (method, table) in &document.method_settings {
-        let own = arms.iter().filter(|arm| arm.method.name() == method);
+        let own = arms.iter().filter(|arm| arm.method_name() == method);
         refuse(
             names(table),
             part("method-settings"),
@@ -252,7 +252,7 @@ mod tests {
         let arms = study
             .arms
             .iter()
-            .map(|arm| format!("{} {}", arm.method.name(), arm.variant));
+            .map(|arm| format!("{} {}", arm.method_name(), arm.variant));
         let expected = [
             "q-learning without=nothing",
             "xcs without=nothing",

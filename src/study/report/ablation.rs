@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::comparisons::{p_value, points, points_range};
 use crate::page::Table;
-use crate::study::analysis::summary::{ArmRecords, rounded};
+use crate::study::analysis::summary::{ArmRecords, by_success, rounded};
 use crate::study::protocol::Arm;
-use crate::study::statistics::{Interval, Proportion, fisher_exact, holm};
+use crate::study::statistics::{Interval, Pairs, Proportion, holm};
 
 /// What one switch does in one world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,7 +23,8 @@ pub struct SwitchEffect {
     pub last_added: Interval,
     /// The same with all others off.
     pub alone: Interval,
-    /// Fisher's exact p of `main_effect`, after Holm's correction over the switches.
+    /// McNemar's exact p of `main_effect`, over pairs of trials that differ in nothing but the switch, after Holm's correction
+    /// over the switches.
     pub holm_p: f64,
 }
 
@@ -62,7 +63,7 @@ pub fn places(arms: &[ArmRecords<'_>]) -> Vec<Place> {
 
 /// Where an arm ran.
 pub fn place(arm: &Arm) -> Place {
-    let (method, arena) = (arm.method.name(), arm.arena.name());
+    let (method, arena) = (arm.method_name(), arm.arena.name());
     (
         arm.world.clone(),
         format!("{method}, {arena}, {}", arm.sensor.name()),
@@ -84,7 +85,7 @@ impl SwitchEffect {
     fn in_place(place: &Place, arms: &[&ArmRecords<'_>], switches: &[String]) -> Vec<Self> {
         let tests: Vec<f64> = switches
             .iter()
-            .map(|switch| fisher_exact(pooled(arms, switch, true), pooled(arms, switch, false)))
+            .map(|switch| paired(arms, switch).p())
             .collect();
         let effect = |(switch, p): (&String, f64)| {
             let others = |on: bool| -> Vec<&ArmRecords<'_>> {
@@ -106,6 +107,30 @@ impl SwitchEffect {
         };
         switches.iter().zip(holm(&tests)).map(effect).collect()
     }
+}
+
+/// The pairs of trials with the same seed and the same state of all other switches, with and without this one.
+fn paired(arms: &[&ArmRecords<'_>], switch: &str) -> Pairs {
+    let rest = |arm: &Arm| {
+        let mut rest = arm.variant.clone();
+        rest.0.remove(switch);
+        rest
+    };
+    let with = arms
+        .iter()
+        .filter(|one| state(one.arm, switch) == Some(true));
+    let without = |one: &ArmRecords<'_>| {
+        let is_control = |other: &&&ArmRecords<'_>| {
+            state(other.arm, switch) == Some(false) && rest(other.arm) == rest(one.arm)
+        };
+        arms.iter().find(is_control)
+    };
+    let pairs = with.filter_map(|one| Some(one.pairs(without(one)?, by_success)));
+    pairs.fold(Pairs::default(), |sum, one| Pairs {
+        better: sum.better + one.better,
+        worse: sum.worse + one.worse,
+        equal: sum.equal + one.equal,
+    })
 }
 
 fn pooled(arms: &[&ArmRecords<'_>], switch: &str, on: bool) -> Proportion {

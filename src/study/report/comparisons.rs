@@ -2,11 +2,14 @@
 
 use serde::Serialize;
 
+use super::ablation;
 use crate::agent::Method;
 use crate::page::Table;
-use crate::study::analysis::summary::{ArmRecords, rounded};
+use crate::study::analysis::summary::{ArmRecords, by_steps, by_success, rounded};
 use crate::study::protocol::{Arm, NOTHING};
-use crate::study::statistics::{Interval, fisher_exact, holm, log_rank, trials_needed};
+use crate::study::statistics::{
+    Interval, difference_to_be_found, holm, log_rank, share_to_be_found, trials_needed,
+};
 
 /// Errors of the first kind that are accepted.
 const ALPHA: f64 = 0.05;
@@ -24,17 +27,28 @@ pub struct Comparison {
     pub against: String,
     /// How much larger the first one's share of successes is, with its 95 % interval.
     pub difference: Interval,
-    /// Fisher's exact p that the shares are equal.
-    pub fisher_p: f64,
+    /// McNemar's exact p that the shares are equal, over the pairs of trials with the same seed.
+    pub mcnemar_p: f64,
     /// The same after Holm's correction over the worlds.
     pub holm_p: f64,
     /// The log-rank p that both find their first optimum equally soon, in episodes.
     pub log_rank_p: f64,
-    /// The same in steps in the environment, after Holm's correction over the worlds.
+    /// In how many pairs of trials with the same seed the first needed fewer steps to its first optimum. A trial without one
+    /// counts as later than any with one.
+    pub sooner: u64,
+    /// In how many it needed more.
+    pub later: u64,
+    /// The sign test's exact p that each is as often sooner as the other, after Holm's correction over the worlds.
     pub steps_holm_p: f64,
     /// Trials of each that would tell such shares apart with a chance of 80 %.
     pub trials_needed: Option<u64>,
 }
+
+/// More combinations of swept values are a search, of which the best are shown, and not a question.
+const MOST_VALUES: usize = 24;
+
+/// More comparisons are not named one by one.
+const MOST_NAMED: usize = 4;
 
 /// The keys of a variant of which each value is compared with [`NOTHING`].
 const AGAINST_NOTHING: [&str; 2] = ["after", "without"];
@@ -51,37 +65,43 @@ impl Comparison {
     }
 
     /// `xcscr-plus` (or else `xcscr`, or the last method) against each other method, and learning
-    /// `after` or `without` something against doing so after or without nothing; in each world.
+    /// `after` or `without` something against doing so after or without nothing, in each world; and each combination of swept
+    /// values against the first one.
     pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
-        let mut families: Vec<(Family, Vec<Self>)> = Vec::new();
-        for (one, other, family) in pairs(arms) {
-            let comparison = Self::new(one, other, &family);
-            match families.iter_mut().find(|(known, _)| *known == family) {
+        let mut families: Vec<(String, Vec<Self>)> = Vec::new();
+        for pair in pairs(arms) {
+            let comparison = Self::new(&pair);
+            match families
+                .iter_mut()
+                .find(|(family, _)| *family == pair.family)
+            {
                 Some((_, members)) => members.push(comparison),
-                None => families.push((family, vec![comparison])),
+                None => families.push((pair.family, vec![comparison])),
             }
         }
         let corrected = |(_, members)| Self::corrected(members);
         families.into_iter().flat_map(corrected).collect()
     }
 
-    /// Comparisons in several worlds that together answer one question.
+    /// Comparisons that together answer one question.
     fn corrected(mut members: Vec<Self>) -> Vec<Self> {
-        let fisher: Vec<f64> = members.iter().map(|one| one.fisher_p).collect();
+        let shares: Vec<f64> = members.iter().map(|one| one.mcnemar_p).collect();
         let steps: Vec<f64> = members.iter().map(|one| one.steps_holm_p).collect();
-        let corrected = holm(&fisher).into_iter().zip(holm(&steps));
+        let corrected = holm(&shares).into_iter().zip(holm(&steps));
         for (one, (holm_p, steps_holm_p)) in members.iter_mut().zip(corrected) {
-            one.fisher_p = rounded(one.fisher_p);
+            one.mcnemar_p = rounded(one.mcnemar_p);
             one.holm_p = rounded(holm_p);
             one.steps_holm_p = rounded(steps_holm_p);
         }
         members
     }
 
-    fn new(a: &ArmRecords<'_>, b: &ArmRecords<'_>, family: &Family) -> Self {
+    fn new(pair: &Pair<'_>) -> Self {
+        let (a, b) = (pair.one, pair.other);
         let (ours, theirs) = (a.successes(), b.successes());
-        let difference = ours.difference(theirs);
-        let [method, against, setting] = family.clone();
+        let (successes, steps) = (a.pairs(b, by_success), a.pairs(b, by_steps));
+        let difference = successes.difference();
+        let [method, against, setting] = pair.names.clone();
         Self {
             world: a.arm.world.clone(),
             setting,
@@ -92,60 +112,124 @@ impl Comparison {
                 low: rounded(difference.low),
                 high: rounded(difference.high),
             },
-            fisher_p: fisher_exact(ours, theirs),
+            mcnemar_p: successes.p(),
             holm_p: 1.0,
             log_rank_p: rounded(log_rank(&a.lifetimes(), &b.lifetimes())),
-            steps_holm_p: log_rank(&a.step_lifetimes(), &b.step_lifetimes()),
+            sooner: steps.better,
+            later: steps.worse,
+            steps_holm_p: steps.p(),
             trials_needed: trials_needed(ours.share(), theirs.share()),
         }
     }
 }
 
-/// What is compared, with what, and what they have in common.
-type Family = [String; 3];
-
-/// Two arms, and the family to which their comparison belongs.
-type Pair<'a> = (&'a ArmRecords<'a>, &'a ArmRecords<'a>, Family);
+/// Two arms that are to be compared.
+struct Pair<'a> {
+    one: &'a ArmRecords<'a>,
+    other: &'a ArmRecords<'a>,
+    /// What is compared, with what, and what they have in common.
+    names: [String; 3],
+    /// Comparisons of one family answer one question together.
+    family: String,
+}
 
 /// All pairs of arms that are to be compared.
 fn pairs<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
+    let mut pairs = pairs_of_methods(arms);
+    pairs.extend(pairs_without(arms));
+    pairs.extend(pairs_of_values(arms));
+    pairs
+}
+
+/// The best method against each other one, in each world; a family has all worlds.
+fn pairs_of_methods<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     let best = best_method(arms);
-    let methods = arms.iter().filter_map(|other| {
+    let pair = |other: &'a ArmRecords<'a>| {
         let is_rival = |one: &&ArmRecords<'_>| {
-            Some(one.arm.method) == best
+            Some(one.arm.method_name()) == best
                 && one.arm.world == other.arm.world
                 && setting(one.arm, "") == setting(other.arm, "")
         };
         let one = arms.iter().find(is_rival)?;
-        let [ours, theirs] = [one, other].map(|records| records.arm.method);
-        let family = [
-            ours.name().to_owned(),
-            theirs.name().to_owned(),
-            setting(one.arm, ""),
-        ];
-        (ours != theirs).then_some((one, other, family))
-    });
-    let variants = AGAINST_NOTHING.iter().flat_map(|key| {
-        arms.iter().filter_map(move |one| {
-            let value = value(one.arm, key).filter(|value| *value != NOTHING)?;
-            let is_control = |other: &&ArmRecords<'_>| {
-                value_is_nothing(other.arm, key)
-                    && (&other.arm.world, other.arm.method) == (&one.arm.world, one.arm.method)
-                    && setting(other.arm, key) == setting(one.arm, key)
-            };
-            let control = arms.iter().find(is_control)?;
-            let ours = format!("{} {key} {value}", one.arm.method.name());
-            let family = [ours, format!("{key} {NOTHING}"), setting(one.arm, key)];
-            Some((one, control, family))
+        let [ours, theirs] = [one, other].map(|records| records.arm.method_name().to_owned());
+        let names = [ours, theirs, setting(one.arm, "")];
+        let family = names.join(" ");
+        (names[0] != names[1]).then_some(Pair {
+            one,
+            other,
+            names,
+            family,
         })
-    });
-    methods.chain(variants).collect()
+    };
+    arms.iter().filter_map(pair).collect()
+}
+
+/// Learning after something, or without a part, against doing so after or without nothing; a family has all worlds.
+fn pairs_without<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
+    let pair = |key: &str, one: &'a ArmRecords<'a>| {
+        let value = value(one.arm, key).filter(|value| *value != NOTHING)?;
+        let is_control = |other: &&ArmRecords<'_>| {
+            value_is_nothing(other.arm, key)
+                && other.arm.world == one.arm.world
+                && other.arm.method_name() == one.arm.method_name()
+                && setting(other.arm, key) == setting(one.arm, key)
+        };
+        let other = arms.iter().find(is_control)?;
+        let ours = format!("{} {key} {value}", one.arm.method_name());
+        let names = [ours, format!("{key} {NOTHING}"), setting(one.arm, key)];
+        let family = names.join(" ");
+        Some(Pair {
+            one,
+            other,
+            names,
+            family,
+        })
+    };
+    let keys = AGAINST_NOTHING.iter();
+    keys.flat_map(|key| arms.iter().filter_map(|one| pair(key, one)))
+        .collect()
+}
+
+/// Each combination of swept values against the first one of its place and method; these are a family. There are none where
+/// only switches are swept, which have tests of their own, and none of large searches.
+fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
+    let switches = ablation::switches(arms);
+    let of_values = |arm: &Arm| {
+        let mut keys = arm.variant.0.keys();
+        let is_other =
+            |key: &String| switches.contains(key) || AGAINST_NOTHING.contains(&key.as_str());
+        keys.any(|key| !is_other(key))
+    };
+    let place = |arm: &Arm| (ablation::place(arm), arm.after.clone());
+    let pair = |one: &'a ArmRecords<'a>| {
+        let mut beside = arms
+            .iter()
+            .filter(|other| place(other.arm) == place(one.arm));
+        let few = beside.clone().count() <= MOST_VALUES;
+        let other = beside
+            .next()
+            .filter(|other| few && other.arm.variant != one.arm.variant)?;
+        let ours = format!("{} {}", one.arm.method_name(), one.arm.variant);
+        let setting = format!("{}, {}", one.arm.arena.name(), one.arm.sensor.name());
+        let names = [ours, other.arm.variant.to_string(), setting];
+        let family = format!("values {:?}", place(one.arm));
+        Some(Pair {
+            one,
+            other,
+            names,
+            family,
+        })
+    };
+    arms.iter()
+        .filter(|one| of_values(one.arm))
+        .filter_map(pair)
+        .collect()
 }
 
 /// The method that is compared with all others.
-fn best_method(arms: &[ArmRecords<'_>]) -> Option<Method> {
-    let methods: Vec<Method> = arms.iter().map(|one| one.arm.method).collect();
-    let ours = [Method::XcscrPlus, Method::Xcscr];
+fn best_method<'a>(arms: &[ArmRecords<'a>]) -> Option<&'a str> {
+    let methods: Vec<&str> = arms.iter().map(|one| one.arm.method_name()).collect();
+    let ours = [Method::XcscrPlus, Method::Xcscr].map(Method::name);
     let best = ours.into_iter().find(|method| methods.contains(method));
     best.or(methods.last().copied())
 }
@@ -167,26 +251,33 @@ fn setting(arm: &Arm, key: &str) -> String {
         .to_owned()
 }
 
-/// The comparisons as a table.
-pub fn table(comparisons: &[Comparison]) -> Table {
+/// The comparisons as a table, with letters for the names of swept settings.
+pub fn table(comparisons: &[Comparison], letters: &[(String, String)]) -> Table {
     let mut table = Table::new([
         "world",
         "setting",
         "comparison",
         "points",
         "95 % interval",
-        "Fisher p",
+        "McNemar p",
         "Holm p",
         "log-rank p",
+        "sooner, later",
         "steps: Holm p",
         "decided",
         "trials needed",
     ]);
-    table.rows = comparisons.iter().map(row).collect();
+    table.rows = comparisons.iter().map(|one| row(one, letters)).collect();
     table.without_dull(|name| name == "setting")
 }
 
-fn row(one: &Comparison) -> Vec<String> {
+fn row(one: &Comparison, letters: &[(String, String)]) -> Vec<String> {
+    let short = |name: &str| {
+        let names = letters.iter().filter(|_| letters.len() > 1);
+        names.fold(name.to_owned(), |name, (letter, key)| {
+            name.replace(&format!("{key}="), &format!("{letter}="))
+        })
+    };
     let decided = match (one.decides_share(), one.decides_steps()) {
         (true, true) => "share, steps",
         (true, false) => "share",
@@ -197,12 +288,13 @@ fn row(one: &Comparison) -> Vec<String> {
     vec![
         one.world.clone(),
         one.setting.clone(),
-        format!("{} − {}", one.method, one.against),
+        format!("{} − {}", short(&one.method), short(&one.against)),
         points(one.difference.value),
         points_range(one.difference),
-        p_value(one.fisher_p),
+        p_value(one.mcnemar_p),
         p_value(one.holm_p),
         p_value(one.log_rank_p),
+        format!("{}, {}", one.sooner, one.later),
         p_value(one.steps_holm_p),
         decided.to_owned(),
         trials.unwrap_or("–".to_owned()),
@@ -210,10 +302,13 @@ fn row(one: &Comparison) -> Vec<String> {
 }
 
 /// What the columns mean.
-pub const LEGEND: &str = "points: how much larger the share of optimal trials is, with Fisher's \
-    exact p. log-rank p: that both find the first optimum equally soon, in episodes; steps: the \
-    same in environment steps. Holm: corrected over the worlds. trials needed: of each, to tell \
-    such shares apart with a chance of 80 %.";
+pub const LEGEND: &str = "Trials with the same seed are pairs. points: how much larger the share of \
+    optimal trials is, with McNemar's exact p. log-rank p: that both find the first optimum equally \
+    soon, in episodes. sooner, later: in how many pairs the first needed fewer or more environment \
+    steps to its first optimum (a trial without one counts as later than any with one), with the p of \
+    the sign test. Holm: corrected over the worlds, or over the \
+    combinations of a sweep. trials needed: of each, to tell such shares apart \
+    with a chance of 80 %, if they were no pairs.";
 
 /// How many comparisons are decided, in a sentence.
 pub fn decided(comparisons: &[Comparison]) -> String {
@@ -242,12 +337,43 @@ pub fn undecided(comparisons: &[Comparison]) -> Option<String> {
         format!("{method} against {against} in {world} (p = {share}, {steps})").replace("= <", "<")
     });
     let words: Vec<String> = words.collect();
+    if words.len() > MOST_NAMED {
+        let (some, all) = (words.len(), comparisons.len());
+        let which = format!("{some} of the {all} comparisons in the table");
+        return Some(format!(
+            "Neither the share of optimal trials nor the steps tell apart {which}."
+        ));
+    }
     (!words.is_empty()).then(|| {
         format!(
             "Neither the share of optimal trials nor the steps tell apart: {}.",
             words.join("; ")
         )
     })
+}
+
+/// Which differences so many trials of each find, and which they may overlook.
+pub fn power(trials: usize) -> String {
+    let trials = trials as u64;
+    let share = difference_to_be_found(trials);
+    let share = share.map_or(
+        "no difference of the shares of optimal trials".to_owned(),
+        |found| {
+            let [low, high] = [0.5 - found / 2.0, 0.5 + found / 2.0].map(|share| 100.0 * share);
+            format!("a difference such as {low:.0} against {high:.0} % of optimal trials")
+        },
+    );
+    let sooner = share_to_be_found(trials);
+    let sooner = sooner.map_or("none in the steps".to_owned(), |found| {
+        format!(
+            "one in the steps if a method is sooner in {:.0} % of the pairs",
+            100.0 * found
+        )
+    });
+    format!(
+        "{trials} trials of each find {share} four times in five, and {sooner}. Smaller differences \
+         are overlooked more often."
+    )
 }
 
 /// A p-value to four decimals.

@@ -50,7 +50,7 @@ pub struct Report {
     #[serde(skip)]
     results: Table,
     #[serde(skip)]
-    letters: Option<String>,
+    letters: Vec<(String, String)>,
     #[serde(skip)]
     settings: String,
     #[serde(skip)]
@@ -93,7 +93,7 @@ impl Report {
             episodes,
             missing,
             results: results::table(specs, &summaries),
-            letters: results::letters_legend(&results::letters(specs)),
+            letters: results::letters(specs),
             arms: summaries,
             against_paper: AgainstPaper::all(&tested, folder.protocol()),
             nearest: Nearness::all(&tested, folder.protocol()),
@@ -101,7 +101,7 @@ impl Report {
             switches: SwitchEffect::all(&tested),
             settings: settings::sentences(folder.protocol()),
             question: question::question(specs),
-            readings: settings::readings(specs),
+            readings: settings::readings(folder.protocol()),
             pictures: Vec::new(),
         }
     }
@@ -149,8 +149,8 @@ impl Report {
             Block::Heading("Table".to_owned()),
             Block::Table(self.results.clone()),
         ]);
-        blocks.extend(self.letters.clone().map(Block::Text));
-        blocks.push(Block::Text(results::LEGEND.to_owned()));
+        blocks.extend(results::letters_legend(&self.letters).map(Block::Text));
+        blocks.push(Block::Text(results::legend(&self.results)));
         if self.missing == 0 {
             blocks.extend(results::fewest_steps(&self.arms).map(Block::Text));
         }
@@ -228,7 +228,7 @@ impl Report {
         if !self.comparisons.is_empty() {
             blocks.extend([
                 Block::Subheading("What the data can decide".to_owned()),
-                Block::Table(comparisons::table(&self.comparisons)),
+                Block::Table(comparisons::table(&self.comparisons, &self.letters)),
                 Block::Text(comparisons::LEGEND.to_owned()),
                 Block::Text(comparisons::decided(&self.comparisons)),
             ]);
@@ -249,6 +249,9 @@ impl Report {
     fn limits(&self) -> Vec<String> {
         let mut limits = vec![results::limits(&self.arms, self.episodes)];
         limits.extend(comparisons::undecided(&self.comparisons));
+        if !self.comparisons.is_empty() {
+            limits.push(comparisons::power(self.trials));
+        }
         if !self.against_paper.is_empty() {
             limits.push(paper::limits(&self.against_paper));
         }

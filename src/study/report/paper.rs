@@ -86,7 +86,7 @@ impl AgainstPaper {
 
     fn new(records: &ArmRecords<'_>) -> Option<Self> {
         let arm = records.arm;
-        let paper = successes(arm.method, &arm.world)?;
+        let paper = successes(arm.built_in()?, &arm.world)?;
         let (_, early_episode) = *EARLY.iter().find(|(world, _)| *world == arm.world)?;
         let (ours, theirs) = (
             records.successes(),

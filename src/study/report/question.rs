@@ -6,7 +6,7 @@ use crate::study::protocol::Arm;
 
 /// The question that the arms of a study answer.
 pub fn question(arms: &[Arm]) -> String {
-    let methods = listed(arms.iter().map(|arm| arm.method.name().to_owned()));
+    let methods = listed(arms.iter().map(|arm| arm.method_name().to_owned()));
     let worlds = listed(arms.iter().map(|arm| arm.world.clone()));
     let (which, find, keep) = match methods.len() {
         1 => ("Does", "find", "does it keep"),

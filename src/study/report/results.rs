@@ -8,30 +8,73 @@ use crate::page::Table;
 use crate::study::analysis::summary::ArmSummary;
 use crate::study::protocol::{Arm, Variant};
 
-/// What the columns mean.
-pub const LEGEND: &str = "optimal: trials whose greedy policy became globally optimal, with \
-    Wilson's interval. median, p95: the episode by which half, or 95 %, of all trials were optimal \
-    (Kaplan-Meier; – when they never were). kept: still optimal after the last episode. held: of the \
-    episodes after the first optimal one, the mean share after which the policy was optimal. steps: \
-    environment steps until then, interquartile mean with bootstrap interval; trials without an \
-    optimum count with all their steps. driven: of the episodes in which the greedy policy drove the \
-    trial's own robot at the end, those that reached a goal; behind it the 95 % interval of the share \
-    of trials that always did. shortest, driven steps: the episodes that took a shortest path (where \
-    moves slip: chose nothing but best actions), and mean steps. obs. errors, mislocalised: what makes physics \
-    another task than the grid: of all steps those before which the sensors read something else \
-    than perfect ones would, and those after which the robot was in another cell than its estimate. \
-    collisions, rules: means of a trial. condensed: \
-    what is left of the rules of retained trials when they are condensed, median and most.";
+/// What columns mean, by the name of one of them.
+const LEGEND: [(&str, &str); 13] = [
+    (
+        "optimal",
+        "optimal: trials whose greedy policy became globally optimal, with Wilson's interval.",
+    ),
+    (
+        "median",
+        "median, p95: the episode by which half, or 95 %, of all trials were optimal (Kaplan-Meier; – when they never were).",
+    ),
+    ("kept", "kept: still optimal after the last episode."),
+    (
+        "held",
+        "held: of the episodes after the first optimal one, the mean share after which the policy was optimal.",
+    ),
+    (
+        "steps (IQM)",
+        "steps: environment steps until then, interquartile mean with bootstrap interval; trials without an optimum count with all their steps.",
+    ),
+    (
+        "driven",
+        "driven: of the episodes in which the greedy policy drove the trial's own robot at the end, those that reached a goal; behind it the 95 % interval of the share of trials that always did.",
+    ),
+    (
+        "shortest",
+        "shortest: the driven episodes that took a shortest path (where moves slip: chose nothing but best actions).",
+    ),
+    ("driven steps", "driven steps: their mean steps."),
+    (
+        "obs. errors",
+        "obs. errors: of all steps those before which the sensors read something else than perfect ones would.",
+    ),
+    (
+        "mislocalised",
+        "mislocalised: of all steps those after which the robot was in another cell than its estimate.",
+    ),
+    ("collisions", "collisions: mean of a trial."),
+    ("rules", "rules: mean of a trial."),
+    (
+        "condensed",
+        "condensed: what is left of the rules of retained trials when they are condensed, median and most.",
+    ),
+];
+
+/// What the columns of a table of results mean.
+pub fn legend(table: &Table) -> String {
+    let shown = LEGEND
+        .iter()
+        .filter(|(column, _)| table.header.iter().any(|name| name == column));
+    let words: Vec<&str> = shown.map(|(_, words)| *words).collect();
+    words.join(" ")
+}
 
 /// Letters for the settings of a sweep, in the order of their names.
-pub fn letters(arms: &[Arm]) -> Vec<(char, String)> {
+pub fn letters(arms: &[Arm]) -> Vec<(String, String)> {
     let keys = arms.iter().flat_map(|arm| arm.variant.0.keys().cloned());
     let keys: BTreeSet<String> = keys.collect();
-    ('A'..='Z').zip(keys).collect()
+    let letter = |at: usize| {
+        char::from(b'A' + (at % 26) as u8)
+            .to_string()
+            .repeat(1 + at / 26)
+    };
+    (0..).map(letter).zip(keys).collect()
 }
 
 /// What the letters mean; nothing without a sweep.
-pub fn letters_legend(letters: &[(char, String)]) -> Option<String> {
+pub fn letters_legend(letters: &[(String, String)]) -> Option<String> {
     if let [(_, only)] = letters {
         return Some(format!("variant: the value of `{only}`."));
     }
@@ -48,15 +91,15 @@ pub fn letters_legend(letters: &[(char, String)]) -> Option<String> {
 }
 
 /// The values of a variant behind their letters.
-fn variant(variant: &Variant, letters: &[(char, String)]) -> String {
+fn variant(variant: &Variant, letters: &[(String, String)]) -> String {
     if let [(_, only)] = letters {
         let value = variant.0.get(only);
         return value.map_or("–".to_owned(), |v| {
             v.as_str().map_or(v.to_string(), str::to_owned)
         });
     }
-    let word = |(letter, key): &(char, String)| match variant.0.get(key) {
-        Some(Value::Bool(true)) => letter.to_string(),
+    let word = |(letter, key): &(String, String)| match variant.0.get(key) {
+        Some(Value::Bool(true)) => letter.clone(),
         Some(Value::Bool(false)) | None => "–".to_owned(),
         Some(Value::String(text)) => format!("{letter}={text}"),
         Some(value) => format!("{letter}={value}"),
@@ -111,7 +154,7 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
 fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
     vec![
         arm.world.clone(),
-        arm.method.to_owned(),
+        arm.method.clone(),
         arm.arena.to_owned(),
         arm.sensor.to_owned(),
         variant,
@@ -224,7 +267,7 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
         if let Some((winner, is_clear)) = winner(&rivals) {
             let doubt = if is_clear { "" } else { " ?" };
             let words = format!("{}{doubt}", name(winner));
-            winners.entry(winner.method).or_default().push(words);
+            winners.entry(&winner.method).or_default().push(words);
         }
     }
     let words = winners.iter().map(|(method, won)| {
@@ -234,25 +277,30 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
     let words: Vec<String> = words.collect();
     (!words.is_empty()).then(|| {
         format!(
-            "Fewest steps to the first optimum: {}. A ? stands where the intervals of the best two \
-             overlap.",
+            "Most trials optimal and, of those with as many, the fewest steps to the first optimum: {}. A ? \
+             stands where the intervals of the best two overlap.",
             words.join("; ")
         )
     })
 }
 
-/// Which of some in one place has the fewest steps, and whether by more than chance may give;
-/// nothing where none has found an optimum.
+/// Which of some in one place has the fewest steps, and whether by more than chance may give; nothing where none has found
+/// an optimum. Only those compete that found it in the most trials: where a trial without an optimum is short, steps alone
+/// would favour who fails.
 fn winner<'a>(rivals: &[&'a ArmSummary]) -> Option<(&'a ArmSummary, bool)> {
     let steps = |arm: &ArmSummary| arm.iqm_env_steps.unwrap_or(f64::INFINITY);
-    let mut ranked = rivals.to_vec();
-    ranked.sort_by(|a, b| steps(a).total_cmp(&steps(b)));
-    let [first, second, ..] = ranked[..] else {
-        return None;
-    };
-    if first.successes == 0 {
+    let most = rivals.iter().map(|arm| arm.successes).max()?;
+    if most == 0 || rivals.len() < 2 {
         return None;
     }
+    let mut ranked: Vec<_> = rivals.iter().filter(|arm| arm.successes == most).collect();
+    ranked.sort_by(|a, b| steps(a).total_cmp(&steps(b)));
+    let first = *ranked[0];
+    let Some(second) = ranked.get(1) else {
+        let rest = rivals.iter().filter(|arm| arm.successes < most);
+        let is_clear = rest.map(|arm| arm.wilson_high).fold(0.0, f64::max) < first.wilson_low;
+        return Some((first, is_clear));
+    };
     let is_clear = first.iqm_env_steps_high < second.iqm_env_steps_low;
     Some((first, is_clear))
 }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use toml::{Table, Value};
 
+use crate::agent::Method;
 use crate::page;
 use crate::study::protocol::{Arm, Protocol};
 use crate::trial::{FROM_MAZE, STEP_THRESHOLD, Settings, flatten};
@@ -62,7 +63,7 @@ fn scope(arms: &[Arm], holds: &[bool]) -> String {
             .all(|(arm, _)| names.contains(&name(arm)));
         whole.then(|| names.join(", "))
     };
-    if let Some(methods) = by(|arm| arm.method.name()) {
+    if let Some(methods) = by(|arm| arm.method_name()) {
         return format!("for {methods}");
     }
     if let Some(worlds) = by(|arm| &arm.world) {
@@ -70,7 +71,7 @@ fn scope(arms: &[Arm], holds: &[bool]) -> String {
     }
     let held = arms.iter().zip(holds).filter(|(_, holds)| **holds);
     let places: BTreeSet<String> = held
-        .map(|(arm, _)| format!("{} in {}", arm.method.name(), arm.world))
+        .map(|(arm, _)| format!("{} in {}", arm.method_name(), arm.world))
         .collect();
     format!("for {}", Vec::from_iter(places).join(", "))
 }
@@ -113,9 +114,11 @@ const READINGS: [(&str, &str); 15] = [
 ];
 
 /// Which readings of the paper were used, if one of its methods took part.
-pub fn readings(arms: &[Arm]) -> Option<page::Table> {
-    let arms = arms.iter().filter(|arm| arm.method.is_of_paper());
-    let all: Vec<BTreeMap<String, Value>> = arms.map(|arm| values(&arm.settings)).collect();
+pub fn readings(protocol: &Protocol) -> Option<page::Table> {
+    let arms = protocol.arms.iter().enumerate();
+    let arms = arms.filter(|(_, arm)| arm.built_in().is_some_and(Method::is_of_paper));
+    let settled = arms.map(|(number, _)| protocol.plan(number * protocol.trials).settled());
+    let all: Vec<_> = settled.map(|plan| values(&plan.config.settings)).collect();
     let defaults = values(&Settings::default());
     let mut table = page::Table::new(["where the paper is open", "setting", "here", "default"]);
     table.rows = READINGS

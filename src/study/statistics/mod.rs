@@ -5,13 +5,15 @@
 mod bootstrap;
 mod fisher;
 mod iqm;
+mod paired;
 mod proportion;
 mod survival;
 
 pub use bootstrap::bootstrap_interval;
 pub use fisher::{fisher_exact, holm};
 pub use iqm::{iqm, quantile};
-pub use proportion::{Proportion, trials_needed};
+pub use paired::{Pairs, share_to_be_found};
+pub use proportion::{Proportion, difference_to_be_found, trials_needed};
 pub use survival::{Lifetime, Point, Survival, log_rank};
 
 /// The normal deviate that leaves 2.5 % on either side.

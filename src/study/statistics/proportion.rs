@@ -57,12 +57,13 @@ impl Proportion {
     }
 }
 
+/// The normal deviate below which 80 % lie.
+pub(super) const Z_80: f64 = 0.841_621_233_572_914_3;
+
 /// The trials per group with which Fisher's exact test tells two shares apart with a chance of
 /// 80 %, at 5 % error, by the formula of Casagrande, Pike and Smith (1978); `None` when they are
 /// equal.
 pub fn trials_needed(a: f64, b: f64) -> Option<u64> {
-    /// The normal deviate below which 80 % lie.
-    const Z_80: f64 = 0.841_621_233_572_914_3;
     if a == b {
         return None;
     }
@@ -73,6 +74,14 @@ pub fn trials_needed(a: f64, b: f64) -> Option<u64> {
     let uncorrected = root * root;
     let correction = 1.0 + (1.0 + 4.0 / (uncorrected * (a - b).abs())).sqrt();
     Some((uncorrected * correction * correction / 4.0).ceil() as u64)
+}
+
+/// The smallest difference of two shares around one half, in hundredths, that so many trials of each find with a chance of
+/// 80 % by [`trials_needed`]; `None` if not even 0 against 1 is found.
+pub fn difference_to_be_found(trials: u64) -> Option<f64> {
+    let mut shares = (1..=50).map(|percent| f64::from(percent) / 100.0);
+    let found = |half: &f64| trials_needed(0.5 - half, 0.5 + half).is_some_and(|n| n <= trials);
+    shares.find(found).map(|half| 2.0 * half)
 }
 
 #[cfg(test)]

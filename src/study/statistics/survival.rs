@@ -1,6 +1,6 @@
 //! Waiting times, some of which were cut off: Kaplan-Meier curves and the log-rank test.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use statrs::function::erf::erfc;
 
@@ -45,9 +45,12 @@ impl Survival {
             high: 1.0,
         }];
         let (mut value, mut greenwood) = (1.0, 0.0);
-        for time in event_times(lifetimes) {
-            let waiting = waiting(lifetimes, time);
-            let events = events(lifetimes, time);
+        for Moment {
+            time,
+            waiting,
+            events,
+        } in moments(lifetimes)
+        {
             value *= 1.0 - events / waiting;
             greenwood += events / (waiting * (waiting - events));
             let (low, high) = limits(value, greenwood);
@@ -82,31 +85,65 @@ fn limits(value: f64, greenwood: f64) -> (f64, f64) {
     (value.powf((-spread).exp()), value.powf(spread.exp()))
 }
 
-fn event_times(lifetimes: &[Lifetime]) -> BTreeSet<u32> {
-    let events = lifetimes.iter().filter(|one| one.happened);
-    events.map(|one| one.time).collect()
+/// A time at which events came, how many waited until then, and how many events came.
+struct Moment {
+    time: u32,
+    waiting: f64,
+    events: f64,
 }
 
-/// How many wait until `time` at least.
-pub fn waiting(lifetimes: &[Lifetime], time: u32) -> f64 {
-    lifetimes.iter().filter(|one| one.time >= time).count() as f64
+/// The times at which events came, in their order.
+fn moments(lifetimes: &[Lifetime]) -> Vec<Moment> {
+    let mut sorted = lifetimes.to_vec();
+    sorted.sort_unstable_by_key(|one| one.time);
+    let (mut moments, mut left) = (Vec::new(), sorted.len());
+    for same in sorted.chunk_by(|a, b| a.time == b.time) {
+        let events = same.iter().filter(|one| one.happened).count();
+        if events > 0 {
+            moments.push(Moment {
+                time: same[0].time,
+                waiting: left as f64,
+                events: events as f64,
+            });
+        }
+        left -= same.len();
+    }
+    moments
 }
 
-fn events(lifetimes: &[Lifetime], time: u32) -> f64 {
-    let now = lifetimes
-        .iter()
-        .filter(|one| one.happened && one.time == time);
-    now.count() as f64
+/// The times of the lifetimes in order, and how many of them are at least a given one.
+struct Waiting(Vec<u32>);
+
+impl Waiting {
+    fn of(lifetimes: &[Lifetime]) -> Self {
+        let mut times: Vec<u32> = lifetimes.iter().map(|one| one.time).collect();
+        times.sort_unstable();
+        Self(times)
+    }
+
+    fn until(&self, time: u32) -> f64 {
+        (self.0.len() - self.0.partition_point(|&other| other < time)) as f64
+    }
 }
 
 /// The p of the log-rank test (Mantel 1966) that two groups wait equally long.
 pub fn log_rank(a: &[Lifetime], b: &[Lifetime]) -> f64 {
+    let both = [a, b].concat();
+    let events_of_a: BTreeMap<u32, f64> = moments(a)
+        .iter()
+        .map(|moment| (moment.time, moment.events))
+        .collect();
+    let waiting = Waiting::of(a);
     let (mut excess, mut variance) = (0.0, 0.0);
-    for time in event_times(a).union(&event_times(b)).copied() {
-        let (waiting_a, waiting_b) = (waiting(a, time), waiting(b, time));
-        let all = waiting_a + waiting_b;
-        let came = events(a, time) + events(b, time);
-        excess += events(a, time) - came * waiting_a / all;
+    for Moment {
+        time,
+        waiting: all,
+        events: came,
+    } in moments(&both)
+    {
+        let waiting_a = waiting.until(time);
+        let waiting_b = all - waiting_a;
+        excess += events_of_a.get(&time).copied().unwrap_or(0.0) - came * waiting_a / all;
         if all > 1.0 {
             variance += came * (waiting_a / all) * (waiting_b / all) * (all - came) / (all - 1.0);
         }

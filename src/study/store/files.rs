@@ -23,6 +23,8 @@ pub const SEARCH: &str = "search.json";
 pub const JOURNAL: &str = "journal";
 /// The table of episodes.
 pub const EPISODES: &str = "episodes.csv.gz";
+/// The table of learning curves.
+pub const LEARNING_CURVES: &str = "learning-curves.csv";
 
 /// What `plan.json` holds.
 #[derive(Serialize, Deserialize)]

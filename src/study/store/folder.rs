@@ -6,22 +6,29 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::files::{EPISODES, JOURNAL, PLAN, foreign, names, read_plan, read_records, write_plan};
+use super::files::{
+    EPISODES, JOURNAL, LEARNING_CURVES, PLAN, foreign, names, read_plan, read_records, write_plan,
+};
 use super::journal::{self, Journal};
 use super::record::{TrialRecord, trial};
 use super::records::Records;
 use crate::disk;
 use crate::disk::{FolderLock, LOCK, LockError};
+use crate::study::analysis::learning::{CurvePoint, curves};
 use crate::study::error::StudyError;
+use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::Plan;
 
 /// So many records are written to a journal at once.
 const MOST_AT_ONCE: usize = 1_000;
 /// What is made of finished trials.
-const OUTPUTS: [&str; 13] = [
+const OUTPUTS: [&str; 18] = [
     "trials.csv",
     EPISODES,
+    LEARNING_CURVES,
+    "episodes.svg",
+    "episodes.png",
     "summary.json",
     "report.md",
     "report.html",
@@ -31,6 +38,8 @@ const OUTPUTS: [&str; 13] = [
     "curves.png",
     "steps.svg",
     "steps.png",
+    "heat.svg",
+    "heat.png",
     "ablation.svg",
     "ablation.png",
 ];
@@ -241,16 +250,24 @@ impl StudyFolder {
         failed.map(|record| record.trial).collect()
     }
 
-    /// The best trial and its plan: optimal at the end, after the fewest steps, and of several the first. `None` if no trial
-    /// reached a goal.
+    /// By arm, the learning curve that was written with the table of episodes; `None` without one.
+    pub(in crate::study) fn learning_curves(&self) -> Option<Vec<Vec<CurvePoint>>> {
+        let table = disk::read(&self.path.join(LEARNING_CURVES), disk::MOST_BYTES).ok()?;
+        curves(&self.protocol.arms, self.protocol.episodes, &table)
+    }
+
+    /// The best trial and its plan: optimal at the end, after the fewest steps, and of several the first. `None` if no trial of a
+    /// built-in method reached a goal.
     pub fn best_trial(&self) -> Option<(usize, Plan)> {
         let reached = self.records().filter_map(|record| {
             let progress = record.result.ok()?.progress;
             let steps = progress.first_optimal_env_steps.unwrap_or(u64::MAX);
+            let is_own = self.protocol.arm(record.trial).agent.is_some();
+            let progress = Some(progress).filter(|_| !is_own)?;
             Some((!progress.optimal, steps, progress.best_steps?, record.trial))
         });
         let (.., number) = reached.min()?;
-        let trial = trial(&self.protocol, number).ok()?;
+        let trial = trial(&self.protocol, &Agents::default(), number).ok()?;
         Some((number, trial.plan().clone()))
     }
 

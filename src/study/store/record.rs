@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::{Deserialize, Serialize};
 
 use crate::agent::pomdp::MOST_BELIEFS;
+use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::{Condensed, Config, Evaluation, GreedySteps, Plan, Progress, Trial};
 use crate::world::Maze;
@@ -69,6 +70,15 @@ impl Driven {
 }
 
 impl Figures {
+    /// Accepts the figures to which a trial with an agent of one's own can have come: it has its own limit of steps, and as many
+    /// rules as it wants.
+    fn check_own(&self, mut config: Config) -> Result<(), OutOfRange> {
+        config.settings.reward.step_threshold = u32::MAX;
+        let limit = f64::from(u32::MAX);
+        self.progress.check(&config)?;
+        self.driven.map_or(Ok(()), |driven| driven.check(limit))
+    }
+
     /// Accepts the figures to which a trial of these choices can have come at its end.
     fn check(&self, maze: &Maze, config: &Config) -> Result<(), OutOfRange> {
         within(
@@ -119,9 +129,9 @@ pub struct TrialRecord {
 impl TrialRecord {
     /// Runs a trial of a study to its end. A fault of the trial, even a panic, becomes part of the
     /// record.
-    pub fn of(protocol: &Protocol, trial: usize) -> Self {
+    pub(in crate::study) fn of(protocol: &Protocol, agents: &Agents, trial: usize) -> Self {
         let result = catch_unwind(AssertUnwindSafe(|| {
-            let trial = self::trial(protocol, trial)?;
+            let trial = self::trial(protocol, agents, trial)?;
             figures(&finished(trial), protocol.drives)
         }));
         let result = result.unwrap_or_else(|panic| Err(words(&*panic)));
@@ -139,8 +149,10 @@ impl TrialRecord {
                 "the study has no trial {trial}: it has {trials}, counted from 0"
             ));
         }
-        let figures = self.figures().map_or(Ok(()), |figures| {
-            figures.check(protocol.maze(trial), &protocol.config(trial))
+        let is_own = protocol.arm(trial).agent.is_some();
+        let figures = self.figures().map_or(Ok(()), |figures| match is_own {
+            true => figures.check_own(protocol.config(trial)),
+            false => figures.check(protocol.maze(trial), &protocol.config(trial)),
         });
         figures.map_err(|fault| format!("trial {trial}: {fault}"))
     }
@@ -152,13 +164,25 @@ impl TrialRecord {
 }
 
 /// Prepares a trial of a study, which starts from what an earlier one has learned if there is one.
-pub(in crate::study) fn trial(protocol: &Protocol, number: usize) -> Result<Trial, String> {
+pub(in crate::study) fn trial(
+    protocol: &Protocol,
+    agents: &Agents,
+    number: usize,
+) -> Result<Trial, String> {
+    let begin = |plan: Plan| match &protocol.arm(number).agent {
+        Some(name) => {
+            let plan = plan.settled();
+            let agent = agents.build(name, &plan)?;
+            Trial::with_agent(plan, agent).map_err(|fault| fault.to_string())
+        }
+        None => Trial::new(plan).map_err(|fault| fault.to_string()),
+    };
     let mut plan = protocol.plan(number);
     if let Some(earlier) = protocol.earlier_plan(number) {
-        let earlier = Trial::new(earlier).map_err(|fault| fault.to_string())?;
-        plan.config.initial = Some(finished(earlier).method().knowledge());
+        let knowledge = finished(begin(earlier)?).method().knowledge();
+        plan.config.initial = Some(knowledge);
     }
-    Trial::new(plan).map_err(|fault| fault.to_string())
+    begin(plan)
 }
 
 /// The figures of a finished trial.

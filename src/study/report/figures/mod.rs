@@ -3,6 +3,8 @@
 mod ablation;
 mod canvas;
 mod curves;
+mod episodes;
+mod heat;
 mod histogram;
 mod panels;
 mod steps;
@@ -11,6 +13,8 @@ mod theme;
 use ablation::Ablation;
 use canvas::Drawing;
 use curves::Curves;
+use episodes::Episodes;
+use heat::Heat;
 use histogram::Histograms;
 use panels::Panels;
 use steps::Steps;
@@ -34,9 +38,17 @@ const CURVES: Subject = Subject {
     name: "curves",
     caption: "The share of trials that had found an optimal policy",
 };
+const EPISODES: Subject = Subject {
+    name: "episodes",
+    caption: "Steps per episode",
+};
 const STEPS: Subject = Subject {
     name: "steps",
     caption: "Environment steps until the policy was globally optimal",
+};
+const HEAT: Subject = Subject {
+    name: "heat",
+    caption: "Optimal trials by two settings",
 };
 const ABLATION: Subject = Subject {
     name: "ablation",
@@ -54,9 +66,15 @@ pub fn draw_figures(folder: &StudyFolder, arms: &[ArmSummary]) -> Result<Vec<Pic
     if panels.series.len() <= theme::MOST_SERIES {
         pictures.push(draw(folder, FIRST_OPTIMAL, &Histograms(&panels))?);
         pictures.push(draw(folder, CURVES, &Curves(&panels))?);
+        if let Some(curves) = folder.learning_curves() {
+            pictures.push(draw(folder, EPISODES, &Episodes::new(&panels, &curves))?);
+        }
     }
     if let Some(chart) = Steps::new(&panels, arms) {
         pictures.push(draw(folder, STEPS, &chart)?);
+    }
+    if let Some(chart) = Heat::new(&folder.protocol().arms, arms) {
+        pictures.push(draw(folder, HEAT, &chart)?);
     }
     if let Some(chart) = Ablation::new(&records) {
         pictures.push(draw(folder, ABLATION, &chart)?);

@@ -42,7 +42,7 @@ impl<'a> Panels<'a> {
         };
         let (mut places, mut series) = (Vec::new(), Vec::new());
         let spot = |ArmRecords { arm, .. }: &ArmRecords<'_>| {
-            let who = format!("{} {}", arm.method.name(), arm.variant);
+            let who = format!("{} {}", arm.method_name(), arm.variant);
             let column = index_of(&mut places, place(arm));
             (column, index_of(&mut series, who.trim_end().to_owned()))
         };

@@ -16,6 +16,8 @@ const AXIS: u32 = 220;
 const FIGURES: u32 = 96;
 const CAPTION: u32 = 26;
 const LABELS: u32 = 46;
+/// The width of the note under the title.
+const NOTE: u32 = 760;
 const ROW: u32 = 18;
 /// Panels beside each other.
 const MOST_COLUMNS: usize = 3;
@@ -111,7 +113,7 @@ impl Drawing for Steps<'_> {
     fn size(&self) -> Size {
         let (columns, rows) = (self.columns(), self.costs.len().div_ceil(self.columns()));
         let width = self.names() + columns as u32 * (AXIS + FIGURES);
-        (width, TOP + rows as u32 * self.panel_height())
+        (width.max(NOTE), TOP + rows as u32 * self.panel_height())
     }
 
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {

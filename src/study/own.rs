@@ -1,0 +1,128 @@
+//! Studies with agents of one's own beside the built-in methods.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+use super::error::StudyError;
+use super::protocol::Protocol;
+use super::runner::{StudyWatcher, run_trials};
+use super::store::Shard;
+use super::store::folder::{OpenFolder, StudyFolder};
+use crate::agent::Agent;
+use crate::trial::Plan;
+
+/// Builds the agent of a trial from the trial's plan.
+type Build = dyn Fn(&Plan) -> Box<dyn Agent> + Send + Sync;
+
+/// Agents that a program brings with it, by their names.
+#[derive(Default)]
+pub struct Agents(BTreeMap<String, Box<Build>>);
+
+impl Agents {
+    /// A new agent of this name for a trial.
+    ///
+    /// # Errors
+    /// When this program has none of this name.
+    pub fn build(&self, name: &str, plan: &Plan) -> Result<Box<dyn Agent>, String> {
+        let build = self.0.get(name).ok_or_else(|| missing(name))?;
+        Ok(build(plan))
+    }
+
+    /// Requires the agents of a study.
+    ///
+    /// # Errors
+    /// [`StudyError::File`] when this program lacks one.
+    pub fn require_for(&self, protocol: &Protocol) -> Result<(), StudyError> {
+        let mut named = protocol.arms.iter().filter_map(|arm| arm.agent.as_ref());
+        let lacking = named.find(|name| !self.0.contains_key(*name));
+        lacking.map_or(Ok(()), |name| {
+            let origin = protocol.name.clone();
+            Err(StudyError::File {
+                origin,
+                fault: missing(name),
+            })
+        })
+    }
+}
+
+fn missing(name: &str) -> String {
+    format!("this program has no agent `{name}`: run the study with the program that has it")
+}
+
+impl fmt::Debug for Agents {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_set().entries(self.0.keys()).finish()
+    }
+}
+
+/// A study that can be run: a protocol, and agents of one's own beside the built-in methods.
+#[derive(Debug)]
+pub struct Study {
+    protocol: Protocol,
+    agents: Agents,
+}
+
+impl Study {
+    /// A study of built-in methods.
+    pub fn new(protocol: Protocol) -> Self {
+        let agents = Agents::default();
+        Self { protocol, agents }
+    }
+
+    /// The same with an agent of one's own, in the worlds, arenas, sensors and variants of the built-in methods, and with the
+    /// same seeds. `build` makes the agent of a trial from its plan, which has the world, the settings and the seed.
+    ///
+    /// The agent appears under its name in reports, tests, tables and figures. They can be made by any program, but trials
+    /// run only in one that has the agent.
+    ///
+    /// # Errors
+    /// [`StudyError::File`] when the name is not one of small letters, digits and hyphens, or is taken.
+    pub fn with_agent(
+        mut self,
+        name: &str,
+        build: impl Fn(&Plan) -> Box<dyn Agent> + Send + Sync + 'static,
+    ) -> Result<Self, StudyError> {
+        self.protocol.add_agent(name)?;
+        self.agents.0.insert(name.to_owned(), Box::new(build));
+        Ok(self)
+    }
+
+    /// What is going to be done.
+    pub fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+
+    /// Runs what is missing of one shard of the study in the folder `out`, on `jobs` threads (all cores when 0). The results
+    /// do not depend on `jobs`.
+    ///
+    /// # Errors
+    /// When the folder holds another study, is in use, or cannot be written.
+    pub fn run(
+        &self,
+        out: &Path,
+        shard: Shard,
+        jobs: usize,
+        watcher: &mut dyn StudyWatcher,
+    ) -> Result<StudyFolder, StudyError> {
+        let mut open = OpenFolder::open(out, &self.protocol)?;
+        let mut trials = open.folder().missing();
+        trials.retain(|trial| shard.holds(*trial));
+        let study = (&self.protocol, &self.agents);
+        run_trials(study, &trials, jobs, &mut open, watcher)?;
+        open.close()
+    }
+
+    /// Writes a row for each episode into `episodes.csv.gz` in the folder of the study: see [`StudyFolder::write_episodes`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn write_episodes(
+        &self,
+        folder: &StudyFolder,
+        jobs: usize,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<(), StudyError> {
+        folder.write_episodes_with(&self.agents, jobs, stop)
+    }
+}

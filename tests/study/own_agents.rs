@@ -1,0 +1,102 @@
+//! Agents of one's own in a study.
+
+use std::path::{Path, PathBuf};
+
+use xcscr::study::{Overrides, Protocol, Report, Shard, Study, StudyFile, StudyFolder};
+
+use crate::kit::program::outcome;
+
+#[path = "../../examples/agents/fewest_steps.rs"]
+mod fewest_steps;
+use fewest_steps::FewestSteps;
+
+const FILE: &str = r#"
+name = "own"
+worlds = ["maze4", "maze5"]
+methods = ["xcs", "q-learning"]
+trials = 5
+episodes = 40
+"#;
+
+fn study() -> Study {
+    let file = StudyFile::parse(FILE, "own.toml", Path::new(".")).unwrap();
+    Study::new(Protocol::new(&file, &Overrides::default()).unwrap())
+}
+
+fn with_own(study: Study) -> Study {
+    let built = study.with_agent("fewest-steps", |plan| Box::new(FewestSteps::new(plan)));
+    built.unwrap()
+}
+
+fn run(study: &Study, folder: PathBuf) -> StudyFolder {
+    study.run(&folder, Shard::WHOLE, 1, &mut ()).unwrap()
+}
+
+#[test]
+fn an_agent_of_ones_own_runs_in_every_world_with_the_seeds_of_the_others_and_changes_none_of_them()
+{
+    let place = tempfile::tempdir().unwrap();
+    let own = run(&with_own(study()), place.path().join("own"));
+    let plain = run(&study(), place.path().join("plain"));
+    let arms: Vec<String> = own
+        .protocol()
+        .arms
+        .iter()
+        .map(|arm| format!("{} {}", arm.world, arm.method_name()))
+        .collect();
+    let expected = ["xcs", "q-learning", "fewest-steps"];
+    let expected = ["maze4", "maze5"].map(|world| expected.map(|name| format!("{world} {name}")));
+    assert_eq!(arms, expected.concat());
+    let figures = |folder: &StudyFolder, is_own: bool| {
+        let records = folder.records();
+        let of_kind =
+            records.filter(|one| folder.protocol().arm(one.trial).agent.is_some() == is_own);
+        of_kind.map(|one| one.result.unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!(figures(&own, false), figures(&plain, false));
+    let found = figures(&own, true);
+    assert_eq!(found.len(), 10);
+    assert!(found.iter().any(|one| one.progress.best_steps.is_some()));
+}
+
+#[test]
+fn it_stands_in_report_tables_and_tests_which_the_program_without_it_can_make() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("own");
+    let study = with_own(study());
+    let folder = run(&study, path.clone());
+    let report = Report::new(&folder).terminal();
+    assert!(report.contains("fewest-steps − q-learning"), "{report}");
+    study.write_episodes(&folder, 1, &|| false).unwrap();
+    let table = std::fs::read_to_string(path.join("learning-curves.csv")).unwrap();
+    assert_eq!(
+        table.matches("fewest-steps").count(),
+        80,
+        "two worlds, 40 episodes"
+    );
+    // Nobody else works in the folder.
+    drop(folder);
+    let path = path.to_str().unwrap();
+    let (code, stdout, stderr) = outcome(&["study", "report", path]);
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(stdout.contains("fewest-steps"), "{stdout}");
+    // The program has no such agent, and does not give an incomplete table for a whole one.
+    let (code, _, stderr) = outcome(&["study", "episodes", path, "--force"]);
+    assert_ne!(code, Some(0));
+    assert!(stderr.contains("fewest-steps"), "{stderr}");
+}
+
+#[test]
+fn names_that_are_taken_or_no_names_are_refused() {
+    for (name, words) in [
+        ("xcs", "the name of another method"),
+        ("r-max", "the name of another method"),
+        ("fewest-steps", "the name of another method"),
+        ("", "small letters"),
+        ("<b>", "small letters"),
+    ] {
+        let refused = with_own(study()).with_agent(name, |plan| Box::new(FewestSteps::new(plan)));
+        let message = refused.unwrap_err().to_string();
+        assert!(message.contains(words), "{name}: {message}");
+    }
+}
