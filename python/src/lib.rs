@@ -2,6 +2,7 @@
 
 mod plan;
 mod robot;
+mod robots;
 mod trial;
 mod wheels;
 
@@ -12,6 +13,8 @@ use pyo3::prelude::*;
 mod _native {
     #[pymodule_export]
     use super::robot::Robot;
+    #[pymodule_export]
+    use super::robots::Robots;
     #[pymodule_export]
     use super::trial::{Trained, train};
     #[pymodule_export]

@@ -11,9 +11,10 @@ from gymnasium.envs.registration import register, registry
 from ._native import bundled_worlds, methods, sensors
 from .envs import MazeEnv
 from .learning import Result, Rule, train
+from .vector import MazeVectorEnv
 from .wheels import WheelsEnv
 
-__all__ = ["MazeEnv", "Result", "Rule", "WheelsEnv", "bundled_worlds", "methods", "sensors", "train"]
+__all__ = ["MazeEnv", "MazeVectorEnv", "Result", "Rule", "WheelsEnv", "bundled_worlds", "methods", "sensors", "train"]
 __version__ = "0.1.0"
 
 
@@ -23,14 +24,14 @@ def _id(world: str) -> str:
 
 
 def _register() -> None:
-    entry = "xcscr.envs:MazeEnv"
+    entry, many = "xcscr.envs:MazeEnv", "xcscr.vector:MazeVectorEnv"
     if "xcscr/Maze-v0" not in registry:
-        register("xcscr/Maze-v0", entry_point=entry)
+        register("xcscr/Maze-v0", entry_point=entry, vector_entry_point=many)
     if "xcscr/Wheels-v0" not in registry:
         register("xcscr/Wheels-v0", entry_point="xcscr.wheels:WheelsEnv")
     for world in bundled_worlds():
         if _id(world) not in registry:
-            register(_id(world), entry_point=entry, kwargs={"world": world})
+            register(_id(world), entry_point=entry, vector_entry_point=many, kwargs={"world": world})
 
 
 _register()

@@ -136,7 +136,7 @@ pub struct Lasting {
 }
 
 /// A maze with a robot in it. The clock runs on over all episodes of a trial.
-pub trait Arena {
+pub trait Arena: Send {
     /// Puts the robot at rest into the middle of `start`, a free cell.
     fn reset(&mut self, start: Cell);
 

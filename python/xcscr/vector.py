@@ -1,0 +1,178 @@
+"""Many environments at a time, stepped by threads outside of Python."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from ._native import Robot, Robots
+from .choice import choice, with_goal
+from .envs import MazeEnv
+
+OUTCOMES = np.array(["moved", "found-reward", "collided", "stalled", "reached-goal"])
+COLLIDED, REACHED_GOAL, RESTS = 2, 4, 255
+
+
+class MazeVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
+    """`num_envs` environments like `MazeEnv`, with its arguments; each is the one of `MazeEnv` with the seed `seed + i`.
+
+    The robots move on all cores, and Python's lock is free meanwhile. The results do not depend on the number of cores or of
+    other environments. `autoreset_mode` says what happens after the end of an episode: the next step resets
+    (`AutoresetMode.NEXT_STEP`), the same step does (`SAME_STEP`; `infos` then has `final_obs` and `final_info`), or nothing does
+    (`DISABLED`): `reset(options={"reset_mask": mask})` resets some of them.
+
+    `infos` has arrays by environment: `cell`, `pose`, `collision_impulse`, `shortest_distance` (-1 without a way) and, after a
+    step, `outcome`.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        world: str = "maze4",
+        arena: str = "physics",
+        sensor: str | None = None,
+        robot: str | None = None,
+        noise: float | None = None,
+        slip: float = 0.0,
+        settings: dict[str, Any] | None = None,
+        goal_reward: float = 1.0,
+        step_reward: float = 0.0,
+        collision_reward: float = 0.0,
+        max_steps: int | None = None,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    ) -> None:
+        if render_mode is not None:
+            raise ValueError("a vector environment draws nothing: leave `render_mode` out")
+        if num_envs < 1:
+            raise ValueError(f"num_envs is {num_envs}, but must be at least 1")
+        sets = dict(settings or {})
+        if noise is not None:
+            sets["physics.noise"] = noise
+        if slip:
+            sets["arena.slip"] = slip
+        self._given = choice(world, arena, sensor, robot, sets, seed=1)
+        self.num_envs = num_envs
+        self.render_mode = None
+        self._mode = AutoresetMode(autoreset_mode)
+        self.metadata = MazeEnv.metadata | {"autoreset_mode": self._mode}
+        self._place(self._given)
+        one = Robot(self._given)
+        self._rewards = (goal_reward, step_reward, collision_reward)
+        self._max_steps = max_steps or one.step_threshold
+        self.single_action_space = gymnasium.spaces.Discrete(one.actions)
+        self.single_observation_space = gymnasium.spaces.MultiBinary(one.percept_bits)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self._bits, self._actions = one.percept_bits, one.actions
+        self._draws = [np.random.default_rng() for _ in range(num_envs)]
+        self._steps = np.zeros(num_envs, np.int64)
+        self._done = np.zeros(num_envs, np.bool_)
+        self._begun = np.zeros(num_envs, np.bool_)
+
+    def _place(self, chosen: dict[str, Any]) -> None:
+        """Takes the maze of a choice, with robots that stand nowhere yet."""
+        self._robots = Robots(chosen, self.num_envs)
+        self._starts = Robot(chosen).start_cells
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        options = dict(options or {})
+        unknown = options.keys() - {"start", "goal", "reset_mask"}
+        if unknown:
+            raise ValueError(f"unknown options {sorted(unknown)}: only `start`, `goal` and `reset_mask` are known")
+        mask = options.get("reset_mask")
+        mask = np.ones(self.num_envs, np.bool_) if mask is None else np.asarray(mask, np.bool_)
+        if mask.shape != (self.num_envs,) or not mask.any():
+            raise ValueError(f"`reset_mask` must have {self.num_envs} entries, of which one at least is true")
+        seeds = [seed + lane for lane in range(self.num_envs)] if isinstance(seed, int) else seed
+        if seeds is not None and len(seeds) != self.num_envs:
+            raise ValueError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
+        if "goal" in options:
+            if not mask.all():
+                raise ValueError("`goal` moves the goal of all environments: leave `reset_mask` out")
+            self._place(with_goal(self._given, options["goal"]))
+        for lane in np.flatnonzero(mask):
+            if seeds is not None and seeds[lane] is not None:
+                self._draws[lane] = gymnasium.utils.seeding.np_random(seeds[lane])[0]
+        self._begin(np.flatnonzero(mask), options.get("start"))
+        return self._observations(), self._infos(mask)
+
+    def _begin(self, lanes: np.ndarray, start: tuple[int, int] | None = None) -> None:
+        """Begins an episode in some of the environments, as `MazeEnv.reset` does."""
+        noises, starts = [], []
+        for lane in lanes:
+            draws = self._draws[lane]
+            noises.append(int(draws.integers(2**63)))
+            cell = self._starts[int(draws.integers(len(self._starts)))] if start is None else start
+            starts.append((int(cell[0]), int(cell[1])))
+        self._robots.reset(lanes.tolist(), noises, starts)
+        self._steps[lanes] = 0
+        self._done[lanes] = False
+        self._begun[lanes] = True
+
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        if not self._begun.all():
+            raise gymnasium.error.ResetNeeded("call reset before step")
+        actions = np.asarray(actions)
+        if actions.shape != (self.num_envs,) or (actions < 0).any() or (actions >= self._actions).any():
+            raise ValueError(f"actions must be {self.num_envs} numbers from 0 to {self._actions - 1}")
+        over = self._done.copy()
+        if self._mode == AutoresetMode.DISABLED and over.any():
+            raise gymnasium.error.ResetNeeded(f"the episodes of environments {np.flatnonzero(over).tolist()} are over: reset them")
+        # What is over rests, and begins anew.
+        codes, found = self._robots.step(np.where(over, RESTS, actions).astype(np.uint8).tobytes())
+        outcome = np.frombuffer(codes, np.uint8)
+        acted = ~over
+        self._steps[acted] += 1
+        goal, each, collision = self._rewards
+        rewards = np.array(found) + np.where(outcome == REACHED_GOAL, goal, each) + np.where(outcome == COLLIDED, collision, 0.0)
+        rewards[over] = 0.0
+        terminations = outcome == REACHED_GOAL
+        truncations = acted & ~terminations & (self._steps >= self._max_steps)
+        if over.any():
+            self._begin(np.flatnonzero(over))
+        self._done = terminations | truncations
+        infos = self._infos(np.ones(self.num_envs, np.bool_))
+        self._add(infos, "outcome", OUTCOMES[np.where(acted, outcome, 0)].astype(object), acted)
+        observations = self._observations()
+        if self._mode == AutoresetMode.SAME_STEP and self._done.any():
+            infos, observations = self._after_end(infos, observations)
+        return observations, rewards, terminations, truncations, infos
+
+    def _after_end(self, infos: dict[str, Any], observations: np.ndarray) -> tuple[dict[str, Any], np.ndarray]:
+        """Begins anew what is over, and keeps how it ended."""
+        ended = self._done.copy()
+        last = np.full(self.num_envs, None, object)
+        for lane in np.flatnonzero(ended):
+            last[lane] = observations[lane].copy()
+        self._begin(np.flatnonzero(ended))
+        fresh = self._infos(np.ones(self.num_envs, np.bool_))
+        self._add(fresh, "outcome", infos["outcome"], infos["_outcome"] & ~ended)
+        self._add(fresh, "final_obs", last, ended)
+        final_info = {name: values for name, values in infos.items() if not name.startswith("_")}
+        for name in list(final_info):
+            final_info["_" + name] = infos["_" + name] & ended
+        self._add(fresh, "final_info", final_info, ended)
+        return fresh, self._observations()
+
+    @staticmethod
+    def _add(infos: dict[str, Any], name: str, values: Any, mask: np.ndarray) -> None:
+        infos[name], infos["_" + name] = values, mask.copy()
+
+    def _observations(self) -> np.ndarray:
+        return np.frombuffer(self._robots.percepts(), np.int8).reshape(self.num_envs, self._bits).copy()
+
+    def _infos(self, mask: np.ndarray) -> dict[str, Any]:
+        facts = np.frombuffer(self._robots.facts(), np.float64).reshape(self.num_envs, -1)
+        infos: dict[str, Any] = {}
+        self._add(infos, "cell", facts[:, :2].astype(np.int64), mask)
+        self._add(infos, "pose", facts[:, 2:5].copy(), mask)
+        self._add(infos, "collision_impulse", facts[:, 5].copy(), mask)
+        self._add(infos, "shortest_distance", facts[:, 6].astype(np.int64), mask)
+        return infos
