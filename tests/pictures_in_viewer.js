@@ -171,10 +171,10 @@ async function main() {
   await picture(browser, "compare", both.links[0], 100);
   both.child.kill();
   const large = await serve(run("large"));
-  await picture(browser, "large", large.links[0], 105);
+  await picture(browser, "large", large.links[0], 80);
   large.child.kill();
   const huge = await serve(run("huge"));
-  await picture(browser, "huge", huge.links[0], 105);
+  await picture(browser, "huge", huge.links[0], 80);
   huge.child.kill();
   await browser.close();
   fs.rmSync(scratch, { recursive: true });

@@ -235,13 +235,27 @@ fn broken(row: &[String], widths: &[usize]) -> Vec<Vec<String>> {
 /// The blocks as Markdown.
 pub fn markdown(blocks: &[Block]) -> String {
     let part = |block: &Block| match block {
-        Block::Heading(text) => format!("## {text}\n"),
-        Block::Subheading(text) => format!("### {text}\n"),
-        Block::Text(text) => format!("{text}\n"),
-        Block::Table(table) => table.markdown(),
+        Block::Heading(text) => format!("## {}\n", without_tags(text)),
+        Block::Subheading(text) => format!("### {}\n", without_tags(text)),
+        Block::Text(text) => format!("{}\n", without_tags(text)),
+        Block::Table(table) => without_tags(&table.markdown()),
         Block::Picture(Picture { name, caption, .. }) => format!("![{caption}]({name}.svg)\n"),
     };
     blocks.iter().map(part).collect::<Vec<_>>().join("\n")
+}
+
+/// Markdown in which nothing begins an element of HTML: names of studies and worlds come from files.
+pub(crate) fn without_tags(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    let mut letters = text.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let begins = |next: &char| next.is_ascii_alphabetic() || "/!?".contains(*next);
+        if letter == '<' && letters.peek().is_some_and(begins) {
+            safe.push('\\');
+        }
+        safe.push(letter);
+    }
+    safe
 }
 
 /// The blocks for a terminal of 80 columns.
@@ -354,6 +368,13 @@ mod tests {
             .filter(|word| word.ends_with("00"))
             .collect();
         assert_eq!(found.len(), 12, "{text}");
+    }
+
+    #[test]
+    fn markdown_has_no_elements_of_html_and_keeps_numbers_below_a_bound() {
+        let text = "<img src=x> </b> <!-- p < 0.0001, a<3 -->";
+        let safe = markdown(&[Block::Text(text.to_owned())]);
+        assert_eq!(safe, "\\<img src=x> \\</b> \\<!-- p < 0.0001, a<3 -->\n");
     }
 
     #[test]

@@ -5,6 +5,6 @@ mod blocks;
 mod html;
 
 pub use blocks::{Block, Picture, Table};
-pub(crate) use blocks::{markdown, terminal};
+pub(crate) use blocks::{markdown, terminal, without_tags};
 pub(crate) use html::escaped;
 pub use html::html;

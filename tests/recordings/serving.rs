@@ -125,6 +125,35 @@ fn addresses_cannot_be_guessed() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_recording_that_becomes_a_link_while_it_is_served_gives_away_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("sample-maze4.mcap");
+    let (link, secret) = (
+        folder.path().join("link.mcap"),
+        folder.path().join("secret"),
+    );
+    fs::write(&recording, sample()).unwrap();
+    fs::write(&secret, "secret").unwrap();
+    std::os::unix::fs::symlink(&recording, &link).unwrap();
+    // A link that the user offers is followed once.
+    for offered in [&recording, &link] {
+        let server = Served::new(&[offered.to_str().unwrap()]);
+        let address = &format!("/1/{}", offered.file_name().unwrap().to_str().unwrap());
+        assert_eq!(server.ask("GET", address, "").1, sample(), "{address}");
+        fs::remove_file(&recording).unwrap();
+        std::os::unix::fs::symlink(&secret, &recording).unwrap();
+        let (head, body) = server.ask("GET", address, "");
+        assert!(
+            head.starts_with("HTTP/1.1 500") && body.is_empty(),
+            "{address}: {head}"
+        );
+        fs::remove_file(&recording).unwrap();
+        fs::write(&recording, sample()).unwrap();
+    }
+}
+
 #[test]
 fn requests_beyond_the_bounds_are_refused_and_the_next_one_is_served() {
     let server = Served::new(&[SAMPLE]);

@@ -693,6 +693,20 @@ fn a_report_has_the_parts_of_a_results_section_in_every_format() {
 }
 
 #[test]
+fn names_and_errors_from_files_stay_text_in_reports_and_tables() {
+    let desk = Desk::new();
+    desk.write("evil.toml", &SMALL.replace("small", "<img src=x>"));
+    desk.done("run evil.toml --out a --quiet --trials 1");
+    let report = fs::read_to_string(desk.path("a/report.md")).unwrap();
+    assert!(report.starts_with("# Study \\<img src=x>"), "{report}");
+    let page = fs::read_to_string(desk.path("a/report.html")).unwrap();
+    assert!(
+        !page.contains("<img") && page.contains("&lt;img src=x"),
+        "{page}"
+    );
+}
+
+#[test]
 fn a_study_tries_a_sample_of_its_combinations() {
     let desk = Desk::new();
     let sweep = "sample = 3\n[sweep]\n\"xcs.beta\" = [0.1, 0.2, 0.3]\n\"xcs.mu\" = [0.1, 0.2]\n";

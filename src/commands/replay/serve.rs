@@ -172,7 +172,7 @@ fn print_links(server: &mut Server, offer: Offer, out: &mut impl Write) -> Resul
     let mut links = Vec::new();
     for file in &offer.files {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
-        links.push(server.add(&name, Content::File(file.clone())));
+        links.push(server.add(&name, Content::File(file.canonicalize()?)));
     }
     let what = offer.what;
     let linked = &links[links.len().saturating_sub(MOST_LINKED)..];

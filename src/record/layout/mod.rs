@@ -59,7 +59,7 @@ fn fitted(layout: &str, maze: &Maze) -> String {
     for (id, panel) in layout["configById"].as_object_mut().into_iter().flatten() {
         if id.starts_with("3D!") {
             aim(&mut panel["cameraState"], maze);
-        } else if id == "Plot!worth" {
+        } else if id == "Plot!values" {
             panel["paths"] = with_each_action(&panel["paths"], maze);
         }
     }

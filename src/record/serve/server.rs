@@ -239,6 +239,8 @@ impl<T: Read + Seek + Send> ReadSeek for T {}
 fn open(content: &Content) -> io::Result<(Box<dyn ReadSeek>, u64, &'static str)> {
     match content {
         Content::File(path) => {
+            // It was no link when it was offered; what a link leads to was never offered.
+            disk::require_plain(path)?;
             let file = disk::open(path)?;
             let size = file.metadata()?.len();
             Ok((Box::new(file), size, "application/octet-stream"))

@@ -25,7 +25,7 @@ const LETTER: [f64; 2] = [0.23, 0.028];
 const FIRST: f64 = 3.6;
 const NEXT: f64 = 2.5;
 /// The share of its height that something upright has for the camera, which looks down steeply.
-const SEEN_UPRIGHT: f64 = 0.5;
+const SEEN_UPRIGHT: f64 = 0.9;
 /// Numbers of the directions.
 const HEADINGS: [(u8, &str); 8] = [
     (0, "north"),
@@ -94,7 +94,7 @@ impl RuleRecord {
         let lines = in_short(&self.because).into_iter().rev();
         let lines = [self.choice.clone()].into_iter().chain(lines);
         let mut words = entity("rule", ROBOT, time_ns);
-        // The camera looks down steeply: what stands upright is half as high for it.
+        // The camera looks down steeply: what stands upright is a little lower for it.
         let upwards = (0..).map(|line| (FIRST + NEXT * f64::from(line)) * height);
         words.texts = lines
             .zip(upwards)

@@ -40,7 +40,7 @@ struct TrialRow<'a> {
     driven_goals: Option<u32>,
     driven_optimal: Option<u32>,
     driven_steps: Option<f64>,
-    error: &'a str,
+    error: String,
 }
 
 impl<'a> TrialRow<'a> {
@@ -81,9 +81,21 @@ impl<'a> TrialRow<'a> {
             driven_goals: driven.map(|one| one.goals),
             driven_optimal: driven.map(|one| one.optimal),
             driven_steps: driven.map(|one| rounded(one.steps)),
-            error: record.result.as_ref().err().map_or("", String::as_str),
+            error: record
+                .result
+                .as_ref()
+                .err()
+                .map_or_else(String::new, |fault| plain(fault)),
         }
     }
+}
+
+/// A message without what commands a terminal that prints the table: journals may come from elsewhere.
+fn plain(message: &str) -> String {
+    let letters = message.chars();
+    letters
+        .map(|letter| if letter.is_control() { ' ' } else { letter })
+        .collect()
 }
 
 /// All that `summary.json` holds.
@@ -126,5 +138,15 @@ impl StudyFolder {
             table.flush()
         })?;
         self.write("summary.json", self.summary_json().as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_in_the_table_commands_no_terminal() {
+        assert_eq!(plain("a \u{1b}[31mred\n\u{9b}2J ü"), "a  [31mred  2J ü");
     }
 }

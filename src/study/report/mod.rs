@@ -124,7 +124,7 @@ impl Report {
     /// The report as Markdown; its figures are the files that [`Self::write`] draws.
     pub fn markdown(&self) -> String {
         let blocks = page::markdown(&self.blocks());
-        format!("# {}\n\n{blocks}", self.title())
+        format!("# {}\n\n{blocks}", page::without_tags(&self.title()))
     }
 
     /// The report as one page that needs no other file; with figures once they are drawn.
