@@ -37,6 +37,10 @@ impl FolderLock {
     pub fn acquire(folder: &Path) -> Result<Self, LockError> {
         let path = folder.join(LOCK);
         let fault = |cause| LockError::File(path.clone(), cause);
+        if is_foreign_lock(&path) {
+            let message = "it was not made by this program; move it away";
+            return Err(fault(io::Error::other(message)));
+        }
         let mut holder = None;
         for _ in 0..TRIES {
             let file = open(&path).map_err(fault)?;

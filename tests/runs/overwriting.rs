@@ -143,6 +143,27 @@ fn a_report_leaves_nothing_in_a_folder_without_a_study() {
 }
 
 #[test]
+fn a_lock_file_that_no_process_left_is_kept_and_named() {
+    let desk = Desk::new();
+    let out = desk.name("run");
+    let args = ["train", WORLD, "--episodes", "1", "--quiet", "--out", &out];
+    expect(0, &args);
+    fs::write(desk.path("run").join("run.lock"), "mine").unwrap();
+    for more in [&[][..], &["--force"]] {
+        let (_, stderr) = expect(73, &[&args, more].concat());
+        assert!(
+            stderr.contains("run.lock") && stderr.contains("move it away"),
+            "{stderr}"
+        );
+        let kept = fs::read_to_string(desk.path("run").join("run.lock")).unwrap();
+        assert_eq!(kept, "mine");
+    }
+    // Control: the number of a process that is gone is no hindrance.
+    fs::write(desk.path("run").join("run.lock"), "4294967295\n").unwrap();
+    expect(0, &[&args, &["--force"][..]].concat());
+}
+
+#[test]
 fn a_run_is_forced_only_into_the_place_of_a_run() {
     let desk = Desk::new();
     for (i, files) in [

@@ -101,6 +101,8 @@ impl Evaluation {
         let limit = config.settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
         let sums = Sums::over(episodes, &plan, &mut *arena, &mut policy, observer);
+        // An observer may have ended it early.
+        let episodes = sums.episodes;
         let mean = |sum: u64| sum as f64 / f64::from(episodes.max(1));
         Ok(Self {
             world: maze.name().to_owned(),
@@ -132,6 +134,7 @@ impl Evaluation {
 /// What adds up over the episodes.
 #[derive(Default)]
 struct Sums {
+    episodes: u32,
     successes: u32,
     optimal: u32,
     steps: u64,
@@ -179,6 +182,7 @@ impl Sums {
 
     fn add(&mut self, episode: &episode::Episode, was_optimal: bool) {
         let success = episode.ending == Ending::Goal;
+        self.episodes += 1;
         self.successes += u32::from(success);
         self.optimal += u32::from(was_optimal);
         self.steps += u64::from(episode.steps);
@@ -188,11 +192,43 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
     use xcs::Action;
     use xcscr_robot::arena::ArenaKind;
     use xcscr_robot::sensor::Sensor;
     use xcscr_robot::world::{Cell, Maze};
+
+    /// Ends an evaluation after its third episode.
+    struct UpToThree;
+
+    impl Observer for UpToThree {
+        fn ended(
+            &mut self,
+            episode: &episode::Episode,
+            _: &episode::Learned<'_>,
+        ) -> ControlFlow<()> {
+            match episode.episode < 3 {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            }
+        }
+    }
+
+    #[test]
+    fn means_are_those_of_the_episodes_that_were_run() {
+        let maze = Maze::load("../../worlds/maze4.json".as_ref()).unwrap();
+        let plan = Plan::new(maze)
+            .arena(ArenaKind::Grid)
+            .sensor(Sensor::Position);
+        // Nothing is known, and so every episode takes all its steps.
+        let knowledge = Knowledge::Table(std::collections::BTreeMap::new());
+        let whole = Evaluation::run(&plan, &knowledge, 3).unwrap();
+        let ended = Evaluation::observed(&plan, &knowledge, 200, &mut UpToThree).unwrap();
+        assert_eq!(ended, whole);
+        assert_eq!((ended.episodes, ended.successes), (3, 0));
+    }
 
     /// Maze4 with actions that slip, and a policy by position: what value iteration says, but in
     /// `other` cells the opposite.
