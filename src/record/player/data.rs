@@ -8,6 +8,8 @@ use super::shapes::{Scene, thousandths};
 use crate::picture::{NO_GOAL, SCALE};
 use crate::record::highlights::decoded;
 use crate::record::reader::{Message, Recording};
+use crate::record::topics::percept::KINDS;
+use crate::record::topics::rays::BEAM;
 use crate::record::topics::{Caption, ESTIMATE, ROBOT};
 use crate::record::{RecordError, RobotShape, Topic};
 use crate::world::{Cell, Maze};
@@ -30,6 +32,8 @@ pub struct Data {
     robot_radius_m: f64,
     /// Of best actions far from the goal, near it, and that lead to no goal, as CSS writes them.
     arrow_colours: [String; 3],
+    /// Of cells that are perceived as free and as a wall, and of lidar beams.
+    percept_colours: [String; 3],
     /// Time, x, y and heading in the map frame: seconds, metres, radians.
     pub poses: Vec<[f64; 4]>,
     /// The same of the estimated pose, seen from the robot.
@@ -138,7 +142,8 @@ impl Data {
                 .map(|action| maze.action_name(action))
                 .collect(),
             robot_radius_m: RobotShape::for_cell(maze.cell_size_m()).radius_m,
-            arrow_colours: [SCALE[0], SCALE[2], NO_GOAL].map(|rgb| format!("#{rgb:06x}")),
+            arrow_colours: [SCALE[0], SCALE[2], NO_GOAL].map(css),
+            percept_colours: [KINDS[0], KINDS[1], BEAM].map(css),
             poses: Vec::new(),
             mistakes: Vec::new(),
             estimates: Vec::new(),
@@ -288,6 +293,11 @@ impl Data {
             .dedup_by(|next, before| next.get("title") == before.get("title"));
         self.result = self.episodes.last().map_or_else(String::new, result);
     }
+}
+
+/// A colour as CSS writes it.
+fn css(rgb: u32) -> String {
+    format!("#{rgb:06x}")
 }
 
 /// A JSON message with its time, and without the bits of the percept.

@@ -7,6 +7,7 @@ data.mistakes = posesFrom(data.mistakes, []);
 const byId = (id) => document.getElementById(id);
 const COLOURS = { wall: "#57657f", floor: "#eef1f5", line: "#c3cad6", start: "#f4b740", goal: "#35c46a", robot: "#f58220", trail: "#a82bd0", estimate: "#2f9ce0", hit: "#e0322f" };
 [COLOURS.far, COLOURS.near, COLOURS.never] = data.arrow_colours;
+[COLOURS.free, COLOURS.blocked, COLOURS.beam] = data.percept_colours;
 const LAYERS = [
   ["values", "values"],
   ["policy", "policy"],
@@ -259,7 +260,7 @@ function describe() {
     ["next best", current?.runner_up],
     ["steps left", current && `${current.left} %`],
     ["estimate off by", estimate && `${(100 * estimate.error_m).toFixed(1)} cm, ${Math.abs(estimate.heading_error_deg).toFixed(1)}°${estimate.lost ? ", mislocalised" : ""}`],
-    ["its own deviation", estimate && `${(100 * Math.hypot(estimate.sd_x_m, estimate.sd_y_m)).toFixed(1)} cm, ${estimate.sd_heading_deg.toFixed(1)}°`],
+    ["standard deviation", estimate && `${(100 * Math.hypot(estimate.sd_x_m, estimate.sd_y_m)).toFixed(1)} cm, ${estimate.sd_heading_deg.toFixed(1)}°`],
     ["policy", episode && (episode.optimal ? "optimal" : "not optimal yet")],
   ]);
   setValues(current);
@@ -344,7 +345,8 @@ function begin() {
   byId("curve-note").textContent = data.curve.episode.length ? "The red line marks the episode that is shown. Click to go to an episode." : "This recording has no learning curve.";
   byId("seek").max = data.end;
   const legend = [["far", "best action, far from the goal"], ["near", "near it"], ["never", "leads to no goal"], ["start", "start"], ["goal", "goal"], ["robot", "robot"], ["trail", "path of this episode"], ["hit", "collision"]];
-  if (data.estimates.length) legend.push(["estimate", "estimated pose; dashed: 3 deviations, 10 times as large"]);
+  if (data.scenes.percept.length) legend.push(["free", "perceived as free when it decided"], ["blocked", "perceived as a wall"]);
+  if (data.estimates.length) legend.push(["beam", "lidar beam, where it was recorded"], ["estimate", "estimated pose; dashed: 3 standard deviations, 10 times as large"]);
   byId("legend").replaceChildren(
     ...legend.map(([colour, text]) => {
       const [item, mark] = [document.createElement("li"), document.createElement("i")];

@@ -11,7 +11,7 @@ use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
 
 /// Colours of cells that are perceived as free, as a wall and as the goal.
-pub(super) const KINDS: [u32; 3] = [0x0a6fc2, 0xff8c1a, 0x22e06a];
+pub(in crate::record) const KINDS: [u32; 3] = [0x0a6fc2, 0xff8c1a, 0x22e06a];
 /// How far a frame is from the middle of its cell, in cells (a fraction that takes few bytes), and how
 /// high, above all walls.
 const HALF: f64 = 27.0 / 64.0;

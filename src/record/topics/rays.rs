@@ -10,7 +10,7 @@ use super::scene::{WORLD, color, entity, place, point};
 use crate::arena::{Beam, View};
 
 /// The colour of a beam, also of its end in `/scan` as the layouts have it.
-pub(super) const BEAM: u32 = 0xc23ee8;
+pub(in crate::record) const BEAM: u32 = 0xc23ee8;
 const OPACITY: f64 = 0.75;
 /// How high the rays lie, in cells.
 const HEIGHT: f64 = 0.2;
