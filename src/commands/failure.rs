@@ -170,9 +170,12 @@ impl From<RunFolderError> for Failure {
             | RunFolderError::Foreign(_)
             | RunFolderError::Interrupted(_)
             | RunFolderError::InUse { .. }
+            | RunFolderError::InTheWay(_)
             | RunFolderError::Create { .. } => Exit::CannotCreate,
             RunFolderError::Missing(_) | RunFolderError::NothingToResume(_) => Exit::Missing,
-            RunFolderError::Damaged { .. } | RunFolderError::Checkpoint { .. } => Exit::BadData,
+            RunFolderError::Damaged { .. }
+            | RunFolderError::Changed(_)
+            | RunFolderError::Checkpoint { .. } => Exit::BadData,
             RunFolderError::Io { .. } | RunFolderError::Write { .. } => Exit::Io,
         };
         Self::new(exit, error.to_string())

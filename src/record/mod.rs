@@ -31,4 +31,5 @@ pub(crate) use ros::{RosBag, RosRobot};
 pub use serve::live;
 pub use serve::server;
 pub use topics::Topic;
+pub(crate) use write::is_ours;
 pub use write::{RecordSummary, Recorder, RecorderMemory, Tap};

@@ -123,6 +123,14 @@ pub enum RunFolderError {
         /// What is wrong with it.
         fault: CheckpointError,
     },
+    /// The settings or the world are not those that the run began with.
+    #[error(
+        "{0} was changed since the run began, and a resumed run keeps its settings and world: remove the file to resume as the run began, or begin a new run"
+    )]
+    Changed(PathBuf),
+    /// A file has a name that the run will write, and was not written by one.
+    #[error("{0} is not a file of this run, and resuming would replace it: move it away first")]
+    InTheWay(PathBuf),
     /// A file of the run is missing.
     #[error("{0} is missing: is {parent} the folder of a finished run?", parent = .0.parent().unwrap_or(.0).display())]
     Missing(PathBuf),

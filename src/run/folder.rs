@@ -57,6 +57,14 @@ enum Holds {
 }
 
 impl RunFolder {
+    /// The file of what was learned.
+    pub(super) const RULES: &str = RULES;
+
+    /// Is this one of the names that runs give to files?
+    pub(super) fn writes(name: &str) -> bool {
+        is_of_a_run(name)
+    }
+
     /// Makes the folder of a new run, and locks it. A run that is there already is replaced only
     /// if `force` is set; then its files are removed, and nothing else.
     ///
@@ -135,8 +143,8 @@ impl RunFolder {
         Ok(self)
     }
 
-    /// Removes the files of the run, those last by which a folder is known as that of a run.
-    fn clear(&self) -> Result<(), RunFolderError> {
+    /// Returns the names of the files in the folder, in order, but those that are no text.
+    pub(super) fn names(&self) -> Result<Vec<String>, RunFolderError> {
         let entries = self.path.read_dir().and_then(Iterator::collect);
         let entries: Vec<fs::DirEntry> = entries.map_err(|cause| RunFolderError::Io {
             path: self.path.clone(),
@@ -144,6 +152,13 @@ impl RunFolder {
         })?;
         let names = entries.iter().map(fs::DirEntry::file_name);
         let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
+        names.sort_unstable();
+        Ok(names)
+    }
+
+    /// Removes the files of the run, those last by which a folder is known as that of a run.
+    fn clear(&self) -> Result<(), RunFolderError> {
+        let mut names = self.names()?;
         names.retain(|name| is_of_a_run(name) && name != CONFIG && name != CHECKPOINT);
         names.extend([CHECKPOINT.to_owned(), CONFIG.to_owned()]);
         names.iter().try_for_each(|name| self.remove(name))
@@ -180,8 +195,16 @@ impl RunFolder {
     /// # Errors
     /// An error of the file system.
     pub fn save_plan(&self, plan: &Plan) -> Result<(), RunFolderError> {
-        self.write(WORLD, plan.maze.to_json().as_bytes())?;
-        self.write(CONFIG, to_json(&plan.config).as_bytes())
+        let mut texts = Self::texts_of(plan).into_iter();
+        texts.try_for_each(|(name, text)| self.write(name, text.as_bytes()))
+    }
+
+    /// Returns the files that hold a plan: their names, and their texts.
+    pub(super) fn texts_of(plan: &Plan) -> [(&'static str, String); 2] {
+        [
+            (WORLD, plan.maze.to_json()),
+            (CONFIG, to_json(&plan.config)),
+        ]
     }
 
     /// The plan of the run.

@@ -27,6 +27,7 @@ mod session;
 mod source;
 mod comparison;
 mod highlights;
+mod untouched;
 mod verify;
 mod way_on;
 

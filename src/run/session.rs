@@ -82,7 +82,8 @@ impl Session {
     ///
     /// # Errors
     /// When the checkpoint is missing, damaged or contradicts itself, or a recording that it
-    /// counts on is.
+    /// counts on is; when the settings or the world were changed by hand, or a file of others
+    /// would be replaced.
     pub fn resume(folder: RunFolder) -> Result<Resumed, RunError> {
         let Some(State {
             trial,
@@ -94,6 +95,7 @@ impl Session {
         };
         let trial = Trial::resume(&trial).map_err(|fault| folder.bad_checkpoint(fault))?;
         let plan = trial.plan();
+        folder.check_untouched(plan)?;
         folder.save_plan(plan)?;
         let (info, policy) = (run_info(plan), trial.policy());
         let recorder = Recorder::resume(folder.path(), &plan.maze, info, recorder, policy)?;

@@ -413,6 +413,75 @@ fn resuming_takes_no_other_choices_and_needs_a_run() {
     expect(2, &["train"]);
 }
 
+/// A folder of an interrupted run, and what resuming it says.
+fn resuming_after(change: impl Fn(&Path)) -> (i32, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = plan("maze4", Method::Xcscr, ArenaKind::Grid, 5);
+    let run = RunFolder::create(folder.path(), true).unwrap();
+    let session = Session::begin(run, Trial::new(plan).unwrap(), RecordMode::All).unwrap();
+    assert!(session.run(&mut (), &|| true).is_err());
+    change(folder.path());
+    let before = contents(folder.path());
+    let dir = folder.path().to_str().unwrap();
+    let ended = spawn(&["train", "--quiet", "--resume", dir])
+        .wait_with_output()
+        .unwrap();
+    let code = ended.status.code().unwrap();
+    assert!(
+        code == 0 || contents(folder.path()) == before,
+        "a refusal changed the folder"
+    );
+    (code, String::from_utf8(ended.stderr).unwrap())
+}
+
+#[test]
+fn a_run_whose_settings_or_world_were_changed_by_hand_is_not_resumed() {
+    let edit = |name: &'static str, from: &'static str, to: &'static str| {
+        move |folder: &Path| {
+            let path = folder.join(name);
+            let text = fs::read_to_string(&path).unwrap();
+            assert!(text.contains(from), "{text}");
+            fs::write(path, text.replacen(from, to, 1)).unwrap();
+        }
+    };
+    assert_eq!(resuming_after(|_| {}).0, 0, "the control");
+    let removed = |folder: &Path| fs::remove_file(folder.join("config.json")).unwrap();
+    assert_eq!(
+        resuming_after(removed).0,
+        0,
+        "a file that is removed is written again"
+    );
+    let name = "config.json";
+    let (code, stderr) = resuming_after(edit(name, "\"episodes\": 5", "\"episodes\": 9"));
+    assert!(
+        code == 65 && stderr.contains("config.json was changed"),
+        "{code}: {stderr}"
+    );
+    let (code, stderr) = resuming_after(edit("world.json", "S", "."));
+    assert!(
+        code == 65 && stderr.contains("world.json was changed"),
+        "{code}: {stderr}"
+    );
+}
+
+#[test]
+fn resuming_replaces_no_file_that_another_program_wrote() {
+    for name in ["ep-0003.mcap", "highlights.mcap", "rules.json"] {
+        let put = |folder: &Path| fs::write(folder.join(name), "mine").unwrap();
+        let (code, stderr) = resuming_after(put);
+        let said = format!("{name} is not a file of this run");
+        assert!(code == 73 && stderr.contains(&said), "{code}: {stderr}");
+    }
+    let beside = |folder: &Path| fs::write(folder.join("notes.mcap"), "mine").unwrap();
+    assert_eq!(resuming_after(beside).0, 0, "a name that no run uses");
+    let lost = |folder: &Path| fs::remove_file(folder.join("run.mcap.part")).unwrap();
+    let (code, stderr) = resuming_after(lost);
+    assert!(
+        code == 66 && stderr.contains("run.mcap.part"),
+        "{code}: {stderr}"
+    );
+}
+
 #[test]
 fn a_damaged_or_foreign_checkpoint_is_refused_and_left_as_it_is() {
     let folder = tempfile::tempdir().unwrap();

@@ -10,3 +10,4 @@ mod way;
 
 pub use outbox::Tap;
 pub use recorder::{RecordSummary, Recorder, RecorderMemory};
+pub use sink::is_ours;

@@ -138,7 +138,14 @@ impl Recorder {
     fn rebuilt_run(&self, messages: u64) -> Result<OpenFile, RecordError> {
         let whole = self.folder.join(Extent::Run.file_name());
         let part = disk::part(&whole);
-        let source = if part.exists() { part } else { whole };
+        let is_whole = whole.exists() && !part.exists();
+        let source = if is_whole { whole } else { part };
+        // First, so that a recording that is missing leaves the folder as it is.
+        let opened = disk::open(&source).map(drop);
+        opened.map_err(|cause| RecordError::Read {
+            path: source.clone(),
+            cause,
+        })?;
         // Aside, so that nothing is lost if this is stopped, too.
         let mut run = self.open_run("again", Packing::Quick)?;
         rebuild::copy(&source, messages, Chunks::AsBefore, &mut run)?;

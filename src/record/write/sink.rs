@@ -1,9 +1,12 @@
 //! MCAP streams as all our recordings are written.
 
-use std::io::Write;
+use std::io::{self, Read, Write};
+use std::path::Path;
 
 use mcap::write::NoSeek;
-use mcap::{Compression, McapResult, WriteOptions, Writer};
+use mcap::{Compression, MAGIC, McapResult, WriteOptions, Writer};
+
+use crate::disk;
 
 /// Uncompressed size at which a chunk is closed, in bytes.
 const CHUNK_BYTES: u64 = 512 * 1024;
@@ -26,6 +29,18 @@ impl Packing {
             Self::Small => 8,
         }
     }
+}
+
+/// Is this a recording that some version of this program wrote?
+///
+/// # Errors
+/// When the file cannot be read.
+pub fn is_ours(path: &Path) -> io::Result<bool> {
+    let mut begin = Vec::new();
+    disk::open(path)?.take(64).read_to_end(&mut begin)?;
+    let writer = b"xcscr/";
+    let names_us = begin.windows(writer.len()).any(|bytes| bytes == writer);
+    Ok(begin.starts_with(MAGIC) && names_us)
 }
 
 /// A stream of MCAP records. The same calls give the same bytes.
