@@ -44,8 +44,8 @@ impl Agent for Flipped {
         self.agent.observe(&seen)
     }
 
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        self.agent.choose(worth, explorer)
+    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        self.agent.choose(values, explorer)
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
@@ -60,8 +60,8 @@ impl Agent for Flipped {
         self.agent.step_threshold()
     }
 
-    fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.agent.worth(percept)
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        self.agent.values(percept)
     }
 
     fn knowledge(&self) -> Knowledge {

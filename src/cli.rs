@@ -52,7 +52,7 @@ pub enum Command {
     Train(TrainArgs),
     /// Run the greedy policy of a finished run, without learning.
     Evaluate(EvaluateArgs),
-    /// Print the learned rules, all of them or condensed.
+    /// Print the learned rules, all of them or compacted.
     Rules(RulesArgs),
     /// Write the learned policy as source code for a robot, or as a table.
     Export(ExportArgs),

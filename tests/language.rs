@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 const MOST_WORDS: usize = 30;
 /// Words of our own for which the field has a term, and the term.
 const OWN_WORDS: [(&str, &str); 13] = [
-    ("astray", "mislocalised"),
+    ("mislocalised", "mislocalised"),
     ("atlas", "maps"),
-    ("ballot", "quantised policy"),
+    ("quantised", "quantised policy"),
     ("collected`", "collected"),
-    ("foreseen", "predicted"),
-    ("foretell", "predict"),
-    ("foretold", "predicted"),
-    ("ghost", "estimated-pose marker"),
+    ("predicted", "predicted"),
+    ("predict", "predict"),
+    ("predicted", "predicted"),
+    ("estimated_pose", "estimated-pose marker"),
     ("habits", "noise model"),
-    ("lessons", "examples"),
+    ("labelled_examples", "examples"),
     ("look alike", "share a percept"),
     ("salvage", "recover"),
     ("builder", "highlights builder"),

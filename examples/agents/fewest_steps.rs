@@ -32,7 +32,7 @@ impl FewestSteps {
 impl Agent for FewestSteps {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.percept = Some(*percept);
-        self.worth(percept)
+        self.values(percept)
     }
 
     fn update(&mut self, action: Action, _: Outcome) -> StepCredit {
@@ -64,8 +64,8 @@ impl Agent for FewestSteps {
         self.step_threshold
     }
 
-    fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.knowledge().worth(percept, self.actions)
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        self.knowledge().values(percept, self.actions)
     }
 
     fn knowledge(&self) -> Knowledge {

@@ -7,6 +7,6 @@ libfuzzer_sys::fuzz_target!(|text: &[u8]| {
     if let Ok(known) = serde_json::from_slice::<Knowledge>(text) {
         let percept = "0110110101101101".parse().expect("sixteen bits are a percept");
         let _ = known.check(16, 4);
-        known.worth(&percept, 4).best_actions().for_each(drop);
+        known.values(&percept, 4).best_actions().for_each(drop);
     }
 });

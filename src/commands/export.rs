@@ -16,7 +16,7 @@ use super::output::OutputFile;
 pub struct ExportArgs {
     #[command(flatten)]
     learned: LearnedArgs,
-    /// What to write: source code that decides as `evaluate` does, with the charts of rules that have a
+    /// What to write: source code that decides as `evaluate` does, with the maps of rules that have a
     /// memory, or the rules as data.
     #[arg(long, value_parser = target())]
     target: Target,

@@ -46,10 +46,10 @@ impl Interrupt {
     /// The same, and watches. When what is under way takes too long after a signal, such as an
     /// episode in a winding maze, the process ends with what `farewell` says: like a process that is
     /// killed, it leaves its last checkpoint or journal whole.
-    pub fn watch(farewell: impl Fn() -> Failure + Send + 'static) -> io::Result<Self> {
+    pub fn watch(shutdown_message: impl Fn() -> Failure + Send + 'static) -> io::Result<Self> {
         let this = Self::notice()?;
         let watch = this.clone();
-        Builder::new().spawn(move || watch.end_in_time(&farewell))?;
+        Builder::new().spawn(move || watch.end_in_time(&shutdown_message))?;
         Ok(this)
     }
 
@@ -58,12 +58,12 @@ impl Interrupt {
         self.came.load(Ordering::Relaxed)
     }
 
-    fn end_in_time(&self, farewell: &impl Fn() -> Failure) {
+    fn end_in_time(&self, shutdown_message: &impl Fn() -> Failure) {
         while !self.came() {
             sleep(GLANCE);
         }
         sleep(PATIENCE);
-        let failure = farewell();
+        let failure = shutdown_message();
         say("");
         failure.print();
         process::exit(failure.exit as i32);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use xcscr::disk;
-use xcscr::picture::{Film, FilmError, Scenes};
+use xcscr::picture::{Animation, FilmError, Scenes};
 use xcscr::run::{RunFolder, Source};
 use xcscr::trial::Plan;
 
@@ -46,10 +46,10 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         Some(episode) => Scenes::After(episode),
         None => Scenes::Last,
     };
-    let film = Film::of(&plan, scenes)?;
+    let animation = Animation::of(&plan, scenes)?;
     let picture = match kind {
-        Kind::Svg => film.svg().into_bytes(),
-        Kind::Png => film.png()?,
+        Kind::Svg => animation.svg().into_bytes(),
+        Kind::Png => animation.png()?,
     };
     file.write(&picture)
 }

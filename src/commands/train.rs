@@ -168,11 +168,11 @@ fn resume<'a>(folder: impl Iterator<Item = &'a PathBuf>) -> Result<(Resumed, Int
 /// Watches for signals from the moment on at which the folder is this process's own.
 fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
     let folder = RunFolder::open(folder.path());
-    let farewell = move || {
+    let shutdown_message = move || {
         let message = format!("interrupted in an episode{}", folder.way_on());
         Failure::new(Exit::Interrupted, message)
     };
-    Ok(Interrupt::watch(farewell)?)
+    Ok(Interrupt::watch(shutdown_message)?)
 }
 
 /// Says on stderr what speaks against a plan.

@@ -269,7 +269,7 @@ fn course(path: &[Cell], paid: usize, maze: &Maze) -> String {
 /// is known.
 fn picture(maze: &Maze, policy: &PolicyMap) -> String {
     maze.drawn(|cell| {
-        let mut best = policy.worth(cell)?.best_actions();
+        let mut best = policy.values(cell)?.best_actions();
         let arrow = best.next().and_then(|action| maze.direction(action));
         let ties = best.next().is_some();
         Some(arrow.map_or('?', |direction| if ties { '+' } else { direction.arrow() }))

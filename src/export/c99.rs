@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::comments::C as COMMENTS;
-use super::{Ballot, Provenance, Vote};
+use super::{Provenance, QuantisedPolicy, WeightedRule};
 use xcs::Action;
 
 /// What is the same in every header: reading a table.
@@ -19,16 +19,16 @@ pub(super) const FUNCTIONS: &str = r#"
 #endif
 "#;
 
-/// Comparing worths.
+/// Comparing values.
 pub(super) const IS_GREATER: &str = r#"
-/* Is the mean worth_a / weight_a greater than worth_b / weight_b? In 96 bits. */
-static inline int xcscr_is_greater(uint64_t worth_a, uint32_t weight_a,
-                                   uint64_t worth_b, uint32_t weight_b)
+/* Is the mean values_a / weight_a greater than values_b / weight_b? In 96 bits. */
+static inline int xcscr_is_greater(uint64_t values_a, uint32_t weight_a,
+                                   uint64_t values_b, uint32_t weight_b)
 {
-    const uint64_t low_a = (worth_a & 0xffffffffu) * weight_b;
-    const uint64_t low_b = (worth_b & 0xffffffffu) * weight_a;
-    const uint64_t high_a = (worth_a >> 32) * weight_b + (low_a >> 32);
-    const uint64_t high_b = (worth_b >> 32) * weight_a + (low_b >> 32);
+    const uint64_t low_a = (values_a & 0xffffffffu) * weight_b;
+    const uint64_t low_b = (values_b & 0xffffffffu) * weight_a;
+    const uint64_t high_a = (values_a >> 32) * weight_b + (low_a >> 32);
+    const uint64_t high_b = (values_b >> 32) * weight_a + (low_b >> 32);
     if (high_a != high_b) {
         return high_a > high_b;
     }
@@ -40,7 +40,7 @@ const DECIDE: &str = r#"
 /* The action for a percept, the first of equals; XCSCR_NO_ACTION where no rule matches. */
 static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
 {
-    uint64_t worth[XCSCR_ACTIONS] = {0};
+    uint64_t value[XCSCR_ACTIONS] = {0};
     uint32_t weight[XCSCR_ACTIONS] = {0};
     int8_t best = XCSCR_NO_ACTION;
     int8_t action;
@@ -52,17 +52,17 @@ static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
         uint8_t byte;
         XCSCR_READ(rule, xcscr_rules[at]);
         for (byte = 0; byte < XCSCR_PERCEPT_BYTES; byte++) {
-            wrong = (uint8_t)(wrong | ((percept[byte] ^ rule.value[byte]) & rule.care[byte]));
+            wrong = (uint8_t)(wrong | ((percept[byte] ^ rule.bits[byte]) & rule.care[byte]));
         }
         if (wrong == 0) {
-            worth[rule.action] += (uint64_t)rule.worth * rule.weight;
+            value[rule.action] += (uint64_t)rule.value * rule.weight;
             weight[rule.action] += rule.weight;
         }
     }
     for (action = 0; action < XCSCR_ACTIONS; action++) {
         if (weight[action] != 0
             && (best == XCSCR_NO_ACTION
-                || xcscr_is_greater(worth[action], weight[action], worth[best], weight[best]))) {
+                || xcscr_is_greater(value[action], weight[action], value[best], weight[best]))) {
             best = action;
         }
     }
@@ -71,23 +71,23 @@ static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
 "#;
 
 /// The header; it ends with `more` code.
-pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &str) -> String {
+pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance, more: &str) -> String {
     let mut text = String::from("/*\n");
-    text.push_str(&COMMENTS.head(ballot, provenance));
-    text.push_str(&COMMENTS.bits_of_bytes(ballot, provenance));
+    text.push_str(&COMMENTS.head(quantised, provenance));
+    text.push_str(&COMMENTS.bits_of_bytes(quantised, provenance));
     text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
     let figures = [
-        ("PERCEPT_BITS", ballot.width()),
-        ("PERCEPT_BYTES", ballot.bytes()),
-        ("ACTIONS", ballot.actions()),
-        ("RULES", ballot.votes().len()),
+        ("PERCEPT_BITS", quantised.width()),
+        ("PERCEPT_BYTES", quantised.bytes()),
+        ("ACTIONS", quantised.actions()),
+        ("RULES", quantised.votes().len()),
     ];
     for (name, value) in figures {
         let _ = writeln!(text, "#define XCSCR_{name} {value}");
     }
-    text.push_str(&actions(ballot, provenance));
+    text.push_str(&actions(quantised, provenance));
     text.push_str(FUNCTIONS);
-    text.push_str(&table(ballot));
+    text.push_str(&table(quantised));
     text.push_str(IS_GREATER);
     text.push_str(DECIDE);
     text.push_str(more);
@@ -96,9 +96,9 @@ pub(super) fn text(ballot: &Ballot, provenance: &Provenance, more: &str) -> Stri
 }
 
 /// The names of the actions.
-pub(super) fn actions(ballot: &Ballot, provenance: &Provenance) -> String {
+pub(super) fn actions(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = String::from("#define XCSCR_NO_ACTION (-1)\n\n");
-    for action in Action::all(ballot.actions()) {
+    for action in Action::all(quantised.actions()) {
         let name = provenance
             .action(action)
             .to_uppercase()
@@ -109,33 +109,33 @@ pub(super) fn actions(ballot: &Ballot, provenance: &Provenance) -> String {
 }
 
 /// The type of a rule, and all of them.
-fn table(ballot: &Ballot) -> String {
-    let size = ballot.size();
+fn table(quantised: &QuantisedPolicy) -> String {
+    let size = quantised.size();
     let mut text = format!(
-        "\nstruct xcscr_rule {{\n    uint8_t value[XCSCR_PERCEPT_BYTES];\n    \
+        "\nstruct xcscr_rule {{\n    uint8_t bits[XCSCR_PERCEPT_BYTES];\n    \
          uint8_t care[XCSCR_PERCEPT_BYTES];\n    uint8_t action;\n    uint{}_t weight;\n    \
-         uint{}_t worth;\n}};\n\nstatic const struct xcscr_rule xcscr_rules[XCSCR_RULES] XCSCR_TABLE = {{\n",
-        size.weight, size.worth
+         uint{}_t value;\n}};\n\nstatic const struct xcscr_rule xcscr_rules[XCSCR_RULES] XCSCR_TABLE = {{\n",
+        size.weight, size.value
     );
-    for vote in ballot.votes() {
-        let _ = writeln!(text, "    {},", row(ballot, vote));
+    for vote in quantised.votes() {
+        let _ = writeln!(text, "    {},", row(quantised, vote));
     }
     text.push_str("};\n");
     text
 }
 
-fn row(ballot: &Ballot, vote: &Vote) -> String {
-    let (value, care) = ballot.condition_bytes(&vote.condition);
+fn row(quantised: &QuantisedPolicy, vote: &WeightedRule) -> String {
+    let (bits, care) = quantised.condition_bytes(&vote.condition);
     let bytes = |bytes: &[u8]| {
         let bytes: Vec<String> = bytes.iter().map(|byte| format!("0x{byte:02x}")).collect();
         bytes.join(", ")
     };
     format!(
         "{{{{{}}}, {{{}}}, {}, {}u, {}u}}",
-        bytes(&value),
+        bytes(&bits),
         bytes(&care),
         vote.action.index(),
         vote.weight,
-        vote.worth
+        vote.value
     )
 }

@@ -1,6 +1,6 @@
 //! The comment that an exported file begins with.
 
-use super::{Ballot, Provenance};
+use super::{Provenance, QuantisedPolicy};
 
 /// How a language writes comments.
 pub(super) struct Comments {
@@ -38,13 +38,13 @@ impl Comments {
     }
 
     /// Where the policy comes from, and how it was compared.
-    pub fn head(&self, ballot: &Ballot, provenance: &Provenance) -> String {
+    pub fn head(&self, quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
         self.of(&format!(
             "{}\n{} rules vote in whole numbers. Compared with the run's own{}greedy choice in {}: the same.",
             provenance.lines().join("\n"),
-            ballot.votes().len(),
+            quantised.votes().len(),
             self.fold,
-            ballot.compared()
+            quantised.compared()
         ))
     }
 
@@ -63,8 +63,8 @@ impl Comments {
     }
 
     /// The same of percepts that are bytes.
-    pub fn bits_of_bytes(&self, ballot: &Ballot, provenance: &Provenance) -> String {
+    pub fn bits_of_bytes(&self, quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
         let how = "; bit i is bit i % 8 of byte i / 8";
-        self.bits(ballot.width(), provenance, how, |bit| format!("{bit:3}"))
+        self.bits(quantised.width(), provenance, how, |bit| format!("{bit:3}"))
     }
 }

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::memory::Charts;
+use super::memory::MapTable;
 use super::provenance::Facts;
-use super::{Ballot, Policy, Provenance, Vote};
+use super::{Policy, Provenance, QuantisedPolicy, WeightedRule};
 use xcs::Action;
 
 /// A rule of the table.
@@ -13,7 +13,7 @@ struct Row {
     condition: String,
     action: usize,
     weight: u32,
-    worth: u32,
+    value: u32,
     #[serde(rename = "if")]
     words: String,
     go: String,
@@ -29,26 +29,26 @@ struct Document<'a> {
     bits: Vec<String>,
     actions: Vec<String>,
     rules: Vec<Row>,
-    /// The charts that rules with a memory go by.
+    /// The maps that rules with a memory go by.
     #[serde(skip_serializing_if = "Option::is_none")]
-    charts: Option<&'a Charts>,
+    maps: Option<&'a MapTable>,
 }
 
-fn rows(ballot: &Ballot, provenance: &Provenance) -> impl Iterator<Item = Row> {
-    ballot.votes().iter().map(|vote: &Vote| Row {
+fn rows(quantised: &QuantisedPolicy, provenance: &Provenance) -> impl Iterator<Item = Row> {
+    quantised.votes().iter().map(|vote: &WeightedRule| Row {
         condition: vote.condition.to_string(),
         action: vote.action.index(),
         weight: vote.weight,
-        worth: vote.worth,
+        value: vote.value,
         words: provenance.words(&vote.condition),
         go: provenance.action(vote.action),
     })
 }
 
 /// One row per rule.
-pub(super) fn csv(ballot: &Ballot, provenance: &Provenance) -> String {
+pub(super) fn csv(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows(ballot, provenance) {
+    for row in rows(quantised, provenance) {
         writer.serialize(row).expect("rows of texts and numbers");
     }
     let bytes = writer.into_inner().expect("a vector takes all");
@@ -57,16 +57,18 @@ pub(super) fn csv(ballot: &Ballot, provenance: &Provenance) -> String {
 
 /// One document.
 pub(super) fn json(policy: &Policy, provenance: &Provenance) -> String {
-    let ballot = policy.ballot();
+    let quantised = policy.quantised();
     let document = Document {
         origin: &provenance.facts,
-        compared: ballot.compared(),
-        bits: (0..ballot.width()).map(|bit| provenance.bit(bit)).collect(),
-        actions: Action::all(ballot.actions())
+        compared: quantised.compared(),
+        bits: (0..quantised.width())
+            .map(|bit| provenance.bit(bit))
+            .collect(),
+        actions: Action::all(quantised.actions())
             .map(|a| provenance.action(a))
             .collect(),
-        rules: rows(ballot, provenance).collect(),
-        charts: policy.charts(),
+        rules: rows(quantised, provenance).collect(),
+        maps: policy.maps(),
     };
     let text = serde_json::to_string_pretty(&document).expect("texts and numbers");
     text + "\n"

@@ -2,18 +2,18 @@
 
 use std::fmt::Write;
 
-use super::{Ballot, Provenance};
+use super::{Provenance, QuantisedPolicy};
 use xcs::Action;
 
 /// Rules on the left, in words, and the actions they vote for on the right; the width of an arrow
-/// is the worth.
-pub(super) fn text(ballot: &Ballot, provenance: &Provenance) -> String {
+/// is the value.
+pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = String::new();
     for line in provenance.lines() {
         let _ = writeln!(text, "// {line}");
     }
     text.push_str("digraph policy {\n  rankdir=LR;\n  node [shape=box];\n");
-    for action in Action::all(ballot.actions()) {
+    for action in Action::all(quantised.actions()) {
         let name = quoted(&provenance.action(action));
         let _ = writeln!(
             text,
@@ -21,10 +21,10 @@ pub(super) fn text(ballot: &Ballot, provenance: &Provenance) -> String {
             action.index()
         );
     }
-    let most = ballot.votes().iter().map(|vote| vote.worth).max();
-    for (at, vote) in ballot.votes().iter().enumerate() {
+    let most = quantised.votes().iter().map(|vote| vote.value).max();
+    for (at, vote) in quantised.votes().iter().enumerate() {
         let words = quoted(&provenance.words(&vote.condition).replace(", ", "\n"));
-        let share = f64::from(vote.worth) / f64::from(most.unwrap_or(0).max(1));
+        let share = f64::from(vote.value) / f64::from(most.unwrap_or(0).max(1));
         let _ = writeln!(text, "  rule{at} [label={words}];");
         let _ = writeln!(
             text,

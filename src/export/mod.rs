@@ -1,11 +1,11 @@
 //! The policy out: what was learned as source code for a robot, or as a table.
 //!
 //! Rules keep voting as they do here, but in whole numbers, so that a microcontroller without
-//! floating point chooses the same action. [`Ballot`] finds the fewest bits with which it does.
-//! Rules with a memory come with their charts as a table, and with a tracker that follows the robot on
+//! floating point chooses the same action. [`QuantisedPolicy`] finds the fewest bits with which it does.
+//! Rules with a memory come with their maps as a table, and with a tracker that follows the robot on
 //! them (`memory`). Source code also leads from a pose in metres to a percept (`frame`).
 
-mod ballot;
+mod quantised;
 mod c99;
 mod comments;
 mod data;
@@ -17,10 +17,10 @@ mod policy;
 mod python;
 mod rust;
 
-pub use ballot::{Ballot, ExportError, Vote};
 use frame::Form;
 pub use policy::Policy;
 pub use provenance::Provenance;
+pub use quantised::{ExportError, QuantisedPolicy, WeightedRule};
 use strum::{IntoStaticStr, VariantArray};
 
 /// What a policy can be written as.
@@ -52,24 +52,24 @@ impl Target {
 
     /// The whole text of the file.
     pub fn text(self, policy: &Policy, provenance: &Provenance) -> String {
-        let ballot = policy.ballot();
-        let form = match policy.charts() {
+        let quantised = policy.quantised();
+        let form = match policy.maps() {
             None => Form::Bytes,
             Some(_) => Form::Number,
         };
         let frame = self.frame(provenance, form);
-        match (self, policy.charts()) {
-            (Self::C99, None) => c99::text(ballot, provenance, &frame),
-            (Self::C99, Some(charts)) => memory::c99::text(ballot, charts, provenance, &frame),
-            (Self::Rust, None) => rust::text(ballot, provenance) + &frame,
-            (Self::Rust, Some(charts)) => memory::rust::text(ballot, charts, provenance) + &frame,
-            (Self::Python, None) => python::text(ballot, provenance) + &frame,
-            (Self::Python, Some(charts)) => {
-                memory::python::text(ballot, charts, provenance) + &frame
+        match (self, policy.maps()) {
+            (Self::C99, None) => c99::text(quantised, provenance, &frame),
+            (Self::C99, Some(maps)) => memory::c99::text(quantised, maps, provenance, &frame),
+            (Self::Rust, None) => rust::text(quantised, provenance) + &frame,
+            (Self::Rust, Some(maps)) => memory::rust::text(quantised, maps, provenance) + &frame,
+            (Self::Python, None) => python::text(quantised, provenance) + &frame,
+            (Self::Python, Some(maps)) => {
+                memory::python::text(quantised, maps, provenance) + &frame
             }
-            (Self::Csv, _) => data::csv(ballot, provenance),
+            (Self::Csv, _) => data::csv(quantised, provenance),
             (Self::Json, _) => data::json(policy, provenance),
-            (Self::Dot, _) => dot::text(ballot, provenance),
+            (Self::Dot, _) => dot::text(quantised, provenance),
         }
     }
 

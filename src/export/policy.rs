@@ -1,20 +1,20 @@
 //! What is exported.
 
-use super::ballot::{Ballot, ExportError};
-use super::memory::Charts;
+use super::memory::MapTable;
+use super::quantised::{ExportError, QuantisedPolicy};
 use crate::agent::Knowledge;
 use xcs::Percept;
 
-/// Rules that vote; with a memory the charts that they go by.
+/// Rules that vote; with a memory the maps that they go by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Policy {
-    ballot: Ballot,
-    charts: Option<Charts>,
+    quantised: QuantisedPolicy,
+    maps: Option<MapTable>,
 }
 
 impl Policy {
     /// The policy of what was learned about percepts of `width` bits and `actions` actions, compared
-    /// as [`Ballot::new`] says.
+    /// as [`QuantisedPolicy::new`] says.
     ///
     /// # Errors
     /// When there is nothing to export, or it cannot be expressed exactly.
@@ -24,23 +24,23 @@ impl Policy {
         actions: usize,
         of_world: &[Percept],
     ) -> Result<Self, ExportError> {
-        let charts = match knowledge {
-            Knowledge::Remembering { map, .. } => Some(Charts::new(map)?),
+        let maps = match knowledge {
+            Knowledge::Remembering { map, .. } => Some(MapTable::new(map)?),
             _ => None,
         };
         Ok(Self {
-            ballot: Ballot::new(knowledge, width, actions, of_world)?,
-            charts,
+            quantised: QuantisedPolicy::new(knowledge, width, actions, of_world)?,
+            maps,
         })
     }
 
     /// The rules.
-    pub fn ballot(&self) -> &Ballot {
-        &self.ballot
+    pub fn quantised(&self) -> &QuantisedPolicy {
+        &self.quantised
     }
 
-    /// The charts, if the rules go by any.
-    pub(super) fn charts(&self) -> Option<&Charts> {
-        self.charts.as_ref()
+    /// The maps, if the rules go by any.
+    pub(super) fn maps(&self) -> Option<&MapTable> {
+        self.maps.as_ref()
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::comments::PYTHON as COMMENTS;
-use super::{Ballot, Provenance, Vote};
+use super::{Provenance, QuantisedPolicy, WeightedRule};
 use xcs::Action;
 
 /// What is the same in every module.
@@ -12,32 +12,32 @@ const DECIDE: &str = r##"
 def decide(percept):
     """The action for a percept (a string of 0 and 1), the first of equals; None where no rule matches."""
     sums = [[0, 0] for _ in ACTIONS]
-    for condition, action, weight, worth in RULES:
+    for condition, action, weight, value in RULES:
         if all(wanted in ("#", bit) for wanted, bit in zip(condition, percept)):
-            sums[action][0] += worth * weight
+            sums[action][0] += value * weight
             sums[action][1] += weight
     best = None
-    for action, (worth, weight) in enumerate(sums):
-        if weight and (best is None or worth * sums[best][1] > sums[best][0] * weight):
+    for action, (value, weight) in enumerate(sums):
+        if weight and (best is None or value * sums[best][1] > sums[best][0] * weight):
             best = action
     return best
 "##;
 
 /// The module.
-pub(super) fn text(ballot: &Ballot, provenance: &Provenance) -> String {
-    let mut text = COMMENTS.head(ballot, provenance);
+pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
+    let mut text = COMMENTS.head(quantised, provenance);
     text.push_str("\nimport math\n\n# What each bit of a percept says when it is 1.\n");
-    text.push_str(&names(ballot, ballot.width(), provenance));
-    text.push_str("\n# Condition, action, weight, worth.\nRULES = [\n");
-    for Vote {
+    text.push_str(&names(quantised, quantised.width(), provenance));
+    text.push_str("\n# Condition, action, weight, value.\nRULES = [\n");
+    for WeightedRule {
         condition,
         action,
-        worth,
+        value,
         weight,
-    } in ballot.votes()
+    } in quantised.votes()
     {
         let action = action.index();
-        let _ = writeln!(text, "    (\"{condition}\", {action}, {weight}, {worth}),");
+        let _ = writeln!(text, "    (\"{condition}\", {action}, {weight}, {value}),");
     }
     text.push_str("]\n");
     text.push_str(DECIDE);
@@ -45,9 +45,9 @@ pub(super) fn text(ballot: &Ballot, provenance: &Provenance) -> String {
 }
 
 /// The names of so many bits, and of the actions.
-pub(super) fn names(ballot: &Ballot, bits: usize, provenance: &Provenance) -> String {
+pub(super) fn names(quantised: &QuantisedPolicy, bits: usize, provenance: &Provenance) -> String {
     let bits = (0..bits).map(|bit| provenance.bit(bit));
-    let actions = Action::all(ballot.actions()).map(|action| provenance.action(action));
+    let actions = Action::all(quantised.actions()).map(|action| provenance.action(action));
     let lines = |name: String| format!("    {name:?},\n");
     let (bits, actions): (String, String) =
         (bits.map(lines).collect(), actions.map(lines).collect());

@@ -322,7 +322,7 @@ mod tests {
 
     #[test]
     fn a_table_for_a_terminal_breaks_words_rather_than_be_wider_than_it() {
-        let mut table = Table::new(["if", "go", "worth"]);
+        let mut table = Table::new(["if", "go", "value"]);
         let words =
             "north wall, east free, south-east free, south wall, west free, north-west wall";
         table.rows = vec![
@@ -334,7 +334,7 @@ mod tests {
         .collect();
         assert!(words.len() <= 80);
         insta::assert_snapshot!(table.text(), @r"
-        if                                                                   go    worth
+        if                                                                   go    value
         --------------------------------------------------------------------------------
         north wall, east free, south-east free, south wall, west free,       east  577.0
           north-west wall

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use super::animation::{Animation, Moment};
 use super::arrow::{Heading, NO_GOAL, SCALE};
-use super::film::{Film, Moment};
 use super::shapes::{Colour, Drawing, Shape};
 use crate::world::{Cell, Direction, Maze, Paths};
 
@@ -43,18 +43,18 @@ struct Plane<'a> {
 }
 
 /// Draws all moments of a film.
-pub(super) fn draw(film: &Film) -> Drawing {
-    let plane = Plane::new(&film.maze);
-    let frames = film.moments.iter();
+pub(super) fn draw(animation: &Animation) -> Drawing {
+    let plane = Plane::new(&animation.maze);
+    let frames = animation.moments.iter();
     Drawing {
         width: plane.width as u32,
         height: plane.height as u32,
-        title: film.title.clone(),
+        title: animation.title.clone(),
         ground: plane.ground(),
         frames: frames
-            .map(|moment| plane.moment(moment, &film.paths))
+            .map(|moment| plane.moment(moment, &animation.paths))
             .collect(),
-        labels: plane.labels(film),
+        labels: plane.labels(animation),
     }
 }
 
@@ -138,10 +138,10 @@ impl<'a> Plane<'a> {
     fn arrows(&self, moment: &Moment) -> Vec<Shape> {
         let mut shapes = Vec::new();
         let near = moment.policy.nearness(self.maze);
-        for ((cell, worth), near) in moment.policy.cells().zip(near) {
+        for ((cell, values), near) in moment.policy.cells().zip(near) {
             let directions = self.maze.moves().directions().iter();
-            for (&direction, &one) in directions.zip(worth.as_slice()) {
-                let is_best = one.is_some() && one == worth.greatest();
+            for (&direction, &one) in directions.zip(values.as_slice()) {
+                let is_best = one.is_some() && one == values.greatest();
                 let (length, fill) = match (one, is_best) {
                     (None, _) => (0.0, NONE),
                     (Some(_), true) => (0.47, near.map_or(Colour::hex(NO_GOAL), shade)),
@@ -171,7 +171,7 @@ impl<'a> Plane<'a> {
     }
 
     /// The letters of start, goals and rewards, title and legend.
-    fn labels(&self, film: &Film) -> Vec<Shape> {
+    fn labels(&self, animation: &Animation) -> Vec<Shape> {
         let start = self.maze.start().map(|cell| (cell, "S"));
         let goals = self.maze.goals().iter().map(|&cell| (cell, "G"));
         let paying = self.maze.rewarding_cells().iter().map(|&cell| (cell, "*"));
@@ -182,10 +182,10 @@ impl<'a> Plane<'a> {
         };
         let marked = start.into_iter().chain(goals).chain(paying);
         let mut shapes: Vec<Shape> = marked.map(letter).collect();
-        shapes.push(words(MARGIN, 26.0, 17.0, INK, &film.title));
+        shapes.push(words(MARGIN, 26.0, 17.0, INK, &animation.title));
         shapes.extend(self.legend());
         let third = self.height - FOOT + 26.0 + 48.0;
-        shapes.push(words(MARGIN, third, 12.0, INK, film.arrows));
+        shapes.push(words(MARGIN, third, 12.0, INK, animation.arrows));
         shapes
     }
 

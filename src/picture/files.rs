@@ -1,9 +1,9 @@
 //! A film as a file.
 
-use super::film::{Film, FilmError};
+use super::animation::{Animation, FilmError};
 use super::{drawing, moving_png, pixels, svg};
 
-impl Film {
+impl Animation {
     /// An SVG document, which moves if there are several moments.
     pub fn svg(&self) -> String {
         svg::document(&drawing::draw(self))

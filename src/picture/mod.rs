@@ -3,14 +3,14 @@
 mod arrow;
 mod drawing;
 mod files;
-mod film;
-mod letters;
+mod animation;
+mod glyphs;
 mod map_preview;
 mod moving_png;
 mod pixels;
 mod shapes;
 mod svg;
 
+pub use animation::{Animation, FilmError, Moment, Scenes};
 pub(crate) use arrow::{NO_GOAL, SCALE};
-pub use film::{Film, FilmError, Moment, Scenes};
 pub use map_preview::map_preview;

@@ -4,7 +4,7 @@ use tiny_skia::{
     FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform,
 };
 
-use super::letters::Letters;
+use super::glyphs::Glyphs;
 use super::shapes::{Colour, Drawing, Shape};
 
 /// Pixels along each pixel of a still figure, for sharp screens.
@@ -45,7 +45,7 @@ pub(super) fn encoded(picture: &Pixmap) -> Result<Vec<u8>, String> {
 /// # Errors
 /// When the picture is too large.
 pub(super) fn paint(drawing: &Drawing, frame: usize, scale: f32) -> Result<Pixmap, String> {
-    let letters = Letters::new()?;
+    let letters = Glyphs::new()?;
     let length = |pixels: u32| (pixels as f32 * scale) as u32;
     let (width, height) = (length(drawing.width), length(drawing.height));
     let mut canvas = Pixmap::new(width, height)
@@ -57,7 +57,7 @@ pub(super) fn paint(drawing: &Drawing, frame: usize, scale: f32) -> Result<Pixma
     Ok(canvas)
 }
 
-fn add(canvas: &mut Pixmap, shape: &Shape, look: Transform, letters: &Letters) {
+fn add(canvas: &mut Pixmap, shape: &Shape, look: Transform, letters: &Glyphs) {
     match shape {
         Shape::Rect { fill, .. } => {
             if let Some(rect) = rect(shape) {

@@ -51,7 +51,7 @@ impl RunInfo {
         &self,
         world: &str,
         mode: RecordMode,
-        extent: Extent,
+        extent: RecordingKind,
     ) -> BTreeMap<String, String> {
         let entries = [
             ("arena", self.arena.clone()),
@@ -72,7 +72,7 @@ impl RunInfo {
 
 /// How much of a run a recording shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Extent {
+pub enum RecordingKind {
     /// All of it, but what happens more often than once per step.
     Run,
     /// Its turning points, and a drive of what was learned.
@@ -83,7 +83,7 @@ pub enum Extent {
     Comparison,
 }
 
-impl Extent {
+impl RecordingKind {
     /// The name of the file in the folder of a run.
     pub fn file_name(self) -> String {
         match self {
@@ -112,7 +112,7 @@ impl Extent {
     }
 }
 
-impl fmt::Display for Extent {
+impl fmt::Display for RecordingKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Run => f.write_str("run"),

@@ -12,7 +12,7 @@ use crate::agent::{Frozen, Knowledge};
 use crate::disk;
 use crate::episode::{Episode, Learned, Observer};
 use crate::record::reader::Recording;
-use crate::record::{Extent, RecordMode, RecordSummary, Recorder, RunInfo};
+use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo};
 use crate::trial::{Evaluation, Plan, PlanError};
 
 /// Runs `episodes` episodes of the greedy policy that follows from `knowledge`, and records all of
@@ -50,7 +50,7 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
     }
     let names = entries.iter().map(fs::DirEntry::file_name);
     let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
-    let run = Extent::Run.file_name();
+    let run = RecordingKind::Run.file_name();
     // One that was interrupted has no whole `run.mcap`, and no evaluation has files of a training.
     let is_unfinished = |names: &[String]| {
         names.contains(&format!("{run}.part")) && !names.iter().any(|name| is_of_a_training(name))

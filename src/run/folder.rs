@@ -13,7 +13,7 @@ use super::error::RunFolderError;
 use super::way_on::{CHECKPOINT, has_checkpoint, way_on};
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK, LockError};
-use crate::record::Extent;
+use crate::record::RecordingKind;
 use crate::trial::{CheckpointError, Config, Plan, is_sealed, seal, unseal};
 use crate::world::Maze;
 
@@ -240,7 +240,7 @@ impl RunFolder {
     /// # Errors
     /// An error of the file system.
     pub fn save_highlights(&self, highlights: &[u8]) -> Result<(PathBuf, u64), RunFolderError> {
-        let name = Extent::Highlights.file_name();
+        let name = RecordingKind::Highlights.file_name();
         self.write(&name, highlights)?;
         Ok((self.path.join(name), highlights.len() as u64))
     }

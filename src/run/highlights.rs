@@ -11,7 +11,9 @@ use super::folder::RunFolder;
 use super::source::{Source, mode_for_highlights, recorded_mode};
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
-use crate::record::{Extent, HighlightsBuilder, RecordMode, Recorder, Segment, Topic, segments};
+use crate::record::{
+    HighlightsBuilder, RecordMode, Recorder, RecordingKind, Segment, Topic, segments,
+};
 use crate::trial::{Plan, Trial};
 
 impl RunFolder {
@@ -108,12 +110,12 @@ impl Material {
 
     fn in_folder(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Self, RunError> {
         let plan = plan.clone().settled();
-        let run = Recording::open(&folder.join(Extent::Run.file_name()))?;
+        let run = Recording::open(&folder.join(RecordingKind::Run.file_name()))?;
         let aside = tempfile::tempdir().map_err(RunError::Temporary)?;
         // The drive always shows its beams: they take little, and show what the robot senses.
         let mode = (RecordMode::Beams, &(|| false) as &dyn Fn() -> bool);
         record_drives(&plan, knowledge, 1, aside.path(), mode)?;
-        let drive = Recording::open(&aside.path().join(Extent::Episode(1).file_name()))?;
+        let drive = Recording::open(&aside.path().join(RecordingKind::Episode(1).file_name()))?;
         Ok(Self {
             plan,
             mode: mode_for_highlights(recorded_mode(&run, "run")?),
@@ -169,7 +171,7 @@ impl Material {
     }
 
     fn episode(&self, number: u32) -> Result<Recording, RunError> {
-        let file = Extent::Episode(number).file_name();
+        let file = RecordingKind::Episode(number).file_name();
         Ok(Recording::open(&self.folder.join(file))?)
     }
 
@@ -184,6 +186,8 @@ impl Material {
 }
 
 fn has_every_episode(folder: &Path, episodes: u32) -> bool {
-    let mut extents = (1..=episodes).map(Extent::Episode).chain([Extent::Run]);
+    let mut extents = (1..=episodes)
+        .map(RecordingKind::Episode)
+        .chain([RecordingKind::Run]);
     extents.all(|extent| folder.join(extent.file_name()).is_file())
 }

@@ -6,7 +6,7 @@ use super::folder::RunFolder;
 use super::source::Source;
 use crate::agent::Knowledge;
 use crate::arena::ArenaKind;
-use crate::record::{Extent, RosBag, RosRobot};
+use crate::record::{RecordingKind, RosBag, RosRobot};
 use crate::trial::{Evaluation, Plan, Trial};
 
 impl RunFolder {
@@ -27,9 +27,9 @@ impl Source {
     /// When it cannot be run again, or is a highlights recording, which shows parts of many episodes.
     pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
         let only = match self.extent {
-            Extent::Episode(episode) => Some(episode),
-            Extent::Run => None,
-            Extent::Highlights | Extent::Comparison => {
+            RecordingKind::Episode(episode) => Some(episode),
+            RecordingKind::Run => None,
+            RecordingKind::Highlights | RecordingKind::Comparison => {
                 return Err(RunError::Recording {
                     file: self.file.clone(),
                     fault: "a highlights recording shows parts of many episodes and cannot be written for ROS 2; give an episode, \

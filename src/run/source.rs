@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::error::RunError;
 use crate::agent::Knowledge;
 use crate::record::reader::Recording;
-use crate::record::{Extent, RecordMode, RecordModeError};
+use crate::record::{RecordMode, RecordModeError, RecordingKind};
 use crate::trial::{Plan, Trial};
 use crate::world::Maze;
 
@@ -18,7 +18,7 @@ pub struct Source {
     /// Which episodes were kept.
     pub mode: RecordMode,
     /// How much of the run it shows.
-    pub extent: Extent,
+    pub extent: RecordingKind,
     /// Of an evaluation: what was learned before.
     pub evaluated: Option<Knowledge>,
     /// The whole file.
@@ -34,8 +34,8 @@ impl Source {
         let recording = Recording::open(file)?;
         let metadata = recording.metadata("run");
         let entry = |key: &str| metadata.and_then(|m| m.get(key)).map_or("", String::as_str);
-        let extent = Extent::of_entry(entry("episode"));
-        if extent == Extent::Comparison {
+        let extent = RecordingKind::of_entry(entry("episode"));
+        if extent == RecordingKind::Comparison {
             return Err(RunError::TwoRuns(file.to_owned()));
         }
         let plan = attached_plan(&recording, "")?;
@@ -80,7 +80,7 @@ impl Source {
         }
         let mut trial = Trial::new(self.plan.clone())?;
         let last = match self.extent {
-            Extent::Episode(number) => number,
+            RecordingKind::Episode(number) => number,
             _ => trial.plan().config.episodes,
         };
         while trial.progress().episodes < last && !trial.is_finished() {
@@ -129,7 +129,7 @@ pub(super) fn attached_plan(recording: &Recording, below: &str) -> Result<Plan, 
 /// What an evaluation put to the test: attached to its `run.mcap`, which lies beside its episodes.
 fn evaluated(file: &Path, recording: &Recording) -> Result<Knowledge, RunError> {
     const RULES: &str = "rules.json";
-    let beside = file.with_file_name(Extent::Run.file_name());
+    let beside = file.with_file_name(RecordingKind::Run.file_name());
     let attached = match recording.attachment(RULES) {
         Some(rules) => Some(rules.to_owned()),
         None => {

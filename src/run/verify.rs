@@ -12,7 +12,7 @@ use super::highlights;
 use super::source::Source;
 use crate::agent::Knowledge;
 use crate::episode::Observer;
-use crate::record::{self, Extent, RecordMode, Recorder};
+use crate::record::{self, RecordMode, Recorder, RecordingKind};
 use crate::trial::{Plan, Trial};
 
 /// A recorded run that was made again, into a folder that goes away with this.
@@ -75,8 +75,8 @@ impl Again {
         let name = source.extent.file_name();
         let folder = self.folder.path();
         let bytes = match source.extent {
-            Extent::Highlights => highlights::build(folder, &self.plan, &self.knowledge)?,
-            Extent::Run | Extent::Episode(_) | Extent::Comparison => {
+            RecordingKind::Highlights => highlights::build(folder, &self.plan, &self.knowledge)?,
+            RecordingKind::Run | RecordingKind::Episode(_) | RecordingKind::Comparison => {
                 match fs::read(folder.join(&name)) {
                     Ok(bytes) => bytes,
                     Err(cause) if cause.kind() == io::ErrorKind::NotFound => {

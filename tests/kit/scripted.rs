@@ -32,12 +32,12 @@ impl Agent for Scripted {
     fn observe(&mut self, _: &Percept) -> PredictionArray {
         let letter = self.way().as_bytes()[self.step];
         let wanted = b"NESW".iter().position(|&l| l == letter).unwrap();
-        let mut worth = PredictionArray::new(4);
+        let mut values = PredictionArray::new(4);
         for action in Action::all(4) {
             let is_wanted = action.index() == wanted;
-            worth.set(action, if is_wanted { 100.0 } else { -7.25 });
+            values.set(action, if is_wanted { 100.0 } else { -7.25 });
         }
-        worth
+        values
     }
 
     fn update(&mut self, _: Action, outcome: Outcome) -> StepCredit {
@@ -63,17 +63,17 @@ impl Agent for Scripted {
         self.way().len() as u32
     }
 
-    fn worth(&self, percept: &Percept) -> PredictionArray {
-        let mut worth = PredictionArray::new(4);
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        let mut values = PredictionArray::new(4);
         for action in Action::all(4) {
             let sign = if percept.bit(action.index()) {
                 -1.0
             } else {
                 1.0
             };
-            worth.set(action, sign * (action.index() + 1) as f64 * 50.0);
+            values.set(action, sign * (action.index() + 1) as f64 * 50.0);
         }
-        worth
+        values
     }
 
     fn knowledge(&self) -> Knowledge {

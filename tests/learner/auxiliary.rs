@@ -32,7 +32,7 @@ fn arena(trial: &Trial) -> Box<dyn Arena> {
 /// and its steps.
 #[derive(Debug, PartialEq)]
 struct Brought {
-    worth: f64,
+    value: f64,
     found: u32,
     steps: u32,
 }
@@ -44,19 +44,19 @@ fn drive(trial: &Trial, arena: &mut dyn Arena, start: Cell) -> Brought {
     let knowledge = trial.method().knowledge();
     let mut policy = Frozen::new(knowledge, maze.action_count(), params.step_threshold);
     let mut greedy = Explorer::new(0.0, Stream::new(1, StreamName::Exploration));
-    let (mut worth, mut share, mut found) = (0.0, 1.0, 0);
+    let (mut value, mut share, mut found) = (0.0, 1.0, 0);
     arena.reset(start);
     for steps in 1..=params.step_threshold {
         let array = policy.observe(&config.sensor.perceive(&arena.view()));
         let action = policy.choose(&array, &mut greedy).action;
         let outcome = arena.act(action);
         policy.update(action, outcome);
-        worth += share * params.short_term(outcome);
+        value += share * params.short_term(outcome);
         found += u32::from(outcome.found() > 0.0);
         if outcome == Outcome::ReachedGoal {
-            worth += share * params.goal;
+            value += share * params.goal;
             return Brought {
-                worth,
+                value,
                 found,
                 steps,
             };
@@ -78,9 +78,9 @@ fn best(maze: &Maze, start: Cell, steps: u32) -> f64 {
         let at = cells.iter().position(|&other| other == cell).unwrap();
         at << paying.len() | collected
     };
-    let mut worth = vec![0.0; cells.len() << paying.len()];
+    let mut value = vec![0.0; cells.len() << paying.len()];
     for _ in 0..steps {
-        let before = worth.clone();
+        let before = value.clone();
         for &cell in cells.iter().filter(|&&cell| !maze.is_goal(cell)) {
             for collected in 0..1 << paying.len() {
                 let ways = maze.moves().directions().iter();
@@ -94,11 +94,11 @@ fn best(maze: &Maze, start: Cell, steps: u32) -> f64 {
                         false => paid.unwrap_or(0.0) - 1.0 + 0.9 * before[index(next, after)],
                     }
                 });
-                worth[index(cell, collected)] = way.fold(f64::NEG_INFINITY, f64::max);
+                value[index(cell, collected)] = way.fold(f64::NEG_INFINITY, f64::max);
             }
         }
     }
-    worth[index(start, 0)]
+    value[index(start, 0)]
 }
 
 const BESIDE: [&str; 5] = ["#######", "#S...G#", "#.#####", "#*#####", "#######"];
@@ -140,7 +140,7 @@ fn from_every_start_that_it_recognises_it_gets_as_much_as_can_be_had() {
             let brought = drive(&trial, &mut *arena(&trial), start);
             let best = best(maze, start, 60);
             assert!(
-                brought.worth > best - 1e-6,
+                brought.value > best - 1e-6,
                 "reward {reward}, from {start:?}: {brought:?}, but {best} can be had"
             );
             found += brought.found;

@@ -125,10 +125,10 @@ impl Learned {
         assert_eq!(chosen.len(), percepts.len(), "one answer for each percept");
         let actions = self.plan.maze.action_count();
         let differs = |&(percept, &chosen): &(&Percept, &u8)| {
-            let worth = self.knowledge.worth(percept, actions);
-            let mut best = worth.best_actions().map(Action::index);
+            let values = self.knowledge.values(percept, actions);
+            let mut best = values.best_actions().map(Action::index);
             match chosen {
-                NONE => worth.greatest().is_some(),
+                NONE => values.greatest().is_some(),
                 chosen => !best.any(|best| best == usize::from(chosen)),
             }
         };
@@ -294,7 +294,7 @@ fn a_ballot_decides_as_the_learner_on_the_host_too() {
     let (policy, percepts) = (learned.policy().unwrap(), learned.percepts());
     let decide = |percept| {
         policy
-            .ballot()
+            .quantised()
             .decide(percept)
             .map_or(NONE, |action| action.index() as u8)
     };
@@ -357,7 +357,7 @@ fn export_writes_a_file_once_says_where_it_comes_from_and_prints_data() {
     );
     let (csv, _) = ended(&export("csv", &[]), 0, "csv");
     assert!(
-        csv.starts_with("condition,action,weight,worth,if,go\n"),
+        csv.starts_with("condition,action,weight,values,if,go\n"),
         "{csv}"
     );
     let (json, _) = ended(&export("json", &[]), 0, "json");

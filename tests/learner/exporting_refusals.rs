@@ -2,14 +2,14 @@
 
 use super::exporting::Learned;
 use xcscr::agent::{Knowledge, Method};
-use xcscr::export::{Ballot, ExportError};
+use xcscr::export::{ExportError, QuantisedPolicy};
 use xcscr::sensor::Sensor;
 
 #[test]
 fn an_empty_table_is_refused() {
     let nothing = Knowledge::Table(Default::default());
     assert_eq!(
-        Ballot::new(&nothing, 16, 4, &[]).unwrap_err(),
+        QuantisedPolicy::new(&nothing, 16, 4, &[]).unwrap_err(),
         ExportError::Empty
     );
 }

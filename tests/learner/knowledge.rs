@@ -3,13 +3,13 @@
 use crate::kit::trial::on_the_grid;
 use xcscr::agent::Method;
 use xcscr::sensor::Sensor;
-use xcscr::trial::{Condensed, Settings, Trial};
+use xcscr::trial::{Compacted, Settings, Trial};
 use xcscr::world::Paths;
 
 /// A finished trial of a few episodes in Maze4.
 fn finished(method: Method, over_match_set: bool) -> Trial {
     let mut settings = Settings::default();
-    settings.xcs.worth_over_match_set = over_match_set;
+    settings.xcs.value_over_match_set = over_match_set;
     let plan = on_the_grid("maze4", method).episodes(12);
     plan.seed(3).settings(settings).run().unwrap()
 }
@@ -22,20 +22,20 @@ fn what_was_learned_rates_actions_as_the_learner_does() {
         let knowledge = trial.method().knowledge();
         let mut rated = 0;
         for percept in Sensor::Neighbours.percepts(maze) {
-            let worth = trial.method().worth(&percept);
-            let known = knowledge.worth(&percept, maze.action_count());
+            let values = trial.method().values(&percept);
+            let known = knowledge.values(&percept, maze.action_count());
             if known.greatest().is_none() {
                 // Some tables rate what was never met; all actions alike.
-                let actions = worth.best_actions().count();
+                let actions = values.best_actions().count();
                 assert!(
                     [0, maze.action_count()].contains(&actions),
-                    "{method:?}: {worth:?}"
+                    "{method:?}: {values:?}"
                 );
                 continue;
             }
             rated += 1;
             assert_eq!(
-                known, worth,
+                known, values,
                 "{method:?}, over [M]: {over_match_set}, {percept}"
             );
         }
@@ -62,11 +62,11 @@ fn rules_are_condensed_to_the_same_choices_in_both_readings_of_equation_6() {
         let trial = finished(Method::Xcscr, over_match_set);
         let maze = &trial.plan().maze;
         let knowledge = trial.method().knowledge();
-        let condensed =
-            Condensed::new(&knowledge, Sensor::Neighbours, maze, &Paths::new(maze)).unwrap();
-        assert!(condensed.percepts > 5, "{} percepts", condensed.percepts);
+        let compacted =
+            Compacted::new(&knowledge, Sensor::Neighbours, maze, &Paths::new(maze)).unwrap();
+        assert!(compacted.percepts > 5, "{} percepts", compacted.percepts);
         assert_eq!(
-            condensed.agreeing, condensed.percepts,
+            compacted.agreeing, compacted.percepts,
             "over [M]: {over_match_set}"
         );
     }

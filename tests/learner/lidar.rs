@@ -67,7 +67,7 @@ fn flipped_bits_of_a_lidar_open_no_ghost_places() {
     };
     let maze = &trial.plan().maze;
     let cells = maze.free_cells().count() - maze.goals().len();
-    assert!(map.spots.len() <= cells, "{} places", map.spots.len());
+    assert!(map.states.len() <= cells, "{} places", map.states.len());
     let bound = Bounds::of_belief(maze, Sensor::Lidar).unwrap();
     let steps = greedy(&trial);
     assert!(steps <= 1.1 * bound, "{steps} steps, bound {bound}");

@@ -209,7 +209,7 @@ fn most_lost_with_a_wrong_rule(world: &str, episodes: u32) -> usize {
 fn a_rule_that_is_wrong_is_corrected_and_the_others_stay() {
     assert_eq!(most_lost_with_a_wrong_rule("classic/mazef4", 60), 0);
     // Where places look different, the plan of a map that was brought along does not change any more. There
-    // what covers the lessons of the wrong one makes some others superfluous.
+    // what covers the examples of the wrong one makes some others superfluous.
     for (world, episodes) in [("classic/mazed", 40), ("maze5", 40)] {
         let lost = most_lost_with_a_wrong_rule(world, episodes);
         assert!(lost <= 2, "{world}: {lost}");

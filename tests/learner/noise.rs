@@ -35,11 +35,11 @@ fn a_trial_with_flipping_bits_goes_on_from_a_checkpoint_as_if_it_had_never_stopp
 
 #[test]
 fn a_memory_tells_two_goals_apart_where_cells_are_misread() {
-    let ratio = |charts| {
+    let ratio = |cell_maps| {
         let mut settings = Settings::default();
         settings.reward.step_threshold = 100;
         settings.sensor.flip_probability = 0.01;
-        settings.map.max_maps = charts;
+        settings.map.max_maps = cell_maps;
         let ratio = |seed| {
             let plan = on_the_grid("classic/woods102", Method::XcscrPlus).episodes(60);
             let plan = on_a_map(plan.seed(seed).settings(settings.clone()));
@@ -51,7 +51,7 @@ fn a_memory_tells_two_goals_apart_where_cells_are_misread() {
     };
     let (two, one) = (ratio(6), ratio(1));
     assert!(two < 1.1, "{two} times the bound");
-    assert!(one > 1.5, "control, with one chart: {one}");
+    assert!(one > 1.5, "control, with one cell_map: {one}");
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
         let maze = &trial.plan().maze;
         let cells = maze.free_cells().count() - maze.goals().len();
         assert_eq!(
-            map.spots.len(),
+            map.states.len(),
             cells,
             "{world}: a place for each cell, and no others"
         );
@@ -163,13 +163,16 @@ fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
 #[test]
 fn as_many_percepts_are_misread_as_bits_that_flip_foretell() {
     let progress = finished(trial("maze5", Method::QLearning, 200, 0.01));
-    let (misread, steps) = (
-        progress.progress().mistakes.misread,
+    let (observation_error, steps) = (
+        progress.progress().mistakes.observation_error,
         progress.progress().steps,
     );
     // Of sixteen bits none flips in 85.1 % of the percepts.
-    let share = misread as f64 / steps as f64;
-    assert!((share - 0.149).abs() < 0.02, "{misread} of {steps}");
+    let share = observation_error as f64 / steps as f64;
+    assert!(
+        (share - 0.149).abs() < 0.02,
+        "{observation_error} of {steps}"
+    );
     let clean = finished(trial("maze5", Method::QLearning, 20, 0.0));
-    assert_eq!(clean.progress().mistakes.misread, 0, "control");
+    assert_eq!(clean.progress().mistakes.observation_error, 0, "control");
 }

@@ -1,6 +1,6 @@
 //! The equations and algorithms of the paper on cases worked out by hand.
 //!
-//! Numbers marked (calc) were computed with a pocket calculator's worth of Python, from the
+//! Numbers marked (calc) were computed with a pocket calculator's value of Python, from the
 //! equations as Butz and Wilson (2001) print them, not with this program.
 
 use xcscr::streams::StreamName;
@@ -68,21 +68,21 @@ fn assert_close(measured: f64, expected: f64) {
 #[test]
 fn equation_6_weighs_predictions_by_fitness() {
     let xcs = learner(no_subsumption(), 2, worked_rules());
-    let worth = xcs.worth(&percept("0"));
+    let values = xcs.values(&percept("0"));
     // (100 * 0.5 + 300 * 0.25) / (0.5 + 0.25)
-    assert_close(worth.get(north()).unwrap(), 500.0 / 3.0);
-    assert_close(worth.get(Action::new(1).unwrap()).unwrap(), -50.0);
+    assert_close(values.get(north()).unwrap(), 500.0 / 3.0);
+    assert_close(values.get(Action::new(1).unwrap()).unwrap(), -50.0);
 }
 
 #[test]
 fn equation_6_as_printed_divides_by_the_fitness_of_the_whole_match_set() {
     let params = Params {
-        worth_over_match_set: true,
+        value_over_match_set: true,
         ..no_subsumption()
     };
-    let worth = learner(params, 2, worked_rules()).worth(&percept("0"));
-    assert_close(worth.get(north()).unwrap(), 125.0);
-    assert_close(worth.get(Action::new(1).unwrap()).unwrap(), -12.5);
+    let values = learner(params, 2, worked_rules()).values(&percept("0"));
+    assert_close(values.get(north()).unwrap(), 125.0);
+    assert_close(values.get(Action::new(1).unwrap()).unwrap(), -12.5);
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn covering_gives_every_action_a_rule_that_matches() {
         rules.iter().all(|r| r.condition.matches(&percept("0110"))),
         "{rules:?}"
     );
-    assert_eq!(xcs.worth(&percept("0110")).as_slice(), [Some(0.0); 4]);
+    assert_eq!(xcs.values(&percept("0110")).as_slice(), [Some(0.0); 4]);
 }
 
 #[test]

@@ -47,7 +47,7 @@ fn rules_over_a_position_are_told_as_ranges_by_rules_why_and_export() {
             expect(0, &["rules", run, "--json"]).0,
             expect(0, &["rules", run, "--why", "1,1"]).0,
         ];
-        // Of all rules, worths may lie too close to be told apart in whole numbers.
+        // Of all rules, values may lie too close to be told apart in whole numbers.
         let few = format!("{run}-few.json");
         fs::write(&few, expect(0, &["rules", run, "--compact", "--json"]).0).unwrap();
         let export = [

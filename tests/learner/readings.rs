@@ -50,8 +50,8 @@ fn episode(method: &mut dyn Agent, steps: &[(&str, Outcome)], reached_goal: bool
     method.end_episode(reached_goal);
 }
 
-fn worth(method: &dyn Agent, bits: &str) -> f64 {
-    method.worth(&percept(bits)).get(action(0)).unwrap()
+fn values(method: &dyn Agent, bits: &str) -> f64 {
+    method.values(&percept(bits)).get(action(0)).unwrap()
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn of_equally_general_rules_the_first_subsumes_or_either() {
 
 #[test]
 fn xcs_is_paid_every_step_or_only_the_end() {
-    let worths = |xcs_payment| {
+    let values = |xcs_payment| {
         let reward = Params {
             xcs_payment,
             ..Params::default()
@@ -157,29 +157,29 @@ fn xcs_is_paid_every_step_or_only_the_end() {
         let mut xcs = method(Method::Xcs, plain(), reward);
         let way = [("00", BUMP), ("01", Outcome::ReachedGoal)];
         episode(&mut *xcs, &way, true);
-        ["00", "01"].map(|bits| worth(&*xcs, bits))
+        ["00", "01"].map(|bits| values(&*xcs, bits))
     };
     // -50 + 0.9 * 0; and the last step's -1 with the goal's 1000.
-    let [bump, goal] = worths(XcsPayment::All);
+    let [bump, goal] = values(XcsPayment::All);
     assert_eq!(bump, -50.0);
     assert!((goal - 999.0).abs() < 1e-9, "{goal}");
     // 0 + 0.9 * 0; and Eq. 7 with two steps.
-    assert_eq!(worths(XcsPayment::Final), [0.0, 1000.5]);
+    assert_eq!(values(XcsPayment::Final), [0.0, 1000.5]);
 }
 
 #[test]
 fn at_the_step_limit_xcs_learns_a_failure_or_nothing() {
-    let worth_after_a_failure = |xcs_step_limit| {
+    let values_after_a_failure = |xcs_step_limit| {
         let reward = Params {
             xcs_step_limit,
             ..Params::default()
         };
         let mut xcs = method(Method::Xcs, plain(), reward);
         episode(&mut *xcs, &[("00", Outcome::Moved)], false);
-        worth(&*xcs, "00")
+        values(&*xcs, "00")
     };
-    assert_eq!(worth_after_a_failure(StepLimitUpdate::Failure), -1.0);
-    assert_eq!(worth_after_a_failure(StepLimitUpdate::Dropped), 0.0);
+    assert_eq!(values_after_a_failure(StepLimitUpdate::Failure), -1.0);
+    assert_eq!(values_after_a_failure(StepLimitUpdate::Dropped), 0.0);
 }
 
 #[test]
@@ -196,7 +196,7 @@ fn a_failure_is_shared_out_like_a_success() {
             let mut learner = method(name, plain(), reward);
             let way = [("00", Outcome::Moved), ("01", Outcome::Moved)];
             episode(&mut *learner, &way, false);
-            let found = ["00", "01"].map(|bits| worth(&*learner, bits));
+            let found = ["00", "01"].map(|bits| values(&*learner, bits));
             assert_eq!(found, shares.map(|share| part * share), "{}", name.name());
         }
     }

@@ -56,15 +56,15 @@ fn by_its_plan_alone_it_reaches_the_bound_and_without_a_map_it_stays_far_from_it
 
 #[test]
 fn it_draws_the_same_maps_as_the_learner_of_rules() {
-    let charts = |method, kind, episodes| {
+    let cell_maps = |method, kind, episodes| {
         let plan = plan("maze10", method, true).episodes(episodes);
         as_json(&plan.run().unwrap())[kind]["map"].clone()
     };
-    let own = |episodes| charts(Method::RMax, "planned", episodes);
+    let own = |episodes| cell_maps(Method::RMax, "planned", episodes);
     assert!(own(60)["states"].is_array());
     assert_eq!(
         own(60),
-        charts(Method::XcscrPlus, "remembering", 60),
+        cell_maps(Method::XcscrPlus, "remembering", 60),
         "once all is seen"
     );
     assert_ne!(own(60), own(1), "control");
@@ -75,7 +75,7 @@ fn what_is_chosen_is_what_is_planned() {
     let trial = plan("mazef4", Method::RMax, true).episodes(60).run();
     let trial = trial.unwrap();
     let before = greedy(&trial);
-    // The same charts; every belief that was planned for is said to cost more than any way.
+    // The same maps; every belief that was planned for is said to cost more than any way.
     let mut spoilt = as_json(&trial);
     let costs = spoilt["planned"]["planner"]["costs"].as_object_mut();
     for cost in costs.unwrap().values_mut() {
@@ -114,7 +114,7 @@ fn a_plan_that_is_not_one_for_its_charts_is_refused() {
     let seen = forged["planned"]["planner"]["seen"].as_array_mut().unwrap();
     seen.pop();
     let error = read(&forged).unwrap_err().to_string();
-    assert!(error.contains("not one for its charts"), "{error}");
+    assert!(error.contains("not one for its cell_maps"), "{error}");
     assert!(read(&sound).is_ok(), "control");
 }
 
@@ -132,8 +132,11 @@ fn where_cells_are_misread_it_plans_on_in_each_step_and_resumes_to_the_same_byte
             assert!(same, "after episode {episode}");
         }
     }
-    let misread = as_json(&whole)["planned"]["map"]["observation_error"].as_f64();
-    assert!(misread.unwrap() > 0.01, "control: {misread:?}");
+    let observation_error = as_json(&whole)["planned"]["map"]["observation_error"].as_f64();
+    assert!(
+        observation_error.unwrap() > 0.01,
+        "control: {observation_error:?}"
+    );
     let bound = Bounds::of_belief(&whole.plan().maze, Sensor::Neighbours).unwrap();
     let steps = greedy(&whole);
     assert!(steps < 1.1 * bound, "{steps} steps, bound {bound}");

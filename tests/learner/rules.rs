@@ -1,4 +1,4 @@
-//! Rules to be read, condensed, and carried from maze to maze.
+//! Rules to be read, compacted, and carried from maze to maze.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -132,11 +132,11 @@ fn a_cell_shows_the_rules_that_match_there_in_the_wanted_order() {
             .clone();
         header.iter().position(|one| one == name).unwrap()
     };
-    let (go, worth) = (column("go"), column("prediction"));
+    let (go, value) = (column("go"), column("prediction"));
     let rows: Vec<_> = table.records().map(Result::unwrap).collect();
-    let worth: Vec<f64> = rows.iter().map(|row| row[worth].parse().unwrap()).collect();
+    let value: Vec<f64> = rows.iter().map(|row| row[value].parse().unwrap()).collect();
     assert!(
-        worth.is_sorted_by(|a, b| a >= b) && worth.len() > 1,
+        value.is_sorted_by(|a, b| a >= b) && value.len() > 1,
         "{csv}"
     );
     // In Maze4 there is a wall on every side of the start but one.
@@ -406,8 +406,8 @@ fn a_page_shows_the_policy_the_rules_and_where_they_lead_in_each_cell() {
     let rules = count(&desk.fine(&["rules", "run", "--format", "json"]));
     // Maze4 has 26 free cells that are no goals; each table has a heading.
     assert_eq!(page.matches("<tr>").count(), 1 + rules + 1 + 26, "{page}");
-    let [policy, foreseen] = ["<svg", "the opposite action undoes a move"];
-    assert!(page.contains(policy) && page.contains(foreseen), "{page}");
+    let [policy, predicted] = ["<svg", "the opposite action undoes a move"];
+    assert!(page.contains(policy) && page.contains(predicted), "{page}");
     for loaded in ["http:", "https:", " src="] {
         assert!(!page.contains(loaded), "the page names {loaded}");
     }
@@ -417,7 +417,7 @@ fn a_page_shows_the_policy_the_rules_and_where_they_lead_in_each_cell() {
     // A lone file of rules tells no run, and so there is no policy to draw.
     let lone = ["rules", "run/rules.json", "--world", world("maze4")];
     let lone = desk.fine(&[&lone[..], &["--sensor", "neighbours", "--format", "html"]].concat());
-    assert!(!lone.contains(policy) && lone.contains(foreseen), "{lone}");
+    assert!(!lone.contains(policy) && lone.contains(predicted), "{lone}");
     let (code, message) = desk.refused(&["rules", "run", "--format", "html", "--csv"]);
     assert!(code == Some(2) && message.contains("--format"), "{message}");
 }

@@ -50,7 +50,7 @@ fn rules(trial: &Trial) -> Population {
 
 fn best(rules: &Population, percept: &Percept) -> Vec<Action> {
     let frozen = Frozen::new(Knowledge::Rules(rules.clone()), 4, 1);
-    frozen.worth(percept).best_actions().collect()
+    frozen.values(percept).best_actions().collect()
 }
 
 #[test]
@@ -60,9 +60,9 @@ fn what_no_rule_covers_is_left_to_chance_and_counted_so() {
     let percept = plan.config.sensor.percepts(&plan.maze)[0];
     let chooser = |rules: Population| {
         let mut frozen = Frozen::new(Knowledge::Rules(rules), 4, 1);
-        let worth = frozen.observe(&percept);
+        let values = frozen.observe(&percept);
         let mut greedy = Explorer::new(0.0, Stream::new(1, StreamName::Exploration));
-        frozen.choose(&worth, &mut greedy).chooser
+        frozen.choose(&values, &mut greedy).chooser
     };
     assert_eq!(chooser(rules(&trial)), Chooser::Rules, "control");
     assert_eq!(chooser(Population::default()), Chooser::Chance);

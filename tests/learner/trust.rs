@@ -61,8 +61,8 @@ impl Multiplexer {
         self.xcs.update(&set, reward, 0.2);
         self.xcs.evolve(&set);
         let input = self.input();
-        let worth = self.xcs.worth(&input);
-        worth.best_actions().next() == Some(Self::answer(&input))
+        let values = self.xcs.values(&input);
+        values.best_actions().next() == Some(Self::answer(&input))
     }
 
     fn input(&mut self) -> Percept {
@@ -153,7 +153,7 @@ fn walk(world: (&str, u32), method: Method, xcs: xcs::Params, run: (u32, u64)) -
 }
 
 /// The rules that match in a cell, on average, and the share of their micro-classifiers whose
-/// action is none of the best there, those worth at least 90 % of the greatest worth.
+/// action is none of the best there, those worth at least 90 % of the greatest value.
 fn mapping(trial: &Trial) -> (f64, f64) {
     let maze = &trial.plan().maze;
     let knowledge = trial.method().knowledge();
@@ -161,14 +161,14 @@ fn mapping(trial: &Trial) -> (f64, f64) {
     let (mut visited, mut rules, mut micro, mut others) = (0, 0, 0, 0);
     for cell in cells {
         let percept = Sensor::Neighbours.perceive_at(maze, cell);
-        let worth = trial.method().worth(&percept);
-        let good = Some(0.9 * worth.greatest().unwrap());
+        let values = trial.method().values(&percept);
+        let good = Some(0.9 * values.greatest().unwrap());
         visited += 1;
         let population = knowledge.rules().unwrap();
         population.for_each_match(&percept, |_, rule| {
             rules += 1;
             micro += rule.numerosity;
-            others += rule.numerosity * u32::from(worth.get(rule.action) < good);
+            others += rule.numerosity * u32::from(values.get(rule.action) < good);
         });
     }
     let share = f64::from(others) / f64::from(micro);

@@ -66,7 +66,7 @@ proptest! {
     fn evaluation_never_changes_the_learner(seed in any::<u64>(), bits in "[01]{7}") {
         let xcs = live(seed, 200, Params::default(), |_| {});
         let before = xcs.clone();
-        let _ = xcs.worth(&bits.parse().unwrap());
+        let _ = xcs.values(&bits.parse().unwrap());
         prop_assert_eq!(before, xcs);
     }
 

@@ -179,7 +179,7 @@ fn the_plot_of_worth_has_a_line_from_the_first_decision_on_and_agrees_with_the_w
         let percent = reason["values"][number.unwrap()].as_f64();
         let words = text.split_once(", value ").map(|(_, rest)| rest);
         let words = words.and_then(|rest| rest.split(',').next()?.parse::<f64>().ok());
-        // Control: what has no worth in words has none in the plot.
+        // Control: what has no value in words has none in the plot.
         assert_eq!(words.is_some(), percent.is_some(), "{reason}");
         if let Some((words, percent)) = words.zip(percent) {
             assert!((words - 10.0 * percent).abs() <= 1.0, "{reason}");

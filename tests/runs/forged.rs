@@ -224,7 +224,7 @@ fn forged_tasks() {
     assert!(taken > 0, "every forged plan of tasks was refused");
 }
 
-/// What was learned in one episode, as little as it is, and what is foreseen.
+/// What was learned in one episode, as little as it is, and what is predicted.
 fn learned((method, map): (Method, bool)) -> Value {
     let maze = Maze::load(Path::new("worlds/maze4.json")).unwrap();
     let mut plan = Plan::new(maze).method(method).arena(ArenaKind::Grid);
@@ -272,7 +272,7 @@ fn forged_rules() {
             continue;
         };
         taken += 1;
-        let _ = known.worth(&percept, 4).best_actions().count();
+        let _ = known.values(&percept, 4).best_actions().count();
         if known.check(16, 4).is_ok() && number % 20 == 0 {
             // What is accepted can be begun with.
             let maze = Maze::load(Path::new("worlds/maze4.json")).unwrap();

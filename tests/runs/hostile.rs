@@ -188,7 +188,7 @@ fn mutants_of_rules() {
                 return false;
             };
             let _ = known.check(16, 4);
-            known.worth(&percept, 4).best_actions().for_each(drop);
+            known.values(&percept, 4).best_actions().for_each(drop);
             true
         },
     );

@@ -21,7 +21,7 @@ fn train(folder: &Path, more: &[&str]) -> String {
 }
 
 /// A policy by position for an empty hall, learned on the grid: a robot that is mislocalised there
-/// goes astray.
+/// goes mislocalised.
 #[track_caller]
 fn train_for_a_hall(folder: &Path) -> String {
     let inner = 12;

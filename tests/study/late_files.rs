@@ -98,8 +98,8 @@ fn whatever_the_machines_see_of_each_other_the_merge_is_that_of_one_process_or_n
                 _ => Some(length),
             });
             let task = 1 + chance.below(TASKS);
-            let mut patience = Patience(1 + chance.below(4));
-            planned.run_task(task, 1, &mut patience).unwrap();
+            let mut grace_period = Patience(1 + chance.below(4));
+            planned.run_task(task, 1, &mut grace_period).unwrap();
             let half = chance.below(3) * chance.below(90);
             torn += usize::from(half > 0);
             cluster.take_up(&path, half);

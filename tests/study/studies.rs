@@ -495,7 +495,7 @@ fn figures_that_no_trial_can_have_are_refused_though_their_checksum_is_right() {
         ("steps", serde_json::json!(u64::MAX)),
         ("collisions", serde_json::json!(u64::MAX)),
         ("rules", serde_json::json!(u64::MAX)),
-        ("condensed_rules", serde_json::json!(u32::MAX)),
+        ("compacted_rules", serde_json::json!(u32::MAX)),
     ] {
         for trial in 1..lines.len() {
             let mut lines = lines.clone();

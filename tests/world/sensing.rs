@@ -231,7 +231,7 @@ fn control_without_gyro_gate_or_bump_inflation_the_claims_do_not_hold() {
     assert_eq!(broken_claims(|_| {}), [""; 0]);
     let without = [
         broken_claims(|params| params.gyro.fitted = false),
-        broken_claims(|params| params.estimator.gate = 10_000.0),
+        broken_claims(|params| params.estimator.listener = 10_000.0),
         broken_claims(|params| params.estimator.bump_inflation = false),
     ];
     // Without a gate every beam may end on two lines, and tells nothing.
@@ -481,7 +481,7 @@ fn a_robot_whose_estimate_lies_in_a_wall_or_outside_is_lost() {
         assert_eq!(sensed.lost, cell != Some(true_cell(&view)), "{cell:?}");
         in_walls += u32::from(cell.is_none_or(|cell| view.maze.is_wall(cell)));
     }
-    assert!(in_walls > 0, "control: the estimate goes astray");
+    assert!(in_walls > 0, "control: the estimate goes mislocalised");
 }
 
 /// Learned by `xcscr-plus` in a world of 20 x 20 rooms, from what the robot senses.
@@ -517,7 +517,7 @@ fn mistakes_of_the_senses_are_counted_and_there_are_none_without_noise() {
         plan.episodes(30).run().unwrap().progress().mistakes
     };
     let noisy = mistakes(5.0, Sensor::Lidar);
-    assert!(noisy.misread > 0, "{noisy:?}");
+    assert!(noisy.observation_error > 0, "{noisy:?}");
     assert_eq!(mistakes(0.0, Sensor::Lidar), Mistakes::default());
     assert_eq!(
         mistakes(5.0, Sensor::Neighbours),

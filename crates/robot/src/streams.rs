@@ -36,7 +36,7 @@ pub enum StreamName {
     /// The rules of that keeper.
     Keeper,
     /// The rules of the cloner of `xcscr-coevolved`.
-    Cloner,
+    BehaviourCloner,
     /// Which bits of a percept flip.
     Flips,
 }

@@ -173,7 +173,7 @@ settings! {
         caution: f64 = 1.2, in 0.5..=5.0;
         /// A beam whose squared distance from a line, in units of its variance, is more than this
         /// is not believed; 3 deviations by default.
-        gate: f64 = 9.0, in 1.0..=10_000.0;
+        listener: f64 = 9.0, in 1.0..=10_000.0;
         /// The on-board computer takes every n-th beam of a turn, for the filter and for the map. What it
         /// computes in a step grows with the beams that it takes.
         use_every_nth_beam: u32 = 1, in 1..=2048;

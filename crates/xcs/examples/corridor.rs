@@ -54,8 +54,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut runner = learned()?;
     println!("cell   left  right");
     for cell in 0..CELLS {
-        let worth = runner.xcs().worth(&seen_from(cell));
-        let [left, right] = [0, 1].map(|at| worth.as_slice()[at].unwrap_or(f64::NAN));
+        let values = runner.xcs().values(&seen_from(cell));
+        let [left, right] = [0, 1].map(|at| values.as_slice()[at].unwrap_or(f64::NAN));
         println!("{cell:4} {left:6.1} {right:6.1}");
     }
     println!("out of the corridor in {} steps", runner.test().steps);

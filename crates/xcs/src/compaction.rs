@@ -23,19 +23,19 @@ const WIDEST_STAR: usize = 8;
 /// Rules with which choosing is begun; the best choice is kept.
 const BEGINNINGS: usize = 32;
 
-/// The condensed rules of `population`, in the order in which they were chosen: those that cover
-/// the most percepts first. In each of `percepts` where any action has a `worth`, every action they
-/// advocate is one of the greatest worth, and there is one. Percepts may repeat; all are of the
+/// The compacted rules of `population`, in the order in which they were chosen: those that cover
+/// the most percepts first. In each of `percepts` where any action has a `values`, every action they
+/// advocate is one of the greatest value, and there is one. Percepts may repeat; all are of the
 /// same width.
 ///
-/// A rule predicts the mean worth of its action where it matches; its error is the mean deviation
+/// A rule predicts the mean value of its action where it matches; its error is the mean deviation
 /// from that, its experience the greatest of the rules that it takes over.
 pub fn compact(
     population: &Population,
     percepts: &[Percept],
-    worth: impl Fn(&Percept) -> PredictionArray,
+    values: impl Fn(&Percept) -> PredictionArray,
 ) -> Population {
-    let task = Task::new(population, percepts, worth);
+    let task = Task::new(population, percepts, values);
     let chosen = fewest(task.candidates(), task.known.len());
     let rules: Vec<Classifier> = chosen.iter().map(|one| task.classifier(one)).collect();
     rules
@@ -46,7 +46,7 @@ pub fn compact(
 /// What has to be preserved.
 struct Task<'a> {
     population: &'a Population,
-    /// The percepts of which the population says something, each once, with the worth of actions.
+    /// The percepts of which the population says something, each once, with the value of actions.
     known: Vec<(Percept, PredictionArray)>,
     /// By action: the known percepts in which it is one of the best.
     right: Vec<FixedBitSet>,
@@ -76,27 +76,27 @@ impl<'a> Task<'a> {
     fn new(
         population: &'a Population,
         percepts: &[Percept],
-        worth: impl Fn(&Percept) -> PredictionArray,
+        values: impl Fn(&Percept) -> PredictionArray,
     ) -> Self {
         let mut percepts = percepts.to_vec();
         percepts.sort_unstable();
         percepts.dedup();
-        let with_worth = percepts
+        let with_value = percepts
             .into_iter()
-            .map(|percept| (percept, worth(&percept)));
-        let known: Vec<_> = with_worth.filter(|(_, w)| w.greatest().is_some()).collect();
+            .map(|percept| (percept, values(&percept)));
+        let known: Vec<_> = with_value.filter(|(_, w)| w.greatest().is_some()).collect();
         let first = known.first();
         let (width, actions) = first.map_or((0, 0), |(p, w)| (p.width(), w.as_slice().len()));
         let where_it = |holds: &dyn Fn(&Percept, &PredictionArray) -> bool| {
             let all = known.iter().enumerate();
             let mut set = FixedBitSet::with_capacity(known.len());
             set.extend(
-                all.filter(|(_, (p, worth))| holds(p, worth))
+                all.filter(|(_, (p, values))| holds(p, values))
                     .map(|(at, _)| at),
             );
             set
         };
-        let is_best = |action| where_it(&|_, worth| worth.best_actions().any(|a| a == action));
+        let is_best = |action| where_it(&|_, values| values.best_actions().any(|a| a == action));
         Self {
             population,
             right: Action::all(actions).map(is_best).collect(),
@@ -110,8 +110,8 @@ impl<'a> Task<'a> {
     /// For each known percept and best action, the rules grown from it.
     fn candidates(&self) -> Vec<Candidate> {
         let mut candidates: Vec<Candidate> = Vec::new();
-        for (at, (_, worth)) in self.known.iter().enumerate() {
-            for action in worth.best_actions() {
+        for (at, (_, values)) in self.known.iter().enumerate() {
+            for action in values.best_actions() {
                 let grown = self.star(at, action).into_iter();
                 candidates.extend(grown.map(|one| self.without_needless(at, action, one.alleles)));
             }
@@ -208,10 +208,10 @@ impl<'a> Task<'a> {
 
     /// The rule with its figures, from those that it takes over.
     fn classifier(&self, one: &Candidate) -> Classifier {
-        let worth = |at: usize| self.known[at].1.get(one.action).unwrap_or(0.0);
+        let values = |at: usize| self.known[at].1.get(one.action).unwrap_or(0.0);
         let count = one.covers.count_ones(..).max(1) as f64;
-        let prediction = one.covers.ones().map(worth).sum::<f64>() / count;
-        let deviation = |at| (worth(at) - prediction).abs();
+        let prediction = one.covers.ones().map(values).sum::<f64>() / count;
+        let deviation = |at| (values(at) - prediction).abs();
         let rules = self.population.rules().iter();
         let taken_over = rules.filter(|rule| {
             rule.action == one.action
@@ -322,12 +322,12 @@ mod tests {
     }
 
     fn best(population: &Population, percept: &Percept) -> Vec<usize> {
-        let worth = population.sums(percept).array(3, false);
-        worth.best_actions().map(Action::index).collect()
+        let values = population.sums(percept).array(3, false);
+        values.best_actions().map(Action::index).collect()
     }
 
-    /// The condensed rules, and how many percepts they were condensed for.
-    fn condensed(population: &Population, percepts: &[Percept]) -> Population {
+    /// The compacted rules, and how many percepts they were compacted for.
+    fn compacted(population: &Population, percepts: &[Percept]) -> Population {
         compact(population, percepts, |p| population.sums(p).array(3, false))
     }
 
@@ -347,8 +347,8 @@ mod tests {
                 })
             })
             .collect();
-        let condensed = condensed(&population(&table), &all_percepts(4));
-        let shown = condensed.rules().iter();
+        let compacted = compacted(&population(&table), &all_percepts(4));
+        let shown = compacted.rules().iter();
         let mut shown: Vec<_> = shown
             .map(|r| (r.condition.to_string(), r.action.index(), r.prediction))
             .collect();
@@ -361,9 +361,9 @@ mod tests {
 
     #[test]
     fn nothing_is_made_of_nothing() {
-        assert!(condensed(&Population::default(), &all_percepts(3)).is_empty());
+        assert!(compacted(&Population::default(), &all_percepts(3)).is_empty());
         let rules = population(&[("111".into(), 0, 1.0)]);
-        assert!(condensed(&rules, &["000".parse().unwrap()]).is_empty());
+        assert!(compacted(&rules, &["000".parse().unwrap()]).is_empty());
     }
 
     proptest! {
@@ -376,10 +376,10 @@ mod tests {
                 rules.into_iter().map(|(c, a, p)| (c, a, f64::from(p))).collect();
             let full = population(&rules);
             let known = all_percepts(5).iter().filter(|p| !best(&full, p).is_empty()).count();
-            let condensed = condensed(&full, &all_percepts(5));
-            prop_assert!(condensed.len() <= known, "{} for {known}", condensed.len());
+            let compacted = compacted(&full, &all_percepts(5));
+            prop_assert!(compacted.len() <= known, "{} for {known}", compacted.len());
             for percept in all_percepts(5) {
-                let (wanted, chosen) = (best(&full, &percept), best(&condensed, &percept));
+                let (wanted, chosen) = (best(&full, &percept), best(&compacted, &percept));
                 if wanted.is_empty() {
                     continue;
                 }

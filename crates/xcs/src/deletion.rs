@@ -29,7 +29,7 @@ struct Group {
     dirty: u64,
     sums: Sums,
     blocks: [Sums; GROUP],
-    votes: [[Vote; BLOCK]; GROUP],
+    votes: [[WeightedRule; BLOCK]; GROUP],
 }
 
 /// What is known of several rules together.
@@ -56,7 +56,7 @@ const NO_RULES: Sums = Sums {
 
 /// What is known of one rule; where there is none, nothing votes.
 #[derive(Debug, Clone, Copy)]
-struct Vote {
+struct WeightedRule {
     fitness: f64,
     /// `F / num` of an experienced rule; infinite for others, which are never unfit.
     mean: f64,
@@ -66,7 +66,7 @@ struct Vote {
     raised: f64,
 }
 
-const NO_RULE: Vote = Vote {
+const NO_RULE: WeightedRule = WeightedRule {
     fitness: 0.0,
     mean: f64::INFINITY,
     plain: 0.0,
@@ -143,7 +143,7 @@ impl Group {
         while self.dirty != 0 {
             let at = self.dirty.trailing_zeros() as usize;
             self.dirty &= self.dirty - 1;
-            let vote = |rule| Vote::of(rule, params);
+            let vote = |rule| WeightedRule::of(rule, params);
             self.votes[at / BLOCK][at % BLOCK] = rules.get(at).map_or(NO_RULE, vote);
             self.blocks[at / BLOCK].invalidate();
         }
@@ -218,7 +218,7 @@ impl Sums {
     }
 
     /// Sums up the votes of a block under a cut.
-    fn sum_votes(&mut self, votes: &[Vote; BLOCK], cut: f64) {
+    fn sum_votes(&mut self, votes: &[WeightedRule; BLOCK], cut: f64) {
         let fitness = self.fitness;
         *self = Self {
             fitness,
@@ -236,7 +236,7 @@ impl Sums {
     }
 }
 
-impl Vote {
+impl WeightedRule {
     fn of(rule: &Classifier, params: &Params) -> Self {
         let numerosity = f64::from(rule.numerosity);
         let mean = rule.fitness / numerosity;

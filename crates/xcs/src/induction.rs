@@ -1,15 +1,15 @@
-//! Discovery of rules by induction from lessons: a best-action map, general while it is learned.
+//! Discovery of rules by induction from examples: a best-action map, general while it is learned.
 //!
 //! Each rule says "wherever my condition matches, my action is one of the best". Which action is
 //! best generalises further than what actions are worth, so a few rules suffice. They are kept
-//! consistent with all lessons, and complete as long as \[P\] has room:
-//! 1. a rule that covers a lesson in which its action is not among the best demands more alleles,
+//! consistent with all examples, and complete as long as \[P\] has room:
+//! 1. a rule that covers a example in which its action is not among the best demands more alleles,
 //!    until it covers none, or goes when nothing good is left;
-//! 2. for a lesson that no rule covers, a rule is grown from the most general condition, and
+//! 2. for a example that no rule covers, a rule is grown from the most general condition, and
 //!    demands what it must and no more;
-//! 3. a rule whose lessons others cover is superfluous and goes, the least general first.
+//! 3. a rule whose examples others cover is superfluous and goes, the least general first.
 //!
-//! A rule's prediction is the mean worth of its lessons, its error the mean deviation from that,
+//! A rule's prediction is the mean value of its examples, its error the mean deviation from that,
 //! its experience their number, and so is its fitness: in the prediction array (Eq. 6) general
 //! rules weigh more. Or its experience and fitness are its own record of the steps in which it acted
 //! ([`Record::Steps`]).
@@ -20,7 +20,7 @@ use fixedbitset::FixedBitSet;
 
 use super::classifier::Classifier;
 use super::condition::Condition;
-use super::lessons::{Lesson, Lessons};
+use super::labelled_examples::{LabelledExample, LabelledExamples};
 use super::params::Params;
 use super::population::Population;
 use super::signal::{Action, Percept};
@@ -28,30 +28,30 @@ use super::signal::{Action, Percept};
 /// What the experience and the fitness of a rule tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Record {
-    /// How many lessons it covers.
+    /// How many examples it covers.
     #[default]
-    Lessons,
+    LabelledExamples,
     /// In how many steps it acted, and in which share it was right: see [`Population::record`].
     Steps,
 }
 
-/// Which lessons the rules of a population cover.
+/// Which examples the rules of a population cover.
 #[derive(Debug, Clone, Default)]
 pub struct Induction {
     /// Where parts of a percept end, if rules look at later ones only where earlier ones do not suffice.
     parts: &'static [usize],
     record: Record,
-    /// By the position of a rule in \[P\]: the lessons that it covers.
+    /// By the position of a rule in \[P\]: the examples that it covers.
     covers: Vec<FixedBitSet>,
-    /// By the position of a rule in \[P\]: are its figures those of other lessons than it covers?
+    /// By the position of a rule in \[P\]: are its figures those of other examples than it covers?
     outdated: Vec<bool>,
-    /// By lesson: how many rules cover it.
+    /// By example: how many rules cover it.
     covered: Vec<u32>,
-    /// The lessons that no rule covers.
+    /// The examples that no rule covers.
     bare: BTreeSet<usize>,
 }
 
-/// A rule that may join \[P\], and the lessons that it covers.
+/// A rule that may join \[P\], and the examples that it covers.
 #[derive(Clone)]
 struct Candidate {
     condition: Condition,
@@ -70,27 +70,32 @@ impl Induction {
         }
     }
 
-    /// Makes the rules of a population agree with all lessons; it holds at most
-    /// `params.population_size` of them. What changed in `lessons` counts as learned then.
-    pub fn learn(&mut self, population: &mut Population, lessons: &mut Lessons, params: &Params) {
-        let changed = lessons.take_changed();
+    /// Makes the rules of a population agree with all examples; it holds at most
+    /// `params.population_size` of them. What changed in `examples` counts as learned then.
+    pub fn learn(
+        &mut self,
+        population: &mut Population,
+        labelled_examples: &mut LabelledExamples,
+        params: &Params,
+    ) {
+        let changed = labelled_examples.take_changed();
         if self.covers.len() != population.len() {
-            self.survey(population, lessons);
+            self.survey(population, labelled_examples);
         }
-        self.admit(population, lessons, &changed);
-        let specialised = self.specialise(population, lessons, &changed, params);
-        let covered = self.cover(population, lessons, params);
+        self.admit(population, labelled_examples, &changed);
+        let specialised = self.specialise(population, labelled_examples, &changed, params);
+        let covered = self.cover(population, labelled_examples, params);
         if specialised || covered {
             self.drop_superfluous(population);
         }
-        self.rate(population, lessons);
+        self.rate(population, labelled_examples);
     }
 
-    /// Looks up from scratch which lessons the rules cover, for a population from a file.
-    fn survey(&mut self, population: &Population, lessons: &Lessons) {
+    /// Looks up from scratch which examples the rules cover, for a population from a file.
+    fn survey(&mut self, population: &Population, labelled_examples: &LabelledExamples) {
         *self = Self::in_parts(self.parts, self.record);
         for rule in population.rules() {
-            let numbers = lessons
+            let numbers = labelled_examples
                 .iter()
                 .filter(|(_, l)| rule.condition.matches(&l.percept));
             let covers: FixedBitSet = numbers.map(|(number, _)| number).collect();
@@ -98,22 +103,22 @@ impl Induction {
             self.covers.push(covers);
             self.outdated.push(true);
         }
-        let all = lessons.iter().map(|(number, _)| number);
+        let all = labelled_examples.iter().map(|(number, _)| number);
         let is_bare = |number: &usize| self.covered.get(*number).is_none_or(|&rules| rules == 0);
         self.bare = all.filter(is_bare).collect();
     }
 
-    /// Counts that some lessons are covered by one rule more, or less.
-    fn count(&mut self, lessons: &FixedBitSet, by: i32) {
-        let room = self.covered.len().max(lessons.len());
+    /// Counts that some examples are covered by one rule more, or less.
+    fn count(&mut self, labelled_examples: &FixedBitSet, by: i32) {
+        let room = self.covered.len().max(labelled_examples.len());
         self.covered.resize(room, 0);
-        for number in lessons.ones() {
+        for number in labelled_examples.ones() {
             self.covered[number] = self.covered[number].wrapping_add_signed(by);
             self.note_bare(number);
         }
     }
 
-    /// Keeps the list of lessons that no rule covers.
+    /// Keeps the list of examples that no rule covers.
     fn note_bare(&mut self, number: usize) {
         match self.covered[number] {
             0 => self.bare.insert(number),
@@ -121,10 +126,15 @@ impl Induction {
         };
     }
 
-    /// Finds the rules that cover the lessons that are new.
-    fn admit(&mut self, population: &Population, lessons: &Lessons, changed: &[usize]) {
+    /// Finds the rules that cover the examples that are new.
+    fn admit(
+        &mut self,
+        population: &Population,
+        labelled_examples: &LabelledExamples,
+        changed: &[usize],
+    ) {
         for &number in changed {
-            let Some(Lesson { percept, .. }) = lessons.get(number) else {
+            let Some(LabelledExample { percept, .. }) = labelled_examples.get(number) else {
                 continue;
             };
             let room = self.covered.len().max(number + 1);
@@ -143,18 +153,21 @@ impl Induction {
         }
     }
 
-    /// Makes the rules that are wrong in a changed lesson demand more; true if there were any.
+    /// Makes the rules that are wrong in a changed example demand more; true if there were any.
     fn specialise(
         &mut self,
         population: &mut Population,
-        lessons: &Lessons,
+        labelled_examples: &LabelledExamples,
         changed: &[usize],
         params: &Params,
     ) -> bool {
         let mut wrong = Vec::new();
-        for lesson in changed.iter().filter_map(|&number| lessons.get(number)) {
-            population.for_each_match(&lesson.percept, |id, rule| {
-                if !lesson.best[rule.action.index()] {
+        for labelled_example in changed
+            .iter()
+            .filter_map(|&number| labelled_examples.get(number))
+        {
+            population.for_each_match(&labelled_example.percept, |id, rule| {
+                if !labelled_example.best[rule.action.index()] {
                     wrong.push(id);
                 }
             });
@@ -170,34 +183,45 @@ impl Induction {
                 action: rule.action,
                 covers,
             };
-            if let Some(special) = right_in_part(lessons, &general, None, self.parts) {
+            if let Some(special) = right_in_part(labelled_examples, &general, None, self.parts) {
                 self.insert(population, special, params);
             }
         }
         !wrong.is_empty()
     }
 
-    /// Adds rules until each lesson is covered or \[P\] is full; true if any was added.
-    fn cover(&mut self, population: &mut Population, lessons: &Lessons, params: &Params) -> bool {
+    /// Adds rules until each example is covered or \[P\] is full; true if any was added.
+    fn cover(
+        &mut self,
+        population: &mut Population,
+        labelled_examples: &LabelledExamples,
+        params: &Params,
+    ) -> bool {
         let before = population.len();
         let mut from = 0;
         while population.len() < params.population_size as usize
             && let Some(&number) = self.bare.range(from..).next()
         {
             from = number + 1;
-            let lesson = lessons.get(number);
-            if let Some(best) = lesson.and_then(|lesson| self.most_general(lessons, lesson)) {
+            let labelled_example = labelled_examples.get(number);
+            if let Some(best) = labelled_example
+                .and_then(|labelled_example| self.most_general(labelled_examples, labelled_example))
+            {
                 self.insert(population, best, params);
             }
         }
         population.len() > before
     }
 
-    /// The rule for a lesson that covers the most lessons that no other rule does.
-    fn most_general(&self, lessons: &Lessons, lesson: &Lesson) -> Option<Candidate> {
-        let candidates = lesson
+    /// The rule for a example that covers the most examples that no other rule does.
+    fn most_general(
+        &self,
+        labelled_examples: &LabelledExamples,
+        labelled_example: &LabelledExample,
+    ) -> Option<Candidate> {
+        let candidates = labelled_example
             .best_actions()
-            .filter_map(|action| covering(lessons, lesson, action, self.parts));
+            .filter_map(|action| covering(labelled_examples, labelled_example, action, self.parts));
         let gain = |one: &Candidate| {
             let new = one
                 .covers
@@ -211,8 +235,8 @@ impl Induction {
         })
     }
 
-    /// Removes rules whose lessons are all covered by others, the least general first. A rule that covers no
-    /// lesson stays: nothing else says what it says.
+    /// Removes rules whose examples are all covered by others, the least general first. A rule that covers no
+    /// example stays: nothing else says what it says.
     fn drop_superfluous(&mut self, population: &mut Population) {
         let mut order: Vec<_> = (0..population.len()).collect();
         order.sort_by_key(|&at| self.covers[at].count_ones(..));
@@ -230,7 +254,7 @@ impl Induction {
     }
 
     /// Sets the figures of the rules of which they are outdated.
-    fn rate(&mut self, population: &mut Population, lessons: &Lessons) {
+    fn rate(&mut self, population: &mut Population, labelled_examples: &LabelledExamples) {
         let record = self.record;
         let rules = self.covers.iter().zip(&mut self.outdated);
         for (at, (covers, outdated)) in rules.enumerate() {
@@ -238,7 +262,11 @@ impl Induction {
             if !std::mem::take(outdated) || number == 0.0 {
                 continue;
             }
-            let value = |number| lessons.get(number).map_or(0.0, |lesson| lesson.value);
+            let value = |number| {
+                labelled_examples
+                    .get(number)
+                    .map_or(0.0, |labelled_example| labelled_example.value)
+            };
             let prediction = covers.ones().map(value).sum::<f64>() / number;
             let deviations = covers
                 .ones()
@@ -247,7 +275,7 @@ impl Induction {
             population.modify(population.id_at(at), |rule| {
                 rule.prediction = prediction;
                 rule.error = error;
-                if record == Record::Lessons {
+                if record == Record::LabelledExamples {
                     rule.experience = number as u32;
                     rule.fitness = number;
                 }
@@ -281,32 +309,37 @@ impl Induction {
     }
 }
 
-/// The most general rule for a lesson that is found step by step; `None` if another lesson with
+/// The most general rule for a example that is found step by step; `None` if another example with
 /// the same percept contradicts it.
 fn covering(
-    lessons: &Lessons,
-    lesson: &Lesson,
+    labelled_examples: &LabelledExamples,
+    labelled_example: &LabelledExample,
     action: Action,
     parts: &[usize],
 ) -> Option<Candidate> {
     let general = Candidate {
-        condition: Condition::of_alleles(&lesson.percept, []),
+        condition: Condition::of_alleles(&labelled_example.percept, []),
         action,
-        covers: lessons.given().clone(),
+        covers: labelled_examples.given().clone(),
     };
-    let found = right_in_part(lessons, &general, Some(&lesson.percept), parts)?;
+    let found = right_in_part(
+        labelled_examples,
+        &general,
+        Some(&labelled_example.percept),
+        parts,
+    )?;
     let mut alleles: Vec<usize> = demanded(&found.condition).collect();
     for allele in demanded(&found.condition) {
         let fewer: Vec<usize> = alleles.iter().copied().filter(|&a| a != allele).collect();
-        let covers = with_alleles(lessons, &lesson.percept, &fewer);
-        if lessons.verdicts(&covers, action)[1] == 0 {
+        let covers = with_alleles(labelled_examples, &labelled_example.percept, &fewer);
+        if labelled_examples.verdicts(&covers, action)[1] == 0 {
             alleles = fewer;
         }
     }
     Some(Candidate {
-        condition: Condition::of_alleles(&lesson.percept, alleles.iter().copied()),
+        condition: Condition::of_alleles(&labelled_example.percept, alleles.iter().copied()),
         action,
-        covers: with_alleles(lessons, &lesson.percept, &alleles),
+        covers: with_alleles(labelled_examples, &labelled_example.percept, &alleles),
     })
 }
 
@@ -315,36 +348,40 @@ fn demanded(condition: &Condition) -> impl Iterator<Item = usize> {
     (0..condition.width()).filter(move |&bit| condition.allele(bit).is_some())
 }
 
-/// The lessons whose percept shares some alleles with this one.
-fn with_alleles(lessons: &Lessons, percept: &Percept, alleles: &[usize]) -> FixedBitSet {
-    let given = lessons.given().clone();
-    let narrow = |some, &bit: &usize| lessons.with_allele(&some, bit, percept.bit(bit));
+/// The examples whose percept shares some alleles with this one.
+fn with_alleles(
+    labelled_examples: &LabelledExamples,
+    percept: &Percept,
+    alleles: &[usize],
+) -> FixedBitSet {
+    let given = labelled_examples.given().clone();
+    let narrow = |some, &bit: &usize| labelled_examples.with_allele(&some, bit, percept.bit(bit));
     alleles.iter().fold(given, narrow)
 }
 
 /// The same with alleles of as few parts as will do.
 fn right_in_part(
-    lessons: &Lessons,
+    labelled_examples: &LabelledExamples,
     rule: &Candidate,
     like: Option<&Percept>,
     parts: &[usize],
 ) -> Option<Candidate> {
     let ends = parts.iter().copied().chain([rule.condition.width()]);
     ends.into_iter()
-        .find_map(|end| right(lessons, rule.clone(), like, end))
+        .find_map(|end| right(labelled_examples, rule.clone(), like, end))
 }
 
-/// Demands more alleles, those of a percept if one is given, until the rule covers only lessons in
+/// Demands more alleles, those of a percept if one is given, until the rule covers only examples in
 /// which its action is among the best: each time the allele that leaves the highest share of
 /// these, (good + 1) / (all + 2). `None` when no good one would be left.
 fn right(
-    lessons: &Lessons,
+    labelled_examples: &LabelledExamples,
     mut rule: Candidate,
     like: Option<&Percept>,
     end: usize,
 ) -> Option<Candidate> {
     loop {
-        let [good, bad] = lessons.verdicts(&rule.covers, rule.action);
+        let [good, bad] = labelled_examples.verdicts(&rule.covers, rule.action);
         match (good, bad) {
             (0, _) => return None,
             (_, 0) => return Some(rule),
@@ -357,7 +394,8 @@ fn right(
                 if like.is_some_and(|percept| percept.bit(bit) != value) {
                     continue;
                 }
-                let [left, wrong] = lessons.count(&rule.covers, (bit, value), rule.action);
+                let [left, wrong] =
+                    labelled_examples.count(&rule.covers, (bit, value), rule.action);
                 let share = [u64::from(left) + 1, u64::from(left + wrong) + 2];
                 let is_better = |&(_, [a, b]): &(_, [u64; 2])| share[0] * b > a * share[1];
                 if left > 0 && wrong < bad && best.as_ref().is_none_or(is_better) {
@@ -367,7 +405,7 @@ fn right(
         }
         let ((bit, value), _) = best?;
         rule.condition = rule.condition.demanding(bit, value);
-        rule.covers = lessons.with_allele(&rule.covers, bit, value);
+        rule.covers = labelled_examples.with_allele(&rule.covers, bit, value);
     }
 }
 

@@ -4,7 +4,7 @@ use super::classifier::Classifier;
 use super::condition::Condition;
 use super::ga::{self, Parent};
 use super::induction::Induction;
-use super::lessons::Lessons;
+use super::labelled_examples::LabelledExamples;
 use super::params::{GaClock, Params, SubsumerTies, UpdateOrder};
 use super::population::{MOST_STEPS, Population};
 use super::prediction::PredictionArray;
@@ -102,9 +102,9 @@ impl Xcs {
         fits
     }
 
-    /// Discovers rules from lessons by induction instead of by the GA.
-    pub fn induce(&mut self, induction: &mut Induction, lessons: &mut Lessons) {
-        induction.learn(&mut self.population, lessons, &self.params);
+    /// Discovers rules from examples by induction instead of by the GA.
+    pub fn induce(&mut self, induction: &mut Induction, labelled_examples: &mut LabelledExamples) {
+        induction.learn(&mut self.population, labelled_examples, &self.params);
     }
 
     /// Forms \[M\] without covering.
@@ -188,16 +188,16 @@ impl Xcs {
 
     /// The prediction array of \[M\] (Eq. 6), as it was when \[M\] was formed.
     pub fn predict(&self, set: &MatchSet) -> PredictionArray {
-        set.prediction(self.actions, self.params.worth_over_match_set)
+        set.prediction(self.actions, self.params.value_over_match_set)
     }
 
     /// The prediction array in a percept, read from \[P\] without covering or changing anything.
-    pub fn worth(&self, percept: &Percept) -> PredictionArray {
+    pub fn values(&self, percept: &Percept) -> PredictionArray {
         let sums = self.population.sums(percept);
-        sums.array(self.actions, self.params.worth_over_match_set)
+        sums.array(self.actions, self.params.value_over_match_set)
     }
 
-    /// The rule of a set that weighs most in the worth of its action: the fittest; of equals, the
+    /// The rule of a set that weighs most in the value of its action: the fittest; of equals, the
     /// first in the set.
     pub fn strongest<'a>(&'a self, set: &'a ActionSet) -> Option<&'a Classifier> {
         let rules = self.population.living(set.members()).map(|(_, rule)| rule);

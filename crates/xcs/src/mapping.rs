@@ -78,9 +78,9 @@ impl Xcs {
     }
 }
 
-/// Is a payoff as good as the greatest worth, but for a fraction 1 - zeta of it?
+/// Is a payoff as good as the greatest value, but for a fraction 1 - zeta of it?
 ///
-/// For worths above 0 this is the paper's `payoff >= zeta * greatest`; below 0, where that would
+/// For values above 0 this is the paper's `payoff >= zeta * greatest`; below 0, where that would
 /// ask for more than the greatest, the margin still is one.
 fn is_best(payoff: f64, greatest: f64, zeta: f64) -> bool {
     payoff >= greatest - (1.0 - zeta) * greatest.abs()
@@ -113,7 +113,7 @@ mod tests {
         learner(rules).with_adaptive_mapping()
     }
 
-    /// The eam of all rules after action 0 was paid in percept 0, where the greatest worth was 100.
+    /// The eam of all rules after action 0 was paid in percept 0, where the greatest value was 100.
     fn eams_after(mut xcs: Xcs, payoffs: &[f64]) -> Vec<f32> {
         let set = xcs.matching_action_set(&"0".parse().unwrap(), Action::new(0).unwrap());
         for &payoff in payoffs {

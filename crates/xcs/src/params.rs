@@ -73,7 +73,7 @@ settings! {
         delta: f64 = 0.1, in 0.0..=1.0;
         /// theta_sub: experience from which on a rule can subsume others.
         theta_sub: u32 = 20, in 0..=1_000_000;
-        /// zeta: the fraction of the greatest worth from which on a payoff counts as the best, for
+        /// zeta: the fraction of the greatest value from which on a payoff counts as the best, for
         /// `xcsam` (Nakata, Lanzi and Takadama 2012).
         zeta: f64 = 0.99, in 0.0..=1.0;
         /// p_I: the prediction of a covering rule, in units of reward.
@@ -88,9 +88,9 @@ settings! {
         ga_subsumption: bool = true;
         /// Does the most general accurate rule of \[A\] subsume the others?
         action_set_subsumption: bool = true;
-        /// Divide the worth by the fitness of all of \[M\], as Eq. 6 is printed in the paper, and not
+        /// Divide the value by the fitness of all of \[M\], as Eq. 6 is printed in the paper, and not
         /// by that of the rules with the action, as in XCS.
-        worth_over_match_set: bool = false;
+        value_over_match_set: bool = false;
         /// Which of a rule's figures is updated first, error or prediction.
         update_order: UpdateOrder = UpdateOrder::ErrorFirst;
         /// Which of several equally general rules subsumes the others of \[A\].

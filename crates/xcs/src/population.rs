@@ -142,7 +142,7 @@ impl Population {
         }
     }
 
-    /// What the worth of each action under a percept comes from: the rules that match it.
+    /// What the value of each action under a percept comes from: the rules that match it.
     pub fn sums(&self, percept: &Percept) -> PredictionSums {
         let mut sums = PredictionSums::default();
         self.for_each_match(percept, |_, rule| sums.add(rule));

@@ -1,45 +1,45 @@
-//! The prediction array: the worth of each action (Eq. 6).
+//! The prediction array: the value of each action (Eq. 6).
 
 use super::classifier::Classifier;
 use crate::signal::{Action, ByAction, MAX_ACTIONS};
 
-/// The worth of each action in one percept; actions that no rule advocates have none.
+/// The value of each action in one percept; actions that no rule advocates have none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictionArray {
-    worth: [Option<f64>; MAX_ACTIONS],
+    value: [Option<f64>; MAX_ACTIONS],
     actions: usize,
 }
 
 impl PredictionArray {
-    /// An array for `actions` actions, none of which has a worth yet.
+    /// An array for `actions` actions, none of which has a value yet.
     pub fn new(actions: usize) -> Self {
         Self {
-            worth: [None; MAX_ACTIONS],
+            value: [None; MAX_ACTIONS],
             actions: actions.min(MAX_ACTIONS),
         }
     }
 
-    /// Gives an action its worth.
-    pub fn set(&mut self, action: Action, worth: f64) {
-        self.worth[action.index()] = Some(worth);
+    /// Gives an action its value.
+    pub fn set(&mut self, action: Action, value: f64) {
+        self.value[action.index()] = Some(value);
     }
 
-    /// The worth of an action; `None` when no rule advocates it.
+    /// The value of an action; `None` when no rule advocates it.
     pub fn get(&self, action: Action) -> Option<f64> {
-        self.worth[action.index()]
+        self.value[action.index()]
     }
 
-    /// The worth of every action, in the order of their numbers.
+    /// The value of every action, in the order of their numbers.
     pub fn as_slice(&self) -> &[Option<f64>] {
-        &self.worth[..self.actions]
+        &self.value[..self.actions]
     }
 
-    /// The greatest worth; `None` when no action has one.
+    /// The greatest value; `None` when no action has one.
     pub fn greatest(&self) -> Option<f64> {
         self.as_slice().iter().flatten().copied().reduce(f64::max)
     }
 
-    /// All actions that attain the greatest worth.
+    /// All actions that attain the greatest value.
     pub fn best_actions(&self) -> impl Iterator<Item = Action> + Clone + '_ {
         let greatest = self.greatest();
         Action::all(self.actions)
@@ -47,7 +47,7 @@ impl PredictionArray {
     }
 }
 
-/// What the worth of each action comes from, added up rule by rule.
+/// What the value of each action comes from, added up rule by rule.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PredictionSums {
     /// By action: the fitness-weighted predictions, and the fitness.

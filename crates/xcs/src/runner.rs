@@ -102,23 +102,23 @@ impl<E: Environment> Runner<E> {
     }
 
     /// Learns in one episode. Each action set is updated with its reward and, unless the episode
-    /// ended there, gamma times the greatest worth of what was perceived next, also at the step limit.
+    /// ended there, gamma times the greatest value of what was perceived next, also at the step limit.
     pub fn learn(&mut self) -> Episode {
         let mut episode = Episode::default();
         let mut percept = self.environment.begin();
         let mut waiting: Option<(ActionSet, f64)> = None;
         loop {
             self.xcs.form_match_set(&percept, &mut self.match_set);
-            let worth = self.xcs.predict(&self.match_set);
+            let values = self.xcs.predict(&self.match_set);
             if let Some((set, reward)) = waiting.take() {
-                let followed = self.gamma * worth.greatest().unwrap_or(0.0);
+                let followed = self.gamma * values.greatest().unwrap_or(0.0);
                 self.credit(&set, reward + followed);
             }
             if episode.steps == self.step_limit {
                 return episode;
             }
             let Some(set) = self
-                .choose(&worth)
+                .choose(&values)
                 .and_then(|it| self.match_set.action_set(it))
             else {
                 return episode;
@@ -141,8 +141,8 @@ impl<E: Environment> Runner<E> {
         let mut episode = Episode::default();
         let mut percept = self.environment.begin();
         while episode.steps < self.step_limit {
-            let worth = self.xcs.worth(&percept);
-            let Some(action) = self.best(&worth) else {
+            let values = self.xcs.values(&percept);
+            let Some(action) = self.best(&values) else {
                 break;
             };
             match self.act(action, &mut episode).next {
@@ -166,16 +166,16 @@ impl<E: Environment> Runner<E> {
         self.xcs.evolve(set);
     }
 
-    fn choose(&mut self, worth: &PredictionArray) -> Option<Action> {
+    fn choose(&mut self, values: &PredictionArray) -> Option<Action> {
         if self.choices.chance(self.exploration) {
             Action::new(self.choices.below(self.xcs.actions()))
         } else {
-            self.best(worth)
+            self.best(values)
         }
     }
 
-    fn best(&mut self, worth: &PredictionArray) -> Option<Action> {
-        let best: Vec<Action> = worth.best_actions().collect();
+    fn best(&mut self, values: &PredictionArray) -> Option<Action> {
+        let best: Vec<Action> = values.best_actions().collect();
         self.choices.choose(&best).copied()
     }
 }
@@ -225,7 +225,7 @@ mod tests {
         Runner::new(corridor, params, 1).unwrap()
     }
 
-    /// Specific rules of one corridor, so that the worth is what Q-learning would reach.
+    /// Specific rules of one corridor, so that the value is what Q-learning would reach.
     fn specific() -> Params {
         Params {
             dont_care: 0.0,
@@ -239,14 +239,14 @@ mod tests {
         let mut runner = runner(specific());
         (0..300).for_each(|_| assert!(runner.learn().ended));
         for (cell, steps_left) in [(0_u64, 3), (1, 2), (2, 1), (3, 0)] {
-            let worth = runner.xcs().worth(&Percept::from_word(1_u64 << cell, 4));
+            let values = runner.xcs().values(&Percept::from_word(1_u64 << cell, 4));
             let (found, expected) = (
-                worth.greatest().unwrap(),
+                values.greatest().unwrap(),
                 1000.0 * 0.71_f64.powi(steps_left),
             );
             assert!(
                 (found - expected).abs() < 0.01 * expected,
-                "{cell}: {worth:?}"
+                "{cell}: {values:?}"
             );
         }
         assert_eq!(runner.test().steps, 4);
@@ -257,14 +257,14 @@ mod tests {
         let mut runner = runner(specific());
         runner.gamma = 0.0;
         (0..300).for_each(|_| assert!(runner.learn().ended));
-        let worth = |cell| {
+        let values = |cell| {
             runner
                 .xcs()
-                .worth(&Percept::from_word(1_u64 << cell, 4))
+                .values(&Percept::from_word(1_u64 << cell, 4))
                 .greatest()
         };
-        assert_eq!([0_u64, 1, 2].map(worth), [Some(0.0); 3]);
-        assert!(worth(3) > Some(900.0), "{:?}", worth(3));
+        assert_eq!([0_u64, 1, 2].map(values), [Some(0.0); 3]);
+        assert!(values(3) > Some(900.0), "{:?}", values(3));
     }
 
     #[test]

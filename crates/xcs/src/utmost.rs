@@ -1,8 +1,8 @@
 //! The widest percept and all actions that there can be.
 
 use crate::{
-    Action, ByAction, Environment, Lesson, Lessons, MAX_ACTIONS, MAX_PERCEPT_BITS, Params, Percept,
-    Population, Response, Runner,
+    Action, ByAction, Environment, LabelledExample, LabelledExamples, MAX_ACTIONS,
+    MAX_PERCEPT_BITS, Params, Percept, Population, Response, Runner,
 };
 
 /// Bits that tell which action is right: the first and the last.
@@ -112,19 +112,19 @@ fn one_action_more_is_refused_and_the_message_names_the_bound() {
 
 #[test]
 fn lessons_of_all_actions_survive_a_file() {
-    let mut lessons = Lessons::default();
+    let mut labelled_examples = LabelledExamples::default();
     for situation in 0..SITUATIONS {
         let mut best = ByAction::default();
         best[right(situation).index()] = true;
-        let lesson = Lesson {
+        let labelled_example = LabelledExample {
             percept: percept(situation),
             best,
             value: 1.0,
         };
-        lessons.give(situation, lesson);
+        labelled_examples.give(situation, labelled_example);
     }
-    let bytes = postcard::to_allocvec(&lessons).unwrap();
-    let read: Lessons = postcard::from_bytes(&bytes).unwrap();
+    let bytes = postcard::to_allocvec(&labelled_examples).unwrap();
+    let read: LabelledExamples = postcard::from_bytes(&bytes).unwrap();
     for situation in 0..SITUATIONS {
         let best: Vec<Action> = read.get(situation).unwrap().best_actions().collect();
         assert_eq!(best, [right(situation)]);

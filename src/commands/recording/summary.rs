@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use xcscr::disk;
-use xcscr::record::Extent;
+use xcscr::record::RecordingKind;
 use xcscr::record::reader::Recording;
 
 use crate::commands::failure::{Exit, Failure};
@@ -29,7 +29,7 @@ struct Figures {
 
 /// The finished recording of the whole run in a folder, if that is what a path names.
 pub fn whole_run(path: &Path) -> Option<PathBuf> {
-    let run = path.join(Extent::Run.file_name());
+    let run = path.join(RecordingKind::Run.file_name());
     (path.is_dir() && run.is_file()).then_some(run)
 }
 

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use xcscr::record::reader::Recording;
-use xcscr::record::{Comparison, Extent};
+use xcscr::record::{Comparison, RecordingKind};
 use xcscr::run::{Again, Source};
 
 use crate::commands::failure::{Exit, Failure};
@@ -42,7 +42,7 @@ pub fn run(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Fa
 /// The first difference of a recording from a new run; `again` is the run that was made last.
 fn difference(file: &Path, again: &mut Option<Again>) -> Result<Option<String>, Failure> {
     let recording = Recording::open(file)?;
-    if recording.extent() == Some(Extent::Comparison) {
+    if recording.extent() == Some(RecordingKind::Comparison) {
         return Ok(Comparison::difference(&recording)?);
     }
     let source = Source::of(file)?;

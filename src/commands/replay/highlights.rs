@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use xcscr::record::Extent;
+use xcscr::record::RecordingKind;
 use xcscr::record::reader::Recording;
 use xcscr::run::RunFolder;
 
@@ -29,12 +29,12 @@ pub fn write_missing(
         .filter(|path| path.join("rules.json").is_file())
     {
         let folder = RunFolder::open(path);
-        let has_highlights = path.join(Extent::Highlights.file_name()).is_file();
+        let has_highlights = path.join(RecordingKind::Highlights.file_name()).is_file();
         if has_highlights || folder.is_interrupted() || folder.plan()?.maze.is_vast() {
             continue;
         }
         let place = tempfile::tempdir()?;
-        let file = place.path().join(Extent::Highlights.file_name());
+        let file = place.path().join(RecordingKind::Highlights.file_name());
         std::fs::write(&file, folder.highlights()?)?;
         files.push(file);
         written.push(place);
@@ -51,7 +51,7 @@ pub fn recording(path: &Path) -> Result<Recording, Failure> {
         return Ok(Recording::open(path)?);
     }
     let with_highlights = write_missing(&[path.to_owned()], recordings(path)?)?;
-    let is_highlights = |file: &&PathBuf| file.ends_with(Extent::Highlights.file_name());
+    let is_highlights = |file: &&PathBuf| file.ends_with(RecordingKind::Highlights.file_name());
     let found = with_highlights.files.iter().find(is_highlights);
     let file = found.ok_or_else(|| {
         let path = path.display();

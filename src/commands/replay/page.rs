@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use xcscr::record::player;
 use xcscr::record::reader::Recording;
-use xcscr::record::{Comparison, Extent, RecordMode};
+use xcscr::record::{Comparison, RecordMode, RecordingKind};
 use xcscr::run;
 use xcscr::study::StudyFolder;
 
@@ -62,7 +62,7 @@ fn page_of_study(study: &StudyFolder, out: &mut impl Write) -> Result<String, Fa
         plan.config.seed
     )?;
     of_bytes(
-        &Extent::Highlights.file_name(),
+        &RecordingKind::Highlights.file_name(),
         run::highlights(&plan, RecordMode::Beams)?,
     )
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
-use xcscr::record::Extent;
+use xcscr::record::RecordingKind;
 use xcscr::record::layout;
 use xcscr::record::reader::Recording;
 use xcscr::record::server::{Content, Origin, Server, foxglove_link, lichtblick_link};
@@ -95,7 +95,8 @@ pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
 fn comparison(file: &Path) -> Result<Option<Offer>, Failure> {
     let recording = Recording::open(file)?;
     let layout = recording.attachment("foxglove-layout.json");
-    let Some(layout) = layout.filter(|_| recording.extent() == Some(Extent::Comparison)) else {
+    let Some(layout) = layout.filter(|_| recording.extent() == Some(RecordingKind::Comparison))
+    else {
         return Ok(None);
     };
     Ok(Some(Offer {
@@ -147,10 +148,10 @@ fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
         let source = Source::of(file)?;
         let plan = source.plan;
         let kind = match source.extent {
-            Extent::Highlights => Kind::Highlights,
-            Extent::Run => Kind::Run,
+            RecordingKind::Highlights => Kind::Highlights,
+            RecordingKind::Run => Kind::Run,
             // Comparisons are offered by themselves.
-            Extent::Episode(_) | Extent::Comparison => Kind::Episodes,
+            RecordingKind::Episode(_) | RecordingKind::Comparison => Kind::Episodes,
         };
         let fits = |group: &&mut Group| group.plan == plan && group.kind == kind;
         match groups.iter_mut().find(fits) {

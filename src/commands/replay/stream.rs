@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use xcscr::record::reader::Recording;
-use xcscr::record::{Extent, Topic};
+use xcscr::record::{RecordingKind, Topic};
 
 use crate::commands::failure::Failure;
 use crate::commands::live::Broadcast;
@@ -12,7 +12,7 @@ use crate::commands::live::Broadcast;
 /// Streams all files in order, then stays until the last viewer has gone. Ctrl-C ends it. Beside
 /// episodes, the recording of the whole run and the highlights are left out: time would jump back.
 pub fn run(files: &[PathBuf], mut broadcast: Broadcast) -> Result<(), Failure> {
-    let apart = [Extent::Run, Extent::Highlights].map(Extent::file_name);
+    let apart = [RecordingKind::Run, RecordingKind::Highlights].map(RecordingKind::file_name);
     let is_apart = |file: &&PathBuf| apart.iter().any(|name| file.ends_with(name));
     let episodes = files.iter().filter(|file| !is_apart(file));
     let streamed: Vec<_> = match episodes.clone().next() {

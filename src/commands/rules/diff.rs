@@ -105,11 +105,11 @@ fn print_ways(
 /// The best actions in a cell, in words.
 fn way(plan: &Plan, knowledge: &Knowledge, cell: Cell) -> String {
     let percept = plan.config.sensor.perceive_at(&plan.maze, cell);
-    let worth = knowledge.worth(&percept, plan.maze.action_count());
-    if worth.greatest().is_none() {
+    let values = knowledge.values(&percept, plan.maze.action_count());
+    if values.greatest().is_none() {
         return "nowhere".to_owned();
     }
-    let best = worth
+    let best = values
         .best_actions()
         .map(|action| plan.maze.action_name(action));
     best.collect::<Vec<_>>().join(" or ")

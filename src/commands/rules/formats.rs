@@ -4,11 +4,11 @@ use std::io::Write;
 
 use xcscr::agent::Knowledge;
 use xcscr::page::Table;
-use xcscr::trial::Condensed;
+use xcscr::trial::Compacted;
 use xcscr::xcs::{Classifier, Population};
 
 use super::listing::{COLUMNS, Row};
-use super::{Shown, foreseen};
+use super::{Shown, predicted};
 use crate::commands::failure::Failure;
 use crate::commands::terminal::write_words;
 
@@ -25,9 +25,9 @@ pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
             "x and y: cells to the east and to the north of the goal."
         )?;
     }
-    let foreseen = foreseen::lines(shown.knowledge, shown.plan);
-    if !foreseen.is_empty() {
-        write_words(out, &format!("\nForeseen:\n  {}", foreseen.join("\n  ")))?;
+    let predicted = predicted::lines(shown.knowledge, shown.plan);
+    if !predicted.is_empty() {
+        write_words(out, &format!("\nPredicted:\n  {}", predicted.join("\n  ")))?;
     }
     Ok(())
 }
@@ -46,15 +46,18 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
         .expect("some rules of a population form one");
     let knowledge = shown.knowledge;
     let printed = match knowledge {
-        Knowledge::RulesOverMatchSet(_) if shown.condensed.is_none() => {
+        Knowledge::RulesOverMatchSet(_) if shown.compacted.is_none() => {
             Knowledge::RulesOverMatchSet(rules)
         }
         Knowledge::Remembering { map, .. } => Knowledge::Remembering {
             rules,
             map: map.clone(),
         },
-        _ => match knowledge.foresight().cloned() {
-            Some(foresight) => Knowledge::Foresighted { rules, foresight },
+        _ => match knowledge.generalisation().cloned() {
+            Some(generalisation) => Knowledge::Foresighted {
+                rules,
+                generalisation,
+            },
             None => Knowledge::Rules(rules),
         },
     };
@@ -81,26 +84,26 @@ pub fn headline(shown: &Shown<'_>) -> String {
     let Shown {
         plan,
         knowledge,
-        condensed,
+        compacted,
         ..
     } = shown;
     let (world, sensor, all) = (plan.maze.name(), plan.config.sensor.name(), knowledge.len());
-    let Some(condensed) = condensed else {
+    let Some(compacted) = compacted else {
         return format!("{world}, {sensor}: {all} rules");
     };
-    let Condensed {
+    let Compacted {
         rules,
         percepts,
         agreeing,
         optimal,
-    } = condensed;
+    } = compacted;
     let optimal = if *optimal {
         "globally optimal"
     } else {
         "not globally optimal"
     };
     format!(
-        "{world}, {sensor}: {} rules, condensed from {all}\n  the same choice in {agreeing} of the \
+        "{world}, {sensor}: {} rules, compacted from {all}\n  the same choice in {agreeing} of the \
          {percepts} percepts of the world that they know; the policy is {optimal}",
         rules.len()
     )

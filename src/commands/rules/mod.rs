@@ -1,7 +1,7 @@
 //! `xcscr rules`: what was learned, to be read.
 
 mod diff;
-mod foreseen;
+mod predicted;
 mod formats;
 mod listing;
 mod page;
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use xcscr::agent::Knowledge;
-use xcscr::trial::{Condensed, Plan};
+use xcscr::trial::{Compacted, Plan};
 use xcscr::world::{Cell, Paths};
 use xcscr::xcs::{Percept, Population};
 
@@ -98,19 +98,19 @@ pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
         return diff::print((&plan, &knowledge), other, args.sort, out);
     }
     let here = args.cell.map(|cell| perceived(&plan, cell)).transpose()?;
-    let condensed = args
+    let compacted = args
         .compact
         .then(|| condense(&knowledge, &plan))
         .transpose()?;
     let all = knowledge.rules().map_or(&[][..], Population::rules);
-    let rules = condensed
+    let rules = compacted
         .as_ref()
-        .map_or(all, |condensed| condensed.rules.rules());
+        .map_or(all, |compacted| compacted.rules.rules());
     let shown = Shown {
         rows: listing::rows(rules, (&plan, &knowledge), here.as_ref(), args.sort),
         plan: &plan,
         knowledge: &knowledge,
-        condensed: condensed.as_ref(),
+        compacted: compacted.as_ref(),
         here,
     };
     match args.format() {
@@ -125,7 +125,7 @@ pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
 struct Shown<'a> {
     plan: &'a Plan,
     knowledge: &'a Knowledge,
-    condensed: Option<&'a Condensed>,
+    compacted: Option<&'a Compacted>,
     /// Only the rules that match this percept.
     here: Option<Percept>,
     rows: Vec<listing::Row>,
@@ -162,18 +162,18 @@ fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
     Err(Failure::new(Exit::BadData, message))
 }
 
-fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Condensed, Failure> {
+fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Compacted, Failure> {
     let Plan { maze, config } = plan;
     let paths = Paths::with_slip(maze, config.settings.arena.slip);
-    Condensed::new(knowledge, config.sensor, maze, &paths).ok_or_else(|| {
+    Compacted::new(knowledge, config.sensor, maze, &paths).ok_or_else(|| {
         let name = maze.name();
         let message = match knowledge.remembers() {
-            true => "rules with a memory are condensed while they are learned; the list without \
+            true => "rules with a memory are compacted while they are learned; the list without \
                      `--compact` is the answer"
                 .to_owned(),
             false => format!(
                 "{name} has more than {} percepts: too many to condense rules for",
-                Condensed::MOST_PERCEPTS
+                Compacted::MOST_PERCEPTS
             ),
         };
         Failure::new(Exit::BadData, message)

@@ -3,13 +3,13 @@
 use std::io::Write;
 
 use xcscr::page::{Block, Picture, Table, html};
-use xcscr::picture::{Film, Scenes};
+use xcscr::picture::{Animation, Scenes};
 use xcscr::trial::{Plan, Why};
 use xcscr::world::Cell;
 
 use super::formats::{headline, table};
 use super::listing::words;
-use super::{Shown, foreseen};
+use super::{Shown, predicted};
 use crate::commands::failure::Failure;
 
 /// The most free cells of a maze that are listed one by one.
@@ -29,10 +29,10 @@ pub fn print(shown: &Shown<'_>, is_run: bool, out: &mut impl Write) -> Result<()
     blocks.push(Block::Heading("Rules".to_owned()));
     blocks.push(Block::Table(table(&shown.rows)));
     blocks.push(Block::Text(LEGEND.to_owned()));
-    let foreseen = foreseen::lines(shown.knowledge, shown.plan);
-    if !foreseen.is_empty() {
-        blocks.push(Block::Heading("Foreseen".to_owned()));
-        blocks.extend(foreseen.into_iter().map(Block::Text));
+    let predicted = predicted::lines(shown.knowledge, shown.plan);
+    if !predicted.is_empty() {
+        blocks.push(Block::Heading("Predicted".to_owned()));
+        blocks.extend(predicted.into_iter().map(Block::Text));
     }
     add_cells(shown, &mut blocks);
     let title = format!("What was learned in {}", shown.plan.maze.name());
@@ -53,7 +53,7 @@ fn policy(plan: &Plan) -> Result<Picture, Failure> {
     Ok(Picture {
         name: "policy",
         caption: "The learned policy: arrows are the best actions, yellow far from the goal and purple near it",
-        svg: Film::of(plan, Scenes::Last)?.svg(),
+        svg: Animation::of(plan, Scenes::Last)?.svg(),
     })
 }
 
@@ -91,16 +91,16 @@ fn row(shown: &Shown<'_>, cell: Cell) -> Vec<String> {
         .sensor
         .words(&plan.maze, &|at| Some(why.percept.bit(at)));
     let best: Vec<String> = why
-        .worth
+        .values
         .best_actions()
         .map(|action| plan.maze.action_name(action))
         .collect();
     vec![
         format!("{},{}", cell.col, cell.row),
         best.join(" or "),
-        why.worth
+        why.values
             .greatest()
-            .map_or(String::new(), |worth| format!("{worth:.1}")),
+            .map_or(String::new(), |values| format!("{values:.1}")),
         why.decisive().map_or("no rule matches".to_owned(), |rule| {
             words(rule, plan, knowledge)
         }),

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use xcscr::episode::Ending;
 use xcscr::page::Table;
-use xcscr::trial::{Change, Plan, RuleHistory, Vote, Why};
+use xcscr::trial::{Change, Plan, RuleHistory, WeightedRule, Why};
 use xcscr::world::Cell;
 use xcscr::xcs::{Action, Classifier};
 
@@ -16,7 +16,7 @@ use xcscr::agent::Knowledge;
 /// The most rules that are shown for one action.
 const MOST_VOTES: usize = 5;
 /// The most episodes that are told of a rule's history.
-const MOST_LESSONS: usize = 5;
+const MOST_EXAMPLES: usize = 5;
 
 /// Tells why, in words; `is_run`: can the run be repeated, so that its history can be told?
 pub fn print(
@@ -53,15 +53,15 @@ pub fn print(
 /// Where it goes, and the value of each action.
 fn choice(plan: &Plan, why: &Why) -> String {
     let name = |action| plan.maze.action_name(action);
-    let best: Vec<String> = why.worth.best_actions().map(name).collect();
+    let best: Vec<String> = why.values.best_actions().map(name).collect();
     let all = Action::all(plan.maze.action_count());
     let mut known: Vec<(f64, Action)> = all
-        .filter_map(|action| Some((why.worth.get(action)?, action)))
+        .filter_map(|action| Some((why.values.get(action)?, action)))
         .collect();
     known.sort_by(|a, b| b.0.total_cmp(&a.0));
     let rated = known
         .iter()
-        .map(|&(worth, action)| format!("{} {worth:.1}", name(action)));
+        .map(|&(values, action)| format!("{} {values:.1}", name(action)));
     let rated: Vec<String> = rated.collect();
     match rated.is_empty() {
         true => "anywhere, because no rule matches".to_owned(),
@@ -105,7 +105,7 @@ fn print_votes(
     }
 }
 
-fn row(vote: &Vote, plan: &Plan, knowledge: &Knowledge) -> Vec<String> {
+fn row(vote: &WeightedRule, plan: &Plan, knowledge: &Knowledge) -> Vec<String> {
     let rule = &vote.rule;
     vec![
         words(rule, plan, knowledge),
@@ -154,24 +154,24 @@ fn print_history(
     let Some(history) = RuleHistory::of(plan, rule.condition, rule.action)? else {
         return Ok(());
     };
-    let RuleHistory { since, lessons } = history;
+    let RuleHistory { since, changes } = history;
     let line = format!("\n\"{words}: {name}\" has been among the rules since episode {since}.");
     write_words(out, &line)?;
-    let mut most = lessons;
+    let mut most = changes;
     most.sort_by(|a, b| b.moved().total_cmp(&a.moved()));
-    most.truncate(MOST_LESSONS);
-    most.sort_by_key(|lesson| lesson.episode.episode);
+    most.truncate(MOST_EXAMPLES);
+    most.sort_by_key(|change| change.episode.episode);
     writeln!(out, "The episodes that changed it most:")?;
-    for lesson in most {
-        let (episode, steps) = (lesson.episode.episode, lesson.episode.steps);
-        let ending = match lesson.episode.ending {
+    for change in most {
+        let (episode, steps) = (change.episode.episode, change.episode.steps);
+        let ending = match change.episode.ending {
             Ending::Goal => "goal",
             Ending::StepLimit => "step limit",
         };
-        let after = lesson.after;
-        let before = lesson
+        let after = change.after;
+        let before = change
             .before
-            .map_or("new".to_owned(), |worth| format!("{worth:.1}"));
+            .map_or("new".to_owned(), |values| format!("{values:.1}"));
         writeln!(
             out,
             "  episode {episode:<5} value {before} -> {after:.1}   ({ending} after {steps} steps)"

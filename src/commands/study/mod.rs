@@ -250,8 +250,8 @@ fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     if args.force {
         StudyFolder::replace_other(&path, &protocol)?;
     }
-    let farewell = "interrupted in a trial; run the same command again to resume it";
-    let interrupt = Interrupt::watch(move || Failure::new(Exit::Interrupted, farewell))?;
+    let shutdown_message = "interrupted in a trial; run the same command again to resume it";
+    let interrupt = Interrupt::watch(move || Failure::new(Exit::Interrupted, shutdown_message))?;
     let mut progress = Progress::new(args.quiet, interrupt);
     let study = Study::new(protocol);
     let folder = study

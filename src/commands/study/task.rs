@@ -32,8 +32,9 @@ pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
     let task = args.task;
     let finished = Arc::new(AtomicUsize::new(0));
     let counter = finished.clone();
-    let farewell = move || interrupted(task, counter.load(Ordering::Relaxed));
-    let mut progress = Progress::new(args.quiet, Interrupt::watch(farewell)?).counting(finished);
+    let shutdown_message = move || interrupted(task, counter.load(Ordering::Relaxed));
+    let mut progress =
+        Progress::new(args.quiet, Interrupt::watch(shutdown_message)?).counting(finished);
     let (survey, finished) = planned.run_task(task, args.jobs.into(), &mut progress)?;
     drop(progress);
     if !survey.missing().is_empty() {

@@ -41,8 +41,8 @@ pub(super) fn run(args: &TuneArgs, out: &mut impl Write) -> Result<(), Failure> 
     super::say_warnings(&protocol);
     let tasks = args.tasks.map_or(1, |tasks| tasks as usize);
     let tuning = Tuning::new(&args.out, protocol, args.budget, tasks)?;
-    let farewell = || Failure::new(Exit::Interrupted, INTERRUPTED);
-    let interrupt = Interrupt::watch(farewell)?;
+    let shutdown_message = || Failure::new(Exit::Interrupted, INTERRUPTED);
+    let interrupt = Interrupt::watch(shutdown_message)?;
     loop {
         match tuning.stage()? {
             Stage::Done(found) => return show(&found, out),
@@ -51,7 +51,7 @@ pub(super) fn run(args: &TuneArgs, out: &mut impl Write) -> Result<(), Failure> 
                 let mut progress = Progress::new(args.quiet, interrupt.clone());
                 let (survey, _) = planned.run_task(1, args.jobs.into(), &mut progress)?;
                 if !survey.missing().is_empty() {
-                    return Err(farewell());
+                    return Err(shutdown_message());
                 }
             }
         }

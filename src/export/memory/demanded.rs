@@ -33,7 +33,7 @@ fn name(part: Part) -> &'static str {
         Part::Percept => "percept",
         Part::X => "x",
         Part::Y => "y",
-        Part::Chart => "chart",
+        Part::Chart => "map",
         Part::Eaten => "collected",
         Part::Last => "last",
         Part::Before => "before",

@@ -1,15 +1,15 @@
-//! The policy with its charts as a Python module.
+//! The policy with its maps as a Python module.
 
 use std::fmt::Write;
 
-use super::charts::{Charts, State, named};
 use super::demanded::{Language, expression};
+use super::maps::{MapTable, State, named};
 use super::usage::{Calls, usage};
 use crate::agent::pomdp::NEGLIGIBLE;
-use crate::agent::{ASTRAY, BEGUN_ELSEWHERE, PERCEPT_BITS};
+use crate::agent::{BEGUN_ELSEWHERE, MISLOCALISED, PERCEPT_BITS};
 use crate::export::comments::PYTHON as COMMENTS;
 use crate::export::python::names;
-use crate::export::{Ballot, Provenance, Vote};
+use crate::export::{Provenance, QuantisedPolicy, WeightedRule};
 
 /// How Python writes demands.
 const PYTHON: Language = Language {
@@ -31,12 +31,12 @@ const TRACKER: &str = r#"
 def decide(context):
     """The action for a context, the first of equals; None where no rule matches."""
     sums = [[0, 0] for _ in ACTIONS]
-    for action, weight, worth in votes(*context):
-        sums[action][0] += worth * weight
+    for action, weight, value in votes(*context):
+        sums[action][0] += value * weight
         sums[action][1] += weight
     best = None
-    for action, (worth, weight) in enumerate(sums):
-        if weight and (best is None or worth * sums[best][1] > sums[best][0] * weight):
+    for action, (value, weight) in enumerate(sums):
+        if weight and (best is None or value * sums[best][1] > sums[best][0] * weight):
             best = action
     return best
 
@@ -90,7 +90,7 @@ class Tracker:
             self.before = self.last
             self.last = 1 | self.action << 1 | self.percept << 4
         percept &= 0xFFFF
-        if MISREAD > 0.0:
+        if OBSERVATION_ERROR > 0.0:
             self.locate_doubtingly(percept, bool(bumped), bool(rewarded))
         else:
             self.locate(percept, bool(rewarded))
@@ -103,7 +103,7 @@ class Tracker:
 
     def context(self):
         """What rules look at: the percept; of the likeliest state the cells to the east and to the north
-        of the goal, the number of the chart, as bits the rewards found; the last two steps."""
+        of the goal, the number of the map, as bits the rewards found; the last two steps."""
         likeliest = self.likeliest()
         place = (0, 0, 0, 0) if likeliest is None else STATES[likeliest][1:5]
         return (self.percept, *place, self.last, self.before)
@@ -137,7 +137,7 @@ class Tracker:
             if self.belief and all(looks(state, self.found) for state in self.belief):
                 return
         else:
-            # A reward that was not foreseen, or did not come, still tells where the robot is.
+            # A reward that was not predicted, or did not come, still tells where the robot is.
             for found in (self.found + rewarded, self.found + (not rewarded)):
                 belief = self.follow(lambda _, to: looks(to, found))
                 if belief:
@@ -153,21 +153,21 @@ class Tracker:
         self.belief = settled({state: 1.0 for state in strange if strange[state] == least})
 
     def locate_doubtingly(self, percept, bumped, rewarded):
-        """Where the robot may be if percepts may be misread: all states weighed by what was expected, and
-        by how much of what is perceived would be misread there. With a small probability it is anywhere."""
+        """Where the robot may be if percepts may have errors: all states weighed by what was expected, and
+        by how much of what is perceived would be wrong there. With a small probability it is anywhere."""
         if self.action is None:
-            expected, astray = self.belief, {BEGUN_ELSEWHERE}
+            expected, mislocalised = self.belief, {BEGUN_ELSEWHERE}
         else:
             self.found = min(self.found + rewarded, REWARDS)
-            expected, astray = self.follow({MAY_LEAD}), {ASTRAY}
+            expected, mislocalised = self.follow({MAY_LEAD}), {MISLOCALISED}
         if not expected:
-            astray = 1.0
+            mislocalised = 1.0
         weights = {}
         for state in range(len(STATES)):
             likely = 1.0
             for _ in range(differences(STATES[state][0], percept) + (found_in(state) != self.found)):
-                likely *= MISREAD
-            weight = expected.get(state, 0.0) * (1.0 - astray) + astray / len(STATES)
+                likely *= OBSERVATION_ERROR
+            weight = expected.get(state, 0.0) * (1.0 - mislocalised) + mislocalised / len(STATES)
             weights[state] = weight * likely
         self.belief = settled(weights)
         likeliest = self.likeliest()
@@ -175,17 +175,17 @@ class Tracker:
 "#;
 
 /// The module.
-pub fn text(ballot: &Ballot, charts: &Charts, provenance: &Provenance) -> String {
-    let mut text = COMMENTS.head(ballot, provenance);
-    text.push_str(&COMMENTS.of(&usage(&CALLS, charts)));
+pub fn text(quantised: &QuantisedPolicy, maps: &MapTable, provenance: &Provenance) -> String {
+    let mut text = COMMENTS.head(quantised, provenance);
+    text.push_str(&COMMENTS.of(&usage(&CALLS, maps)));
     text.push_str(
         "\nimport math\n\n# What each bit of a percept says when it is 1, the lowest first.\n",
     );
-    text.push_str(&names(ballot, PERCEPT_BITS, provenance));
+    text.push_str(&names(quantised, PERCEPT_BITS, provenance));
     text.push('\n');
-    text.push_str(&states(charts));
-    text.push_str(&rules(ballot, provenance));
-    let may_lead = match charts.unfelt {
+    text.push_str(&states(maps));
+    text.push_str(&rules(quantised, provenance));
+    let may_lead = match maps.unfelt {
         true => "lambda *_: True",
         false => "lambda state, to: (to == state) == bumped",
     };
@@ -193,37 +193,37 @@ pub fn text(ballot: &Ballot, charts: &Charts, provenance: &Provenance) -> String
         &TRACKER
             .replace("{MAY_LEAD}", may_lead)
             .replace("{NEGLIGIBLE}", &format!("{NEGLIGIBLE:?}"))
-            .replace("{ASTRAY}", &format!("{ASTRAY:?}"))
+            .replace("{MISLOCALISED}", &format!("{MISLOCALISED:?}"))
             .replace("{BEGUN_ELSEWHERE}", &format!("{BEGUN_ELSEWHERE:?}")),
     );
     text
 }
 
-/// The charts.
-fn states(charts: &Charts) -> String {
-    let begin = named(charts.begin, "None");
+/// The maps.
+fn states(maps: &MapTable) -> String {
+    let begin = named(maps.begin, "None");
     let mut text = format!(
-        "# How likely another action is executed instead, how likely a cell is misread, and how many rewards the map knows.\n\
+        "# How likely another action is executed instead, how likely a cell is observed wrongly, and how many rewards the map knows.\n\
          SLIP = {:?}\nMISREAD = {:?}\nREWARDS = {}\n\n# The state in which all episodes begin, if there is one.\n\
          BEGIN = {begin}\n\n# States: the percept, cells to the east and to the north of the goal, the number \
-         of the chart (each is\n# drawn around one goal), as bits the rewards found, and by action the next \
+         of the map (each is\n# drawn around one goal), as bits the rewards found, and by action the next \
          state (None: the goal).\nSTATES = [\n",
-        charts.slip,
-        charts.misread,
-        charts.rewards()
+        maps.slip,
+        maps.observation_error,
+        maps.rewards()
     );
-    for (at, state) in charts.states().iter().enumerate() {
+    for (at, state) in maps.states().iter().enumerate() {
         let State {
             percept,
             x,
             y,
-            chart,
+            map,
             collected,
             ..
         } = state;
         let _ = writeln!(
             text,
-            "    ({percept:#06x}, {x}, {y}, {chart}, {collected}, ({})),  # {at}",
+            "    ({percept:#06x}, {x}, {y}, {map}, {collected}, ({})),  # {at}",
             state.successors("None")
         );
     }
@@ -232,22 +232,22 @@ fn states(charts: &Charts) -> String {
 }
 
 /// The rules as statements.
-fn rules(ballot: &Ballot, provenance: &Provenance) -> String {
+fn rules(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = String::from(
-        "\n\ndef votes(percept, x, y, chart, collected, last, before):\n    \
-         \"\"\"Action, weight and worth of each rule that matches.\"\"\"\n",
+        "\n\ndef votes(percept, x, y, map, collected, last, before):\n    \
+         \"\"\"Action, weight and value of each rule that matches.\"\"\"\n",
     );
-    for vote in ballot.votes() {
-        let Vote {
+    for vote in quantised.votes() {
+        let WeightedRule {
             condition,
             action,
-            worth,
+            value,
             weight,
         } = vote;
         let demands = expression(condition, &PYTHON).unwrap_or("True".to_owned());
         let _ = writeln!(
             text,
-            "    # {}: {}\n    if {demands}:\n        yield {}, {weight}, {worth}",
+            "    # {}: {}\n    if {demands}:\n        yield {}, {weight}, {value}",
             provenance.words(condition),
             provenance.action(*action),
             action.index()

@@ -1,6 +1,6 @@
 //! How to use a tracker.
 
-use super::charts::Charts;
+use super::maps::MapTable;
 use crate::agent::PERCEPT_BITS;
 use crate::export::Provenance;
 use crate::export::comments::Comments;
@@ -18,20 +18,20 @@ pub struct Calls {
 }
 
 /// What the program of a robot must do, as lines for a comment.
-pub fn usage(calls: &Calls, charts: &Charts) -> String {
+pub fn usage(calls: &Calls, maps: &MapTable) -> String {
     let Calls {
         begin,
         step,
         percept,
         none,
     } = calls;
-    let bumped = match charts.unfelt {
+    let bumped = match maps.unfelt {
         true => "is not looked at: it was learned without",
         false => "did the last action end at a wall, so that the robot stands where it was?",
     };
     format!(
         "
-The rules go by charts of the world: a tracker follows the robot on them. At the beginning of an
+The rules go by maps of the world: a tracker follows the robot on them. At the beginning of an
 episode {begin}, then in each step
     {step}
 percept   the eight cells around the robot{percept}

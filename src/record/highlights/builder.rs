@@ -10,7 +10,7 @@ use serde::Deserialize;
 use super::retime::{Tempo, decoded, encoded, retimed};
 use super::segment::Segment;
 use crate::record::error::RecordError;
-use crate::record::info::{Extent, RunInfo};
+use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
 use crate::record::read::reader::Recording;
@@ -292,11 +292,14 @@ fn begun(
     senses: bool,
 ) -> McapResult<LogFile<Vec<u8>>> {
     let mut log = LogFile::new(Vec::new(), Packing::Small)?;
-    log.metadata("run", info.metadata(maze.name(), mode, Extent::Highlights))?;
+    log.metadata(
+        "run",
+        info.metadata(maze.name(), mode, RecordingKind::Highlights),
+    )?;
     log.attach("world.json", 0, &info.world_json)?;
     log.attach("config.json", 0, &info.config_json)?;
     log.attach("foxglove-layout.json", 0, &layout::of_episode(maze))?;
-    log.declare(Extent::Highlights, &Topic::of_episode(senses, false))?;
+    log.declare(RecordingKind::Highlights, &Topic::of_episode(senses, false))?;
     Ok(log)
 }
 
@@ -347,7 +350,7 @@ fn result(figures: &Figures) -> String {
 
 pub(super) fn unwritten(cause: McapError) -> RecordError {
     RecordError::Write {
-        path: PathBuf::from(Extent::Highlights.file_name()),
+        path: PathBuf::from(RecordingKind::Highlights.file_name()),
         cause: cause.to_string(),
     }
 }

@@ -11,7 +11,7 @@ use mcap::records::{MessageHeader, Metadata};
 use super::builder::{HighlightsBuilder, unwritten};
 use super::retime::{decoded, encoded};
 use crate::record::error::RecordError;
-use crate::record::info::Extent;
+use crate::record::info::RecordingKind;
 use crate::record::layout::{self, SIDES};
 use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::{self, Topic};
@@ -61,7 +61,7 @@ fn begun(
     let mut channels = Channels::new();
     for (side, highlights) in highlights.iter().enumerate() {
         for topic in highlights.topics() {
-            let schema = topic.schema(Extent::Highlights);
+            let schema = topic.schema(RecordingKind::Highlights);
             let id = out.add_schema(&schema.name, &schema.encoding, &schema.data)?;
             let name = format!("/{}{}", SIDES[side], topic.name());
             let encoding = topic.message_encoding();
@@ -75,7 +75,7 @@ fn begun(
 /// A highlights recording, read from its packed bytes, so that its messages never lie in memory all at once.
 fn read_again(highlights: HighlightsBuilder<'_>) -> Result<Recording, RecordError> {
     Recording::from_bytes(
-        Path::new(&Extent::Highlights.file_name()),
+        Path::new(&RecordingKind::Highlights.file_name()),
         highlights.finish()?,
     )
 }
@@ -133,7 +133,7 @@ fn introduce(
     highlights: &[HighlightsBuilder<'_>; 2],
     layout: &str,
 ) -> McapResult<()> {
-    let whole = [("episode", Extent::Comparison.to_string())];
+    let whole = [("episode", RecordingKind::Comparison.to_string())];
     let whole = whole.map(|(key, text)| (key.to_owned(), text));
     metadata(out, "run", whole.into())?;
     for (side, highlights) in SIDES.iter().zip(highlights) {
@@ -141,7 +141,7 @@ fn introduce(
         metadata(
             out,
             side,
-            info.metadata(world, highlights.mode(), Extent::Highlights),
+            info.metadata(world, highlights.mode(), RecordingKind::Highlights),
         )?;
         attach(out, &format!("{side}/world.json"), &info.world_json)?;
         attach(out, &format!("{side}/config.json"), &info.config_json)?;

@@ -133,14 +133,14 @@ fn with_each_action(paths: &Value, maze: &Maze) -> Value {
     };
     let (of_actions, mut all): (Vec<Value>, Vec<Value>) =
         paths.cloned().partition(|path| field(path).is_some());
-    if let Some(worth) = of_actions.first().and_then(field) {
-        all.extend(worth_paths(maze, &worth));
+    if let Some(values) = of_actions.first().and_then(field) {
+        all.extend(value_paths(maze, &values));
     }
     all.into()
 }
 
-/// A path for the worth of each action.
-fn worth_paths(maze: &Maze, worth: &str) -> Vec<Value> {
+/// A path for the value of each action.
+fn value_paths(maze: &Maze, values: &str) -> Vec<Value> {
     const COLORS: [&str; 8] = [
         "#4e98e2", "#f5774d", "#5cd6a9", "#a395e2", "#f7df71", "#61cbff", "#cad660", "#8a8f99",
     ];
@@ -148,7 +148,7 @@ fn worth_paths(maze: &Maze, worth: &str) -> Vec<Value> {
     paths
         .map(|(action, (direction, color))| {
             json!({
-                "value": format!("{worth}[{action}]"),
+                "value": format!("{values}[{action}]"),
                 "label": direction.name(),
                 "color": color,
                 "enabled": true,
@@ -195,7 +195,7 @@ pub fn paths(layout: &[u8]) -> Vec<MessagePath> {
     texts.into_iter().map(message_path).collect()
 }
 
-/// `/step.values[0]` is the field `worth` of `/step`, and so is `/step{step==1}.values[0]`.
+/// `/step.values[0]` is the field `values` of `/step`, and so is `/step{step==1}.values[0]`.
 fn message_path(text: &str) -> MessagePath {
     let (topic, rest) = text.split_once('.').unwrap_or((text, ""));
     let topic = topic.split('{').next().unwrap_or(topic);

@@ -177,7 +177,7 @@ impl Data {
             Topic::Transforms => self.follow(&decoded(&message.data)?),
             Topic::Robot => self.measure(&scene()?),
             Topic::Policy => self.scenes.policy.push(Scene::of(t, &scene()?)),
-            Topic::Worth => self.scenes.values.push(Scene::of(t, &scene()?)),
+            Topic::Values => self.scenes.values.push(Scene::of(t, &scene()?)),
             Topic::Percept => self.scenes.percept.push(Scene::of(t, &scene()?)),
             Topic::Caption => self.captions.extend(caption(t, &scene()?)),
             Topic::Rule => self.decisions.push(timed(t, message)?),

@@ -12,7 +12,7 @@ mod text;
 use crate::page::escaped;
 use crate::record::layout::SIDES;
 use crate::record::reader::Recording;
-use crate::record::{Extent, RecordError};
+use crate::record::{RecordError, RecordingKind};
 use data::Data;
 pub use text::TextPlayer;
 
@@ -26,7 +26,7 @@ const SCRIPT: &str = concat!(include_str!("timeline.js"), "\n", include_str!("pl
 /// # Errors
 /// [`RecordError::Damaged`] when messages cannot be decoded or the world is missing.
 pub fn page(recording: &Recording) -> Result<String, RecordError> {
-    if recording.extent() != Some(Extent::Comparison) {
+    if recording.extent() != Some(RecordingKind::Comparison) {
         return Ok(page_of(&Data::of(recording, None)?));
     }
     let [a, b] = SIDES.map(|side| Data::of(recording, Some(side)));

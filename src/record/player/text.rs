@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::data::{Data, Timed};
 use crate::record::reader::Recording;
-use crate::record::{Extent, RecordError};
+use crate::record::{RecordError, RecordingKind};
 
 /// Lines of a frame beside the maze: the caption above, and below the decision in five lines and the time.
 const WORDS: usize = 7;
@@ -23,7 +23,7 @@ impl TextPlayer {
     /// # Errors
     /// [`RecordError::Damaged`] when messages cannot be decoded, the world is missing, or it shows two runs.
     pub fn of(recording: &Recording) -> Result<Self, RecordError> {
-        if recording.extent() == Some(Extent::Comparison) {
+        if recording.extent() == Some(RecordingKind::Comparison) {
             let cause = "it compares two runs; give a recording of one of them";
             return Err(recording.damaged(cause.to_owned()));
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::reader::{Message, Recording};
 use crate::record::error::RecordError;
-use crate::record::info::Extent;
+use crate::record::info::RecordingKind;
 use crate::record::json::json_tree;
 use crate::record::layout;
 use crate::record::mode::RecordMode;
@@ -111,16 +111,18 @@ fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
 }
 
 /// What is attached to such a recording.
-fn attachments(extent: Option<Extent>) -> Vec<String> {
+fn attachments(extent: Option<RecordingKind>) -> Vec<String> {
     let below = |side: &str| ATTACHED.map(|name| format!("{side}{name}"));
     let facts = match extent {
-        Some(Extent::Comparison) => layout::SIDES
+        Some(RecordingKind::Comparison) => layout::SIDES
             .map(|side| below(&format!("{side}/")))
             .concat(),
         _ => below("").to_vec(),
     };
     let of_run: &[&str] = match extent {
-        Some(Extent::Run | Extent::Highlights | Extent::Comparison) => &ATTACHED_TO_RUN,
+        Some(RecordingKind::Run | RecordingKind::Highlights | RecordingKind::Comparison) => {
+            &ATTACHED_TO_RUN
+        }
         _ => &[],
     };
     let of_run = of_run.iter().map(|name| (*name).to_owned());
@@ -137,12 +139,17 @@ fn plain(topic: &str) -> &str {
 
 fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
     // What does not say what it is may be an episode.
-    let extent = recording.extent().unwrap_or(Extent::Episode(1));
-    if extent != Extent::Comparison {
+    let extent = recording.extent().unwrap_or(RecordingKind::Episode(1));
+    if extent != RecordingKind::Comparison {
         return check_side("", extent, recording, findings);
     }
     for side in layout::SIDES {
-        check_side(&format!("/{side}"), Extent::Highlights, recording, findings);
+        check_side(
+            &format!("/{side}"),
+            RecordingKind::Highlights,
+            recording,
+            findings,
+        );
     }
 }
 
@@ -164,13 +171,18 @@ fn sensing(side: &str, recording: &Recording) -> [bool; 2] {
 }
 
 /// The topics of a recording, or of a side of a comparison.
-fn check_side(side: &str, extent: Extent, recording: &Recording, findings: &mut Vec<Finding>) {
+fn check_side(
+    side: &str,
+    extent: RecordingKind,
+    recording: &Recording,
+    findings: &mut Vec<Finding>,
+) {
     let present = recording.topics();
-    let expected = if extent == Extent::Run {
+    let expected = if extent == RecordingKind::Run {
         Topic::of_run()
     } else {
         let [senses, beams] = sensing(side, recording);
-        Topic::of_episode(senses, beams && extent != Extent::Highlights)
+        Topic::of_episode(senses, beams && extent != RecordingKind::Highlights)
     };
     for topic in expected {
         let name = format!("{side}{}", topic.name());

@@ -188,10 +188,10 @@ mod tests {
 
     #[test]
     fn the_first_field_that_differs_is_named_by_its_path() {
-        let a = json!({"a": 1, "worth": [1.0, 2.0]});
-        let b = json!({"a": 1, "worth": [1.0, 2.5]});
+        let a = json!({"a": 1, "value": [1.0, 2.0]});
+        let b = json!({"a": 1, "value": [1.0, 2.5]});
         let found = field(&a, &b, String::new()).unwrap();
-        assert_eq!(found, ("worth[1]".into(), "2.0".into(), "2.5".into()));
+        assert_eq!(found, ("value[1]".into(), "2.0".into(), "2.5".into()));
         assert_eq!(field(&a, &a, String::new()), None);
     }
 

@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::parse::parse_record;
 use crate::disk;
 use crate::record::error::RecordError;
-use crate::record::info::{EVALUATION, Extent, KIND};
+use crate::record::info::{EVALUATION, KIND, RecordingKind};
 use crate::record::json::json_tree;
 
 /// The opcode and the length before each record.
@@ -254,9 +254,9 @@ impl Recording {
     }
 
     /// How much of its run it shows, if it says so.
-    pub fn extent(&self) -> Option<Extent> {
+    pub fn extent(&self) -> Option<RecordingKind> {
         let entry = self.metadata("run")?.get("episode")?;
-        Some(Extent::of_entry(entry))
+        Some(RecordingKind::of_entry(entry))
     }
 
     /// Does it show what was learned before, instead of learning?

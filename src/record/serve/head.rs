@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::guest::Guest;
+use super::connection::Connection;
 
 /// Bytes of a head: method, address and headers.
 const MOST_HEAD: usize = 8 * 1024;
@@ -56,7 +56,7 @@ pub struct Head {
 
 impl Head {
     /// Reads a head, or the status that says why there is none.
-    pub fn read(guest: &mut Guest) -> Result<Self, u16> {
+    pub fn read(connection: &mut Connection) -> Result<Self, u16> {
         let until = Instant::now() + HEAD_TIME;
         let mut received = Vec::new();
         let mut piece = [0; 1024];
@@ -68,7 +68,7 @@ impl Head {
                 return Err(431);
             }
             let room = piece.len().min(MOST_HEAD - received.len());
-            let read = guest.read_until(&mut piece[..room], until);
+            let read = connection.read_until(&mut piece[..room], until);
             match read.map_err(|_| 408_u16)? {
                 0 => return Err(400),
                 bytes => received.extend_from_slice(&piece[..bytes]),

@@ -13,8 +13,8 @@ use foxglove::{
     WebSocketServerHandle,
 };
 
-use super::gate::{Gate, Opened, Origin, hidden_host};
-use crate::record::info::Extent;
+use super::listener::{Listener, Opened, Origin, hidden_host};
+use crate::record::info::RecordingKind;
 use crate::record::topics::Topic;
 
 /// Messages that may wait for a slow viewer; the oldest are dropped, so that nobody waits for it.
@@ -27,13 +27,13 @@ const FAREWELL: Duration = Duration::from_millis(300);
 /// A stream that viewers can join at any time.
 ///
 /// The server of the foxglove crate lets in every page and any number of connections, so it listens
-/// where no page can find it, and viewers come to it through a [`Gate`].
+/// where no page can find it, and viewers come to it through a [`Listener`].
 ///
 /// Every message is complete in itself, so whoever comes late is given the last one of each topic
 /// and sees the whole picture.
 pub struct Stream {
     server: WebSocketServerHandle,
-    gate: Opened,
+    listener: Opened,
     /// Server and channels only borrow it: without it nobody hears of the channels.
     _context: Arc<Context>,
     memory: Arc<Memory>,
@@ -48,8 +48,8 @@ impl Stream {
     /// When the port is taken or forbidden.
     pub fn open(port: u16, origins: &[Origin]) -> Result<Self, FoxgloveError> {
         // First, because a port that is taken is the likeliest fault.
-        let mut gate = Gate::bind(port)?;
-        origins.iter().for_each(|origin| gate.allow(origin));
+        let mut listener = Listener::bind(port)?;
+        origins.iter().for_each(|origin| listener.allow(origin));
         let host = hidden_host()?;
         let context = Context::new();
         let memory = Arc::new(Memory::new(&context)?);
@@ -62,14 +62,14 @@ impl Stream {
             .context(&context)
             .start_blocking()?;
         let inner = SocketAddr::from((host, server.port()));
-        let gate = gate.open(move |head, guest| {
+        let listener = listener.open(move |head, connection| {
             let mut stream = TcpStream::connect(inner)?;
             stream.write_all(&head.received)?;
-            guest.connect(&stream)
+            connection.connect(&stream)
         })?;
         Ok(Self {
             server,
-            gate,
+            listener,
             _context: context,
             memory,
             told_time: None,
@@ -78,7 +78,7 @@ impl Stream {
 
     /// Where viewers find it, such as `ws://127.0.0.1:8765`.
     pub fn url(&self) -> String {
-        format!("ws://127.0.0.1:{}", self.gate.port())
+        format!("ws://127.0.0.1:{}", self.listener.port())
     }
 
     /// Did anyone connect who has not gone?
@@ -125,7 +125,7 @@ impl Memory {
     fn new(context: &Arc<Context>) -> Result<Self, FoxgloveError> {
         let channels = Topic::ALL.iter().map(|topic| {
             ChannelBuilder::new(topic.name())
-                .schema(topic.schema(Extent::Run).clone())
+                .schema(topic.schema(RecordingKind::Run).clone())
                 .message_encoding(topic.message_encoding())
                 .context(context)
                 .build_raw()

@@ -10,8 +10,8 @@ use std::time::Duration;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, PercentEncode, utf8_percent_encode};
 
 use super::byte_range::Wanted;
-pub use super::gate::Origin;
-use super::gate::{Gate, Guest, Head, status_line};
+pub use super::listener::Origin;
+use super::listener::{Connection, Head, Listener, status_line};
 use crate::disk;
 
 /// How often the server looks whether it shall stop.
@@ -55,7 +55,7 @@ pub enum Content {
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub struct Server {
-    gate: Gate,
+    listener: Listener,
     /// The word that nobody can guess.
     secret: String,
     contents: Contents,
@@ -68,7 +68,7 @@ impl Server {
     /// When the port is taken or forbidden, or the system has no random numbers.
     pub fn bind(port: u16) -> io::Result<Self> {
         Ok(Self {
-            gate: Gate::bind(port)?,
+            listener: Listener::bind(port)?,
             secret: format!("{:016x}{:016x}", getrandom::u64()?, getrandom::u64()?),
             contents: Contents::default(),
         })
@@ -76,12 +76,12 @@ impl Server {
 
     /// Where it listens, such as `http://127.0.0.1:8080`.
     pub fn origin(&self) -> String {
-        format!("http://127.0.0.1:{}", self.gate.port())
+        format!("http://127.0.0.1:{}", self.listener.port())
     }
 
     /// Allows the pages of one more origin to read what is given out.
     pub fn allow(&mut self, origin: &Origin) {
-        self.gate.allow(origin);
+        self.listener.allow(origin);
     }
 
     /// Gives something out from now on; returns its address, which ends in `name`.
@@ -99,8 +99,8 @@ impl Server {
     pub fn run(self, stopped: impl Fn() -> bool) -> io::Result<()> {
         let contents = Arc::new(self.contents);
         let _open = self
-            .gate
-            .open(move |head, guest| contents.answer(head, guest))?;
+            .listener
+            .open(move |head, connection| contents.answer(head, connection))?;
         while !stopped() {
             thread::sleep(PATIENCE);
         }
@@ -147,7 +147,7 @@ impl Contents {
         found.map(|(_, content)| content)
     }
 
-    fn answer(&self, head: &Head, guest: &mut Guest) -> io::Result<()> {
+    fn answer(&self, head: &Head, connection: &mut Connection) -> io::Result<()> {
         let answer = match (head.method.as_str(), self.at(&head.target)) {
             ("OPTIONS", _) => Answer::empty(204),
             // The file may have gone since the server was started.
@@ -156,7 +156,7 @@ impl Contents {
             ("GET" | "HEAD", None) => Answer::empty(404),
             _ => Answer::empty(405),
         };
-        answer.send(head, guest)
+        answer.send(head, connection)
     }
 }
 
@@ -209,7 +209,7 @@ impl Answer {
         })
     }
 
-    fn send(mut self, head: &Head, guest: &mut Guest) -> io::Result<()> {
+    fn send(mut self, head: &Head, connection: &mut Connection) -> io::Result<()> {
         let mut text = status_line(self.status) + HEADERS + &self.headers;
         if let Some(origin) = &head.origin {
             let _ = write!(text, "Access-Control-Allow-Origin: {origin}\r\n{TO_PAGES}");
@@ -217,7 +217,7 @@ impl Answer {
         if self.status != 204 {
             let _ = write!(text, "Content-Length: {}\r\n", self.body.limit());
         }
-        guest.say(format!("{text}\r\n").as_bytes())?;
+        connection.say(format!("{text}\r\n").as_bytes())?;
         if head.method == "HEAD" {
             return Ok(());
         }
@@ -225,7 +225,7 @@ impl Answer {
         loop {
             match self.body.read(&mut piece)? {
                 0 => return Ok(()),
-                bytes => guest.say(&piece[..bytes])?,
+                bytes => connection.say(&piece[..bytes])?,
             }
         }
     }

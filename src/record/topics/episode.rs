@@ -26,10 +26,10 @@ pub(in crate::record) struct Outlook {
 
 /// Numbers as JSON messages carry them.
 pub(super) fn decimals<S: Serializer>(
-    worth: &PredictionArray,
+    values: &PredictionArray,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(worth.as_slice().iter().map(|one| one.map(decimal)))
+    serializer.collect_seq(values.as_slice().iter().map(|one| one.map(decimal)))
 }
 
 /// The figures of an episode.

@@ -127,15 +127,15 @@ pub(in crate::record) fn entities(
         })
         .into_iter()
         .collect();
-    let mut ghost = entity("ghost", ESTIMATE, time_ns);
-    ghost.cylinders = vec![CylinderPrimitive {
+    let mut estimated_pose = entity("estimated_pose", ESTIMATE, time_ns);
+    estimated_pose.cylinders = vec![CylinderPrimitive {
         pose: place(0.0, 0.0, FLAT_M),
         size: Some(vector(2.0 * RIM * radius_m, 2.0 * RIM * radius_m, FLAT_M)),
         bottom_scale: 1.0,
         top_scale: rounded(1.0),
         color: color(GHOST, 0.6),
     }];
-    [ellipse, ghost]
+    [ellipse, estimated_pose]
 }
 
 /// A number as finely as anyone sees it in the picture.

@@ -19,7 +19,7 @@ const ROW: f64 = 2.0;
 const GRID: f64 = 1.0 / 8.0;
 /// Rows that there can be.
 const ROWS: f64 = 2.0;
-/// Letters between two words.
+/// Glyphs between two words.
 const GAP: usize = 2;
 
 /// Words, and their colour.

@@ -23,7 +23,7 @@ mod schema;
 pub(super) mod step;
 pub(super) mod trail;
 pub(super) mod transforms;
-pub(super) mod worth;
+pub(super) mod values;
 
 pub(super) use caption::Caption;
 pub(super) use scene::{ESTIMATE, ROBOT, WORLD, timestamp};
@@ -34,7 +34,7 @@ use foxglove::messages::{FrameTransforms, LaserScan, Log, SceneUpdate};
 use foxglove::{Decode, Encode, Schema};
 use strum::VariantArray;
 
-use super::info::Extent;
+use super::info::RecordingKind;
 use schema::Object;
 
 /// A topic of a recording.
@@ -48,8 +48,8 @@ pub enum Topic {
     Robot,
     /// `/scene/policy`: the best actions of each cell, as they are learned.
     Policy,
-    /// `/values`: the greatest worth of each cell as colour on the floor, as it is learned.
-    Worth,
+    /// `/values`: the greatest value of each cell as colour on the floor, as it is learned.
+    Values,
     /// `/scene/trail`: the way that the robot took in this episode, after each step.
     Trail,
     /// `/contact`: a hit, and its end.
@@ -119,7 +119,7 @@ impl Topic {
             Self::Maze => ("/scene/maze", Place::Both, Message::Scene),
             Self::Robot => ("/scene/robot", Place::Episode, Message::Scene),
             Self::Policy => ("/scene/policy", Place::Both, Message::Scene),
-            Self::Worth => ("/values", Place::Both, Message::Scene),
+            Self::Values => ("/values", Place::Both, Message::Scene),
             Self::Trail => ("/scene/trail", Place::Both, Message::Scene),
             Self::Contact => ("/contact", Place::Episode, Message::Own(contact::schema)),
             Self::Step => ("/step", Place::Both, Message::Own(step::schema)),
@@ -183,7 +183,7 @@ impl Topic {
     /// The schema of the topic's messages in such a recording. Those of our own tell what each
     /// field means in the recording of a run and in its highlights, and only its type in that of an
     /// episode, of which there are many.
-    pub(super) fn schema(self, of: Extent) -> &'static Schema {
+    pub(super) fn schema(self, of: RecordingKind) -> &'static Schema {
         static SCHEMAS: LazyLock<[Vec<Schema>; 2]> = LazyLock::new(|| {
             [false, true].map(|explained| {
                 let all = Topic::ALL.iter();
@@ -222,7 +222,7 @@ impl Topic {
 
     /// How the topic's messages are encoded: `json` or `protobuf`.
     pub(super) fn message_encoding(self) -> &'static str {
-        match self.schema(Extent::Run).encoding.as_str() {
+        match self.schema(RecordingKind::Run).encoding.as_str() {
             "jsonschema" => "json",
             _ => "protobuf",
         }

@@ -20,28 +20,31 @@ const HEIGHT: f64 = 0.28;
 const THICK: f64 = 0.045;
 
 /// The frames around the cell in which the robot decides; none if it perceives no cells around.
-pub(in crate::record) fn halo(
+pub(in crate::record) fn perceived_cells(
     sensor: Sensor,
     maze: &Maze,
     cell: Cell,
     percept: &Percept,
     time_ns: u64,
 ) -> SceneEntity {
-    let mut halo = entity("percept", WORLD, time_ns);
+    let mut perceived_cells = entity("percept", WORLD, time_ns);
     if sensor.begins_with_neighbours() {
         let kinds = KINDS.iter().enumerate();
         let frames = kinds.map(|(kind, &rgb)| (rgb, corners(maze, percept, kind)));
         let shown = frames.filter(|(_, corners)| !corners.is_empty());
-        halo.lines = shown
+        perceived_cells.lines = shown
             .map(|(rgb, corners)| frames_of(maze, cell, rgb, corners))
             .collect();
     }
-    halo
+    perceived_cells
 }
 
 /// What the robot perceives and believes.
-pub(in crate::record) fn scene(halo: SceneEntity, belief: &[SceneEntity]) -> SceneUpdate {
-    let mut entities = vec![halo];
+pub(in crate::record) fn scene(
+    perceived_cells: SceneEntity,
+    belief: &[SceneEntity],
+) -> SceneUpdate {
+    let mut entities = vec![perceived_cells];
     entities.extend_from_slice(belief);
     update(entities)
 }

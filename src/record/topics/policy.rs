@@ -39,8 +39,8 @@ pub(in crate::record) fn marks(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<M
     let near = policy
         .into_iter()
         .flat_map(|p| p.cells().zip(p.nearness(maze)));
-    let marks = near.map(|((cell, worth), near)| {
-        let best = worth.best_actions();
+    let marks = near.map(|((cell, values), near)| {
+        let best = values.best_actions();
         let bits = best.fold(0, |bits, action| bits | 1 << action.index());
         (*cell, shade(near), bits)
     });
@@ -56,8 +56,8 @@ pub(in crate::record) fn painted(
     let near = policy
         .into_iter()
         .flat_map(|p| p.cells().zip(p.nearness(maze)));
-    for ((cell, worth), near) in near {
-        let best = worth.best_actions();
+    for ((cell, values), near) in near {
+        let best = values.best_actions();
         let mut best = best.filter_map(|action| maze.direction(action)).peekable();
         if best.peek().is_some() {
             let corners = darts.entry(shade(near)).or_default();

@@ -16,7 +16,7 @@ use xcs::{Action, Condition, Percept};
 /// Colours of what rules or a table chose, and of what explores.
 const CHOSEN: u32 = 0xffffff;
 const EXPLORED: u32 = 0xf4b740;
-/// Letters of a line over the robot, and how many lines of demands may stand there.
+/// Glyphs of a line over the robot, and how many lines of demands may stand there.
 const LETTERS: usize = 26;
 const LINES: usize = 2;
 /// How high a letter is, as a share of a cell and of the longer side of a maze: the larger holds.
@@ -169,7 +169,12 @@ fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
 /// An action and its value.
 fn value(step: &Step<'_>, action: Action) -> String {
     let name = step.view.maze.action_name(action);
-    let value = step.worth.as_slice().get(action.index()).copied().flatten();
+    let value = step
+        .values
+        .as_slice()
+        .get(action.index())
+        .copied()
+        .flatten();
     value.map_or_else(|| name.clone(), |value| format!("{name}, value {value:.0}"))
 }
 
@@ -182,7 +187,7 @@ fn left_percent(step: &Step<'_>) -> u32 {
 /// The value of each action, as a share of what a goal pays.
 fn value_percent(step: &Step<'_>, goal: f64) -> Vec<Option<f64>> {
     let all = if goal > 0.0 { goal } else { 100.0 };
-    let values = step.worth.as_slice().iter();
+    let values = step.values.as_slice().iter();
     values
         .map(|value| value.map(|value| tenths(100.0 * value / all)))
         .collect()
@@ -206,8 +211,8 @@ fn support(step: &Step<'_>) -> String {
 
 /// The best of the actions that were not taken.
 fn runner_up(step: &Step<'_>) -> Option<Action> {
-    let known = Action::all(step.worth.as_slice().len()).zip(step.worth.as_slice());
-    let others = known.filter_map(|(action, worth)| Some((action, (*worth)?)));
+    let known = Action::all(step.values.as_slice().len()).zip(step.values.as_slice());
+    let others = known.filter_map(|(action, values)| Some((action, (*values)?)));
     let others = others.filter(|&(action, _)| action != step.action);
     let best = others.reduce(|best, next| if next.1 > best.1 { next } else { best });
     best.map(|(action, _)| action)

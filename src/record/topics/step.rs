@@ -54,7 +54,7 @@ impl<'a> StepRecord<'a> {
             result: outcome(step.outcome).0,
             left: left(step),
             reward: decimal(step.credit.short_term_reward),
-            values: &step.worth,
+            values: &step.values,
             error: decimal(step.credit.error),
             match_set: step.credit.match_set,
             action_set: step.credit.action_set,
@@ -62,8 +62,8 @@ impl<'a> StepRecord<'a> {
     }
 }
 
-fn decimals<S: Serializer>(worth: &&PredictionArray, serializer: S) -> Result<S::Ok, S::Error> {
-    episode::decimals(worth, serializer)
+fn decimals<S: Serializer>(values: &&PredictionArray, serializer: S) -> Result<S::Ok, S::Error> {
+    episode::decimals(values, serializer)
 }
 
 /// Numbers and names of outcomes in files.

@@ -11,7 +11,7 @@ use mcap::{Attachment, McapError, McapResult};
 use super::sink::{self, Packing, Sink};
 use crate::disk;
 use crate::record::error::RecordError;
-use crate::record::info::Extent;
+use crate::record::info::RecordingKind;
 use crate::record::topics::Topic;
 
 /// An MCAP stream with a fixed set of topics. The same calls give the same bytes.
@@ -36,12 +36,12 @@ impl<W: Write> LogFile<W> {
 
     /// Declares the topics of such a recording, so that they exist even if nothing is ever said on
     /// them.
-    pub fn declare(&mut self, of: Extent, topics: &[Topic]) -> McapResult<()> {
+    pub fn declare(&mut self, of: RecordingKind, topics: &[Topic]) -> McapResult<()> {
         let mut topics = topics.iter();
         topics.try_for_each(|&topic| self.declare_one(of, topic))
     }
 
-    fn declare_one(&mut self, of: Extent, topic: Topic) -> McapResult<()> {
+    fn declare_one(&mut self, of: RecordingKind, topic: Topic) -> McapResult<()> {
         let schema = topic.schema(of);
         let id = self
             .writer
@@ -243,7 +243,7 @@ mod tests {
     fn write_to(sink: impl Write) -> McapResult<()> {
         let mut log = LogFile::new(sink, Packing::Small)?;
         log.attach("world.json", 0, "{}")?;
-        log.declare(Extent::Run, Topic::ALL)?;
+        log.declare(RecordingKind::Run, Topic::ALL)?;
         for time_ns in 0..50 {
             log.message(Topic::Step, time_ns, b"{}")?;
         }
@@ -266,7 +266,7 @@ mod tests {
     fn a_message_on_a_topic_that_the_file_lacks_is_left_out() {
         let mut bytes = Vec::new();
         let mut log = LogFile::new(&mut bytes, Packing::Small).unwrap();
-        log.declare(Extent::Run, &[Topic::Log]).unwrap();
+        log.declare(RecordingKind::Run, &[Topic::Log]).unwrap();
         log.message(Topic::Step, 0, b"{}").unwrap();
         log.finish().unwrap();
         let summary = mcap::Summary::read(&bytes).unwrap().unwrap();

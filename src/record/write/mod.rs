@@ -4,7 +4,7 @@ pub(super) mod log_file;
 pub(super) mod outbox;
 mod rebuild;
 mod recorder;
-pub(super) mod scribe;
+pub(super) mod event_logger;
 pub(super) mod sink;
 mod way;
 

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::event_logger::EventLogger;
 use super::log_file::OpenFile;
 use super::outbox::{Outbox, Tap};
 use super::rebuild::{self, Chunks};
-use super::scribe::Scribe;
 use super::sink::Packing;
 use crate::agent::Agent;
 use crate::arena::View;
 use crate::disk;
 use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
 use crate::record::error::RecordError;
-use crate::record::info::{Extent, RunInfo};
+use crate::record::info::{RecordingKind, RunInfo};
 use crate::record::layout;
 use crate::record::mode::RecordMode;
 use crate::record::topics::Topic;
@@ -42,7 +42,7 @@ pub struct Recorder {
     world: String,
     /// Of the recordings of episodes, and of that of the run.
     layouts: [String; 2],
-    scribe: Scribe,
+    event_logger: EventLogger,
     outbox: Outbox,
     /// The episodes whose files are kept, with their sizes in bytes.
     kept: Vec<(u32, u64)>,
@@ -61,7 +61,7 @@ pub struct RecorderMemory {
     kept: Vec<(u32, u64)>,
     best: Option<u32>,
     clock_ns: u64,
-    scribe: (Curve, bool),
+    event_logger: (Curve, bool),
 }
 
 impl RecorderMemory {
@@ -73,7 +73,7 @@ impl RecorderMemory {
             kept: Vec::new(),
             best: None,
             clock_ns: 0,
-            scribe: (Curve::default(), false),
+            event_logger: (Curve::default(), false),
         }
     }
 }
@@ -126,7 +126,9 @@ impl Recorder {
         let mut recorder = Self::new(folder, maze, info, memory.mode);
         recorder.lay_out()?;
         recorder.outbox.run = Some(recorder.rebuilt_run(memory.messages)?);
-        recorder.scribe.resume(memory.scribe, learned, maze);
+        recorder
+            .event_logger
+            .resume(memory.event_logger, learned, maze);
         recorder.kept = memory.kept;
         recorder.best = memory.best;
         recorder.clock_ns = memory.clock_ns;
@@ -136,7 +138,7 @@ impl Recorder {
     /// `run.mcap.part` with its first `messages` messages only. When the run was stopped on its
     /// last steps, it may have its final name already.
     fn rebuilt_run(&self, messages: u64) -> Result<OpenFile, RecordError> {
-        let whole = self.folder.join(Extent::Run.file_name());
+        let whole = self.folder.join(RecordingKind::Run.file_name());
         let part = disk::part(&whole);
         let is_whole = whole.exists() && !part.exists();
         let source = if is_whole { whole } else { part };
@@ -159,7 +161,7 @@ impl Recorder {
             mode,
             world: maze.name().to_owned(),
             layouts: [layout::of_episode(maze), layout::of_run(maze)],
-            scribe: Scribe::new(maze, &info, mode == RecordMode::Beams),
+            event_logger: EventLogger::new(maze, &info, mode == RecordMode::Beams),
             info,
             outbox: Outbox::default(),
             kept: Vec::new(),
@@ -171,7 +173,7 @@ impl Recorder {
 
     /// Shows from the first moment what was learned elsewhere.
     pub fn know(&mut self, method: &dyn Agent, maze: &Maze) {
-        self.scribe.know(method, self.info.sensor, maze);
+        self.event_logger.know(method, self.info.sensor, maze);
     }
 
     /// Which episodes are kept.
@@ -201,7 +203,7 @@ impl Recorder {
             kept: self.kept.clone(),
             best: self.best,
             clock_ns: self.clock_ns,
-            scribe: self.scribe.memory(),
+            event_logger: self.event_logger.memory(),
         })
     }
 
@@ -217,7 +219,8 @@ impl Recorder {
         let mut files: Vec<_> = kept
             .map(|(episode, bytes)| {
                 (
-                    self.folder.join(Extent::Episode(episode).file_name()),
+                    self.folder
+                        .join(RecordingKind::Episode(episode).file_name()),
                     bytes,
                 )
             })
@@ -235,7 +238,7 @@ impl Recorder {
     /// was safe; now that it is whole, episodes that look alike share one.
     fn pack(&self, mut run: OpenFile, rules: &str) -> Result<(PathBuf, u64), RecordError> {
         run.with(|log| log.flush())?;
-        let part = disk::part(&self.folder.join(Extent::Run.file_name()));
+        let part = disk::part(&self.folder.join(RecordingKind::Run.file_name()));
         let mut packed = self.open_run("again", Packing::Small)?;
         rebuild::copy(&part, run.messages(), Chunks::Full, &mut packed)?;
         packed.with(|log| log.attach("rules.json", self.clock_ns, rules))?;
@@ -260,23 +263,23 @@ impl Recorder {
     }
 
     fn open_run(&self, extension: &str, packing: Packing) -> Result<OpenFile, RecordError> {
-        let name = Extent::Run.file_name();
+        let name = RecordingKind::Run.file_name();
         let file = OpenFile::create_as(&self.folder, &name, extension, packing)?;
-        self.introduce(file, Extent::Run, &Topic::of_run())
+        self.introduce(file, RecordingKind::Run, &Topic::of_run())
     }
 
     /// Begins a file with the facts of the run and its topics.
     fn introduce(
         &self,
         mut file: OpenFile,
-        extent: Extent,
+        extent: RecordingKind,
         topics: &[Topic],
     ) -> Result<OpenFile, RecordError> {
         file.with(|log| {
             log.metadata("run", self.info.metadata(&self.world, self.mode, extent))?;
             log.attach("world.json", self.clock_ns, &self.info.world_json)?;
             log.attach("config.json", self.clock_ns, &self.info.config_json)?;
-            if extent == Extent::Run {
+            if extent == RecordingKind::Run {
                 let [_, layout] = &self.layouts;
                 log.attach("foxglove-layout.json", self.clock_ns, layout)?;
             }
@@ -288,20 +291,22 @@ impl Recorder {
     fn begin(&mut self, episode: u32, view: &View<'_>) -> Result<(), RecordError> {
         self.clock_ns = view.now().time_ns;
         if self.mode.wants(episode) {
-            let file = OpenFile::create(&self.folder, &Extent::Episode(episode).file_name())?;
+            let file =
+                OpenFile::create(&self.folder, &RecordingKind::Episode(episode).file_name())?;
             let file = self.introduce(
                 file,
-                Extent::Episode(episode),
+                RecordingKind::Episode(episode),
                 &Topic::of_episode(view.sensed.is_some(), self.mode == RecordMode::Beams),
             )?;
             self.outbox.episode = Some(file);
         }
-        self.scribe.began(&mut self.outbox, episode, view)
+        self.event_logger.began(&mut self.outbox, episode, view)
     }
 
     fn end(&mut self, episode: &Episode, learned: &Learned<'_>) -> Result<(), RecordError> {
         self.clock_ns = learned.view.now().time_ns;
-        self.scribe.ended(&mut self.outbox, episode, learned)?;
+        self.event_logger
+            .ended(&mut self.outbox, episode, learned)?;
         if let Some(run) = &mut self.outbox.run {
             run.with(|log| log.flush())?;
         }
@@ -337,7 +342,9 @@ impl Recorder {
 
     fn drop_kept(&mut self) -> Result<(), RecordError> {
         for (episode, _) in std::mem::take(&mut self.kept) {
-            let path = self.folder.join(Extent::Episode(episode).file_name());
+            let path = self
+                .folder
+                .join(RecordingKind::Episode(episode).file_name());
             // It is gone already when this episode is run for the second time.
             disk::remove(&path).map_err(|cause| RecordError::Write {
                 path,
@@ -362,7 +369,7 @@ impl Observer for Recorder {
     }
 
     fn stepped(&mut self, step: &Step<'_>) {
-        self.attempt(|recorder| recorder.scribe.stepped(&mut recorder.outbox, step));
+        self.attempt(|recorder| recorder.event_logger.stepped(&mut recorder.outbox, step));
     }
 
     fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {

@@ -122,9 +122,9 @@ impl<'a> ArmRecords<'a> {
     }
 
     /// Rules that are left of those of the retained trials.
-    fn condensed_rules(&self) -> Vec<f64> {
+    fn compacted_rules(&self) -> Vec<f64> {
         let retained = self.figures().filter(|one| one.progress.optimal);
-        let counts = retained.filter_map(|one| one.condensed_rules);
+        let counts = retained.filter_map(|one| one.compacted_rules);
         counts.map(|count| count as f64).collect()
     }
 
@@ -275,10 +275,10 @@ pub struct ArmSummary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_steps: Option<f64>,
     /// The median number of rules that are left of those of the retained trials when they are
-    /// condensed; `null` for tables.
-    pub median_condensed_rules: Option<f64>,
+    /// compacted; `null` for tables.
+    pub median_compacted_rules: Option<f64>,
     /// The most of them.
-    pub most_condensed_rules: Option<usize>,
+    pub most_compacted_rules: Option<usize>,
 }
 
 impl ArmSummary {
@@ -295,7 +295,7 @@ impl ArmSummary {
         let wilson = successes.wilson();
         let survival = Survival::new(&records.lifetimes());
         let iqm = records.iqm_env_steps(seed);
-        let condensed = records.condensed_rules();
+        let compacted = records.compacted_rules();
         let always = records.driven_always();
         let count =
             |is: &dyn Fn(&Figures) -> bool| records.figures().filter(|one| is(one)).count() as u64;
@@ -321,8 +321,8 @@ impl ArmSummary {
             iqm_env_steps_high: iqm.map(|iqm| rounded(iqm.high)),
             mean_steps: records.mean(|one| one.progress.steps as f64),
             mean_collisions: records.mean(|one| one.progress.collisions as f64),
-            observation_error_share: records.share_of_steps(|one| one.misread),
-            mislocalised_share: records.share_of_steps(|one| one.astray),
+            observation_error_share: records.share_of_steps(|one| one.observation_error),
+            mislocalised_share: records.share_of_steps(|one| one.mislocalised),
             mean_rules: records.mean(|one| one.rules as f64),
             mean_greedy_steps: records.mean_of(|one| one.greedy_steps),
             most_greedy_steps: records.greedy_steps().reduce(f64::max).map(rounded),
@@ -333,8 +333,8 @@ impl ArmSummary {
             driven_always_high: always.map(|always| rounded(always.wilson().high)),
             driven_optimal: records.mean_of(|one| one.driven.map(|d| d.share(d.optimal))),
             driven_steps: records.mean_of(|one| one.driven.map(|d| d.steps)),
-            median_condensed_rules: quantile(&condensed, 0.5),
-            most_condensed_rules: condensed
+            median_compacted_rules: quantile(&compacted, 0.5),
+            most_compacted_rules: compacted
                 .iter()
                 .copied()
                 .reduce(f64::max)

@@ -11,44 +11,47 @@ use crate::study::protocol::{Arm, Variant};
 /// What columns mean, by the name of one of them.
 const LEGEND: [(&str, &str); 13] = [
     (
-        "optimal",
-        "optimal: trials whose greedy policy became globally optimal, with Wilson's interval.",
+        "solved",
+        "solved: trials whose greedy policy became globally optimal, with Wilson's interval.",
     ),
     (
         "median",
         "median, p95: the episode by which half, or 95 %, of all trials were optimal (Kaplan-Meier; – when they never were).",
     ),
-    ("kept", "kept: still optimal after the last episode."),
     (
-        "held",
-        "held: of the episodes after the first optimal one, the mean share after which the policy was optimal.",
+        "retained",
+        "retained: trials whose policy is optimal after the last episode.",
+    ),
+    (
+        "stays optimal",
+        "stays optimal: the mean share of episodes with an optimal policy, after the first one.",
     ),
     (
         "steps (IQM)",
-        "steps: environment steps until then, interquartile mean with bootstrap interval; trials without an optimum count with all their steps.",
+        "steps: environment steps until a trial is solved, interquartile mean with bootstrap interval; unsolved trials count with all their steps.",
     ),
     (
         "driven",
-        "driven: of the episodes in which the greedy policy drove the trial's own robot at the end, those that reached a goal; behind it the 95 % interval of the share of trials that always did.",
+        "driven: after training, the greedy policy drives the trial's robot; the share of these drives that reach a goal, and the 95 % interval of the share of trials whose drives all do.",
     ),
     (
         "shortest",
-        "shortest: the driven episodes that took a shortest path (where moves slip: chose nothing but best actions).",
+        "shortest: drives along a shortest path (where moves slip: drives with best actions only).",
     ),
     ("driven steps", "driven steps: their mean steps."),
     (
         "obs. errors",
-        "obs. errors: of all steps those before which the sensors read something else than perfect ones would.",
+        "obs. errors: the share of steps whose percept differs from that of perfect sensors.",
     ),
     (
         "mislocalised",
-        "mislocalised: of all steps those after which the robot was in another cell than its estimate.",
+        "mislocalised: the share of steps after which the robot is in another cell than its estimate.",
     ),
     ("collisions", "collisions: mean of a trial."),
     ("rules", "rules: mean of a trial."),
     (
-        "condensed",
-        "condensed: what is left of the rules of retained trials when they are condensed, median and most.",
+        "compacted",
+        "compacted: rules of retained trials after compaction, median and maximum.",
     ),
 ];
 
@@ -61,7 +64,7 @@ pub fn legend(table: &Table) -> String {
     words.join(" ")
 }
 
-/// Letters for the settings of a sweep, in the order of their names.
+/// Glyphs for the settings of a sweep, in the order of their names.
 pub fn letters(arms: &[Arm]) -> Vec<(String, String)> {
     let keys = arms.iter().flat_map(|arm| arm.variant.0.keys().cloned());
     let keys: BTreeSet<String> = keys.collect();
@@ -115,11 +118,11 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
         "arena",
         "sensor",
         "variant",
-        "optimal",
+        "solved",
         "of",
         "95 % interval",
-        "kept",
-        "held",
+        "retained",
+        "stays optimal",
         "median",
         "p95",
         "steps (IQM)",
@@ -132,7 +135,7 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
         "mislocalised",
         "collisions",
         "rules",
-        "condensed",
+        "compacted",
         "failed",
     ]);
     let letters = letters(arms);
@@ -147,7 +150,7 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
     table.without_dull(|name| match name {
         "obs. errors" | "mislocalised" => none_erred,
         "driven" | "95 % interval  " | "shortest" | "driven steps" => none_drove,
-        _ => ["arena", "sensor", "variant", "condensed", "failed"].contains(&name),
+        _ => ["arena", "sensor", "variant", "compacted", "failed"].contains(&name),
     })
 }
 
@@ -187,8 +190,8 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
         per_mille(arm.mislocalised_share),
         whole(arm.mean_collisions),
         whole(arm.mean_rules),
-        arm.median_condensed_rules
-            .zip(arm.most_condensed_rules)
+        arm.median_compacted_rules
+            .zip(arm.most_compacted_rules)
             .map_or("–".to_owned(), |(median, most)| {
                 format!("{median:.0}, {most}")
             }),
@@ -225,17 +228,16 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
     };
     let lost: u64 = arms.iter().map(|arm| arm.successes - arm.retained).sum();
     let found: u64 = arms.iter().map(|arm| arm.successes).sum();
-    let kept = match found {
-        0 => "No trial found an optimal policy, so that nothing can be said of who keeps one."
-            .to_owned(),
+    let retained = match found {
+        0 => String::new(),
         _ => format!(
-            "To find an optimal policy is not to have learned it for good: {lost} of the {found} \
-             trials that found one no longer had it after their last episode."
+            " Of the {found} trials that found an optimal policy, {lost} no longer had one after \
+             their last episode."
         ),
     };
     format!(
-        "The numbers hold for these worlds, percepts and settings, and for {episodes} episodes: what \
-         a trial without an optimum would have found later is not known. {kept}{failed}"
+        "These numbers hold for these worlds, percepts and settings, and for {episodes} episodes. \
+         Trials that are not solved might be solved by more episodes.{retained}{failed}"
     )
 }
 

@@ -102,7 +102,7 @@ const READINGS: [(&str, &str); 15] = [
     ),
     ("reward.beta_step_threshold", "Eq. 10: beta"),
     ("reward.theta_x", "Alg. 2: fires with 1 - theta_x"),
-    ("xcs.worth_over_match_set", "Eq. 6: the denominator"),
+    ("xcs.value_over_match_set", "Eq. 6: the denominator"),
     ("xcs.action_set_subsumption", "IV-A: \"settings from Butz\""),
     ("xcs.update_order", "Eq. 1 and 2: which of them comes first"),
     (

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent::pomdp::MOST_BELIEFS;
 use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
-use crate::trial::{Condensed, Config, Evaluation, GreedySteps, Plan, Progress, Trial};
+use crate::trial::{Compacted, Config, Evaluation, GreedySteps, Plan, Progress, Trial};
 use crate::world::Maze;
 use xcs::bounds::{OutOfRange, within};
 
@@ -19,8 +19,8 @@ pub struct Figures {
     pub progress: Progress,
     /// Rules at the end.
     pub rules: usize,
-    /// How many are left of them when they are condensed; `None` for a table.
-    pub condensed_rules: Option<usize>,
+    /// How many are left of them when they are compacted; `None` for a table.
+    pub compacted_rules: Option<usize>,
     /// Mean steps of the greedy policy over all starts, at the end.
     #[serde(default)]
     pub greedy_steps: Option<f64>,
@@ -88,7 +88,7 @@ impl Figures {
         )?;
         self.progress.check(config)?;
         // A table has a row for each cell at most; a population is over its limit but for a moment; the
-        // beliefs of a plan on charts are bounded.
+        // beliefs of a plan on maps are bounded.
         let cells = usize::from(maze.width()) * usize::from(maze.height());
         let most =
             (cells * maze.action_count()).max(2 * config.settings.xcs.population_size as usize);
@@ -110,8 +110,8 @@ impl Figures {
         )?;
         self.driven.map_or(Ok(()), |driven| driven.check(limit))?;
         within(
-            "condensed_rules",
-            self.condensed_rules.unwrap_or(0),
+            "compacted_rules",
+            self.compacted_rules.unwrap_or(0),
             0..=self.rules,
         )
     }
@@ -189,12 +189,12 @@ pub(in crate::study) fn trial(
 fn figures(trial: &Trial, drives: u32) -> Result<Figures, String> {
     let Plan { maze, config } = trial.plan();
     let knowledge = trial.method().knowledge();
-    let condensed = Condensed::new(&knowledge, config.sensor, maze, trial.paths());
+    let compacted = Compacted::new(&knowledge, config.sensor, maze, trial.paths());
     let greedy = GreedySteps::of(trial.plan(), &knowledge);
     Ok(Figures {
         progress: trial.progress().clone(),
         rules: trial.method().rule_count(),
-        condensed_rules: condensed.map(|condensed| condensed.rules.len()),
+        compacted_rules: compacted.map(|compacted| compacted.rules.len()),
         greedy_steps: Some(greedy.mean),
         greedy_ratio: greedy.ratio(trial.plan()),
         driven: (drives > 0)
@@ -239,7 +239,7 @@ mod tests {
                     ..Progress::default()
                 },
                 rules,
-                condensed_rules: None,
+                compacted_rules: None,
                 greedy_steps: None,
                 greedy_ratio: None,
                 driven: None,

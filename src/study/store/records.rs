@@ -22,7 +22,7 @@ struct Packed(Result<PackedFigures, String>);
 struct PackedFigures {
     progress: Progress,
     rules: usize,
-    condensed_rules: Option<usize>,
+    compacted_rules: Option<usize>,
     greedy_steps: Option<f64>,
     greedy_ratio: Option<f64>,
     driven: Option<Driven>,
@@ -81,7 +81,7 @@ fn packed(record: &TrialRecord) -> Vec<u8> {
     let figures = |figures: &Figures| PackedFigures {
         progress: figures.progress.clone(),
         rules: figures.rules,
-        condensed_rules: figures.condensed_rules,
+        compacted_rules: figures.compacted_rules,
         greedy_steps: figures.greedy_steps,
         greedy_ratio: figures.greedy_ratio,
         driven: figures.driven,
@@ -96,7 +96,7 @@ fn unpacked(bytes: &[u8]) -> Result<Figures, String> {
     result.map(|figures: PackedFigures| Figures {
         progress: figures.progress,
         rules: figures.rules,
-        condensed_rules: figures.condensed_rules,
+        compacted_rules: figures.compacted_rules,
         greedy_steps: figures.greedy_steps,
         greedy_ratio: figures.greedy_ratio,
         driven: figures.driven,

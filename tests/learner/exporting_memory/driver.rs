@@ -31,13 +31,13 @@ impl Learned {
         }
     }
 
-    pub fn charted(&self) -> Charted {
+    pub fn mapped(&self) -> MappedCells {
         let Knowledge::Remembering { map, .. } = &self.knowledge else {
             panic!("no memory");
         };
-        Charted {
-            last_chart: map.spots.iter().map(|spot| spot.chart).max(),
-            most_eaten: map.spots.iter().map(|spot| spot.collected).max(),
+        MappedCells {
+            last_map: map.states.iter().map(|state| state.cell_map).max(),
+            most_eaten: map.states.iter().map(|state| state.collected).max(),
             begins_in_one_place: map.begin.is_some(),
         }
     }
@@ -81,9 +81,9 @@ impl Learned {
     }
 }
 
-/// What is on the charts.
-pub struct Charted {
-    pub last_chart: Option<u8>,
+/// What is on the maps.
+pub struct MappedCells {
+    pub last_map: Option<u8>,
     pub most_eaten: Option<u8>,
     pub begins_in_one_place: bool,
 }
@@ -155,24 +155,24 @@ impl Agent for Driver {
             .unwrap();
         let [chosen, low, high] = answer;
         self.chosen = chosen;
-        let worth = self.frozen.observe(percept);
+        let values = self.frozen.observe(percept);
         if self.tally.steps.is_multiple_of(COMPARED_EVERY) {
             let there = likeliest(&self.frozen);
             self.tally.elsewhere += u32::from(there != u16::from_le_bytes([low, high]));
         }
-        let best = |action| worth.best_actions().any(|best| best.index() == action);
+        let best = |action| values.best_actions().any(|best| best.index() == action);
         let agrees = match self.chosen {
-            NONE => worth.greatest().is_none(),
+            NONE => values.greatest().is_none(),
             chosen => best(usize::from(chosen)),
         };
         self.tally.steps += 1;
         self.tally.differences += u32::from(!agrees);
-        worth
+        values
     }
 
     /// What the program chose, unless it has no answer or chance says otherwise.
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        let (other, explores) = explorer.choose(worth);
+    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (other, explores) = explorer.choose(values);
         let chosen = Action::new(usize::from(self.chosen)).filter(|_| !explores);
         if chosen.is_none() {
             self.say(b'a', [other.index() as u8, 0], 0);
@@ -197,8 +197,8 @@ impl Agent for Driver {
         self.frozen.step_threshold()
     }
 
-    fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.frozen.worth(percept)
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        self.frozen.values(percept)
     }
 
     fn knowledge(&self) -> Knowledge {

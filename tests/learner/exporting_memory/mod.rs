@@ -83,7 +83,10 @@ fn it_drives_so_where_moves_slip_percepts_are_misread_and_both() {
         let learned = checked(&format!("{world}, slip {slip}, flips {flips}"), plan);
         let header = learned.text(Target::C99);
         assert!(header.contains("XCSCR_SLIP") || slip == 0.0, "{world}");
-        assert!(header.contains("XCSCR_MISREAD") || flips == 0.0, "{world}");
+        assert!(
+            header.contains("XCSCR_OBSERVATION_ERROR") || flips == 0.0,
+            "{world}"
+        );
     }
 }
 
@@ -144,8 +147,8 @@ fn it_drives_so_where_cells_pay_by_themselves() {
         plan.config.settings.sensor.flip_probability = flips;
         let name = format!("reward {reward}, slip {slip}, flips {flips}");
         let learned = checked(&name, plan);
-        let collected = learned.charted().most_eaten;
-        assert!(collected > Some(0), "{name}: no reward is on the chart");
+        let collected = learned.mapped().most_eaten;
+        assert!(collected > Some(0), "{name}: no reward is on the cell_map");
     }
 }
 
@@ -163,8 +166,8 @@ fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() 
         "#########",
     ];
     let learned = checked("two goals", own(&format!(r#"{{ "rows": {two:?} }}"#)));
-    let last = learned.charted().last_chart;
-    assert!(last > Some(0), "{last:?}: one chart");
+    let last = learned.mapped().last_map;
+    assert!(last > Some(0), "{last:?}: one cell_map");
     for flips in [0.0, 0.01] {
         let maze = "rooms-20-1".parse::<Recipe>().unwrap().maze().unwrap();
         let plan = on_a_map(Plan::new(maze).method(Method::XcscrPlus));
@@ -174,7 +177,7 @@ fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() 
             .episodes(32);
         plan.config.settings.sensor.flip_probability = flips;
         let learned = checked(&format!("rooms, flips {flips}"), plan);
-        assert!(learned.charted().begins_in_one_place, "flips {flips}");
+        assert!(learned.mapped().begins_in_one_place, "flips {flips}");
     }
 }
 
@@ -223,7 +226,7 @@ fn the_source_code_tells_how_much_memory_a_tracker_takes() {
 fn data_of_rules_with_a_memory_tell_what_they_look_at_and_json_has_the_charts() {
     let learned = Learned::new(classic("maze7"));
     let json: serde_json::Value = serde_json::from_str(&learned.text(Target::Json)).unwrap();
-    let [rules, states] = [&json["rules"], &json["charts"]["states"]];
+    let [rules, states] = [&json["rules"], &json["cell_maps"]["states"]];
     assert_eq!(states.as_array().unwrap().len(), 9, "{states}");
     assert!(
         states[0]["next"]
@@ -252,11 +255,11 @@ fn worths_too_close_for_whole_numbers_are_refused_with_a_memory_too() {
     let mut json = serde_json::to_value(&learned.knowledge).unwrap();
     let rules = json["remembering"]["rules"].as_array_mut().unwrap();
     rules.truncate(3);
-    let worths = [1000.0, f64::from_bits(1000_f64.to_bits() + 1), 0.0];
-    for ((at, rule), worth) in rules.iter_mut().enumerate().zip(worths) {
+    let values = [1000.0, f64::from_bits(1000_f64.to_bits() + 1), 0.0];
+    for ((at, rule), value) in rules.iter_mut().enumerate().zip(values) {
         rule["condition"] = "#".repeat(255).into();
         rule["action"] = at.into();
-        rule["prediction"] = worth.into();
+        rule["prediction"] = value.into();
     }
     learned.knowledge = serde_json::from_value(json).unwrap();
     let refused = learned.policy().unwrap_err();

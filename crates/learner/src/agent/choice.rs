@@ -12,7 +12,7 @@ use xcs::bounds::{OutOfRange, within};
 pub enum Chooser {
     /// The rules of \[P\], by their prediction array.
     Rules,
-    /// The table of a tabular method, which may have been planned, or its plan on charts.
+    /// The table of a tabular method, which may have been planned, or its plan on maps.
     Table,
     /// A plan, in order to explore.
     Planner,

@@ -109,10 +109,10 @@ impl Agent for Composed {
         }
     }
 
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
+    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let choice = match &mut self.current {
-            Current::Percept(learner, _) => learner.choose(worth, explorer),
-            Current::Map(learner) => return learner.choose(worth, explorer),
+            Current::Percept(learner, _) => learner.choose(values, explorer),
+            Current::Map(learner) => return learner.choose(values, explorer),
         };
         self.exploited = match choice.chooser {
             Chooser::Rules | Chooser::Table => self.exploited + 1,
@@ -158,7 +158,7 @@ impl Agent for Composed {
         self.step_threshold
     }
 
-    fn worth(&self, percept: &Percept) -> PredictionArray {
+    fn values(&self, percept: &Percept) -> PredictionArray {
         match &self.current {
             Current::Percept(learner, _) => learner.values(percept),
             Current::Map(learner) => learner.values(percept),
@@ -175,9 +175,9 @@ impl Agent for Composed {
     /// Takes over the map of another world only where maps may be drawn.
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
         match knowledge {
-            Knowledge::Foresighted { foresight, .. } => match &mut self.current {
+            Knowledge::Foresighted { generalisation, .. } => match &mut self.current {
                 Current::Percept(learner, _) => {
-                    learner.warm_start(foresight);
+                    learner.warm_start(generalisation);
                     true
                 }
                 Current::Map(_) => false,

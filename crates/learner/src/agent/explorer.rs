@@ -36,34 +36,34 @@ impl Explorer {
     }
 
     /// An action, and whether it was chosen to explore.
-    pub fn choose(&mut self, worth: &PredictionArray) -> (Action, bool) {
+    pub fn choose(&mut self, values: &PredictionArray) -> (Action, bool) {
         let explores = self.stream.chance(self.probability);
         let action = if explores {
-            self.among(Action::all(worth.as_slice().len()))
+            self.among(Action::all(values.as_slice().len()))
         } else {
-            self.exploit(worth)
+            self.exploit(values)
         };
         (action, explores)
     }
 
-    /// The same, but explores only actions that have a worth, if there are any.
-    pub fn choose_advocated(&mut self, worth: &PredictionArray) -> (Action, bool) {
-        if worth.greatest().is_none() {
-            return self.choose(worth);
+    /// The same, but explores only actions that have a value, if there are any.
+    pub fn choose_advocated(&mut self, values: &PredictionArray) -> (Action, bool) {
+        if values.greatest().is_none() {
+            return self.choose(values);
         }
         let explores = self.stream.chance(self.probability);
         let action = if explores {
-            let all = Action::all(worth.as_slice().len());
-            self.among(all.filter(|&action| worth.get(action).is_some()))
+            let all = Action::all(values.as_slice().len());
+            self.among(all.filter(|&action| values.get(action).is_some()))
         } else {
-            self.exploit(worth)
+            self.exploit(values)
         };
         (action, explores)
     }
 
     /// One of the best actions, or any where nothing is known. Ties are broken by chance.
-    pub fn exploit(&mut self, worth: &PredictionArray) -> Action {
-        exploit(worth, &mut self.stream)
+    pub fn exploit(&mut self, values: &PredictionArray) -> Action {
+        exploit(values, &mut self.stream)
     }
 
     /// One of some actions, each with the same chance.
@@ -73,10 +73,10 @@ impl Explorer {
 }
 
 /// One of the best actions, or any where nothing is known. Ties are broken by chance.
-pub(super) fn exploit(worth: &PredictionArray, stream: &mut Stream) -> Action {
-    match worth.greatest() {
-        Some(_) => among(worth.best_actions(), stream),
-        None => among(Action::all(worth.as_slice().len()), stream),
+pub(super) fn exploit(values: &PredictionArray, stream: &mut Stream) -> Action {
+    match values.greatest() {
+        Some(_) => among(values.best_actions(), stream),
+        None => among(Action::all(values.as_slice().len()), stream),
     }
 }
 
@@ -94,17 +94,17 @@ mod tests {
     #[test]
     fn only_actions_with_a_worth_are_explored_unless_there_are_none() {
         let mut explorer = Explorer::new(1.0, Stream::new(1, StreamName::Exploration));
-        let mut worth = PredictionArray::new(4);
-        let mut tried = |worth: &PredictionArray| {
+        let mut values = PredictionArray::new(4);
+        let mut tried = |values: &PredictionArray| {
             let mut counts = [0; 4];
             for _ in 0..400 {
-                counts[explorer.choose_advocated(worth).0.index()] += 1;
+                counts[explorer.choose_advocated(values).0.index()] += 1;
             }
             counts.map(|count| count > 0)
         };
-        assert_eq!(tried(&worth), [true; 4]);
-        worth.set(Action::new(1).unwrap(), -1.0);
-        worth.set(Action::new(3).unwrap(), 5.0);
-        assert_eq!(tried(&worth), [false, true, false, true]);
+        assert_eq!(tried(&values), [true; 4]);
+        values.set(Action::new(1).unwrap(), -1.0);
+        values.set(Action::new(3).unwrap(), 5.0);
+        assert_eq!(tried(&values), [false, true, false, true]);
     }
 }

@@ -68,16 +68,17 @@ impl Agent for Frozen {
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.percept = Some(*percept);
         let Some(map) = self.knowledge.map() else {
-            return self.worth(percept);
+            return self.values(percept);
         };
         self.tracker.perceive(map, percept);
         self.knowledge.plan_for(&self.tracker);
-        self.knowledge.remembered_worth(&self.tracker, self.actions)
+        self.knowledge
+            .remembered_values(&self.tracker, self.actions)
     }
 
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        let (action, explores) = explorer.choose(worth);
-        let by_chance = explores || worth.greatest().is_none();
+    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose(values);
+        let by_chance = explores || values.greatest().is_none();
         match self.knowledge.rules() {
             Some(_) => Choice::of_rules(action, by_chance),
             None => Choice::of_a_table(action, by_chance),
@@ -103,8 +104,8 @@ impl Agent for Frozen {
         self.step_threshold
     }
 
-    fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.knowledge.worth(percept, self.actions)
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        self.knowledge.values(percept, self.actions)
     }
 
     fn knowledge(&self) -> Knowledge {

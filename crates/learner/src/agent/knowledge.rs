@@ -6,7 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::agent::estimator::map::{CONTEXT_BITS, Map, PERCEPT_BITS, Tracker};
-use crate::agent::model::Foresight;
+use crate::agent::model::Generalisation;
 use crate::agent::policy::plan::BeliefPlan;
 use xcs::{Action, Percept};
 use xcs::{Population, PredictionArray, Xcs};
@@ -24,7 +24,7 @@ pub enum Knowledge {
         /// What actions are worth.
         rules: Population,
         /// What they do.
-        foresight: Foresight,
+        generalisation: Generalisation,
     },
     /// The rules of a learner with a memory, which look at a context, not at a percept.
     Remembering {
@@ -33,9 +33,9 @@ pub enum Knowledge {
         /// The places that contexts speak of.
         map: Map,
     },
-    /// The plan of a tabular method with a memory, and its charts.
+    /// The plan of a tabular method with a memory, and its maps.
     Planned(BeliefPlan),
-    /// The table of a tabular method: the worth of each action in each percept.
+    /// The table of a tabular method: the value of each action in each percept.
     Table(BTreeMap<Percept, Vec<Option<f64>>>),
 }
 
@@ -43,7 +43,7 @@ impl Knowledge {
     /// What an XCS has learned.
     pub(super) fn of(xcs: &Xcs) -> Self {
         let rules = xcs.population().clone();
-        match xcs.params().worth_over_match_set {
+        match xcs.params().value_over_match_set {
             true => Self::RulesOverMatchSet(rules),
             false => Self::Rules(rules),
         }
@@ -55,20 +55,20 @@ impl Knowledge {
         rules.map(|rules| xcs.start_from(rules)).is_some()
     }
 
-    /// The worth of each of `actions` actions under a percept.
-    pub fn worth(&self, percept: &Percept, actions: usize) -> PredictionArray {
+    /// The value of each of `actions` actions under a percept.
+    pub fn values(&self, percept: &Percept, actions: usize) -> PredictionArray {
         match self {
             Self::Rules(rules) | Self::Foresighted { rules, .. } => {
                 rules.sums(percept).array(actions, false)
             }
             Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
-            Self::Remembering { map, .. } => self.remembered_worth(&begun(map, percept), actions),
-            Self::Planned(plan) => plan.worth(&begun(plan.map(), percept), actions),
+            Self::Remembering { map, .. } => self.remembered_values(&begun(map, percept), actions),
+            Self::Planned(plan) => plan.values(&begun(plan.map(), percept), actions),
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);
-                for (action, worth) in Action::all(actions).zip(row) {
-                    worth.iter().for_each(|&worth| array.set(action, worth));
+                for (action, values) in Action::all(actions).zip(row) {
+                    values.iter().for_each(|&values| array.set(action, values));
                 }
                 array
             }
@@ -82,20 +82,20 @@ impl Knowledge {
         }
     }
 
-    /// The worth of each action for one who remembers an episode; none without a memory.
-    pub(super) fn remembered_worth(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
+    /// The value of each action for one who remembers an episode; none without a memory.
+    pub(super) fn remembered_values(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
         match self {
-            Self::Remembering { map, .. } => self.worth_in(&tracker.context(map), actions),
-            Self::Planned(plan) => plan.worth(tracker, actions),
+            Self::Remembering { map, .. } => self.values_in(&tracker.context(map), actions),
+            Self::Planned(plan) => plan.values(tracker, actions),
             _ => PredictionArray::new(actions),
         }
     }
 
-    /// The worth of each action in what its rules look at: a context, or without a memory a percept.
-    pub fn worth_in(&self, looked_at: &Percept, actions: usize) -> PredictionArray {
+    /// The value of each action in what its rules look at: a context, or without a memory a percept.
+    pub fn values_in(&self, looked_at: &Percept, actions: usize) -> PredictionArray {
         match self {
             Self::Remembering { rules, .. } => rules.sums(looked_at).array(actions, false),
-            _ => self.worth(looked_at, actions),
+            _ => self.values(looked_at, actions),
         }
     }
 
@@ -120,7 +120,7 @@ impl Knowledge {
         self.map().is_some()
     }
 
-    /// The charts of those that remember.
+    /// The maps of those that remember.
     pub(super) fn map(&self) -> Option<&Map> {
         match self {
             Self::Remembering { map, .. } => Some(map),
@@ -140,10 +140,10 @@ impl Knowledge {
         }
     }
 
-    /// What is foreseen; `None` for methods that foresee nothing.
-    pub fn foresight(&self) -> Option<&Foresight> {
+    /// What is predicted; `None` for methods that foresee nothing.
+    pub fn generalisation(&self) -> Option<&Generalisation> {
         match self {
-            Self::Foresighted { foresight, .. } => Some(foresight),
+            Self::Foresighted { generalisation, .. } => Some(generalisation),
             _ => None,
         }
     }
@@ -160,7 +160,10 @@ impl Knowledge {
         }
         let rules = self.rules().map_or(&[][..], Population::rules).iter();
         let own = rules.map(|rule| (rule.condition, Some(rule.action)));
-        let foretelling = self.foresight().map_or(&[][..], |f| &f.collisions).iter();
+        let foretelling = self
+            .generalisation()
+            .map_or(&[][..], |f| &f.collisions)
+            .iter();
         let foretelling = foretelling.map(|rule| (rule.condition, rule.action));
         for (condition, action) in own.chain(foretelling) {
             let action = action.map_or(0, Action::index);
@@ -173,8 +176,10 @@ impl Knowledge {
                 Misfit::check(percept, percept.width(), width, last, actions)?;
             }
         }
-        self.foresight().map_or(Ok(()), |foresight| {
-            foresight.check(actions).map_err(Misfit::Foresight)
+        self.generalisation().map_or(Ok(()), |generalisation| {
+            generalisation
+                .check(actions)
+                .map_err(Misfit::Generalisation)
         })
     }
 
@@ -237,9 +242,9 @@ pub enum Misfit {
     /// What is remembered is no map for these moves and percepts.
     #[error("the map that the rules go by does not fit the moves and percepts of this world")]
     Map,
-    /// What is foreseen cannot be.
+    /// What is predicted cannot be.
     #[error("{0}")]
-    Foresight(String),
+    Generalisation(String),
     /// They are of another kind than the method's.
     #[error(
         "the method `{0}` cannot start from these rules: give XCS methods rules of one of them, \

@@ -14,7 +14,7 @@ use super::estimator::aliasing::Aliasing;
 use super::estimator::map::association::MapStep;
 use super::estimator::map::map_set::MapSet;
 use super::estimator::map::tracker::{CONTEXT_BITS, Felt, Tracker};
-use super::estimator::map::{Map, MapParams, Vision, Worth};
+use super::estimator::map::{Map, MapParams, RewardScale, Vision};
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::planner::frontier::LocalMap;
@@ -56,7 +56,7 @@ pub struct MapLearner {
     xcs: xcs::Params,
     params: Params,
     actions: usize,
-    worth: Worth,
+    values: RewardScale,
     learned: Learned,
     /// Follows from the maps.
     map: Map,
@@ -118,7 +118,7 @@ impl MapLearner {
             xcs,
             params,
             actions,
-            worth: Worth { goal, step, gamma },
+            values: RewardScale { goal, step, gamma },
             learned: Learned {
                 maps: MapSet::new(actions, vision, own),
                 aliasing: Aliasing::default(),
@@ -201,7 +201,11 @@ impl MapLearner {
     /// Is this an exploring episode in which to walk past goals? Maps are drawn around the goal that was
     /// reached, and cells next to another would stay missing there. Every second exploring episode is one.
     fn passes_goals(&self) -> bool {
-        let several = self.map.spots.last().is_some_and(|spot| spot.chart > 0);
+        let several = self
+            .map
+            .states
+            .last()
+            .is_some_and(|map_state| map_state.cell_map > 0);
         several && self.learned.episodes / 2 % 2 == 1
     }
 
@@ -237,7 +241,7 @@ impl MapLearner {
         if reached_goal && !steps.is_empty() {
             self.learn_map(steps);
         }
-        if !self.map.spots.is_empty() {
+        if !self.map.states.is_empty() {
             self.learned.stale |= self.plan();
             if std::mem::take(&mut self.learned.stale) {
                 match self.policy {
@@ -260,13 +264,13 @@ impl MapLearner {
             learned.maps.follow(last, None);
         }
         learned.maps.learn(steps);
-        let map = learned.maps.map(&self.worth);
+        let map = learned.maps.map(&self.values);
         if !map.is_of_the_same(&self.map) {
             learned.planner = BeliefPlanner::new(&map.pomdp);
             learned.met.clear();
             learned.stale = true;
         }
-        learned.stale |= (map.misread > 0.0) != (self.map.misread > 0.0);
+        learned.stale |= (map.observation_error > 0.0) != (self.map.observation_error > 0.0);
         self.map = map;
     }
 
@@ -364,7 +368,7 @@ impl MapLearner {
         }
         let learned = &mut self.learned;
         learned.maps.bring(map);
-        self.map = learned.maps.map(&self.worth);
+        self.map = learned.maps.map(&self.values);
         learned.planner = BeliefPlanner::new(&self.map.pomdp);
         if learned.maps.robot().motion.are_certain() {
             learned.rules = rules.without_records();
@@ -398,7 +402,7 @@ impl MapLearner {
             return Ok(false);
         }
         learned.maps = learned.maps.with_settings_of(&self.learned.maps);
-        self.map = learned.maps.map(&self.worth);
+        self.map = learned.maps.map(&self.values);
         self.learned = learned;
         Ok(self.learned.planner.belongs_to(&self.map.pomdp))
     }

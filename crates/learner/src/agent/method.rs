@@ -128,7 +128,7 @@ impl Method {
             let own = (actions, vision);
             let map = MapLearner::new(own, xcs.clone(), reward.clone(), map_settings, planning());
             let rules = xcs::Params {
-                worth_over_match_set: false,
+                value_over_match_set: false,
                 ..xcs.clone()
             };
             let rules = Xcs::new(rules, actions, stream(StreamName::Evolution));
@@ -142,7 +142,11 @@ impl Method {
             Self::AdaptedDiscounted => combined(reward.adapted(Sharing::Discounted)),
             Self::Xcscr => combined(reward),
             Self::XcscrCoevolved => {
-                let streams = [StreamName::Experts, StreamName::Keeper, StreamName::Cloner];
+                let streams = [
+                    StreamName::Experts,
+                    StreamName::Keeper,
+                    StreamName::BehaviourCloner,
+                ];
                 let method = Combined::new(learner(), reward, stream(StreamName::Imprinting));
                 Box::new(method.with_experts(streams.map(stream)))
             }

@@ -28,7 +28,7 @@ mod tabular;
 pub use choice::{Choice, Chooser, Chosen};
 use credit::{Combined, Standard};
 pub use estimator::map::{
-    ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, Map, MapParams, MotionPrior, PERCEPT_BITS,
+    BEGUN_ELSEWHERE, CONTEXT_BITS, MISLOCALISED, Map, MapParams, MotionPrior, PERCEPT_BITS,
     words as memory_words,
 };
 pub use explorer::Explorer;
@@ -36,7 +36,7 @@ pub use frozen::Frozen;
 pub use knowledge::Knowledge;
 pub use knowledge::Misfit;
 pub use method::{Method, Setup};
-pub use model::{CollisionRule, Foresight, ReturnRule};
+pub use model::{CollisionRule, Generalisation, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 pub use plus_params::{Estimator, PlusParams};
 pub use policy::contexts::contexts;
@@ -88,14 +88,14 @@ pub trait Agent {
         let _ = evolves;
     }
 
-    /// The worth of each action under a percept, as a step of learning: forms \[M\] and covers
+    /// The value of each action under a percept, as a step of learning: forms \[M\] and covers
     /// missing actions.
     fn observe(&mut self, percept: &Percept) -> PredictionArray;
 
     /// Chooses an action: by default, any action with probability p_explr, otherwise one of the
     /// best by the rules.
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        let (action, explores) = explorer.choose(worth);
+    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose(values);
         Choice::of_rules(action, explores)
     }
 
@@ -108,8 +108,8 @@ pub trait Agent {
     /// The most steps that the next episode may take.
     fn step_threshold(&self) -> u32;
 
-    /// The worth of each action under a percept, without changing anything.
-    fn worth(&self, percept: &Percept) -> PredictionArray;
+    /// The value of each action under a percept, without changing anything.
+    fn values(&self, percept: &Percept) -> PredictionArray;
 
     /// What was learned so far.
     fn knowledge(&self) -> Knowledge;

@@ -59,7 +59,7 @@ settings! {
     pub struct Params {
         /// r_l for reaching a goal (paper, section II-C).
         goal: f64 = 1000.0, in 0.0..=1e6;
-        /// r_l for a failure (paper, section II-C: 0, but figures 2 and 5 show worths below 0, and
+        /// r_l for a failure (paper, section II-C: 0, but figures 2 and 5 show values below 0, and
         /// the text speaks of long-term, negative rewards).
         failure: f64 = 0.0, in -1e6..=0.0;
         /// What `xcs` and `xcsam` are paid.

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::model::Foresight;
+use crate::agent::model::Generalisation;
 use crate::agent::model::collision_rules::CollisionRules;
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::planner::exploration::{Exploration, Model};
@@ -196,7 +196,7 @@ impl PerceptLearner {
     /// Returns the policy's action values in a percept.
     pub fn values(&self, percept: &Percept) -> PredictionArray {
         match (&self.rules, self.memory.number_of(percept)) {
-            (Some(rules), _) => rules.xcs().worth(percept),
+            (Some(rules), _) => rules.xcs().values(percept),
             (None, Some(number)) => self.planned(number),
             (None, None) => PredictionArray::new(self.actions),
         }
@@ -218,7 +218,7 @@ impl PerceptLearner {
         };
         Knowledge::Foresighted {
             rules: rules.xcs().population().clone(),
-            foresight: Foresight {
+            generalisation: Generalisation {
                 collisions: self.collisions.rules(),
                 returns: self.known.returns().rules().collect(),
             },
@@ -239,12 +239,12 @@ impl PerceptLearner {
 
     /// Starts from the predictions of another world. Its best actions are not taken over: what is best in one maze
     /// says nothing about the next.
-    pub fn warm_start(&mut self, foresight: &Foresight) {
+    pub fn warm_start(&mut self, generalisation: &Generalisation) {
         if self.own.collision_rules {
-            self.collisions.bring(&foresight.collisions);
+            self.collisions.bring(&generalisation.collisions);
         }
         if self.own.return_rules {
-            self.known.bring(&foresight.returns);
+            self.known.bring(&generalisation.returns);
         }
     }
 

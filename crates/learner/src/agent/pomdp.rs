@@ -2,5 +2,5 @@
 
 pub use super::estimator::belief::{Belief, NEGLIGIBLE};
 pub use super::model::pomdp::{GOAL, Pomdp};
-pub use super::model::prizes::Prizes;
+pub use super::model::rewards::RewardModel;
 pub use super::planner::rtdp_bel::{BeliefPlanner, Costs, Effort, MOST_BELIEFS, moved};

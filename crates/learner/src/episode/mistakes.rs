@@ -13,9 +13,9 @@ use xcscr_robot::world::Cell;
 #[serde(default, deny_unknown_fields)]
 pub struct Mistakes {
     /// Steps before which it perceived something else than perfect senses would have in that cell.
-    pub misread: u64,
+    pub observation_error: u64,
     /// Steps after which it believed to stand in another cell than it did.
-    pub astray: u64,
+    pub mislocalised: u64,
 }
 
 impl Mistakes {
@@ -24,14 +24,18 @@ impl Mistakes {
     /// # Errors
     /// The first number that is too large.
     pub fn check(&self, steps: u64) -> Result<(), OutOfRange> {
-        within("mistakes.misread", self.misread, 0..=steps)?;
-        within("mistakes.astray", self.astray, 0..=steps)
+        within(
+            "mistakes.observation_error",
+            self.observation_error,
+            0..=steps,
+        )?;
+        within("mistakes.mislocalised", self.mislocalised, 0..=steps)
     }
 
     /// Adds those of another stretch of steps.
     pub fn add(&mut self, other: Self) {
-        self.misread += other.misread;
-        self.astray += other.astray;
+        self.observation_error += other.observation_error;
+        self.mislocalised += other.mislocalised;
     }
 }
 
@@ -84,8 +88,9 @@ impl Observer for Watch {
         let perfect = self
             .stood
             .map(|cell| self.sensor.perceive_at(step.view.maze, cell));
-        self.found.misread += u64::from(perfect.is_some_and(|perfect| perfect != step.percept));
-        self.found.astray += u64::from(step.view.sensed.is_some_and(|sensed| sensed.lost));
+        self.found.observation_error +=
+            u64::from(perfect.is_some_and(|perfect| perfect != step.percept));
+        self.found.mislocalised += u64::from(step.view.sensed.is_some_and(|sensed| sensed.lost));
         self.stood = true_cell(&step.view);
     }
 }

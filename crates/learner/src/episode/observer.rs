@@ -30,8 +30,8 @@ pub struct Step<'a> {
     pub cell: Cell,
     /// The percept there.
     pub percept: Percept,
-    /// The worth of each action there.
-    pub worth: PredictionArray,
+    /// The value of each action there.
+    pub values: PredictionArray,
     /// The action that was chosen.
     pub action: Action,
     /// Who chose it.

@@ -7,7 +7,7 @@ use xcs::PredictionArray;
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Cell, Maze, Paths};
 
-/// The worth of each action in each free cell of a maze, in reading order of the cells; in a
+/// The value of each action in each free cell of a maze, in reading order of the cells; in a
 /// [vast](Maze::is_vast) maze only in those on the way that the policy takes from a fixed start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolicyMap {
@@ -17,40 +17,40 @@ pub struct PolicyMap {
 impl PolicyMap {
     /// Asks a learner what it would do in each free cell that is no goal. Changes nothing.
     pub fn of(method: &dyn Agent, sensor: Sensor, maze: &Maze) -> Self {
-        let worth = |cell| (cell, method.worth(&sensor.perceive_at(maze, cell)));
+        let values = |cell| (cell, method.values(&sensor.perceive_at(maze, cell)));
         if maze.is_vast() {
-            return Self::along_the_way(maze, worth);
+            return Self::along_the_way(maze, values);
         }
         let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
         Self {
-            cells: cells.map(worth).collect(),
+            cells: cells.map(values).collect(),
         }
     }
 
-    /// Each free cell that is no goal, with the worth of its actions.
+    /// Each free cell that is no goal, with the value of its actions.
     pub fn cells(&self) -> impl Iterator<Item = &(Cell, PredictionArray)> {
         self.cells.iter()
     }
 
-    /// The worth of the actions in a cell; `None` for walls and goals.
-    pub fn worth(&self, cell: Cell) -> Option<&PredictionArray> {
+    /// The value of the actions in a cell; `None` for walls and goals.
+    pub fn values(&self, cell: Cell) -> Option<&PredictionArray> {
         let at = self
             .cells
             .binary_search_by_key(&(cell.row, cell.col), |(c, _)| (c.row, c.col));
         at.ok().map(|i| &self.cells[i].1)
     }
 
-    /// How the greatest worth of each cell compares with that of all others, from 0 (the least) to
-    /// 1 (the greatest), in the order of [`cells`](Self::cells); equal worth has equal ranks, `None`
+    /// How the greatest value of each cell compares with that of all others, from 0 (the least) to
+    /// 1 (the greatest), in the order of [`cells`](Self::cells); equal value has equal ranks, `None`
     /// is for cells that know none.
     pub fn ranks(&self) -> Vec<Option<f64>> {
-        let greatest = self.cells.iter().map(|(_, worth)| worth.greatest());
+        let greatest = self.cells.iter().map(|(_, values)| values.greatest());
         let mut known: Vec<f64> = greatest.clone().flatten().collect();
         known.sort_by(f64::total_cmp);
         known.dedup();
         let last = known.len().saturating_sub(1).max(1) as f64;
-        let rank = |worth: f64| known.partition_point(|&other| other < worth) as f64 / last;
-        greatest.map(|worth| worth.map(rank)).collect()
+        let rank = |values: f64| known.partition_point(|&other| other < values) as f64 / last;
+        greatest.map(|values| values.map(rank)).collect()
     }
 
     /// How near the goal each cell is along the greedy policy, the first of the best actions on ties: from 0 (the most
@@ -67,8 +67,8 @@ impl PolicyMap {
     fn steps_to_goal(&self, maze: &Maze) -> Vec<Option<u32>> {
         let mut before: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         let mut arrived = Vec::new();
-        for (at, (cell, worth)) in self.cells.iter().enumerate() {
-            match ahead(maze, *cell, worth) {
+        for (at, (cell, values)) in self.cells.iter().enumerate() {
+            match ahead(maze, *cell, values) {
                 Some(next) if maze.is_goal(next) => arrived.push(at),
                 Some(next) => before.entry(maze.index(next)).or_default().push(at),
                 None => {}
@@ -88,11 +88,11 @@ impl PolicyMap {
         steps
     }
 
-    fn along_the_way(maze: &Maze, worth: impl Fn(Cell) -> (Cell, PredictionArray)) -> Self {
+    fn along_the_way(maze: &Maze, values: impl Fn(Cell) -> (Cell, PredictionArray)) -> Self {
         let mut cells = BTreeMap::new();
         let mut at = maze.start();
         while let Some(cell) = at.filter(|&cell| !maze.is_goal(cell)) {
-            let here = worth(cell);
+            let here = values(cell);
             at = ahead(maze, cell, &here.1);
             if cells.insert((cell.row, cell.col), here).is_some() {
                 break;
@@ -110,8 +110,8 @@ impl PolicyMap {
         let mut path = vec![start];
         let mut cell = start;
         while path.len() <= self.cells.len() && !maze.is_goal(cell) {
-            let worth = self.worth(cell);
-            let Some(next) = worth.and_then(|worth| ahead(maze, cell, worth)) else {
+            let values = self.values(cell);
+            let Some(next) = values.and_then(|values| ahead(maze, cell, values)) else {
                 break;
             };
             path.push(next);
@@ -122,13 +122,13 @@ impl PolicyMap {
 }
 
 /// Where the first of the best actions leads.
-fn ahead(maze: &Maze, cell: Cell, worth: &PredictionArray) -> Option<Cell> {
-    let action = worth.best_actions().next()?;
+fn ahead(maze: &Maze, cell: Cell, values: &PredictionArray) -> Option<Cell> {
+    let action = values.best_actions().next()?;
     maze.step(cell, maze.direction(action)?)
 }
 
 /// Looks, episode after episode, whether a greedy policy is globally optimal: from every start
-/// cell, every action that attains the greatest worth (all of them, on ties) must move along a
+/// cell, every action that attains the greatest value (all of them, on ties) must move along a
 /// shortest path to a goal. Its memory spares work in proportion to the maze.
 #[derive(Debug, Clone, Default)]
 pub struct FaultFinder {
@@ -161,13 +161,13 @@ impl FaultFinder {
             if maze.is_goal(cell) || self.was_seen(maze.index(cell)) {
                 continue;
             }
-            let worth = method.worth(&sensor.perceive_at(maze, cell));
-            let nexts = worth
+            let values = method.values(&sensor.perceive_at(maze, cell));
+            let nexts = values
                 .best_actions()
                 .map(|action| paths.successor(maze, cell, action));
             let before = self.open.len();
             self.open.extend(nexts.clone().map_while(|next| next));
-            let is_sound = worth.greatest().is_some() && nexts.count() == self.open.len() - before;
+            let is_sound = values.greatest().is_some() && nexts.count() == self.open.len() - before;
             if !is_sound {
                 self.suspect = Some(cell);
                 return self.suspect;

@@ -25,8 +25,8 @@ pub fn run(
     let ending = loop {
         let cell = arena.view().cell;
         let percept = sensor.perceive(&arena.view());
-        let worth = method.observe(&percept);
-        let choice = method.choose(&worth, explorer);
+        let values = method.observe(&percept);
+        let choice = method.choose(&values, explorer);
         let action = choice.action;
         let outcome = arena.act(action);
         let credit = method.update(action, outcome);
@@ -37,7 +37,7 @@ pub fn run(
             step,
             cell,
             percept,
-            worth,
+            values,
             action,
             chooser: choice.chooser,
             explored: choice.explores(),

@@ -33,9 +33,9 @@ impl Drive {
     /// What the policy would do here; nothing where it knows nothing.
     pub(super) fn best_actions(&mut self, maze: &Maze, sensor: Sensor) -> Vec<Action> {
         let percept = sensor.perceive_at(maze, self.cell);
-        let worth = self.policy.observe(&percept);
-        match worth.greatest() {
-            Some(_) => worth.best_actions().collect(),
+        let values = self.policy.observe(&percept);
+        match values.greatest() {
+            Some(_) => values.best_actions().collect(),
             None => Vec::new(),
         }
     }

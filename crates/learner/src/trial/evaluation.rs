@@ -244,8 +244,8 @@ mod tests {
         let paths = Paths::with_slip(maze, 0.25);
         let row = |cell: Cell| {
             let is_best = |action| paths.successor(maze, cell, action).is_some();
-            let worth = |action| Some(f64::from(u8::from(is_best(action) != other(cell))));
-            Action::all(4).map(worth).collect()
+            let values = |action| Some(f64::from(u8::from(is_best(action) != other(cell))));
+            Action::all(4).map(values).collect()
         };
         let cells = maze.free_cells();
         let table = cells.map(|cell| (Sensor::Position.perceive_at(maze, cell), row(cell)));

@@ -8,7 +8,7 @@ use super::plan::Plan;
 use crate::agent::{Explorer, Frozen, Knowledge};
 use crate::episode;
 use xcs::random::Stream;
-use xcscr_robot::arena::{GridArena, MisreadingArena, RewardingArena, SlippingArena};
+use xcscr_robot::arena::{GridArena, NoisyPerceptArena, RewardingArena, SlippingArena};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::streams::StreamName;
 use xcscr_robot::world::{Cell, Maze, Starts};
@@ -42,7 +42,7 @@ impl GreedySteps {
         let paying = Box::new(RewardingArena::new(grid));
         let slipping = Box::new(SlippingArena::new(paying, settings.arena.slip, config.seed));
         let (flips, width) = (settings.sensor.flip_probability, config.sensor.width(maze));
-        let mut arena = MisreadingArena::new(slipping, flips, width, config.seed);
+        let mut arena = NoisyPerceptArena::new(slipping, flips, width, config.seed);
         let limit = settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
         let mut greedy = Explorer::new(0.0, stream(StreamName::Exploration));

@@ -14,12 +14,12 @@ pub struct RuleHistory {
     /// The episode at whose end it was in \[P\] for the first time and has been ever since.
     pub since: u32,
     /// The episodes that changed its prediction, in order.
-    pub lessons: Vec<Lesson>,
+    pub changes: Vec<PredictionChange>,
 }
 
 /// An episode that changed what a rule predicts.
 #[derive(Debug, Clone, Copy)]
-pub struct Lesson {
+pub struct PredictionChange {
     /// The episode, as it ended.
     pub episode: Episode,
     /// What the rule predicted before; `None` if it was not in \[P\].
@@ -28,7 +28,7 @@ pub struct Lesson {
     pub after: f64,
 }
 
-impl Lesson {
+impl PredictionChange {
     /// How far the prediction moved; that of a new rule as far as it lies from 0.
     pub fn moved(&self) -> f64 {
         (self.after - self.before.unwrap_or(0.0)).abs()
@@ -86,11 +86,11 @@ impl Observer for Watch {
         };
         let history = self.history.get_or_insert_with(|| RuleHistory {
             since: episode.episode,
-            lessons: Vec::new(),
+            changes: Vec::new(),
         });
         if before != Some(after) {
             let episode = *episode;
-            history.lessons.push(Lesson {
+            history.changes.push(PredictionChange {
                 episode,
                 before,
                 after,

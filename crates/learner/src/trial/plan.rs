@@ -6,7 +6,7 @@ use super::settings::Settings;
 use crate::agent::{Agent, Estimator, Knowledge, Method, Misfit, Setup};
 use xcs::bounds::{OutOfRange, within};
 use xcscr_robot::arena::{
-    Arena, ArenaKind, GridArena, Localisation, MisreadingArena, PhysicsArena, PhysicsError,
+    Arena, ArenaKind, GridArena, Localisation, NoisyPerceptArena, PhysicsArena, PhysicsError,
     PhysicsParams, RewardingArena, SlippingArena, check_fit,
 };
 use xcscr_robot::sensor::Sensor;
@@ -63,7 +63,7 @@ impl Config {
         };
         let width = self.sensor.width(maze);
         Ok(match sensor.flip_probability > 0.0 {
-            true => Box::new(MisreadingArena::new(
+            true => Box::new(NoisyPerceptArena::new(
                 arena,
                 sensor.flip_probability,
                 width,

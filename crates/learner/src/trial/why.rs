@@ -14,10 +14,10 @@ pub struct Why {
     /// What the robot perceives.
     pub percept: Percept,
     /// What each action is worth there.
-    pub worth: PredictionArray,
+    pub values: PredictionArray,
     /// The rules that match, those of the best actions first, and of each action the one with the
     /// greatest share first.
-    pub votes: Vec<Vote>,
+    pub votes: Vec<WeightedRule>,
     /// For each action that is not one of the best, the least change that would make it one; only
     /// for those that have such a change.
     pub changes: Vec<Change>,
@@ -25,10 +25,10 @@ pub struct Why {
 
 /// A rule that matches.
 #[derive(Debug, Clone, Copy)]
-pub struct Vote {
+pub struct WeightedRule {
     /// The rule.
     pub rule: Classifier,
-    /// Its share in the worth of its action, 0 to 1 (Eq. 6: by fitness).
+    /// Its share in the value of its action, 0 to 1 (Eq. 6: by fitness).
     pub share: f64,
 }
 
@@ -49,12 +49,12 @@ impl Why {
     pub fn at(plan: &Plan, knowledge: &Knowledge, cell: Cell) -> Self {
         let Plan { maze, config } = plan;
         let percept = config.sensor.perceive_at(maze, cell);
-        let worth = knowledge.worth(&percept, maze.action_count());
+        let values = knowledge.values(&percept, maze.action_count());
         Self {
-            votes: votes(knowledge, &percept, &worth),
-            changes: changes(plan, knowledge, &percept, &worth),
+            votes: votes(knowledge, &percept, &values),
+            changes: changes(plan, knowledge, &percept, &values),
             percept,
-            worth,
+            values,
         }
     }
 
@@ -65,7 +65,7 @@ impl Why {
 }
 
 /// The rules that match a percept, with their shares.
-fn votes(knowledge: &Knowledge, percept: &Percept, worth: &PredictionArray) -> Vec<Vote> {
+fn votes(knowledge: &Knowledge, percept: &Percept, values: &PredictionArray) -> Vec<WeightedRule> {
     let rules = knowledge.rules().map_or(&[][..], Population::rules);
     let looked_at = knowledge.looked_at(percept);
     let matching = rules
@@ -76,15 +76,15 @@ fn votes(knowledge: &Knowledge, percept: &Percept, worth: &PredictionArray) -> V
         let rules = matching.iter().filter(move |rule| rule.action == action);
         rules.map(|rule| rule.fitness).sum::<f64>()
     };
-    let vote = |rule: &Classifier| Vote {
+    let vote = |rule: &Classifier| WeightedRule {
         rule: *rule,
         share: rule.fitness / fitness_of(rule.action),
     };
-    let mut votes: Vec<Vote> = matching.iter().map(vote).collect();
-    let rank = |vote: &Vote| worth.get(vote.rule.action).unwrap_or(f64::NEG_INFINITY);
+    let mut votes: Vec<WeightedRule> = matching.iter().map(vote).collect();
+    let rank = |vote: &WeightedRule| values.get(vote.rule.action).unwrap_or(f64::NEG_INFINITY);
     votes.sort_by(|a, b| {
-        let by_worth = rank(b).total_cmp(&rank(a));
-        by_worth
+        let by_value = rank(b).total_cmp(&rank(a));
+        by_value
             .then(a.rule.action.cmp(&b.rule.action))
             .then(b.share.total_cmp(&a.share))
     });
@@ -96,16 +96,16 @@ fn changes(
     plan: &Plan,
     knowledge: &Knowledge,
     percept: &Percept,
-    worth: &PredictionArray,
+    values: &PredictionArray,
 ) -> Vec<Change> {
     let Plan { maze, config } = plan;
-    let best: Vec<Action> = worth.best_actions().collect();
+    let best: Vec<Action> = values.best_actions().collect();
     let candidates = candidates(config.sensor, maze, percept);
     let others = Action::all(maze.action_count()).filter(|action| !best.contains(action));
     let change = |action| {
         let leads_to = |candidate: &&Candidate| {
-            let worth = knowledge.worth(&candidate.percept, maze.action_count());
-            worth.greatest().is_some() && worth.best_actions().all(|one| one == action)
+            let values = knowledge.values(&candidate.percept, maze.action_count());
+            values.greatest().is_some() && values.best_actions().all(|one| one == action)
         };
         let found = candidates.iter().find(leads_to)?;
         let (words, cell) = (found.words.clone(), found.cell);

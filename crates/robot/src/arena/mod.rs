@@ -7,7 +7,7 @@
 mod auxiliary;
 mod grid;
 mod kind;
-mod misreading;
+mod noisy_percepts;
 mod physics;
 mod sensed;
 mod slip;
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 pub use auxiliary::RewardingArena;
 pub use grid::GridArena;
 pub use kind::ArenaKind;
-pub use misreading::MisreadingArena;
+pub use noisy_percepts::NoisyPerceptArena;
 pub use physics::check_fit;
 pub use physics::{
     BatchArena, BumperParams, Care, CautiousParams, EncoderParams, EstimatorParams, FaultParams,

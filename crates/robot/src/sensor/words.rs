@@ -67,7 +67,7 @@ fn around(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
         let state = match [alleles(2 * at), alleles(2 * at + 1)] {
             [None, None] => return None,
             // No cell shows `10`; whoever perceives it takes the cell for free.
-            [Some(true), Some(false)] => "free (misread)",
+            [Some(true), Some(false)] => "free (observation error)",
             [Some(true), _] => "goal",
             [Some(false), None] => "no goal",
             [Some(false), Some(true)] => "wall",
@@ -241,7 +241,7 @@ mod tests {
     fn a_code_that_no_cell_shows_reads_as_the_learner_takes_it() {
         let alleles = allele("10##############");
         let words = Sensor::Neighbours.words(&maze(), &alleles);
-        assert_eq!(words, "north free (misread)");
+        assert_eq!(words, "north free (observation error)");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::name;
 use super::origin::Origin;
 use xcs::Action;
 
-/// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the worth of
+/// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the value of
 /// every cell recorded.
 const MOST_SHOWN: usize = 1 << 14;
 

@@ -2,20 +2,20 @@ use super::*;
 
 /// The rules for percepts of which the last bit tells what the first two tell together: is one of them set?
 fn learned(induction: Induction) -> Population {
-    let mut lessons = Lessons::default();
+    let mut labelled_examples = LabelledExamples::default();
     for (number, percept) in ["000", "110", "011", "101"].iter().enumerate() {
         let mut best = crate::ByAction::default();
         best[usize::from(percept.ends_with('1'))] = true;
-        let lesson = Lesson {
+        let labelled_example = LabelledExample {
             percept: percept.parse().unwrap(),
             best,
             value: 5.0,
         };
-        lessons.give(number, lesson);
+        labelled_examples.give(number, labelled_example);
     }
     let mut population = Population::default();
     let mut induction = induction;
-    induction.learn(&mut population, &mut lessons, &Params::default());
+    induction.learn(&mut population, &mut labelled_examples, &Params::default());
     population
 }
 
@@ -29,12 +29,12 @@ fn a_rule_looks_at_a_later_part_only_where_the_earlier_does_not_suffice() {
     assert_eq!(in_one.len(), 2);
     assert!(in_one.rules().iter().all(looks_at_the_last_bit));
 
-    let in_two = learned(Induction::in_parts(&[2], Record::Lessons));
+    let in_two = learned(Induction::in_parts(&[2], Record::LabelledExamples));
     assert_eq!(in_two.len(), 4);
     assert!(!in_two.rules().iter().any(looks_at_the_last_bit));
 
     // The first bit alone tells nothing; what is left may look at all.
-    let in_halves = learned(Induction::in_parts(&[1], Record::Lessons));
+    let in_halves = learned(Induction::in_parts(&[1], Record::LabelledExamples));
     assert_eq!(in_halves.len(), 2);
     assert!(in_halves.rules().iter().all(looks_at_the_last_bit));
 }
@@ -42,9 +42,9 @@ fn a_rule_looks_at_a_later_part_only_where_the_earlier_does_not_suffice() {
 #[test]
 fn figures_are_those_of_the_lessons_or_a_record_of_steps() {
     let figures = |rule: &Classifier| (rule.prediction, rule.experience, rule.fitness);
-    let of_lessons = learned(Induction::in_parts(&[1], Record::Lessons));
+    let of_examples = learned(Induction::in_parts(&[1], Record::LabelledExamples));
     assert!(
-        of_lessons
+        of_examples
             .rules()
             .iter()
             .all(|rule| figures(rule) == (5.0, 2, 2.0))
@@ -63,10 +63,10 @@ fn a_rule_that_covers_no_lesson_keeps_its_figures() {
     best[0] = true;
     let percept = "00".parse().unwrap();
     let value = -3.0;
-    let mut lessons = Lessons::default();
-    lessons.give(
+    let mut labelled_examples = LabelledExamples::default();
+    labelled_examples.give(
         0,
-        Lesson {
+        LabelledExample {
             percept,
             best,
             value,
@@ -81,7 +81,7 @@ fn a_rule_that_covers_no_lesson_keeps_its_figures() {
             ..Classifier::new(condition.parse().unwrap(), action, 0, &params)
         })
     });
-    Induction::default().learn(&mut population, &mut lessons, &params);
+    Induction::default().learn(&mut population, &mut labelled_examples, &params);
     let prediction = |id| population.get(id).map(|rule| rule.prediction);
     assert_eq!(prediction(inside), Some(value));
     assert_eq!(prediction(elsewhere), Some(-7.0));
@@ -89,24 +89,24 @@ fn a_rule_that_covers_no_lesson_keeps_its_figures() {
 
 #[test]
 fn a_rule_that_covers_no_lesson_stays_when_something_else_is_learned() {
-    let lesson = |percept: &str, action: usize| {
+    let labelled_example = |percept: &str, action: usize| {
         let mut best = crate::ByAction::default();
         best[action] = true;
-        Lesson {
+        LabelledExample {
             percept: percept.parse().unwrap(),
             best,
             value: 1.0,
         }
     };
-    let (params, mut lessons) = (Params::default(), Lessons::default());
+    let (params, mut labelled_examples) = (Params::default(), LabelledExamples::default());
     let mut population = Population::default();
     let action = Action::new(0).unwrap();
     let elsewhere = Classifier::new("11".parse().unwrap(), action, 0, &params);
     let elsewhere = population.insert(elsewhere);
     let mut induction = Induction::default();
     for (number, percept) in ["00", "01"].into_iter().enumerate() {
-        lessons.give(number, lesson(percept, number));
-        induction.learn(&mut population, &mut lessons, &params);
+        labelled_examples.give(number, labelled_example(percept, number));
+        induction.learn(&mut population, &mut labelled_examples, &params);
         assert!(population.get(elsewhere).is_some(), "after {percept}");
         assert_eq!(
             population.len(),

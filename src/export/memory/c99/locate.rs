@@ -65,7 +65,7 @@ static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept,
                                 int rewarded)
 {
     const uint8_t found = (uint8_t)(tracker->found + (rewarded != 0));
-    /* A reward that was not foreseen, or did not come, still tells where the robot is. */
+    /* A reward that was not predicted, or did not come, still tells where the robot is. */
     const uint8_t otherwise = (uint8_t)(tracker->found + (rewarded == 0));
 
     (void)bumped;
@@ -103,27 +103,27 @@ static inline int xcscr_expect(struct xcscr_tracker *tracker{FELT_TYPES})
     return any;
 }
 
-/* How likely it is to misread so many cells. */
-static inline double xcscr_misread(int cells)
+/* How likely it is to observation_error so many cells. */
+static inline double xcscr_observation_error(int cells)
 {
     double likely = 1.0;
 
     for (; cells > 0; cells--) {
-        likely *= XCSCR_MISREAD;
+        likely *= XCSCR_OBSERVATION_ERROR;
     }
     return likely;
 }
 
 /* Where the robot may be: all states weighed by what was expected, and by how much of what is perceived
- * would be misread there. With a small probability it is anywhere. */
+ * would be wrong there. With a small probability it is anywhere. */
 static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept, int bumped,
                                 int rewarded)
 {
-    double astray = tracker->action == XCSCR_NO_ACTION ? {BEGUN_ELSEWHERE} : {ASTRAY};
+    double mislocalised = tracker->action == XCSCR_NO_ACTION ? {BEGUN_ELSEWHERE} : {MISLOCALISED};
     uint16_t at;
 
 {IGNORED}    if (!xcscr_expect(tracker{FELT})) {
-        astray = 1.0;
+        mislocalised = 1.0;
     }
     if (tracker->action != XCSCR_NO_ACTION && rewarded) {
         tracker->found++;
@@ -133,10 +133,10 @@ static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept,
     }
     for (at = 0; at < XCSCR_STATES; at++) {
         const struct xcscr_state state = xcscr_state(at);
-        const double weight = tracker->next[at] * (1.0 - astray) + astray / XCSCR_STATES;
+        const double weight = tracker->next[at] * (1.0 - mislocalised) + mislocalised / XCSCR_STATES;
         const int wrong = xcscr_differences(state.percept, percept)
                           + (xcscr_count(state.collected) != tracker->found);
-        tracker->belief[at] = weight * xcscr_misread(wrong);
+        tracker->belief[at] = weight * xcscr_observation_error(wrong);
     }
     (void)xcscr_settle(tracker->belief);
     at = xcscr_likeliest(tracker);

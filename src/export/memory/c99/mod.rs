@@ -1,4 +1,4 @@
-//! The policy with its charts as a C99 header.
+//! The policy with its maps as a C99 header.
 
 mod locate;
 mod parts;
@@ -11,14 +11,14 @@ use parts::{
     SLIPPING_MOVES, TYPES, WHOLE_WEIGHT,
 };
 
-use super::charts::{Charts, State};
 use super::demanded::{Language, expression};
+use super::maps::{MapTable, State};
 use super::usage::{Calls, bits, usage};
 use crate::agent::pomdp::NEGLIGIBLE;
-use crate::agent::{ASTRAY, BEGUN_ELSEWHERE};
+use crate::agent::{BEGUN_ELSEWHERE, MISLOCALISED};
 use crate::export::c99::{FUNCTIONS, IS_GREATER, actions};
 use crate::export::comments::C as COMMENTS;
-use crate::export::{Ballot, Provenance, Vote};
+use crate::export::{Provenance, QuantisedPolicy, WeightedRule};
 
 /// How C writes demands.
 const C: Language = Language {
@@ -29,17 +29,17 @@ const C: Language = Language {
 /// Counting votes.
 const VOTES: &str = r"
 struct xcscr_votes {
-    uint64_t worth[XCSCR_ACTIONS];
+    uint64_t value[XCSCR_ACTIONS];
     uint32_t weight[XCSCR_ACTIONS];
 };
 
-static inline void xcscr_vote(struct xcscr_votes *votes, uint8_t action, {WEIGHT} weight, {WORTH} worth)
+static inline void xcscr_vote(struct xcscr_votes *votes, uint8_t action, {WEIGHT} weight, {VALUE} value)
 {
-    votes->worth[action] += (uint64_t)worth * weight;
+    votes->value[action] += (uint64_t)value * weight;
     votes->weight[action] += weight;
 }
 
-/* The action of the greatest mean worth, the first of equals; XCSCR_NO_ACTION if nobody voted. */
+/* The action of the greatest mean value, the first of equals; XCSCR_NO_ACTION if nobody voted. */
 static inline int8_t xcscr_elected(const struct xcscr_votes *votes)
 {
     int8_t best = XCSCR_NO_ACTION;
@@ -48,15 +48,15 @@ static inline int8_t xcscr_elected(const struct xcscr_votes *votes)
     for (action = 0; action < XCSCR_ACTIONS; action++) {
         if (votes->weight[action] != 0
             && (best == XCSCR_NO_ACTION
-                || xcscr_is_greater(votes->worth[action], votes->weight[action],
-                                    votes->worth[best], votes->weight[best]))) {
+                || xcscr_is_greater(votes->value[action], votes->weight[action],
+                                    votes->value[best], votes->weight[best]))) {
             best = action;
         }
     }
     return best;
 }
 
-/* The rules: each that matches votes for an action with a weight and a worth. */
+/* The rules: each that matches votes for an action with a weight and a value. */
 static inline int8_t xcscr_decide(const struct xcscr_context *c)
 {
     struct xcscr_votes votes = {{0}, {0}};
@@ -73,39 +73,44 @@ const CALLS: Calls = Calls {
 
 const CONTEXT: &str = "\
 xcscr_context(&tracker) tells where the robot is believed to be: x cells to the east of the goal
-of its chart, y to the north.
+of its map, y to the north.
 ";
 
 /// The header, with more code at its end.
-pub fn text(ballot: &Ballot, charts: &Charts, provenance: &Provenance, more: &str) -> String {
+pub fn text(
+    quantised: &QuantisedPolicy,
+    maps: &MapTable,
+    provenance: &Provenance,
+    more: &str,
+) -> String {
     let mut text = String::from("/*\n");
-    text.push_str(&COMMENTS.head(ballot, provenance));
-    let costs = costs(ballot, charts);
-    text.push_str(&COMMENTS.of(&[&usage(&CALLS, charts), CONTEXT, &costs].concat()));
+    text.push_str(&COMMENTS.head(quantised, provenance));
+    let costs = costs(quantised, maps);
+    text.push_str(&COMMENTS.of(&[&usage(&CALLS, maps), CONTEXT, &costs].concat()));
     text.push_str(&bits(&COMMENTS, provenance));
     text.push_str(" */\n#ifndef XCSCR_POLICY_H\n#define XCSCR_POLICY_H\n\n#include <stdint.h>\n\n");
-    text.push_str(&figures(ballot, charts));
-    text.push_str(&actions(ballot, provenance));
+    text.push_str(&figures(quantised, maps));
+    text.push_str(&actions(quantised, provenance));
     text.push_str(FUNCTIONS);
-    text.push_str(weight(charts));
+    text.push_str(weight(maps));
     text.push_str(TYPES);
-    text.push_str(&table(charts));
+    text.push_str(&table(maps));
     text.push_str(IS_GREATER);
-    let size = ballot.size();
+    let size = quantised.size();
     let votes = VOTES.replace("{WEIGHT}", &format!("uint{}_t", size.weight));
-    text.push_str(&votes.replace("{WORTH}", &format!("uint{}_t", size.worth)));
-    text.push_str(&rules(ballot, provenance));
-    text.push_str(&tracker(charts));
+    text.push_str(&votes.replace("{VALUE}", &format!("uint{}_t", size.value)));
+    text.push_str(&rules(quantised, provenance));
+    text.push_str(&tracker(maps));
     text.push_str(more);
     text.push_str("\n#endif\n");
     text
 }
 
 /// What it takes, as lines for the leading comment.
-fn costs(ballot: &Ballot, charts: &Charts) -> String {
-    let mut text = format!("\n{}", charts.costs(ballot.actions(), 12));
+fn costs(quantised: &QuantisedPolicy, maps: &MapTable) -> String {
+    let mut text = format!("\n{}", maps.costs(quantised.actions(), 12));
     text.push_str("On an AVR the constants stay in flash memory.\n");
-    if !charts.is_exact() {
+    if !maps.is_exact() {
         text.push_str(
             "Beliefs are bit for bit those of `xcscr evaluate` where a double has 64 bits and each operation is\n\
              rounded (-ffp-contract=off); elsewhere states that are equally likely may be told apart otherwise.\n",
@@ -114,54 +119,54 @@ fn costs(ballot: &Ballot, charts: &Charts) -> String {
     text
 }
 
-fn figures(ballot: &Ballot, charts: &Charts) -> String {
+fn figures(quantised: &QuantisedPolicy, maps: &MapTable) -> String {
     let mut text = format!(
         "#define XCSCR_ACTIONS {}\n#define XCSCR_STATES {}\n#define XCSCR_GOAL 65535 /* in place of a state */\n#define XCSCR_REWARDS {} /* that the map knows */\n",
-        ballot.actions(),
-        charts.states().len(),
-        charts.rewards()
+        quantised.actions(),
+        maps.states().len(),
+        maps.rewards()
     );
-    if charts.slip > 0.0 {
+    if maps.slip > 0.0 {
         let _ = writeln!(
             text,
             "#define XCSCR_SLIP {:?} /* how likely another action is executed instead */",
-            charts.slip
+            maps.slip
         );
     }
-    if charts.misread > 0.0 {
+    if maps.observation_error > 0.0 {
         let _ = writeln!(
             text,
-            "#define XCSCR_MISREAD {:?} /* how likely a cell is misread */",
-            charts.misread
+            "#define XCSCR_OBSERVATION_ERROR {:?} /* how likely a cell is observed wrongly */",
+            maps.observation_error
         );
     }
     text
 }
 
-fn weight(charts: &Charts) -> &'static str {
-    match charts.is_exact() {
+fn weight(maps: &MapTable) -> &'static str {
+    match maps.is_exact() {
         true => WHOLE_WEIGHT,
         false => DOUBLE_WEIGHT,
     }
 }
 
 /// All states.
-fn table(charts: &Charts) -> String {
+fn table(maps: &MapTable) -> String {
     let mut text = String::from(
         "\nstatic const struct xcscr_state xcscr_states[XCSCR_STATES] XCSCR_TABLE = {\n",
     );
-    for (at, state) in charts.states().iter().enumerate() {
+    for (at, state) in maps.states().iter().enumerate() {
         let State {
             percept,
             x,
             y,
-            chart,
+            map,
             collected,
             ..
         } = state;
         let _ = writeln!(
             text,
-            "    {{{{{}}}, {percept:#06x}, {x}, {y}, {chart}, {collected}}}, /* {at} */",
+            "    {{{{{}}}, {percept:#06x}, {x}, {y}, {map}, {collected}}}, /* {at} */",
             state.successors("XCSCR_GOAL")
         );
     }
@@ -170,9 +175,9 @@ fn table(charts: &Charts) -> String {
 }
 
 /// The rules as statements.
-fn rules(ballot: &Ballot, provenance: &Provenance) -> String {
+fn rules(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = String::new();
-    for vote in ballot.votes() {
+    for vote in quantised.votes() {
         let _ = writeln!(
             text,
             "    /* {}: {} */",
@@ -181,7 +186,7 @@ fn rules(ballot: &Ballot, provenance: &Provenance) -> String {
         );
         text.push_str(&rule(vote));
     }
-    if ballot
+    if quantised
         .votes()
         .iter()
         .all(|vote| vote.condition.specificity() == 0)
@@ -192,12 +197,12 @@ fn rules(ballot: &Ballot, provenance: &Provenance) -> String {
     text
 }
 
-fn rule(vote: &Vote) -> String {
+fn rule(vote: &WeightedRule) -> String {
     let call = format!(
         "xcscr_vote(&votes, {}, {}u, {}u);",
         vote.action.index(),
         vote.weight,
-        vote.worth
+        vote.value
     );
     match expression(&vote.condition, &C) {
         Some(demands) => format!("    if ({demands}) {{\n        {call}\n    }}\n"),
@@ -205,19 +210,19 @@ fn rule(vote: &Vote) -> String {
     }
 }
 
-/// The tracker, of the parts that these charts need.
-fn tracker(charts: &Charts) -> String {
-    let (settle, moves) = match (charts.is_exact(), charts.slip > 0.0) {
+/// The tracker, of the parts that these maps need.
+fn tracker(maps: &MapTable) -> String {
+    let (settle, moves) = match (maps.is_exact(), maps.slip > 0.0) {
         (true, _) => (SETTLE_WHOLE, EXACT_MOVES),
         (false, false) => (SETTLE_DOUBLE, EXACT_MOVES),
         (false, true) => (SETTLE_DOUBLE, SLIPPING_MOVES),
     };
-    let (felt, looks, locate) = match charts.misread > 0.0 {
-        true if charts.unfelt => (&NOTHING, "", LOCATE_DOUBTINGLY),
+    let (felt, looks, locate) = match maps.observation_error > 0.0 {
+        true if maps.unfelt => (&NOTHING, "", LOCATE_DOUBTINGLY),
         true => (&BUMPED, "", LOCATE_DOUBTINGLY),
         false => (&PERCEIVED, LOOKS, LOCATE_RIGHTLY),
     };
-    let begin = match charts.begin {
+    let begin = match maps.begin {
         Some(begin) => format!("at == {begin}"),
         None => "0".to_owned(),
     };
@@ -231,6 +236,6 @@ fn tracker(charts: &Charts) -> String {
         .replace("{IGNORED}", felt.ignored)
         .replace("{BEGIN}", &begin)
         .replace("{NEGLIGIBLE}", &format!("{NEGLIGIBLE:?}"))
-        .replace("{ASTRAY}", &format!("{ASTRAY:?}"))
+        .replace("{MISLOCALISED}", &format!("{MISLOCALISED:?}"))
         .replace("{BEGUN_ELSEWHERE}", &format!("{BEGUN_ELSEWHERE:?}"))
 }

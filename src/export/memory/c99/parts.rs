@@ -2,24 +2,24 @@
 
 /// The types that do not depend on anything.
 pub const TYPES: &str = r"
-/* A state: a place on a chart, and what was found before. */
+/* A state: a place on a map, and what was found before. */
 struct xcscr_state {
     uint16_t next[XCSCR_ACTIONS]; /* the state that each action leads to, or XCSCR_GOAL */
     uint16_t percept;             /* what is perceived there */
     int8_t x;                     /* cells to the east of the goal */
     int8_t y;                     /* cells to the north of it */
-    uint8_t chart;                /* the number of the chart: each is drawn around one goal */
-    uint8_t collected;                /* as bits: which rewards of the chart were found */
+    uint8_t map;                /* the number of the map: each is drawn around one goal */
+    uint8_t collected;                /* as bits: which rewards of the map were found */
 };
 
 /* What rules look at. A step is 1 + 2 * action + 16 * percept, or 0 if there was none. */
 struct xcscr_context {
     uint32_t last;    /* the last step */
     uint32_t before;  /* the step before it */
-    uint16_t percept; /* what is perceived; where cells are misread, what should be */
+    uint16_t percept; /* what is perceived; where observations have errors, what should be */
     int8_t x;         /* the likeliest state */
     int8_t y;
-    uint8_t chart;
+    uint8_t map;
     uint8_t collected;
 };
 
@@ -155,7 +155,7 @@ static inline struct xcscr_context xcscr_context(const struct xcscr_tracker *tra
         const struct xcscr_state state = xcscr_state(likeliest);
         context.x = state.x;
         context.y = state.y;
-        context.chart = state.chart;
+        context.map = state.map;
         context.collected = state.collected;
     }
     return context;

@@ -2,7 +2,7 @@
 
 /// The types that do not depend on anything.
 pub const TYPES: &str = r"
-/// A state: a place on a chart, and what was found before.
+/// A state: a place on a map, and what was found before.
 #[derive(Clone, Copy)]
 pub struct State {
     /// The state that each action leads to, or `GOAL`.
@@ -13,9 +13,9 @@ pub struct State {
     pub x: i8,
     /// Cells to the north of it.
     pub y: i8,
-    /// The number of the chart: each is drawn around one goal.
-    pub chart: u8,
-    /// As bits: which rewards of the chart were found.
+    /// The number of the map: each is drawn around one goal.
+    pub map: u8,
+    /// As bits: which rewards of the map were found.
     pub collected: u8,
 }
 
@@ -32,9 +32,9 @@ pub struct Context {
     pub x: i8,
     /// Cells to the north of it.
     pub y: i8,
-    /// The number of the chart.
-    pub chart: u8,
-    /// As bits: which rewards of the chart were found.
+    /// The number of the map.
+    pub map: u8,
+    /// As bits: which rewards of the map were found.
     pub collected: u8,
 }
 ";
@@ -43,23 +43,23 @@ pub struct Context {
 pub const VOTES: &str = r"
 #[derive(Default)]
 struct Votes {
-    worth: [u64; ACTIONS],
+    value: [u64; ACTIONS],
     weight: [u64; ACTIONS],
 }
 
 impl Votes {
-    fn add(&mut self, action: usize, weight: u64, worth: u64) {
-        self.worth[action] += worth * weight;
+    fn add(&mut self, action: usize, weight: u64, value: u64) {
+        self.value[action] += value * weight;
         self.weight[action] += weight;
     }
 
-    /// The action of the greatest mean worth, the first of equals; `None` if nobody voted.
+    /// The action of the greatest mean value, the first of equals; `None` if nobody voted.
     fn elected(&self) -> Option<u8> {
         let mut best: Option<usize> = None;
         for action in (0..ACTIONS).filter(|&action| self.weight[action] != 0) {
             let is_greater = |best: usize| {
-                u128::from(self.worth[action]) * u128::from(self.weight[best])
-                    > u128::from(self.worth[best]) * u128::from(self.weight[action])
+                u128::from(self.value[action]) * u128::from(self.weight[best])
+                    > u128::from(self.value[best]) * u128::from(self.weight[action])
             };
             if best.is_none_or(is_greater) {
                 best = Some(action);
@@ -69,7 +69,7 @@ impl Votes {
     }
 }
 
-/// The rules: each that matches votes for an action with a weight and a worth.
+/// The rules: each that matches votes for an action with a weight and a value.
 fn decide(c: &Context) -> Option<u8> {
     let mut votes = Votes::default();
 ";
@@ -188,8 +188,8 @@ impl Tracker {
         let Some(likeliest) = self.likeliest() else {
             return context;
         };
-        let State { x, y, chart, collected, .. } = CHARTS[usize::from(likeliest)];
-        Context { x, y, chart, collected, ..context }
+        let State { x, y, map, collected, .. } = CHARTS[usize::from(likeliest)];
+        Context { x, y, map, collected, ..context }
     }
 
     /// Where an action may lead, if from and to fit; can anything come of it?
@@ -234,7 +234,7 @@ pub const LOCATE_RIGHTLY: &str = r"
             }
             return;
         };
-        // A reward that was not foreseen, or did not come, still tells where the robot is.
+        // A reward that was not predicted, or did not come, still tells where the robot is.
         for found in [self.found + u8::from(rewarded), self.found + u8::from(!rewarded)] {
             if self.follow(action, |_, state, _| looks(state, found)) {
                 self.belief = self.next;
@@ -267,22 +267,22 @@ pub const LOCATE_DOUBTINGLY: &str = r"
     /// Where the robot may be: all states weighed by what was expected, and by how much of what is
     /// perceived would be misread there. With a small probability it is anywhere.
     fn locate(&mut self, percept: u16, {BUMPED}: bool, rewarded: bool) {
-        let (expects, astray) = match self.action {
+        let (expects, mislocalised) = match self.action {
             Some(action) => {
                 self.found = (self.found + u8::from(rewarded)).min(REWARDS);
                 let expects = self.follow(action, {MAY_LEAD});
-                (expects, {ASTRAY})
+                (expects, {MISLOCALISED})
             }
             None => {
                 self.next = self.belief;
                 (self.likeliest().is_some(), {BEGUN_ELSEWHERE})
             }
         };
-        let astray = if expects { astray } else { 1.0 };
+        let mislocalised = if expects { mislocalised } else { 1.0 };
         for (at, state) in CHARTS.iter().enumerate() {
             let wrong = differences(state.percept, percept) + u8::from(found_in(state) != self.found);
-            let likely = (0..wrong).fold(1.0, |likely, _| likely * MISREAD);
-            let weight = self.next[at] * (1.0 - astray) + astray / STATES as f64;
+            let likely = (0..wrong).fold(1.0, |likely, _| likely * OBSERVATION_ERROR);
+            let weight = self.next[at] * (1.0 - mislocalised) + mislocalised / STATES as f64;
             self.belief[at] = weight * likely;
         }
         settle(&mut self.belief);

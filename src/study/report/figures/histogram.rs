@@ -104,9 +104,9 @@ fn label<DB: DrawingBackend>(
     area.draw_text(&text, &style, (right, theme.ipx(25)))?;
     let held = records.mean_share_after_first();
     let held = held.map_or(String::new(), |held| {
-        format!(", held {:.0} %", 100.0 * held)
+        format!(", optimal in {:.0} % after", 100.0 * held)
     });
-    let text = format!("kept to the end {}{held}", records.retained());
+    let text = format!("retained {}{held}", records.retained());
     area.draw_text(&text, &style, (right, theme.ipx(42)))
 }
 

@@ -1,13 +1,13 @@
 //! XCSCR: the combined reward method of the paper.
 //!
 //! Four mechanisms in a fixed order, each in its own file and with its own switch:
-//! 1. [`short_term_filter`](crate::agent::credit::short_term_filter): a collision lowers the worth of the rules that caused it, at once;
+//! 1. [`short_term_filter`](crate::agent::credit::short_term_filter): a collision lowers the value of the rules that caused it, at once;
 //! 2. [`learning_rate`](crate::agent::credit::learning_rate): successes are learned fast, failures slowly;
 //! 3. [`imprinting`](crate::agent::credit::imprinting): after a failure, one of the best policies so far is rehearsed;
 //! 4. [`step_threshold`](crate::agent::credit::step_threshold): the time allowed shrinks toward the best policy.
 
 use crate::agent::credit::experts::{self, Experts};
-use crate::agent::credit::imprinting::{self, Imprinting, Lesson, Policy};
+use crate::agent::credit::imprinting::{self, Imprinting, Policy, ReplayedStep};
 use crate::agent::credit::learning_rate::LearningRate;
 use crate::agent::credit::short_term_filter::ShortTermFilter;
 use crate::agent::credit::step_threshold::StepThreshold;
@@ -71,11 +71,11 @@ impl Combined {
 
     /// What is rehearsed after an episode, if anything is (Alg. 2): one of the best policies, each of
     /// its steps with its share of the reward of a success (Alg. 4).
-    fn rehearsal(&mut self, reached_goal: bool, policy: &Policy) -> Option<Vec<Lesson>> {
+    fn rehearsal(&mut self, reached_goal: bool, policy: &Policy) -> Option<Vec<ReplayedStep>> {
         let (shortest, params) = (self.shortest, &self.params);
         let succeeded = |policy: &Policy| {
             let reward = params.long_term(true, policy.len());
-            imprinting::lessons(policy, &Shares::new(reward, policy.len(), shortest, params))
+            imprinting::replayed_steps(policy, &Shares::new(reward, policy.len(), shortest, params))
         };
         let imprinting = &mut self.imprinting;
         match &mut self.experts {
@@ -123,9 +123,9 @@ impl Agent for Combined {
         self.stack
             .unwind(&mut self.xcs, &shares, learning_rate, evolution);
         let rehearsed = self.rehearsal(reached_goal, &policy);
-        if let Some(lessons) = &rehearsed {
+        if let Some(replayed_steps) = &rehearsed {
             let beta = self.learning_rate.after(true);
-            imprinting::clone_behaviour(&mut self.xcs, lessons, beta);
+            imprinting::clone_behaviour(&mut self.xcs, replayed_steps, beta);
         }
         if reached_goal {
             self.step_threshold.learn(steps);
@@ -141,8 +141,8 @@ impl Agent for Combined {
         self.step_threshold.steps()
     }
 
-    fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.xcs.worth(percept)
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        self.xcs.values(percept)
     }
 
     fn knowledge(&self) -> Knowledge {

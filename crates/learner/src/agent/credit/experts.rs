@@ -8,7 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::credit::imprinting::{Imprinting, Lesson, Policy};
+use crate::agent::credit::imprinting::{Imprinting, Policy, ReplayedStep};
 use xcs::random::Stream;
 use xcs::{self, Action, Learned, MatchSet, Percept, PredictionArray, Xcs};
 
@@ -20,8 +20,8 @@ const EXPLORE: f64 = 0.5;
 /// Keeper and cloner.
 #[derive(Debug, Clone)]
 pub(super) struct Experts {
-    keeper: Xcs,
-    cloner: Xcs,
+    policy_selector: Xcs,
+    behaviour_cloner: Xcs,
     /// What the keeper is paid for a success.
     goal: f64,
     kept: Kept,
@@ -43,10 +43,10 @@ pub(super) type Remembered = (Learned, Learned, Kept);
 impl Experts {
     /// For a robot with `actions` actions; the streams are for choices, keeper and cloner.
     pub fn new(xcs: &xcs::Params, actions: usize, goal: f64, streams: [Stream; 3]) -> Self {
-        let [stream, keeper, cloner] = streams;
+        let [stream, policy_selector, behaviour_cloner] = streams;
         Self {
-            keeper: Xcs::new(xcs.clone(), MOST_POLICIES, keeper),
-            cloner: Xcs::new(xcs.clone(), actions, cloner),
+            policy_selector: Xcs::new(xcs.clone(), MOST_POLICIES, policy_selector),
+            behaviour_cloner: Xcs::new(xcs.clone(), actions, behaviour_cloner),
             goal,
             kept: Kept {
                 stream,
@@ -58,14 +58,14 @@ impl Experts {
 
     /// What is rehearsed after an episode, if anything is, in place of what Alg. 2 would draw: the
     /// policy that the keeper chooses, and what the cloner advises for the way of the failure.
-    /// `succeeded` makes lessons of a policy, as if it had just succeeded.
+    /// `succeeded` makes examples of a policy, as if it had just succeeded.
     pub fn after(
         &mut self,
         reached_goal: bool,
         policy: &Policy,
         imprinting: &mut Imprinting,
-        succeeded: impl Fn(&Policy) -> Vec<Lesson>,
-    ) -> Option<Vec<Lesson>> {
+        succeeded: impl Fn(&Policy) -> Vec<ReplayedStep>,
+    ) -> Option<Vec<ReplayedStep>> {
         self.judge(reached_goal);
         if reached_goal {
             imprinting.keep(policy);
@@ -75,12 +75,16 @@ impl Experts {
             return None;
         }
         let (failed_at, _) = policy.last()?;
-        let mut lessons = succeeded(self.choose(imprinting.rehearsable()?, failed_at));
+        let mut replayed_steps = succeeded(self.choose(imprinting.rehearsable()?, failed_at));
         let advice = self.advise(policy.iter().map(|(percept, _)| *percept));
-        let is_new = |one: &Lesson| lessons.iter().all(|known| known.percept != one.percept);
-        let advice: Vec<Lesson> = advice.into_iter().filter(is_new).collect();
-        lessons.extend(advice);
-        Some(lessons)
+        let is_new = |one: &ReplayedStep| {
+            replayed_steps
+                .iter()
+                .all(|known| known.percept != one.percept)
+        };
+        let advice: Vec<ReplayedStep> = advice.into_iter().filter(is_new).collect();
+        replayed_steps.extend(advice);
+        Some(replayed_steps)
     }
 
     /// Pays the keeper for what it chose before this episode.
@@ -88,28 +92,33 @@ impl Experts {
         let Some((percept, action)) = self.kept.chosen.take() else {
             return;
         };
-        let set = self.keeper.matching_action_set(&percept, action);
+        let set = self.policy_selector.matching_action_set(&percept, action);
         let payoff = if reached_goal { self.goal } else { 0.0 };
-        self.keeper.update(&set, payoff, self.keeper.params().beta);
-        self.keeper.evolve(&set);
+        self.policy_selector
+            .update(&set, payoff, self.policy_selector.params().beta);
+        self.policy_selector.evolve(&set);
     }
 
     /// Teaches the cloner one of the best policies: each step is worth its share, any other action
     /// there nothing.
-    fn study(&mut self, policy: &[Lesson]) {
+    fn study(&mut self, policy: &[ReplayedStep]) {
         let mut match_set = MatchSet::default();
-        for lesson in policy {
-            self.kept.least_share = self.kept.least_share.min(lesson.share);
-            self.cloner.form_match_set(&lesson.percept, &mut match_set);
-            for action in Action::all(self.cloner.actions()) {
-                let share = if action == lesson.action {
-                    lesson.share
+        for step in policy {
+            self.kept.least_share = self.kept.least_share.min(step.share);
+            self.behaviour_cloner
+                .form_match_set(&step.percept, &mut match_set);
+            for action in Action::all(self.behaviour_cloner.actions()) {
+                let share = if action == step.action {
+                    step.share
                 } else {
                     0.0
                 };
-                let set = self.cloner.matching_action_set(&lesson.percept, action);
-                self.cloner.update(&set, share, self.cloner.params().beta);
-                self.cloner.evolve(&set);
+                let set = self
+                    .behaviour_cloner
+                    .matching_action_set(&step.percept, action);
+                self.behaviour_cloner
+                    .update(&set, share, self.behaviour_cloner.params().beta);
+                self.behaviour_cloner.evolve(&set);
             }
         }
     }
@@ -117,15 +126,15 @@ impl Experts {
     /// The policy to be rehearsed after a failure that ended in `percept`; there must be one.
     fn choose<'a>(&mut self, policies: &'a [Policy], percept: &Percept) -> &'a Policy {
         let mut match_set = MatchSet::default();
-        self.keeper.form_match_set(percept, &mut match_set);
-        let worth = self.keeper.predict(&match_set);
+        self.policy_selector.form_match_set(percept, &mut match_set);
+        let values = self.policy_selector.predict(&match_set);
         let among = &policies[..policies.len().min(MOST_POLICIES)];
         let explores = self.kept.stream.chance(EXPLORE);
         let drawn = self.kept.stream.below(among.len());
         let at = if explores {
             drawn
         } else {
-            best(&worth, among.len())
+            best(&values, among.len())
         };
         self.kept.chosen = Action::new(at).map(|action| (*percept, action));
         &among[at]
@@ -133,37 +142,46 @@ impl Experts {
 
     /// What the cloner would have done on the way, where it is sure: where one action alone is
     /// worth at least half of what the least step of the best policies is.
-    fn advise(&self, way: impl IntoIterator<Item = Percept>) -> Vec<Lesson> {
-        let mut advice: Vec<Lesson> = Vec::new();
+    fn advise(&self, way: impl IntoIterator<Item = Percept>) -> Vec<ReplayedStep> {
+        let mut advice: Vec<ReplayedStep> = Vec::new();
         for percept in way {
-            let worth = self.cloner.worth(&percept);
-            let mut best = worth.best_actions();
-            let (action, share) = (best.next(), worth.greatest().unwrap_or(0.0));
+            let values = self.behaviour_cloner.values(&percept);
+            let mut best = values.best_actions();
+            let (action, share) = (best.next(), values.greatest().unwrap_or(0.0));
             let is_sure = best.next().is_none() && share >= 0.5 * self.kept.least_share;
-            let is_new = advice.iter().all(|lesson| lesson.percept != percept);
-            advice.extend(action.filter(|_| is_sure && is_new).map(|action| Lesson {
-                percept,
-                action,
-                share,
-            }));
+            let is_new = advice.iter().all(|step| step.percept != percept);
+            advice.extend(
+                action
+                    .filter(|_| is_sure && is_new)
+                    .map(|action| ReplayedStep {
+                        percept,
+                        action,
+                        share,
+                    }),
+            );
         }
         advice
     }
 
     /// What learning has changed so far.
     pub fn kept(&self) -> Remembered {
-        let (keeper, cloner) = (self.keeper.learned(), self.cloner.learned());
-        (keeper, cloner, self.kept.clone())
+        let (policy_selector, behaviour_cloner) = (
+            self.policy_selector.learned(),
+            self.behaviour_cloner.learned(),
+        );
+        (policy_selector, behaviour_cloner, self.kept.clone())
     }
 
     /// Goes on from what was kept; `false` if it is damaged.
-    fn resume(&mut self, (keeper, cloner, kept): Remembered) -> bool {
+    fn resume(&mut self, (policy_selector, behaviour_cloner, kept): Remembered) -> bool {
         let sound = kept
             .chosen
             .is_none_or(|(_, action)| action.index() < MOST_POLICIES)
             && kept.least_share >= 0.0;
         self.kept = kept;
-        sound && self.keeper.resume(keeper) && self.cloner.resume(cloner)
+        sound
+            && self.policy_selector.resume(policy_selector)
+            && self.behaviour_cloner.resume(behaviour_cloner)
     }
 }
 
@@ -176,8 +194,8 @@ pub(super) fn resume(experts: &mut Option<Experts>, kept: Option<Remembered>) ->
 }
 
 /// The first of the best-rated of `count` policies.
-fn best(worth: &PredictionArray, count: usize) -> usize {
-    let rated = |at: usize| worth.as_slice()[at].unwrap_or(f64::NEG_INFINITY);
+fn best(values: &PredictionArray, count: usize) -> usize {
+    let rated = |at: usize| values.as_slice()[at].unwrap_or(f64::NEG_INFINITY);
     (1..count).fold(
         0,
         |best, at| if rated(at) > rated(best) { at } else { best },
@@ -202,7 +220,11 @@ mod tests {
             dont_care: 0.5,
             ..xcs::Params::default()
         };
-        let streams = [StreamName::Experts, StreamName::Keeper, StreamName::Cloner];
+        let streams = [
+            StreamName::Experts,
+            StreamName::Keeper,
+            StreamName::BehaviourCloner,
+        ];
         Experts::new(&params, 4, 1000.0, streams.map(|name| Stream::new(1, name)))
     }
 
@@ -217,8 +239,8 @@ mod tests {
             experts.judge(chosen == helps(failed));
         }
         for failed in ["1100", "0011"] {
-            let worth = experts.keeper.worth(&percept(failed));
-            assert_eq!(best(&worth, 2), helps(failed), "{failed}: {worth:?}");
+            let values = experts.policy_selector.values(&percept(failed));
+            assert_eq!(best(&values, 2), helps(failed), "{failed}: {values:?}");
         }
     }
 
@@ -227,14 +249,14 @@ mod tests {
         let mut experts = experts();
         let way = [percept("0001"), percept("1000")];
         assert_eq!(experts.advise(way), []);
-        let policy = [0, 1].map(|at| Lesson {
+        let policy = [0, 1].map(|at| ReplayedStep {
             percept: way[at],
             action: action(at + 1),
             share: [900.0, 1000.0][at],
         });
         (0..200).for_each(|_| experts.study(&policy));
         let advice = experts.advise(way.into_iter().chain(way));
-        let actions: Vec<_> = advice.iter().map(|lesson| lesson.action.index()).collect();
+        let actions: Vec<_> = advice.iter().map(|step| step.action.index()).collect();
         assert_eq!(actions, [1, 2], "{advice:?}");
     }
 }

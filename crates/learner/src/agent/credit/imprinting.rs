@@ -13,17 +13,17 @@ pub(super) type Policy = Vec<(Percept, Action)>;
 
 /// A step of a policy that is rehearsed, and the share of the reward that it gets.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lesson {
+pub(super) struct ReplayedStep {
     pub percept: Percept,
     pub action: Action,
     pub share: f64,
 }
 
 /// The steps of a policy with their shares, the last one first.
-pub(super) fn lessons(policy: &[(Percept, Action)], shares: &Shares) -> Vec<Lesson> {
+pub(super) fn replayed_steps(policy: &[(Percept, Action)], shares: &Shares) -> Vec<ReplayedStep> {
     let steps = policy.iter().rev().zip(shares.backward());
     steps
-        .map(|(&(percept, action), share)| Lesson {
+        .map(|(&(percept, action), share)| ReplayedStep {
             percept,
             action,
             share,
@@ -105,10 +105,10 @@ impl Imprinting {
 
 /// Alg. 4: every (percept, action) pair of a policy is updated as if the policy had just
 /// succeeded, each with its share of the reward.
-pub(super) fn clone_behaviour(xcs: &mut Xcs, lessons: &[Lesson], beta: f64) {
-    for lesson in lessons {
-        let cloned = xcs.matching_action_set(&lesson.percept, lesson.action);
-        xcs.update(&cloned, lesson.share, beta);
+pub(super) fn clone_behaviour(xcs: &mut Xcs, replayed_steps: &[ReplayedStep], beta: f64) {
+    for step in replayed_steps {
+        let cloned = xcs.matching_action_set(&step.percept, step.action);
+        xcs.update(&cloned, step.share, beta);
     }
 }
 
@@ -196,13 +196,13 @@ mod tests {
             xcs.form_match_set(percept, &mut xcs::MatchSet::default());
         }
         let shares = Shares::new(1000.0, 3, 3, &Params::default());
-        clone_behaviour(&mut xcs, &lessons(&policy, &shares), 0.2);
-        let worth = policy.iter().map(|(p, action)| xcs.worth(p).get(*action));
+        clone_behaviour(&mut xcs, &replayed_steps(&policy, &shares), 0.2);
+        let values = policy.iter().map(|(p, action)| xcs.values(p).get(*action));
         assert_eq!(
-            worth.collect::<Vec<_>>(),
+            values.collect::<Vec<_>>(),
             [Some(810.0), Some(900.0), Some(1000.0)]
         );
         let (percept, _) = policy[0];
-        assert_eq!(xcs.worth(&percept).get(Action::new(1).unwrap()), Some(0.0));
+        assert_eq!(xcs.values(&percept).get(Action::new(1).unwrap()), Some(0.0));
     }
 }

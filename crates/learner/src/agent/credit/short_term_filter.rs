@@ -18,16 +18,16 @@ impl ShortTermFilter {
         }
     }
 
-    /// Alg. 1: up to the threshold theta_rs, \[A\] is updated toward its worth plus the reward,
+    /// Alg. 1: up to the threshold theta_rs, \[A\] is updated toward its value plus the reward,
     /// at learning rate `beta`. As printed, repeated collisions have no floor.
     pub fn answer(&self, xcs: &mut Xcs, set: &ActionSet, reward: f64, beta: f64) {
         if !self.on || reward > self.threshold {
             return;
         }
-        let Some(worth) = xcs.worth(&set.percept).get(set.action) else {
+        let Some(values) = xcs.values(&set.percept).get(set.action) else {
             return;
         };
-        xcs.update(set, worth + reward, beta);
+        xcs.update(set, values + reward, beta);
     }
 }
 
@@ -39,8 +39,8 @@ mod tests {
     use xcs::{self, MatchSet};
     use xcscr_robot::streams::StreamName;
 
-    /// The worth of the chosen action (of two, in one percept) after a reward was answered twice.
-    fn worth_after(reward: f64, params: &Params) -> [Option<f64>; 2] {
+    /// The value of the chosen action (of two, in one percept) after a reward was answered twice.
+    fn values_after(reward: f64, params: &Params) -> [Option<f64>; 2] {
         let percept = "0110".parse().unwrap();
         let stream = Stream::new(1, StreamName::Evolution);
         let mut xcs = Xcs::new(xcs::Params::default(), 2, stream);
@@ -50,7 +50,7 @@ mod tests {
         let filter = ShortTermFilter::new(params);
         filter.answer(&mut xcs, &chosen, reward, 0.2);
         filter.answer(&mut xcs, &chosen, reward, 0.2);
-        [0, 1].map(|i| xcs.worth(&percept).get(Action::new(i).unwrap()))
+        [0, 1].map(|i| xcs.values(&percept).get(Action::new(i).unwrap()))
     }
 
     #[test]
@@ -58,14 +58,14 @@ mod tests {
         // First update of a young rule: all the way to 0 - 50. Second: the mean of -50 and
         // (-50 - 50) is -75.
         assert_eq!(
-            worth_after(-50.0, &Params::default()),
+            values_after(-50.0, &Params::default()),
             [Some(-75.0), Some(0.0)]
         );
     }
 
     #[test]
     fn algorithm_1_ignores_rewards_above_the_threshold() {
-        assert_eq!(worth_after(-1.0, &Params::default()), [Some(0.0); 2]);
+        assert_eq!(values_after(-1.0, &Params::default()), [Some(0.0); 2]);
     }
 
     #[test]
@@ -74,6 +74,6 @@ mod tests {
             short_term_filter: false,
             ..Params::default()
         };
-        assert_eq!(worth_after(-50.0, &params), [Some(0.0); 2]);
+        assert_eq!(values_after(-50.0, &params), [Some(0.0); 2]);
     }
 }

@@ -11,7 +11,7 @@ use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
 /// The methods `xcs` and, around a learner with an adaptive mapping, `xcsam`: the previous \[A\]
-/// is updated with its reward plus gamma times the greatest worth of the present percept; the last
+/// is updated with its reward plus gamma times the greatest value of the present percept; the last
 /// \[A\] of an episode with its reward alone.
 ///
 /// [`XcsPayment`] says which rewards these are, [`StepLimitUpdate`] what the step limit means.
@@ -20,7 +20,7 @@ pub struct Standard {
     xcs: Xcs,
     match_set: MatchSet,
     params: Params,
-    /// The greatest worth of the present percept.
+    /// The greatest value of the present percept.
     greatest: f64,
     previous: Option<Waiting>,
     /// Steps of this episode so far.
@@ -33,7 +33,7 @@ struct Waiting {
     set: ActionSet,
     /// What it is paid at once.
     reward: f64,
-    /// The greatest worth of its percept, when its action was chosen.
+    /// The greatest value of its percept, when its action was chosen.
     greatest: f64,
 }
 
@@ -68,14 +68,14 @@ impl Agent for Standard {
 
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.xcs.form_match_set(percept, &mut self.match_set);
-        let worth = self.xcs.predict(&self.match_set);
-        self.greatest = worth.greatest().unwrap_or(0.0);
-        worth
+        let values = self.xcs.predict(&self.match_set);
+        self.greatest = values.greatest().unwrap_or(0.0);
+        values
     }
 
     /// Explores, as Butz and Wilson do, only actions that rules of \[M\] advocate.
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        let (action, explores) = explorer.choose_advocated(worth);
+    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose_advocated(values);
         Choice::of_rules(action, explores)
     }
 
@@ -122,8 +122,8 @@ impl Agent for Standard {
         self.params.step_threshold
     }
 
-    fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.xcs.worth(percept)
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        self.xcs.values(percept)
     }
 
     fn knowledge(&self) -> Knowledge {

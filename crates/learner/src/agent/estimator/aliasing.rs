@@ -93,7 +93,7 @@ mod tests {
             motion: MotionModel::known(4),
             vision: Vision::LookedUp,
             slip: 1e-4,
-            misread: 1e-4,
+            observation_error: 1e-4,
         };
         let mut aliasing = Aliasing::default();
         for (around, next) in moves.iter().cycle().take(times * moves.len()) {

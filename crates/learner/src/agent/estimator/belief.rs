@@ -104,14 +104,23 @@ impl Belief {
     }
 
     /// What is believed when something was perceived that fits more or less to each of so many
-    /// `states`; with the probability `astray`, or if nothing is expected, any of them may be true.
-    pub fn weighed(expected: &Self, astray: f64, states: u32, fits: impl Fn(u32) -> f64) -> Self {
-        let astray = if expected.is_empty() { 1.0 } else { astray };
+    /// `states`; with the probability `mislocalised`, or if nothing is expected, any of them may be true.
+    pub fn weighed(
+        expected: &Self,
+        mislocalised: f64,
+        states: u32,
+        fits: impl Fn(u32) -> f64,
+    ) -> Self {
+        let mislocalised = if expected.is_empty() {
+            1.0
+        } else {
+            mislocalised
+        };
         let mut expected = expected.0.iter().copied().peekable();
         let weighed = (0..states).map(|state| {
             let here = expected.next_if(|one| one.0 == state);
-            let here = here.map_or(0.0, |one| one.1 * (1.0 - astray));
-            let weight = here + astray / f64::from(states);
+            let here = here.map_or(0.0, |one| one.1 * (1.0 - mislocalised));
+            let weight = here + mislocalised / f64::from(states);
             (state, weight * fits(state))
         });
         Self(weighed.collect()).normalised()
@@ -120,7 +129,7 @@ impl Belief {
     /// What an action costs, without what follows it.
     pub fn cost_of_acting(&self, pomdp: &Pomdp, action: Action) -> f64 {
         let mut cost = pomdp.cost_of_step();
-        if pomdp.prizes().is_none() {
+        if pomdp.rewards().is_none() {
             return cost;
         }
         self.each_move(pomdp, action, |state, next, weight| {

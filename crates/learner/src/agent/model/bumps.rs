@@ -10,7 +10,7 @@ use crate::agent::power;
 use xcs::Condition;
 use xcs::Percept;
 
-/// The power with which weight grows with the share of bumps that were foretold.
+/// The power with which weight grows with the share of bumps that were predicted.
 const EMPHASIS: u32 = 8;
 
 /// A condition that may foretell a collision.
@@ -87,7 +87,7 @@ impl Bumps {
             .iter()
             .filter(|(_, tally)| verdict(**tally, margin) == Some(true))
         {
-            self.foretell(percept);
+            self.predict(percept);
         }
         self.drop_inaccurate();
     }
@@ -97,7 +97,7 @@ impl Bumps {
         self.version
     }
 
-    /// The most bumps that a candidate foretold.
+    /// The most bumps that a candidate predicted.
     pub fn most_hits(&self) -> u32 {
         let hits = self.candidates.iter().map(|c| c.tally.hits);
         hits.max().unwrap_or(0)
@@ -121,8 +121,8 @@ impl Bumps {
     /// a forecast.
     fn judge(&mut self, changed: &Percept, before: Option<bool>, after: Option<bool>) -> bool {
         let recounted = self.recount(changed, before, after);
-        let foretold = after == Some(true) && self.foretell(changed);
-        self.drop_inaccurate() || recounted || foretold
+        let predicted = after == Some(true) && self.predict(changed);
+        self.drop_inaccurate() || recounted || predicted
     }
 
     /// Counts the verdict on a percept anew; true if that may change a forecast.
@@ -138,10 +138,10 @@ impl Bumps {
         changes
     }
 
-    /// Makes candidates for a percept in which the action bumps; false if it is foretold already.
-    fn foretell(&mut self, percept: &Percept) -> bool {
-        let mut foretold = self.candidates.iter().map(|c| c.condition);
-        if foretold.any(|condition| condition.matches(percept)) {
+    /// Makes candidates for a percept in which the action bumps; false if it is predicted already.
+    fn predict(&mut self, percept: &Percept) -> bool {
+        let mut predicted = self.candidates.iter().map(|c| c.condition);
+        if predicted.any(|condition| condition.matches(percept)) {
             return false;
         }
         let Self {

@@ -3,7 +3,7 @@
 //! A table must bump into every wall of every cell. The percept shows the walls, so one rule per
 //! direction can foretell them all; but which bits are the wall's is not told. At the first bump
 //! of an action, every condition of at most two alleles that matches the percept becomes a
-//! candidate. Later bumps favour those that foretold them, moves drop those that were wrong, and
+//! candidate. Later bumps favour those that predicted them, moves drop those that were wrong, and
 //! the candidates vote. The conditions are those of XCS, and so are the fitness-like weights; the
 //! rules say nothing of a maze, only of the percept, so they hold in the next maze, too.
 //!
@@ -18,7 +18,7 @@ use crate::agent::model::tally::Tally;
 use crate::agent::power;
 use xcs::{Action, ByAction, Percept};
 
-/// A collision that is foretold with more certainty than this is believed outright: far from the
+/// A collision that is predicted with more certainty than this is believed outright: far from the
 /// goal, even a small doubt would promise more than all that is known.
 const BELIEVED: f64 = 0.5;
 

@@ -3,13 +3,13 @@
 pub(super) mod bumps;
 pub(super) mod collision_rules;
 mod coverage;
-mod foresight;
+mod generalisation;
 mod outcomes;
 pub mod pomdp;
-pub mod prizes;
+pub mod rewards;
 pub(super) mod return_rules;
 pub(super) mod slips;
 pub(super) mod tally;
 pub(super) mod transitions;
 
-pub use foresight::{CollisionRule, Foresight, ReturnRule};
+pub use generalisation::{CollisionRule, Generalisation, ReturnRule};

@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::agent::estimator::belief::Belief;
-use crate::agent::model::prizes::Prizes;
+use crate::agent::model::rewards::RewardModel;
 use crate::agent::model::slips::each_other;
 use xcs::{Action, MAX_ACTIONS, Percept};
 
@@ -15,7 +15,7 @@ use xcs::{Action, MAX_ACTIONS, Percept};
 pub const GOAL: u32 = u32::MAX;
 
 /// States, what is perceived in each, and what each action does there. Every step costs 1, unless
-/// there are [`Prizes`].
+/// there are [`RewardModel`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Pomdp {
     actions: usize,
@@ -27,7 +27,7 @@ pub struct Pomdp {
     looks: Vec<u32>,
     /// All percepts, in order.
     percepts: Vec<Percept>,
-    prizes: Option<Prizes>,
+    rewards: Option<RewardModel>,
 }
 
 impl Pomdp {
@@ -53,14 +53,14 @@ impl Pomdp {
                 .collect(),
             looks: seen.iter().map(look).collect(),
             percepts,
-            prizes: None,
+            rewards: None,
         }
     }
 
     /// The same where more is paid than at the goal.
-    pub fn with_prizes(self, prizes: Prizes) -> Self {
-        let prizes = Some(prizes);
-        Self { prizes, ..self }
+    pub fn with_prizes(self, rewards: RewardModel) -> Self {
+        let rewards = Some(rewards);
+        Self { rewards, ..self }
     }
 
     /// The number of states, the goal not counted.
@@ -130,36 +130,37 @@ impl Pomdp {
             && self.looks.iter().all(|&look| (look as usize) < looks)
             && self.percepts.is_sorted()
             && self
-                .prizes
+                .rewards
                 .as_ref()
-                .is_none_or(|prizes| prizes.is_sound(states))
+                .is_none_or(|rewards| rewards.is_sound(states))
     }
 
     /// What is paid on the way.
-    pub fn prizes(&self) -> Option<&Prizes> {
-        self.prizes.as_ref()
+    pub fn rewards(&self) -> Option<&RewardModel> {
+        self.rewards.as_ref()
     }
 
     /// What a later step counts for, beside the one now.
     pub fn discount(&self) -> f64 {
-        self.prizes().map_or(1.0, |prizes| prizes.discount)
+        self.rewards().map_or(1.0, |rewards| rewards.discount)
     }
 
     /// What every step costs.
     pub fn cost_of_step(&self) -> f64 {
-        if self.prizes.is_none() { 1.0 } else { 0.0 }
+        if self.rewards.is_none() { 1.0 } else { 0.0 }
     }
 
     /// What a move from a state to the next costs beside that, without what follows it.
     pub fn cost_of_move(&self, state: u32, next: u32) -> f64 {
-        self.prizes()
-            .map_or(0.0, |prizes| -prizes.gain(state, next))
+        self.rewards()
+            .map_or(0.0, |rewards| -rewards.gain(state, next))
     }
 
     /// The steps from the goal at which one is as well off as with such a cost, were there nothing
     /// but the goal.
     pub fn in_steps(&self, cost: f64) -> f64 {
-        self.prizes().map_or(cost, |prizes| prizes.in_steps(-cost))
+        self.rewards()
+            .map_or(cost, |rewards| rewards.in_steps(-cost))
     }
 
     /// What each state costs one who sees the state (value iteration), at most `most`; without prizes

@@ -75,7 +75,7 @@ impl ReturnRules {
         self.is_believed(self.counts[turn(first, next, self.actions)])
     }
 
-    /// The percept to which an action is foretold to lead back; `before` are the pairs that were
+    /// The percept to which an action is predicted to lead back; `before` are the pairs that were
     /// followed by the present one.
     pub fn way_back(
         &self,

@@ -99,10 +99,10 @@ impl Slips {
         self.intended() * gamma / (1.0 - self.share * gamma)
     }
 
-    /// What a percept is worth of whose actions these are the values, those left out that leave the
+    /// What a percept is value of whose actions these are the values, those left out that leave the
     /// robot where it is or of which nothing is known: the best one is chosen, and at a slip each
     /// of the others is as likely. Who is left where he was chooses again.
-    pub fn worth(self, values: &[Option<f64>], gamma: f64) -> f64 {
+    pub fn value(self, values: &[Option<f64>], gamma: f64) -> f64 {
         let known = || values.iter().flatten();
         let best = known().copied().fold(0.0, f64::max);
         if best == 0.0 {
@@ -172,8 +172,8 @@ mod tests {
         for _ in 0..1_000 {
             iterated = 0.7 * 1.0 + 0.1 * 0.5 + 0.2 * 0.9 * iterated;
         }
-        let worth = slips(0.3).worth(&[Some(1.0), None, Some(0.5), None], 0.9);
-        assert!((worth - iterated).abs() < 1e-12, "{worth} {iterated}");
-        assert_eq!(slips(0.3).worth(&[None, Some(0.0)], 0.9), 0.0);
+        let value = slips(0.3).value(&[Some(1.0), None, Some(0.5), None], 0.9);
+        assert!((value - iterated).abs() < 1e-12, "{value} {iterated}");
+        assert_eq!(slips(0.3).value(&[None, Some(0.0)], 0.9), 0.0);
     }
 }

@@ -144,9 +144,9 @@ impl Transitions {
     }
 
     /// May what is known of a pair be some slips in a row? So it may if it stays where it is although a
-    /// move is `foretold`, or leads where another action leads, too; not once it has twice the lead that
+    /// move is `predicted`, or leads where another action leads, too; not once it has twice the lead that
     /// is asked for.
-    pub fn is_doubtful(&self, percept: usize, action: Action, foretold: bool) -> bool {
+    pub fn is_doubtful(&self, percept: usize, action: Action, predicted: bool) -> bool {
         let outcomes = self.outcomes(percept, action);
         let Leads::To(next) = outcomes.leads_to else {
             return false;
@@ -155,7 +155,7 @@ impl Transitions {
         let mut others = Action::all(MAX_ACTIONS).filter(|&other| other != action);
         lead < 2 * self.slips.lead()
             && match next == Some(percept) {
-                true => foretold,
+                true => predicted,
                 false => {
                     others.any(|other| self.outcomes(percept, other).leads_to == Leads::To(next))
                 }

@@ -23,7 +23,7 @@ pub(in crate::agent) struct Model<'a> {
 }
 
 /// Searches forward from the present percept, in the belief that an untried action leads straight
-/// to the goal unless a collision or a way back is foretold. The way that is found is followed
+/// to the goal unless a collision or a way back is predicted. The way that is found is followed
 /// until there is news.
 #[derive(Debug, Clone)]
 pub(in crate::agent) struct Exploration {
@@ -170,9 +170,9 @@ impl Exploration {
             if factor * self.goal < best {
                 break;
             }
-            let worths = self.believed_worths(percept, model);
+            let values = self.believed_values(percept, model);
             for action in Action::all(self.actions) {
-                let moves = worths[action.index()] > 0.0;
+                let moves = values[action.index()] > 0.0;
                 let is_doubtful = model.memory.is_doubtful(percept, action, moves);
                 if model.memory.is_known(percept, action) && !is_doubtful {
                     if let Some((next, left)) = self.step(percept, action, model) {
@@ -183,8 +183,8 @@ impl Exploration {
                     let factor = factor * slips.discount(model.known.gamma());
                     self.search.push(factor, next, (percept, action));
                 } else {
-                    let worth = factor * worths[action.index()];
-                    self.search.offer(worth, (percept, action), &mut best);
+                    let value = factor * values[action.index()];
+                    self.search.offer(value, (percept, action), &mut best);
                 }
             }
         }
@@ -209,19 +209,19 @@ impl Exploration {
     }
 
     /// What the untried actions of a percept are believed to be worth, where no way back is.
-    fn believed_worths(&mut self, percept: usize, model: &Model<'_>) -> [f64; MAX_ACTIONS] {
+    fn believed_values(&mut self, percept: usize, model: &Model<'_>) -> [f64; MAX_ACTIONS] {
         let room = self.forecasts.0.len().max(percept + 1);
         self.forecasts.0.resize(room, (0, [0.0; MAX_ACTIONS]));
-        let (version, worths) = &mut self.forecasts.0[percept];
+        let (version, values) = &mut self.forecasts.0[percept];
         if *version != model.collisions.version() {
             *version = model.collisions.version();
             for action in Action::all(self.actions) {
                 let percept = &model.memory.percepts()[percept];
                 let bump = model.collisions.belief(percept, action);
-                worths[action.index()] = (1.0 - bump) * self.goal + bump * self.collision;
+                values[action.index()] = (1.0 - bump) * self.goal + bump * self.collision;
             }
         }
-        *worths
+        *values
     }
 }
 
@@ -265,13 +265,13 @@ impl Search {
         self.open.push((factor.to_bits(), Reverse(to)));
     }
 
-    /// A way may end here, with this worth; ways of equal worth are collected.
-    fn offer(&mut self, worth: f64, end: (usize, Action), best: &mut f64) {
-        if worth > *best {
-            *best = worth;
+    /// A way may end here, with this value; ways of equal value are collected.
+    fn offer(&mut self, value: f64, end: (usize, Action), best: &mut f64) {
+        if value > *best {
+            *best = value;
             self.ends.clear();
         }
-        if worth == *best {
+        if value == *best {
             self.ends.push(end);
         }
     }

@@ -15,7 +15,7 @@ use xcs::random::Stream;
 /// taken to begin in one place, and share a sketch; once it does not, each is sketched by itself.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LocalMap {
-    chart: CellCounts,
+    cell_map: CellCounts,
     visited: BTreeSet<Place>,
     /// Does it hold episodes before this one, too?
     shared: bool,
@@ -38,7 +38,7 @@ impl LocalMap {
             self.doubt();
         }
         self.around = Some(*around);
-        self.chart.add(self.here, around);
+        self.cell_map.add(self.here, around);
         if self.here.reach() <= FURTHEST {
             self.visited.insert(self.here);
         }
@@ -46,8 +46,8 @@ impl LocalMap {
 
     /// Was any of this seen otherwise before?
     fn contradicts(&self, around: &Surroundings) -> bool {
-        let mut cells = self.chart.compare(self.here, around);
-        self.chart.cell_state(self.here) == Some(CellState::Wall)
+        let mut cells = self.cell_map.compare(self.here, around);
+        self.cell_map.cell_state(self.here) == Some(CellState::Wall)
             || cells.any(|(_, agrees)| !agrees)
     }
 
@@ -73,7 +73,7 @@ impl LocalMap {
     /// Can a sketch look like this?
     pub fn is_sound(&self) -> bool {
         let mut visited = self.visited.iter();
-        self.chart.is_sound() && visited.all(|place| place.reach() <= FURTHEST)
+        self.cell_map.is_sound() && visited.all(|place| place.reach() <= FURTHEST)
     }
 
     /// An action of which nobody can tell what comes of it here; if there is none, the one that leads
@@ -94,7 +94,7 @@ impl LocalMap {
         };
         let is_new = |place| !self.visited.contains(&place);
         let is_no_goal =
-            |place| is_new(place) && self.chart.cell_state(place) != Some(CellState::Goal);
+            |place| is_new(place) && self.cell_map.cell_state(place) != Some(CellState::Goal);
         let mut news: Vec<Action> = likely.iter().copied().filter(is_untold).collect();
         if news.is_empty() && passes_goals {
             news = self.nearest(motion, is_no_goal);
@@ -132,7 +132,7 @@ impl LocalMap {
             }
             for &(action, by) in &moves {
                 let to = place.plus(by);
-                let leads_on = match self.chart.cell_state(to) {
+                let leads_on = match self.cell_map.cell_state(to) {
                     Some(CellState::Free) => true,
                     // There the episode ends.
                     Some(CellState::Goal) => is_sought(to),
@@ -165,11 +165,11 @@ impl LocalMap {
 struct Ways(Vec<Option<(u32, u32)>>);
 
 impl Ways {
-    /// One place more than a chart has, on each side.
+    /// One place more than a map has, on each side.
     const REACH: i32 = FURTHEST as i32 + 1;
     const SIDE: i32 = 2 * Self::REACH + 1;
 
-    /// The entry of a place; `None` if it is too far away for a chart.
+    /// The entry of a place; `None` if it is too far away for a map.
     fn at(&mut self, place: Place) -> Option<&mut Option<(u32, u32)>> {
         let [east, north] = [place.east, place.north].map(|along| i32::from(along) + Self::REACH);
         let is_near = [east, north]
@@ -228,7 +228,7 @@ mod tests {
             motion: MotionModel::known(8),
             vision: Vision::LookedUp,
             slip: 1e-4,
-            misread: 1e-4,
+            observation_error: 1e-4,
         }
     }
 

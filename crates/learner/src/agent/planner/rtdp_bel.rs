@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::estimator::belief::{Belief, Branch};
 use crate::agent::model::pomdp::{GOAL, Pomdp};
-use crate::agent::model::prizes::MOST_STEPS;
+use crate::agent::model::rewards::MOST_STEPS;
 use xcs::random::Stream;
 use xcs::{Action, MAX_ACTIONS, PredictionArray};
 
@@ -37,7 +37,7 @@ fn tie(cost: f64) -> f64 {
 }
 
 /// What is expected to come to pass after each action: steps to the goal or, where there are
-/// prizes, its worth, taken from nothing.
+/// prizes, its value, taken from nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Costs {
     costs: [f64; MAX_ACTIONS],
@@ -150,19 +150,19 @@ impl BeliefPlanner {
         }
     }
 
-    /// The worth of each action in a belief: less by 1 for each step from the goal. Of actions that cost
+    /// The value of each action in a belief: less by 1 for each step from the goal. Of actions that cost
     /// the same, the first is worth most: beyond the others may be beliefs that no imagined episode
     /// came to, and that cost more than is known.
-    pub fn worth(&self, pomdp: &Pomdp, belief: &Belief) -> PredictionArray {
-        let mut worth = PredictionArray::new(pomdp.actions());
+    pub fn values(&self, pomdp: &Pomdp, belief: &Belief) -> PredictionArray {
+        let mut values = PredictionArray::new(pomdp.actions());
         let costs = self.costs(pomdp, belief);
         let best = costs.best();
         let greatest = -pomdp.in_steps(costs.least());
         for (action, steps) in Action::all(pomdp.actions()).zip(costs.in_steps(pomdp)) {
             let of_another = greatest.next_down().min(-steps);
-            worth.set(action, if action == best { greatest } else { of_another });
+            values.set(action, if action == best { greatest } else { of_another });
         }
-        worth
+        values
     }
 
     /// The number of beliefs of which costs are kept.

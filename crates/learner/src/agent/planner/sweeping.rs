@@ -1,5 +1,5 @@
 //! What is known to be worth how much: values of what was tried, and of ways back that are
-//! foretold, kept up to date step by step.
+//! predicted, kept up to date step by step.
 //!
 //! Where moves slip, a value counts steps alone: a collision by a slip costs no more than a step. For
 //! who is far from the goal, all that is to come there is worth less than the collisions that slips
@@ -12,7 +12,7 @@ use crate::agent::model::ReturnRule;
 use crate::agent::model::return_rules::{Counts, ReturnRules};
 use crate::agent::model::transitions::Transitions;
 use crate::agent::params::Params;
-use xcs::Lesson;
+use xcs::LabelledExample;
 use xcs::{Action, ByAction};
 
 /// Changes of a value by less than this share of it are not passed on.
@@ -49,7 +49,7 @@ type Waiting = (usize, Vec<(u64, Reverse<usize>)>);
 /// The value of each percept under the best policy over what is known, by prioritised sweeping
 /// (Moore and Atkeson 1993): a change is passed backward, the greatest values first, and touches
 /// only what depends on it. PlannedValues is what was tried and, until it is tried, the way back of a move
-/// that has always led to the same percept: exploration spares it, so lessons must trust it.
+/// that has always led to the same percept: exploration spares it, so examples must trust it.
 ///
 /// Values are counted from that of walking for ever, `step / (1 - gamma)`. So counted, a value is
 /// `gamma` to the power of the steps to the goal, times a constant: it stays exact thousands of
@@ -69,7 +69,7 @@ pub(in crate::agent) struct PlannedValues {
     updates: usize,
     /// By percept: has anything changed on which its value depends, since that was updated?
     stale: Vec<bool>,
-    /// Percepts of which the lesson may have changed.
+    /// Percepts of which the example may have changed.
     touched: Vec<usize>,
 }
 
@@ -166,7 +166,7 @@ impl PlannedValues {
         self.returns.bring(returns);
     }
 
-    /// The percept to which an untried action is foretold to lead back.
+    /// The percept to which an untried action is predicted to lead back.
     pub fn way_back(&self, memory: &Transitions, percept: usize, action: Action) -> Option<usize> {
         let before = self.before.get(percept)?;
         self.returns.way_back(memory, before, (percept, action))
@@ -198,7 +198,7 @@ impl PlannedValues {
     }
 
     /// Takes note of whether `next`, taken right after a move by `first`, led back, and passes on
-    /// what that changes; true if it changes what is foretold.
+    /// what that changes; true if it changes what is predicted.
     pub fn learn_return(
         &mut self,
         memory: &Transitions,
@@ -275,7 +275,7 @@ impl PlannedValues {
                 values[action.index()] = self.value_of(memory, percept, action);
             }
         }
-        memory.slips().worth(&values[..self.actions], self.gamma)
+        memory.slips().value(&values[..self.actions], self.gamma)
     }
 
     fn update(&mut self, memory: &Transitions, percept: usize, negligible: f64) {
@@ -314,16 +314,16 @@ impl PlannedValues {
         self.stale[percept] = true;
     }
 
-    /// The lessons that may have changed since this was asked last, by the number of the percept.
-    pub fn news(&mut self, memory: &Transitions) -> Vec<(usize, Lesson)> {
+    /// The examples that may have changed since this was asked last, by the number of the percept.
+    pub fn news(&mut self, memory: &Transitions) -> Vec<(usize, LabelledExample)> {
         let mut touched = std::mem::take(&mut self.touched);
         touched.sort_unstable();
         touched.dedup();
-        let lessons = touched
+        let labelled_examples = touched
             .into_iter()
             .filter(|&percept| self.values[percept] > 0.0);
-        lessons
-            .map(|percept| (percept, self.lesson(memory, percept)))
+        labelled_examples
+            .map(|percept| (percept, self.labelled_example(memory, percept)))
             .collect()
     }
 
@@ -353,11 +353,11 @@ impl PlannedValues {
 
     /// Is an action one of the best in a percept, as far as is known?
     pub fn is_best(&self, memory: &Transitions, percept: usize, action: Action) -> bool {
-        self.value(percept) > 0.0 && self.lesson(memory, percept).best[action.index()]
+        self.value(percept) > 0.0 && self.labelled_example(memory, percept).best[action.index()]
     }
 
     /// What is best in a percept.
-    fn lesson(&self, memory: &Transitions, percept: usize) -> Lesson {
+    fn labelled_example(&self, memory: &Transitions, percept: usize) -> LabelledExample {
         let value = self.values[percept];
         let greatest = match memory.slips().any() {
             true => self.greatest(memory, percept),
@@ -368,7 +368,7 @@ impl PlannedValues {
             let own = self.value_of(memory, percept, action);
             best[action.index()] = own.is_some_and(|own| own >= greatest * (1.0 - TIE));
         }
-        Lesson {
+        LabelledExample {
             percept: memory.percepts()[percept],
             best,
             value: value + self.floor(),

@@ -1,4 +1,4 @@
-//! Contexts that a robot on the charts meets, in which rules can be compared.
+//! Contexts that a robot on the maps meets, in which rules can be compared.
 
 use crate::agent::estimator::map::state_map::Map;
 use crate::agent::estimator::map::tracker::{Felt, Tracker};

@@ -2,7 +2,7 @@
 
 use crate::agent::estimator::map::cell_counts::FURTHEST;
 use crate::agent::estimator::map::state_map::MOST_PAYING;
-use crate::agent::estimator::map::tracker::{CHART_BITS, COORDINATE_BITS, PERCEPT_BITS, STEP_BITS};
+use crate::agent::estimator::map::tracker::{COORDINATE_BITS, MAP_BITS, PERCEPT_BITS, STEP_BITS};
 use xcs::Condition;
 
 /// A part of a context.
@@ -14,9 +14,9 @@ pub enum Part {
     X,
     /// Cells to the north of it.
     Y,
-    /// The number of the chart.
+    /// The number of the map.
     Chart,
-    /// Which rewards of the chart were found.
+    /// Which rewards of the map were found.
     Eaten,
     /// The last step: was there one, its action, its percept.
     Last,
@@ -45,7 +45,7 @@ const PARTS: [(Part, usize); 7] = [
     (Part::Percept, PERCEPT_BITS),
     (Part::X, COORDINATE_BITS),
     (Part::Y, COORDINATE_BITS),
-    (Part::Chart, CHART_BITS),
+    (Part::Chart, MAP_BITS),
     (Part::Eaten, MOST_PAYING),
     (Part::Last, STEP_BITS),
     (Part::Before, STEP_BITS),

@@ -5,11 +5,12 @@ use crate::agent::estimator::map::state_map::Map;
 use crate::agent::estimator::map::tracker::{PARTS, View};
 use crate::agent::explorer::exploit;
 use crate::agent::planner::rtdp_bel::BeliefPlanner;
-use crate::agent::policy::examples::{Example, Examples, imagine, lessons};
+use crate::agent::policy::examples::{Example, Examples, imagine, labelled_examples};
 use crate::agent::policy::rollouts::rehearse;
 use xcs::random::Stream;
 use xcs::{
-    Action, Induction, Lesson, Lessons, Params, Percept, Population, PredictionArray, Record,
+    Action, Induction, LabelledExample, LabelledExamples, Params, Percept, Population,
+    PredictionArray, Record,
 };
 
 /// How often rules act on the map, at most, and learn from what they met there, if moves slip and if they do not.
@@ -34,12 +35,12 @@ pub struct Distillation<'a> {
     map: &'a Map,
     view: View,
     params: &'a Params,
-    misread: bool,
+    observation_error: bool,
     rounds: usize,
     /// Imagined episodes from each state: as planned, and in which rules act.
     planned: u32,
     acted: u32,
-    /// By how many steps an action of a lesson may be worse than the best, and how often its context must come.
+    /// By how many steps an action of a example may be worse than the best, and how often its context must come.
     tolerance: f64,
     least_often: f64,
     /// The same when driving.
@@ -61,12 +62,12 @@ impl<'a> Distillation<'a> {
                 (ROUNDS_OF_EXACT, 1, most.clamp(1, SIMULATED_OF_TIES))
             }
         };
-        let misread = map.misread > 0.0;
+        let observation_error = map.observation_error > 0.0;
         let (tolerance, least_often) = match slips {
             true => (TOLERANCE, LEAST_OFTEN),
             false => (EXACT, 0.0),
         };
-        let (allowed, least_met) = match slips || misread {
+        let (allowed, least_met) = match slips || observation_error {
             true => (TOLERANCE, LEAST_OFTEN),
             false => (EXACT, 0.0),
         };
@@ -74,7 +75,7 @@ impl<'a> Distillation<'a> {
             map,
             view,
             params,
-            misread,
+            observation_error,
             rounds,
             planned,
             acted,
@@ -107,17 +108,27 @@ impl<'a> Distillation<'a> {
         let mut cases = Examples::new();
         *rules = self.view.part_of(rules);
         self.imagine(self.planned, |_, _| None, planner, stream, &mut cases);
-        let mut lessons = self.lessons(&cases, met);
+        let mut labelled_examples = self.labelled_examples(&cases, met);
         for _ in 0..self.rounds {
-            Induction::in_parts(PARTS, Record::Steps).learn(rules, &mut lessons, self.params);
+            Induction::in_parts(PARTS, Record::Steps).learn(
+                rules,
+                &mut labelled_examples,
+                self.params,
+            );
             let chosen = |context: &Percept, stream: &mut Stream| {
-                Some(exploit(&self.worth(rules, context), stream))
+                Some(exploit(&self.values(rules, context), stream))
             };
             let known = cases.len();
             self.imagine(self.acted, chosen, planner, stream, &mut cases);
-            lessons = self.lessons(&cases, met);
-            let agrees = |lesson: &Lesson| lesson.agrees_with(&self.worth(rules, &lesson.percept));
-            if cases.len() == known && lessons.iter().all(|(_, lesson)| agrees(lesson)) {
+            labelled_examples = self.labelled_examples(&cases, met);
+            let agrees = |labelled_example: &LabelledExample| {
+                labelled_example.agrees_with(&self.values(rules, &labelled_example.percept))
+            };
+            if cases.len() == known
+                && labelled_examples
+                    .iter()
+                    .all(|(_, labelled_example)| agrees(labelled_example))
+            {
                 break;
             }
         }
@@ -126,24 +137,24 @@ impl<'a> Distillation<'a> {
     /// The share of their steps that rules lose where cells are misread as often as they are; nothing, if they
     /// never are.
     pub fn lost(&self, rules: &Population, planner: &BeliefPlanner, stream: &mut Stream) -> f64 {
-        match self.misread {
+        match self.observation_error {
             true => rehearse(self.map, planner, rules, IMAGINED, stream),
             false => 0.0,
         }
     }
 
-    fn worth(&self, rules: &Population, context: &Percept) -> PredictionArray {
+    fn values(&self, rules: &Population, context: &Percept) -> PredictionArray {
         rules.sums(context).array(self.map.pomdp.actions(), false)
     }
 
-    /// The lessons of what was imagined and met.
-    fn lessons(&self, imagined: &Examples, met: &Examples) -> Lessons {
+    /// The examples of what was imagined and met.
+    fn labelled_examples(&self, imagined: &Examples, met: &Examples) -> LabelledExamples {
         let mut cases = imagined.clone();
         for (context, met) in met.iter().filter(|(_, met)| self.counts(met)) {
             let case = cases.entry(self.view.of(context)).or_default();
             *case = case.with(met);
         }
-        lessons(
+        labelled_examples(
             &cases,
             self.map.pomdp.actions(),
             self.tolerance,
@@ -189,8 +200,8 @@ mod tests {
         };
         Map {
             pomdp: Pomdp::new(2, slip, &seen, next),
-            spots: [MapState::default(); 2].into(),
-            misread: 0.0,
+            states: [MapState::default(); 2].into(),
+            observation_error: 0.0,
             begin: None,
             unfelt: false,
         }
@@ -223,8 +234,8 @@ mod tests {
             &mut planner,
             &mut stream,
         );
-        let worth = rules.sums(&odd).array(2, false);
-        worth.best_actions().map(|action| action.index()).collect()
+        let values = rules.sums(&odd).array(2, false);
+        values.best_actions().map(|action| action.index()).collect()
     }
 
     #[test]

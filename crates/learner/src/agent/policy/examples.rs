@@ -1,6 +1,6 @@
 //! What rules are to be learned from: imagined episodes on the map, and what they met when they drove.
 //!
-//! What was met makes a case for each context, and cases make lessons: this context, these actions.
+//! What was met makes a case for each context, and cases make examples: this context, these actions.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::agent::estimator::map::tracker::{Felt, Tracker};
 use crate::agent::model::pomdp::GOAL;
 use crate::agent::planner::rtdp_bel::{BeliefPlanner, Costs, moved};
 use xcs::random::Stream;
-use xcs::{Action, ByAction, Lesson, Lessons, Percept};
+use xcs::{Action, ByAction, LabelledExample, LabelledExamples, Percept};
 
 /// The most steps of an imagined episode.
 pub const MOST_STEPS: u32 = 100;
@@ -87,26 +87,31 @@ impl Walker {
 /// Examples by context, in order.
 pub type Examples = BTreeMap<Percept, Example>;
 
-/// The lessons of cases that came at least `least_often`, the most frequent first: best are the actions
+/// The examples of cases that came at least `least_often`, the most frequent first: best are the actions
 /// that cost at most `tolerance` more than the best.
-pub fn lessons(cases: &Examples, actions: usize, tolerance: f64, least_often: f64) -> Lessons {
+pub fn labelled_examples(
+    cases: &Examples,
+    actions: usize,
+    tolerance: f64,
+    least_often: f64,
+) -> LabelledExamples {
     let mut often: Vec<_> = cases.iter().collect();
     often.retain(|(_, case)| case.weight >= least_often);
     often.sort_by(|a, b| b.1.weight.total_cmp(&a.1.weight));
-    let mut lessons = Lessons::default();
+    let mut labelled_examples = LabelledExamples::default();
     for (number, (context, case)) in often.into_iter().enumerate() {
         let mut best = ByAction::default();
         for action in Action::all(actions) {
             best[action.index()] = case.regret(action, actions) <= tolerance;
         }
-        let lesson = Lesson {
+        let labelled_example = LabelledExample {
             percept: *context,
             best,
             value: -case.least(actions),
         };
-        lessons.give(number, lesson);
+        labelled_examples.give(number, labelled_example);
     }
-    lessons
+    labelled_examples
 }
 
 /// Imagines episodes from the given states, acting as `choose` says in a context (or as planned,

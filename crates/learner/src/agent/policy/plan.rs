@@ -7,7 +7,7 @@ use crate::agent::estimator::map::tracker::Tracker;
 use crate::agent::planner::rtdp_bel::BeliefPlanner;
 use xcs::PredictionArray;
 
-/// Charts, and what was planned on them: enough to choose without rules.
+/// Maps, and what was planned on them: enough to choose without rules.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ReadPlan")]
 pub struct BeliefPlan {
@@ -30,7 +30,7 @@ impl TryFrom<ReadPlan> for BeliefPlan {
         let ReadPlan { map, planner } = read;
         match planner.belongs_to(&map.pomdp) {
             true => Ok(Self { map, planner }),
-            false => Err("the plan is not one for its charts"),
+            false => Err("the plan is not one for its cell_maps"),
         }
     }
 }
@@ -41,7 +41,7 @@ impl BeliefPlan {
         Self { map, planner }
     }
 
-    /// The charted places.
+    /// The mapped places.
     pub fn map(&self) -> &Map {
         &self.map
     }
@@ -57,7 +57,7 @@ impl BeliefPlan {
     }
 
     /// What the plan makes of what is remembered.
-    pub fn worth(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
+    pub fn values(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
         planned_values(&self.planner, &self.map, tracker, actions)
     }
 }
@@ -65,12 +65,12 @@ impl BeliefPlan {
 /// Plans on for what is believed, until nothing changes any more, where cells are misread and moves are
 /// exact: what is misread leads to beliefs that no imagined episode comes to.
 pub fn plan_for(planner: &mut BeliefPlanner, map: &Map, tracker: &Tracker) {
-    if map.misread > 0.0 && map.pomdp.slip() == 0.0 {
+    if map.observation_error > 0.0 && map.pomdp.slip() == 0.0 {
         planner.settle(&map.pomdp, tracker.belief());
     }
 }
 
-/// What a plan makes of what is remembered: no action has a worth where nothing is believed.
+/// What a plan makes of what is remembered: no action has a value where nothing is believed.
 pub fn planned_values(
     planner: &BeliefPlanner,
     map: &Map,
@@ -79,6 +79,6 @@ pub fn planned_values(
 ) -> PredictionArray {
     match tracker.belief().is_empty() {
         true => PredictionArray::new(actions),
-        false => planner.worth(&map.pomdp, tracker.belief()),
+        false => planner.values(&map.pomdp, tracker.belief()),
     }
 }

@@ -26,11 +26,11 @@ pub fn rehearse(
         };
         for _ in 0..MOST_STEPS {
             let Walker { state, tracker } = &mut walker;
-            tracker.perceive(map, &misread(map, *state, stream));
+            tracker.perceive(map, &observation_error(map, *state, stream));
             let costs = planner.costs(&map.pomdp, tracker.belief());
-            let worth = rules.sums(&tracker.context(map));
-            let worth = worth.array(map.pomdp.actions(), false);
-            let action = exploit(&worth, stream);
+            let values = rules.sums(&tracker.context(map));
+            let values = values.array(map.pomdp.actions(), false);
+            let action = exploit(&values, stream);
             steps += 1;
             lost += costs.regret(action, &map.pomdp);
             if walker.arrives(map, action, stream) {
@@ -42,14 +42,14 @@ pub fn rehearse(
 }
 
 /// What is perceived in a state, if each cell may be misread for one of the other two state.
-fn misread(map: &Map, state: u32, stream: &mut Stream) -> Percept {
+fn observation_error(map: &Map, state: u32, stream: &mut Stream) -> Percept {
     let state = around(map.pomdp.percept(state)).map(|state| {
         let others = match state {
             CellState::Free => [CellState::Wall, CellState::Goal],
             CellState::Goal => [CellState::Free, CellState::Wall],
             CellState::Wall | CellState::Hidden => [CellState::Free, CellState::Goal],
         };
-        match stream.chance(map.misread) {
+        match stream.chance(map.observation_error) {
             true => others[stream.below(others.len())],
             false => state,
         }

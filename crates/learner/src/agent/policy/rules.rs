@@ -2,14 +2,17 @@
 
 use crate::agent::StepCredit;
 use crate::agent::credit::step_credit;
-use xcs::{Action, Induction, Learned, Lesson, Lessons, MatchSet, Percept, PredictionArray, Xcs};
+use xcs::{
+    Action, Induction, LabelledExample, LabelledExamples, Learned, MatchSet, Percept,
+    PredictionArray, Xcs,
+};
 
 /// A population of best-action rules, and the labelled examples that it is distilled from.
 #[derive(Debug, Clone)]
 pub struct RulePolicy {
     xcs: Xcs,
     match_set: MatchSet,
-    examples: Lessons,
+    examples: LabelledExamples,
     induction: Induction,
 }
 
@@ -19,7 +22,7 @@ impl RulePolicy {
         Self {
             xcs,
             match_set: MatchSet::default(),
-            examples: Lessons::default(),
+            examples: LabelledExamples::default(),
             induction: Induction::default(),
         }
     }
@@ -30,7 +33,7 @@ impl RulePolicy {
     }
 
     /// Takes new examples, by the number of their percept, and corrects the rules if any example has changed.
-    pub fn distil(&mut self, examples: Vec<(usize, Lesson)>) {
+    pub fn distil(&mut self, examples: Vec<(usize, LabelledExample)>) {
         for (number, example) in examples {
             self.examples.give(number, example);
         }
@@ -55,13 +58,17 @@ impl RulePolicy {
     }
 
     /// The part of the policy that learning changes, for a checkpoint.
-    pub fn state(&self) -> (Learned, &Lessons) {
+    pub fn state(&self) -> (Learned, &LabelledExamples) {
         (self.xcs.learned(), &self.examples)
     }
 
     /// Resumes from a checkpoint; `false` if the rules or the examples do not fit `percepts`.
-    pub fn resume(&mut self, (rules, examples): (Learned, Lessons), percepts: &[Percept]) -> bool {
-        let fits = |(number, example): (usize, &Lesson)| {
+    pub fn resume(
+        &mut self,
+        (rules, examples): (Learned, LabelledExamples),
+        percepts: &[Percept],
+    ) -> bool {
+        let fits = |(number, example): (usize, &LabelledExample)| {
             percepts.get(number) == Some(&example.percept) && example.value.is_finite()
         };
         let sound = examples.iter().all(fits) && self.xcs.resume(rules);

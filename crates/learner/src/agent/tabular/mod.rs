@@ -161,11 +161,11 @@ impl Agent for Tabular {
             self.learn(Some(*percept), None);
         }
         self.percept = Some(*percept);
-        self.table.worth(percept)
+        self.table.values(percept)
     }
 
-    fn choose(&mut self, worth: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        let (action, explores) = explorer.choose(worth);
+    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        let (action, explores) = explorer.choose(values);
         Choice::of_a_table(action, explores)
     }
 
@@ -210,8 +210,8 @@ impl Agent for Tabular {
         self.params.step_threshold
     }
 
-    fn worth(&self, percept: &Percept) -> PredictionArray {
-        self.table.worth(percept)
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        self.table.values(percept)
     }
 
     fn knowledge(&self) -> Knowledge {

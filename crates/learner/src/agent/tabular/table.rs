@@ -69,7 +69,7 @@ impl Table {
     }
 
     /// Q of all actions in a percept.
-    pub fn worth(&self, percept: &Percept) -> PredictionArray {
+    pub fn values(&self, percept: &Percept) -> PredictionArray {
         let mut array = PredictionArray::new(self.actions);
         Action::all(self.actions).for_each(|action| array.set(action, self.get(percept, action)));
         array

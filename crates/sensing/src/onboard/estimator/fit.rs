@@ -87,13 +87,17 @@ impl Estimator {
     /// unsure, outliers end on lines, too, and one would make the robot sure of a wrong place: there the
     /// last such beams of this action must agree.
     pub(super) fn is_believed(&mut self, fit: &Fit) -> bool {
-        let witness = &mut self.witnesses[fit.axis];
-        let apart = square(fit.residual - witness.residual);
-        let agree = witness.count > 0 && apart < AGREEING * 2.0 * fit.own_variance;
-        witness.count = if agree { witness.count + 1 } else { 1 };
-        witness.residual = fit.residual;
+        let consistency_check = &mut self.witnesses[fit.axis];
+        let apart = square(fit.residual - consistency_check.residual);
+        let agree = consistency_check.count > 0 && apart < AGREEING * 2.0 * fit.own_variance;
+        consistency_check.count = if agree {
+            consistency_check.count + 1
+        } else {
+            1
+        };
+        consistency_check.residual = fit.residual;
         let is_sure = self.belief.covariance[(fit.axis, fit.axis)] < square(UNSURE);
-        is_sure || witness.count >= ENOUGH
+        is_sure || consistency_check.count >= ENOUGH
     }
 
     /// Moves the state so that the beam ends nearer to the line.
@@ -114,7 +118,7 @@ impl Estimator {
         let moved = Vector2::new(change[X], change[Y]);
         self.belief.pose.translation.vector += moved;
         let witnesses = self.witnesses.iter_mut().zip(moved.iter());
-        witnesses.for_each(|(witness, moved)| witness.residual -= moved);
+        witnesses.for_each(|(consistency_check, moved)| consistency_check.residual -= moved);
         let ahead = ahead(self.belief.pose.rotation);
         self.belief.slip.correct(moved.dot(&ahead));
         self.belief.pose.rotation *= cayley(change[HEADING]);

@@ -103,12 +103,12 @@ pub(crate) struct Estimator {
     /// How far it turned back from the end of the last step to each of its beams.
     back: Vec<UnitComplex<f64>>,
     /// Along x and y: the last beams of this action that were taken to end on lines.
-    witnesses: [Witness; 2],
+    witnesses: [ConsistencyCheck; 2],
 }
 
 /// Beams that were taken to end on lines across an axis, and agree.
 #[derive(Debug, Clone, Copy, Default)]
-struct Witness {
+struct ConsistencyCheck {
     /// How far from its line the last of them ended.
     residual: f64,
     /// How many of them there are.
@@ -157,7 +157,7 @@ impl Estimator {
             },
             assumed,
             back: Vec::new(),
-            witnesses: [Witness::default(); 2],
+            witnesses: [ConsistencyCheck::default(); 2],
         }
     }
 
@@ -212,7 +212,7 @@ impl Estimator {
     /// A new action begins, in which the wheels roll otherwise than before.
     pub fn begin_action(&mut self) {
         self.belief.roll = 0.0;
-        self.witnesses = [Witness::default(); 2];
+        self.witnesses = [ConsistencyCheck::default(); 2];
         let covariance = &mut self.belief.covariance;
         covariance.row_mut(ROLL).fill(0.0);
         covariance.column_mut(ROLL).fill(0.0);
@@ -259,7 +259,7 @@ impl Estimator {
         if self.falls_back(ray, &fits) {
             fits = self.fits(ray, range);
         }
-        let passes = |fit: &Fit| fit.distance < self.params.gate;
+        let passes = |fit: &Fit| fit.distance < self.params.listener;
         match fits.map(|fit| Some(fit).filter(passes)) {
             [Some(_), Some(_)] => {}
             // It ends at a wall along which it runs: in a corridor, where it ends says nothing.
@@ -315,13 +315,13 @@ impl Estimator {
     /// of an outlier is the gate.
     fn misfit(&self, fits: &[Fit; 2]) -> f64 {
         let distances = fits.iter().map(|fit| fit.distance);
-        distances.fold(self.params.gate, f64::min)
+        distances.fold(self.params.listener, f64::min)
     }
 
     /// The robot is so far behind what it believed.
     fn fall_back(&mut self, way: Vector2<f64>) {
         self.belief.pose.translation.vector -= way;
-        self.witnesses = [Witness::default(); 2];
+        self.witnesses = [ConsistencyCheck::default(); 2];
         let doubt = (SPIN * way) * (SPIN * way).transpose();
         let mut position = self.belief.covariance.fixed_view_mut::<2, 2>(X, X);
         position += doubt;

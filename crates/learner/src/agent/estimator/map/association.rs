@@ -1,5 +1,5 @@
 //! Where an episode that ended at the goal must have led: forward and backward over its steps
-//! (Baum and Welch), from the goal of a chart outward.
+//! (Baum and Welch), from the goal of a map outward.
 
 use crate::agent::estimator::map::bump::Bump;
 use crate::agent::estimator::map::cell_counts::{CellCounts, UNSEEN};
@@ -36,7 +36,7 @@ pub struct RobotModel {
     /// The probability that another action than the chosen one is executed.
     pub slip: f64,
     /// The probability that a cell is misread.
-    pub misread: f64,
+    pub observation_error: f64,
 }
 
 impl RobotModel {
@@ -76,7 +76,7 @@ impl RobotModel {
             state if (state == Some(&CellState::Wall)) == bumped => 1.0,
             // What comes next tells whether the robot has gone there ([`Self::fit`]).
             _ if !is_felt && !bumped => 1.0,
-            _ => self.misread,
+            _ => self.observation_error,
         }
     }
 
@@ -131,9 +131,9 @@ impl RobotModel {
         match next {
             None if cell.is_some_and(|cell| self.vision.may_be_goal(cell)) => 1.0,
             Some(next) if cell != Some(CellState::Goal) => {
-                overlap(&step.around, next, displacement, self.misread)
+                overlap(&step.around, next, displacement, self.observation_error)
             }
-            _ => self.misread,
+            _ => self.observation_error,
         }
     }
 
@@ -183,13 +183,18 @@ fn shown_twice(
 }
 
 /// How likely two percepts follow each other over a displacement: what both show must agree.
-fn overlap(before: &Surroundings, after: &Surroundings, displacement: usize, misread: f64) -> f64 {
+fn overlap(
+    before: &Surroundings,
+    after: &Surroundings,
+    displacement: usize,
+    observation_error: f64,
+) -> f64 {
     let differing = shown_twice(before, after, displacement).filter(|agree| !agree);
-    differing.fold(1.0, |product, _| product * misread)
+    differing.fold(1.0, |product, _| product * observation_error)
 }
 
 /// How many cells of an episode were shown twice, in two percepts that follow each other, and in
-/// how many of them these two differ: one of them was misread. This needs no chart.
+/// how many of them these two differ: one of them was misread. This needs no map.
 pub fn differing(steps: &[MapStep], robot: &RobotModel) -> [f64; 2] {
     let mut counts = [0.0; 2];
     for pair in steps.windows(2) {
@@ -202,23 +207,23 @@ pub fn differing(steps: &[MapStep], robot: &RobotModel) -> [f64; 2] {
     counts
 }
 
-/// How an episode lies on a chart.
+/// How an episode lies on a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alignment {
-    /// How likely the episode is on the chart: mantissa and power of two.
+    /// How likely the episode is on the map: mantissa and power of two.
     pub likelihood: Likelihood,
     /// For each step, where the robot was, if that is certain.
     pub places: Vec<Option<Place>>,
-    /// How many steps slipped, as far as the chart tells.
+    /// How many steps slipped, as far as the map tells.
     pub slips: f64,
-    /// For each step, how well each displacement fits to the chart and to all other steps.
+    /// For each step, how well each displacement fits to the map and to all other steps.
     pub fits: Vec<[f64; DISPLACEMENTS]>,
 }
 
 /// Aligns an episode, which ended at the goal, with a map. Steps that lie beyond every map have no place.
-pub fn align(steps: &[MapStep], chart: &CellCounts, robot: &RobotModel) -> Alignment {
+pub fn align(steps: &[MapStep], cell_map: &CellCounts, robot: &RobotModel) -> Alignment {
     let mut adder = Accumulator::new();
-    let (layers, likelihood) = backward(steps, chart, robot, &mut adder);
+    let (layers, likelihood) = backward(steps, cell_map, robot, &mut adder);
     let beyond = steps.len() + 1 - layers.len();
     let within = forward(&steps[beyond..], &layers, robot, &mut adder);
     let no_place = std::iter::repeat_n(None, beyond);
@@ -234,7 +239,7 @@ pub fn align(steps: &[MapStep], chart: &CellCounts, robot: &RobotModel) -> Align
 /// For each step the likelihood of what follows, by place; the earliest steps are left out if they lie beyond every map.
 fn backward(
     steps: &[MapStep],
-    chart: &CellCounts,
+    cell_map: &CellCounts,
     robot: &RobotModel,
     adder: &mut Accumulator,
 ) -> (Vec<Message>, Likelihood) {
@@ -255,7 +260,7 @@ fn backward(
         adder.weigh(|place| match place {
             // The episode would have ended there.
             Place::ORIGIN => 0.0,
-            _ => chart.likelihood(place, &step.around, robot.misread),
+            _ => cell_map.likelihood(place, &step.around, robot.observation_error),
         });
         let (layer, greatest) = adder.layer();
         likelihood = likelihood.times(greatest);
@@ -267,7 +272,7 @@ fn backward(
 }
 
 /// How many steps of an episode slipped, as far as two percepts that follow each other tell. This needs
-/// no chart: on a chart that ends too soon, moves that slip back to what is known seem likelier than new
+/// no map: on a map that ends too soon, moves that slip back to what is known seem likelier than new
 /// places, and the more are taken for slips the likelier they seem.
 pub fn slips(steps: &[MapStep], robot: &RobotModel) -> f64 {
     let after = |at: usize| steps.get(at + 1).map(|next| &next.around);
@@ -358,7 +363,7 @@ mod tests {
             motion: MotionModel::known(8),
             vision: Vision::LookedUp,
             slip: 1e-4,
-            misread: 0.02,
+            observation_error: 0.02,
         };
         let mut around = [CellState::Wall; 8];
         around[EAST] = ahead;
@@ -403,7 +408,7 @@ mod tests {
             motion,
             vision: Vision::LookedUp,
             slip: 0.05,
-            misread: 5e-4,
+            observation_error: 5e-4,
         }
     }
 

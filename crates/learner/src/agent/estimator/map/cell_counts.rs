@@ -1,4 +1,4 @@
-//! A chart: what was seen around one goal, cell by cell.
+//! A map: what was seen around one goal, cell by cell.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place, Surround
 
 /// Observations of a cell that count; from here on the older ones fade.
 const MOST_SIGHTINGS: u8 = 20;
-/// Cells further from the goal than this, in moves, are not charted.
+/// Cells further from the goal than this, in moves, are not mapped.
 pub const FURTHEST: u16 = 64;
 /// The weight of whatever is seen in a cell that nobody has seen before, beside that of a cell that agrees with the map. This is
 /// no probability: a new cell counts nearly as much as one that agrees, so that maps grow.
@@ -65,22 +65,22 @@ impl CellCounts {
         self.sightings.iter().filter(seen).count()
     }
 
-    /// What would be seen in a place; `None` if some of it is not charted.
+    /// What would be seen in a place; `None` if some of it is not mapped.
     pub fn around(&self, place: Place, vision: Vision) -> Option<Surroundings> {
         vision.seen(NEIGHBOURS.map(|by| self.cell_state(place.plus(by))))
     }
 
     /// How likely it is to perceive this in a place, when a state is misread with probability
     /// `misread`.
-    pub fn likelihood(&self, place: Place, seen: &Surroundings, misread: f64) -> f64 {
-        let here = self.state_likelihood(place, CellState::Free, misread);
+    pub fn likelihood(&self, place: Place, seen: &Surroundings, observation_error: f64) -> f64 {
+        let here = self.state_likelihood(place, CellState::Free, observation_error);
         let cells = NEIGHBOURS.iter().zip(seen);
         cells.fold(here, |product, (&by, &state)| {
-            product * self.state_likelihood(place.plus(by), state, misread)
+            product * self.state_likelihood(place.plus(by), state, observation_error)
         })
     }
 
-    fn state_likelihood(&self, place: Place, state: CellState, misread: f64) -> f64 {
+    fn state_likelihood(&self, place: Place, state: CellState, observation_error: f64) -> f64 {
         if state == CellState::Hidden {
             // The walls that hide it are weighed themselves.
             return 1.0;
@@ -90,19 +90,19 @@ impl CellCounts {
         if all == 0.0 {
             return UNKNOWN;
         }
-        if misread <= RARE {
+        if observation_error <= RARE {
             let share = (f64::from(sightings[state as usize]) + PRIOR) / (all + 3.0 * PRIOR);
-            return (1.0 - misread) * share + misread / 3.0;
+            return (1.0 - observation_error) * share + observation_error / 3.0;
         }
         // What the cell may be, by the theorem of Bayes; another state is read with half of `misread`.
-        let odds = (misread / 2.0) / (1.0 - misread);
+        let odds = (observation_error / 2.0) / (1.0 - observation_error);
         let seen: u8 = sightings.iter().sum();
         let truly = sightings.map(|count| (count..seen).fold(1.0, |share, _| share * odds));
         let share = truly[state as usize] / truly.iter().sum::<f64>();
-        (1.0 - misread) * share + misread / 2.0 * (1.0 - share)
+        (1.0 - observation_error) * share + observation_error / 2.0 * (1.0 - share)
     }
 
-    /// The charted cells around a place, and whether they are seen as they were charted.
+    /// The mapped cells around a place, and whether they are seen as they were mapped.
     pub fn compare(
         &self,
         place: Place,
@@ -126,7 +126,7 @@ impl CellCounts {
         }
     }
 
-    /// The same chart as if every cell had been seen but once.
+    /// The same map as if every cell had been seen but once.
     pub fn seen_once(mut self) -> Self {
         let counts = self.sightings.iter_mut().flatten();
         counts.for_each(|count| *count = (*count).min(1));
@@ -136,7 +136,7 @@ impl CellCounts {
     /// Takes down what a cell is; it must be seen.
     pub fn sight(&mut self, place: Place, state: CellState) {
         self.grow_to(place);
-        let at = self.index(place).expect("the chart has grown");
+        let at = self.index(place).expect("the cell_map has grown");
         let sightings = &mut self.sightings[at];
         if sightings.iter().sum::<u8>() >= MOST_SIGHTINGS {
             sightings.iter_mut().for_each(|count| *count /= 2);
@@ -172,7 +172,9 @@ impl CellCounts {
             sightings: vec![[0; 3]; usize::from(width) * usize::from(height)],
         };
         for (place, sightings) in old.places().zip(&old.sightings) {
-            let at = self.index(place).expect("the new chart holds the old one");
+            let at = self
+                .index(place)
+                .expect("the new cell_map holds the old one");
             self.sightings[at] = *sightings;
         }
     }
@@ -184,7 +186,7 @@ impl CellCounts {
             .flat_map(move |row| (0..width).map(move |col| corner.plus(Place::new(col, row))))
     }
 
-    /// Can a chart look like this?
+    /// Can a map look like this?
     pub fn is_sound(&self) -> bool {
         let most = 2 * FURTHEST + 1;
         let inside = |place: Place| place.reach() <= FURTHEST;

@@ -1,4 +1,4 @@
-//! A hypothesis of the maps: a chart, and what else is known of the episodes that lie on it.
+//! A hypothesis of the maps: a map, and what else is known of the episodes that lie on it.
 
 use std::collections::BTreeMap;
 
@@ -15,10 +15,10 @@ pub const KEPT_STEPS: usize = 2000;
 const LEAST_BEGUN: u32 = 3;
 const ALWAYS: f64 = 0.9;
 
-/// A chart, what cells of it pay, how many episodes belong to it, and where they began.
+/// A map, what cells of it pay, how many episodes belong to it, and where they began.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct MapHypothesis {
-    pub chart: CellCounts,
+    pub cell_map: CellCounts,
     pub payments: RewardMap,
     pub episodes: f64,
     /// By place: how many episodes began there.
@@ -35,13 +35,13 @@ impl MapHypothesis {
             transferred: Some(number),
             ..Self::default()
         };
-        hypothesis.chart.sight(Place::ORIGIN, goal);
+        hypothesis.cell_map.sight(Place::ORIGIN, goal);
         hypothesis
     }
 
     /// Can a hypothesis look like this?
     pub fn is_sound(&self) -> bool {
-        self.chart.is_sound() && self.payments.is_sound() && is_count(&self.episodes)
+        self.cell_map.is_sound() && self.payments.is_sound() && is_count(&self.episodes)
     }
 
     /// Takes down an episode that lies on it so.
@@ -50,7 +50,7 @@ impl MapHypothesis {
         for (step, place) in steps.iter().zip(&alignment.places) {
             place
                 .iter()
-                .for_each(|&place| self.chart.add(place, &step.around));
+                .for_each(|&place| self.cell_map.add(place, &step.around));
         }
         self.payments.add(steps, &alignment.places);
         // Of longer episodes the beginning is not kept.
@@ -68,11 +68,11 @@ impl MapHypothesis {
     }
 }
 
-/// The chart and the place in which episodes always begin, if there is one.
+/// The map and the place in which episodes always begin, if there is one.
 pub fn always_in<'a>(hypotheses: impl Iterator<Item = &'a MapHypothesis>) -> Option<(u8, Place)> {
-    let begun = hypotheses.enumerate().flat_map(|(chart, hypothesis)| {
+    let begun = hypotheses.enumerate().flat_map(|(cell_map, hypothesis)| {
         let places = hypothesis.begun.iter();
-        places.map(move |(place, count)| (*count, (chart as u8, *place)))
+        places.map(move |(place, count)| (*count, (cell_map as u8, *place)))
     });
     let begun: Vec<(u32, (u8, Place))> = begun.collect();
     let all: f64 = begun.iter().map(|(count, _)| f64::from(*count)).sum();

@@ -1,4 +1,4 @@
-//! All charts, drawn from the episodes that reached a goal.
+//! All maps, drawn from the episodes that reached a goal.
 
 mod noisy;
 mod relabelling;
@@ -19,12 +19,12 @@ use crate::agent::estimator::map::motion_model::{DISPLACEMENTS, MotionModel};
 use crate::agent::estimator::map::noise::NoiseCounts;
 use crate::agent::estimator::map::params::{MapParams, MotionPrior};
 use crate::agent::estimator::map::place::{Place, Surroundings, Vision};
-use crate::agent::estimator::map::state_map::{Charted, MOST_CHARTS, Map, Worth};
+use crate::agent::estimator::map::state_map::{MOST_MAPS, Map, MappedCells, RewardScale};
 use crate::agent::estimator::map::tracker::Felt;
 
-/// Episodes that are kept to draw the charts anew.
+/// Episodes that are kept to draw the maps anew.
 const KEPT_EPISODES: usize = 100;
-/// After so many successes the charts are drawn anew, if moves slip.
+/// After so many successes the maps are drawn anew, if moves slip.
 const REDRAWN_AFTER: [u32; 17] = [
     5, 10, 15, 20, 30, 40, 50, 65, 80, 100, 130, 160, 200, 300, 400, 600, 800,
 ];
@@ -32,7 +32,7 @@ const REDRAWN_AFTER: [u32; 17] = [
 const EXACT: f64 = 0.008;
 /// What is believed of slips and misread cells at first.
 const FIRST_SLIP: f64 = 0.05;
-const LEAST_MISREAD: f64 = 0.0005;
+const LEAST_OBSERVATION_ERROR: f64 = 0.0005;
 /// Looked-up percepts of which cells are misread less often than this are taken for right; sensed
 /// ones are never held for better than this.
 const RIGHT: f64 = 0.002;
@@ -42,14 +42,14 @@ const BROUGHT_STEPS: f64 = 100.0;
 const LEAST_DIFFERING: f64 = 3.0;
 /// Cells that were shown twice count beside so many that did not differ.
 const SHOWN_AT_FIRST: f64 = 50.0;
-/// How many times likelier an episode must be on a blank chart, to open one for it.
+/// How many times likelier an episode must be on a blank map, to open one for it.
 const BLANK_ADVANTAGE: f64 = 7.4;
 /// How often what is believed of slips and misread cells is improved after each episode.
 const ESTIMATED: usize = 3;
-/// A chart that fewer episodes than this share belong to is not planned on.
+/// A map that fewer episodes than this share belong to is not planned on.
 const LEAST_SHARE: f64 = 0.05;
 
-/// The charts, what is believed of moves and percepts, and the episodes that say so.
+/// The maps, what is believed of moves and percepts, and the episodes that say so.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MapSet {
     hypotheses: Vec<MapHypothesis>,
@@ -57,14 +57,14 @@ pub struct MapSet {
     /// Expected slips, and the steps among which they were counted.
     slips: [f64; 2],
     /// Cells in which two percepts differ, and all that two percepts show.
-    misread: [f64; 2],
+    observation_error: [f64; 2],
     episodes: VecDeque<Vec<MapStep>>,
-    /// Charts of another world, which all drawing begins with.
+    /// Maps of another world, which all drawing begins with.
     brought: Vec<MapHypothesis>,
     successes: u32,
     /// How often moves slip in plans, which do not change with every estimate.
     planned_slip: f64,
-    /// By action: what it was certain to aim at after the last success. Charts and map are drawn with
+    /// By action: what it was certain to aim at after the last success. Maps and map are drawn with
     /// it, so that a map that is drawn again after an interruption is the same.
     planned_with: Vec<Option<usize>>,
     #[serde(skip)]
@@ -72,7 +72,7 @@ pub struct MapSet {
 }
 
 impl MapSet {
-    /// An maps without a chart, for a robot with so many actions.
+    /// An maps without a map, for a robot with so many actions.
     pub fn new(actions: usize, vision: Vision, params: MapParams) -> Self {
         let robot = RobotModel {
             motion: match params.motion_model {
@@ -81,13 +81,13 @@ impl MapSet {
             },
             vision,
             slip: FIRST_SLIP,
-            misread: least_misread(vision),
+            observation_error: least_observation_error(vision),
         };
         Self {
             hypotheses: Vec::new(),
             robot,
             slips: [0.0; 2],
-            misread: [0.0; 2],
+            observation_error: [0.0; 2],
             episodes: VecDeque::new(),
             brought: Vec::new(),
             successes: 0,
@@ -104,29 +104,29 @@ impl MapSet {
         self
     }
 
-    /// Takes over the charts of a map that was drawn in another world. Each counts as one episode:
+    /// Takes over the maps of a map that was drawn in another world. Each counts as one episode:
     /// one that nothing bears out is soon too rare to plan on.
     pub fn bring(&mut self, map: &Map) {
-        for (spot, state) in map
-            .spots
+        for (map_state, state) in map
+            .states
             .iter()
             .zip(0..)
-            .filter(|(spot, _)| spot.collected == 0)
+            .filter(|(map_state, _)| map_state.collected == 0)
         {
-            let at = usize::from(spot.chart);
+            let at = usize::from(map_state.cell_map);
             while self.brought.len() <= at {
                 let (number, goal) = (self.brought.len() as u8, self.robot.vision.of_a_goal());
                 self.brought.push(MapHypothesis::transferred(number, goal));
             }
             let around = self.robot.vision.around(map.pomdp.percept(state));
             let hypothesis = &mut self.brought[at];
-            hypothesis.chart.add(spot.place, &around);
+            hypothesis.cell_map.add(map_state.place, &around);
             if map.begin == Some(state) {
-                hypothesis.always_begins_in(spot.place);
+                hypothesis.always_begins_in(map_state.place);
             }
         }
         for hypothesis in &mut self.brought {
-            hypothesis.chart = std::mem::take(&mut hypothesis.chart).seen_once();
+            hypothesis.cell_map = std::mem::take(&mut hypothesis.cell_map).seen_once();
         }
         self.hypotheses = self.brought.clone();
         self.planned_slip = map.pomdp.slip();
@@ -134,7 +134,7 @@ impl MapSet {
         self.update_robot_model();
     }
 
-    /// The same with no charts but those that were brought and without an episode, but for what is
+    /// The same with no maps but those that were brought and without an episode, but for what is
     /// believed of moves and percepts.
     fn blank(&self) -> Self {
         let RobotModel { motion, vision, .. } = &self.robot;
@@ -194,7 +194,7 @@ impl MapSet {
         if self.doubts() && self.params.motion_model == MotionPrior::Known {
             self.estimate();
         }
-        let inexact = self.robot.slip >= EXACT || self.misread() > 0.0;
+        let inexact = self.robot.slip >= EXACT || self.observation_error() > 0.0;
         let certain = self.robot.motion.all_certain();
         if certain != self.planned_with || REDRAWN_AFTER.contains(&self.successes) && inexact {
             self.re_estimate();
@@ -208,9 +208,9 @@ impl MapSet {
     fn compare(&mut self, steps: &[MapStep]) {
         let differing = differing(steps, &self.robot);
         let fading = 0.99;
-        let sums = self.misread.iter_mut().zip(differing);
+        let sums = self.observation_error.iter_mut().zip(differing);
         sums.for_each(|(sum, count)| *sum = *sum * fading + count);
-        self.settle_misread();
+        self.settle_noisy();
     }
 
     /// Compares successive percepts; true once more than [`RIGHT`] of the cells are misread.
@@ -218,14 +218,15 @@ impl MapSet {
         if self.params.estimates_noise {
             self.compare(steps);
         }
-        self.misread[0] >= LEAST_DIFFERING && self.robot.misread > RIGHT
+        self.observation_error[0] >= LEAST_DIFFERING && self.robot.observation_error > RIGHT
     }
 
-    fn settle_misread(&mut self) {
-        let [differing, all] = self.misread;
+    fn settle_noisy(&mut self) {
+        let [differing, all] = self.observation_error;
         // Either of the two percepts was wrong.
-        let misread = differing / 2.0 / (all + SHOWN_AT_FIRST);
-        self.robot.misread = misread.clamp(least_misread(self.robot.vision), 0.25);
+        let observation_error = differing / 2.0 / (all + SHOWN_AT_FIRST);
+        self.robot.observation_error =
+            observation_error.clamp(least_observation_error(self.robot.vision), 0.25);
     }
 
     /// Learns from all kept episodes together how often moves slip and cells are misread: each is
@@ -233,27 +234,27 @@ impl MapSet {
     fn estimate(&mut self) {
         for _ in 0..ESTIMATED {
             let tally = NoiseCounts::of(self.episodes.iter(), &self.robot);
-            (self.slips, self.misread) = (tally.slips, tally.differing);
+            (self.slips, self.observation_error) = (tally.slips, tally.differing);
             self.update_robot_model();
-            self.settle_misread();
+            self.settle_noisy();
         }
     }
 
     /// Are cells misread of which the robot is told what they are?
     fn doubts(&self) -> bool {
-        self.robot.vision == Vision::LookedUp && self.misread() > 0.0
+        self.robot.vision == Vision::LookedUp && self.observation_error() > 0.0
     }
 
     /// How often cells are misread; 0 if that is so rare that percepts are taken for right, which those
     /// of a lidar never are.
-    fn misread(&self) -> f64 {
+    fn observation_error(&self) -> f64 {
         match self.robot.vision {
-            Vision::LookedUp if self.robot.misread < RIGHT => 0.0,
-            _ => self.robot.misread,
+            Vision::LookedUp if self.robot.observation_error < RIGHT => 0.0,
+            _ => self.robot.observation_error,
         }
     }
 
-    /// Takes an episode down on the chart that it fits best; tells how well displacements fit there.
+    /// Takes an episode down on the map that it fits best; tells how well displacements fit there.
     fn draw(&mut self, steps: &[MapStep]) -> Vec<[f64; DISPLACEMENTS]> {
         let (at, alignment) = match self.doubts() {
             true => self.associate_noisily(steps),
@@ -265,7 +266,7 @@ impl MapSet {
         let hypothesis = &mut self.hypotheses[at];
         hypothesis.add(steps, &alignment);
         let goal = self.robot.vision.of_a_goal();
-        hypothesis.chart.sight(Place::ORIGIN, goal);
+        hypothesis.cell_map.sight(Place::ORIGIN, goal);
         let fading = 0.99;
         self.slips[0] = self.slips[0] * fading + self.slips_of(steps, &alignment);
         self.slips[1] = self.slips[1] * fading + steps.len() as f64;
@@ -273,7 +274,7 @@ impl MapSet {
     }
 
     /// How many steps of an episode slipped. While directions are being learned, a step that goes another way
-    /// than it seemed to aim is no slip, and only the chart tells.
+    /// than it seemed to aim is no slip, and only the map tells.
     fn slips_of(&self, steps: &[MapStep], alignment: &Alignment) -> f64 {
         match self.params.motion_model {
             MotionPrior::Known => slips(steps, &self.robot),
@@ -281,21 +282,21 @@ impl MapSet {
         }
     }
 
-    /// The chart that an episode fits best, and how it lies there; `None` if there is no chart.
+    /// The map that an episode fits best, and how it lies there; `None` if there is no map.
     fn best_fit(&self, steps: &[MapStep]) -> Option<(usize, Alignment)> {
-        let charts = self
+        let cell_maps = self
             .hypotheses
             .iter()
-            .map(|hypothesis| &hypothesis.chart)
+            .map(|hypothesis| &hypothesis.cell_map)
             .enumerate();
-        let laid = charts.map(|(at, chart)| (at, align(steps, chart, &self.robot)));
+        let laid = cell_maps.map(|(at, cell_map)| (at, align(steps, cell_map, &self.robot)));
         laid.reduce(|best, one| match one.1.likelihood > best.1.likelihood {
             true => one,
             false => best,
         })
     }
 
-    /// The same, or the number of a new chart, if the episode fits none of them.
+    /// The same, or the number of a new map, if the episode fits none of them.
     fn associate(&self, steps: &[MapStep]) -> (usize, Alignment) {
         let blank = || {
             let new = self.hypotheses.len();
@@ -318,14 +319,14 @@ impl MapSet {
         }
     }
 
-    /// How likely an episode must be on a blank chart to open one for it; `None` if nothing speaks against
-    /// the one that it fits best. If cells are misread, none by itself speaks against a chart; but a blank
+    /// How likely an episode must be on a blank map to open one for it; `None` if nothing speaks against
+    /// the one that it fits best. If cells are misread, none by itself speaks against a map; but a blank
     /// one tells nothing, so the episode must be twice as likely there for each cell that the other tells.
     fn least_to_open(&self, steps: &[MapStep], best: &(usize, Alignment)) -> Option<Likelihood> {
         let [contradicted, seen] = self.contradictions(steps, best);
         let likelihood = best.1.likelihood;
         let likelier = likelihood.times(BLANK_ADVANTAGE);
-        if self.misread() > 0.0 {
+        if self.observation_error() > 0.0 {
             return Some(likelier.doubled(seen));
         }
         match self.robot.slip < EXACT {
@@ -334,18 +335,19 @@ impl MapSet {
         }
     }
 
-    /// In how many cells an episode contradicts the chart on which it lies, and how many charted cells it
+    /// In how many cells an episode contradicts the map on which it lies, and how many mapped cells it
     /// sees.
     fn contradictions(
         &self,
         steps: &[MapStep],
         (at, alignment): &(usize, Alignment),
     ) -> [usize; 2] {
-        let chart = &self.hypotheses[*at].chart;
+        let cell_map = &self.hypotheses[*at].cell_map;
         let placed = steps.iter().zip(&alignment.places);
         let placed = placed.filter_map(|(step, place)| Some((step, (*place)?)));
         let mut cells: BTreeMap<Place, bool> = BTreeMap::new();
-        for (cell, agrees) in placed.flat_map(|(step, place)| chart.compare(place, &step.around)) {
+        for (cell, agrees) in placed.flat_map(|(step, place)| cell_map.compare(place, &step.around))
+        {
             *cells.entry(cell).or_default() |= !agrees;
         }
         let contradicted = cells.values().filter(|contradicted| **contradicted);
@@ -358,8 +360,8 @@ impl MapSet {
         self.robot.slip = ((slips + FIRST_SLIP) / (steps + 1.0)).clamp(1e-4, 0.9);
     }
 
-    /// The charted places as states to plan on, on all charts that are not rare.
-    pub fn map(&self, worth: &Worth) -> Map {
+    /// The mapped places as states to plan on, on all maps that are not rare.
+    pub fn map(&self, values: &RewardScale) -> Map {
         let all: f64 = self
             .hypotheses
             .iter()
@@ -367,15 +369,19 @@ impl MapSet {
             .sum();
         let used = self.hypotheses.iter();
         let used = used.filter(|hypothesis| hypothesis.episodes >= LEAST_SHARE * all);
-        let charted: Vec<Charted<'_>> = used
+        let mapped: Vec<MappedCells<'_>> = used
             .clone()
             .map(|hypothesis| {
-                Charted::new(&hypothesis.chart, &hypothesis.payments, self.robot.vision)
+                MappedCells::new(
+                    &hypothesis.cell_map,
+                    &hypothesis.payments,
+                    self.robot.vision,
+                )
             })
             .collect();
-        let map = Map::drawn(&charted, &self.planned_with, self.planned_slip, worth);
+        let map = Map::drawn(&mapped, &self.planned_with, self.planned_slip, values);
         Map {
-            misread: self.misread(),
+            observation_error: self.observation_error(),
             unfelt: !self.params.feels_bumps,
             ..map.begun_in(always_in(used))
         }
@@ -391,8 +397,8 @@ impl MapSet {
                 .iter()
                 .flatten()
                 .all(|&heading| heading < DISPLACEMENTS)
-            && self.hypotheses.len() <= MOST_CHARTS
-            && self.brought.len() <= MOST_CHARTS
+            && self.hypotheses.len() <= MOST_MAPS
+            && self.brought.len() <= MOST_MAPS
             && self
                 .hypotheses
                 .iter()
@@ -406,17 +412,20 @@ impl MapSet {
             && steps
                 .clone()
                 .all(|step| step.action.index() < actions && step.found.is_finite())
-            && [self.slips, self.misread].iter().flatten().all(is_count)
+            && [self.slips, self.observation_error]
+                .iter()
+                .flatten()
+                .all(is_count)
             && (0.0..=1.0).contains(&self.robot.slip)
             && (0.0..=1.0).contains(&self.planned_slip)
-            && (0.0..=1.0).contains(&self.robot.misread)
+            && (0.0..=1.0).contains(&self.robot.observation_error)
     }
 }
 
 /// The least share of cells that is taken for misread.
-fn least_misread(vision: Vision) -> f64 {
+fn least_observation_error(vision: Vision) -> f64 {
     match vision {
-        Vision::LookedUp => LEAST_MISREAD,
+        Vision::LookedUp => LEAST_OBSERVATION_ERROR,
         Vision::Lidar => RIGHT,
     }
 }
@@ -439,11 +448,11 @@ mod tests {
     fn association_and_belief_weigh_percepts_of_a_lidar_by_the_same_error() {
         let maps = |vision| MapSet::new(8, vision, MapParams::default());
         let lidar = maps(Vision::Lidar);
-        assert_eq!(lidar.robot.misread, lidar.misread());
+        assert_eq!(lidar.robot.observation_error, lidar.observation_error());
         let exact = maps(Vision::LookedUp);
         assert_eq!(
-            (exact.robot.misread, exact.misread()),
-            (LEAST_MISREAD, 0.0),
+            (exact.robot.observation_error, exact.observation_error()),
+            (LEAST_OBSERVATION_ERROR, 0.0),
             "control"
         );
     }

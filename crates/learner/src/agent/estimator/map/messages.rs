@@ -7,7 +7,7 @@ use crate::agent::estimator::map::place::Place;
 const NEGLIGIBLE: f64 = 1e-6;
 /// A place in which the robot was at least so likely is where it was.
 const CERTAIN: f64 = 0.6;
-/// Cells on each side of a square that holds all places of a chart.
+/// Cells on each side of a square that holds all places of a map.
 const SIDE: usize = 2 * FURTHEST as usize + 1;
 
 /// Likelihoods of places, in order; those of all others are zero.

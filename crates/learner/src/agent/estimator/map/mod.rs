@@ -32,5 +32,5 @@ pub mod tracker;
 
 pub use params::{MapParams, MotionPrior};
 pub use place::Vision;
-pub use state_map::{Map, Worth};
-pub use tracker::{ASTRAY, BEGUN_ELSEWHERE, CONTEXT_BITS, PERCEPT_BITS, Tracker, words};
+pub use state_map::{Map, RewardScale};
+pub use tracker::{BEGUN_ELSEWHERE, CONTEXT_BITS, MISLOCALISED, PERCEPT_BITS, Tracker, words};

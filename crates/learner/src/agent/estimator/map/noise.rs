@@ -1,5 +1,5 @@
 //! How often moves slip and how often cells are misread, where both may happen: learned from percepts
-//! that follow each other, without a chart. A cell that was misread looks as if the robot had gone another
+//! that follow each other, without a map. A cell that was misread looks as if the robot had gone another
 //! way; so all headings of a step are weighed by all that both percepts show (theorem of Bayes).
 
 use crate::agent::estimator::map::association::{MapStep, RobotModel};
@@ -85,7 +85,7 @@ impl<'a> Readings<'a> {
             .for_each(|state| anywhere[state as usize] += 1.0);
         let all: f64 = anywhere.iter().sum();
         let anywhere = anywhere.map(|count| count / all);
-        let read = |state, is| felt(state, is, robot.misread);
+        let read = |state, is| felt(state, is, robot.observation_error);
         let again = STATES.map(|first| {
             let both = STATES.map(|second| {
                 let of =
@@ -145,7 +145,7 @@ impl<'a> Readings<'a> {
         for (place, &state) in seen.filter(|(_, state)| **state != CellState::Hidden) {
             fits *= match known(step, (heading, bumped), place.plus(by)) {
                 Known::Nothing => self.anywhere[state as usize],
-                Known::Felt(is) => felt(state, is, self.robot.misread),
+                Known::Felt(is) => felt(state, is, self.robot.observation_error),
                 Known::Read(first) => {
                     differing[0] += f64::from(u8::from(first != state));
                     differing[1] += 1.0;
@@ -168,7 +168,8 @@ impl<'a> Readings<'a> {
             true => self.robot.vision.of_a_goal(),
             false => CellState::Free,
         };
-        let likelier = felt(state, is, self.robot.misread) / self.anywhere[state as usize];
+        let likelier =
+            felt(state, is, self.robot.observation_error) / self.anywhere[state as usize];
         match step.bumped {
             Bump::Unfelt => likelier * self.anywhere[is as usize],
             _ => likelier,
@@ -183,11 +184,11 @@ fn ends(step: &MapStep, at_goal: bool) -> impl Iterator<Item = bool> {
 }
 
 /// How likely a cell that is known to be this is read so: both wrong state equally often.
-fn felt(state: CellState, is: CellState, misread: f64) -> f64 {
+fn felt(state: CellState, is: CellState, observation_error: f64) -> f64 {
     if state == is {
-        1.0 - misread
+        1.0 - observation_error
     } else {
-        misread / 2.0
+        observation_error / 2.0
     }
 }
 

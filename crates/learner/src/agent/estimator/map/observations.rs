@@ -31,10 +31,10 @@ impl Observations {
         seen
     }
 
-    /// What was seen of a chart.
-    pub fn of_chart(chart: &CellCounts) -> Self {
+    /// What was seen of a map.
+    pub fn of_map(cell_map: &CellCounts) -> Self {
         Self(
-            chart
+            cell_map
                 .seen()
                 .map(|(place, seen)| (place, seen.map(u32::from)))
                 .collect(),
@@ -71,27 +71,30 @@ impl Observations {
     }
 
     /// How likely these are, as a logarithm to the base 2.
-    pub fn bits(&self, misread: f64) -> f64 {
-        self.0.values().map(|counts| bits(counts, misread)).sum()
+    pub fn bits(&self, observation_error: f64) -> f64 {
+        self.0
+            .values()
+            .map(|counts| bits(counts, observation_error))
+            .sum()
     }
 
     /// How likely others are beside these.
-    pub fn bits_of(&self, others: &Self, misread: f64) -> f64 {
+    pub fn bits_of(&self, others: &Self, observation_error: f64) -> f64 {
         let gain = |(place, counts): (&Place, &[u32; 3])| match self.0.get(place) {
             Some(own) => {
                 let both = std::array::from_fn(|state| own[state] + counts[state]);
-                bits(&both, misread) - bits(own, misread)
+                bits(&both, observation_error) - bits(own, observation_error)
             }
-            None => bits(counts, misread),
+            None => bits(counts, observation_error),
         };
         others.0.iter().map(gain).sum()
     }
 }
 
 /// How likely sightings of one cell are, if another state is read with half of `misread`.
-fn bits(counts: &[u32; 3], misread: f64) -> f64 {
-    let right = libm::log2(1.0 - misread);
-    let wrong = libm::log2(misread / 2.0);
+fn bits(counts: &[u32; 3], observation_error: f64) -> f64 {
+    let right = libm::log2(1.0 - observation_error);
+    let wrong = libm::log2(observation_error / 2.0);
     let all: u32 = counts.iter().sum();
     let of = |state: usize| {
         let agreeing = counts[state];
@@ -108,13 +111,13 @@ mod tests {
     use crate::agent::estimator::map::bump::Bump;
     use xcs::Action;
 
-    const MISREAD: f64 = 0.03;
+    const OBSERVATION_ERROR: f64 = 0.03;
 
     /// What is seen from the cell south of the goal, between walls, but so many cells misread.
-    fn seen(misread: usize) -> Observations {
+    fn seen(observation_error: usize) -> Observations {
         let mut around = [CellState::Wall; 8];
         around[0] = CellState::Goal;
-        (1..=misread).for_each(|at| around[at] = CellState::Free);
+        (1..=observation_error).for_each(|at| around[at] = CellState::Free);
         let step = MapStep {
             around,
             action: Action::new(0).unwrap(),
@@ -126,11 +129,11 @@ mod tests {
 
     #[test]
     fn a_misread_cell_is_likelier_on_the_chart_than_on_a_blank_one_and_most_of_them_are_not() {
-        let mut chart = Observations::default();
-        (0..3).for_each(|_| chart.add(&seen(0)));
-        let gain = |misread| {
-            let seen = seen(misread);
-            chart.bits_of(&seen, MISREAD) - seen.bits(MISREAD)
+        let mut cell_map = Observations::default();
+        (0..3).for_each(|_| cell_map.add(&seen(0)));
+        let gain = |observation_error| {
+            let seen = seen(observation_error);
+            cell_map.bits_of(&seen, OBSERVATION_ERROR) - seen.bits(OBSERVATION_ERROR)
         };
         assert!(gain(0) > gain(1) && gain(1) > 0.0);
         assert!(gain(5) < 0.0, "control");
@@ -138,20 +141,21 @@ mod tests {
 
     #[test]
     fn what_is_added_and_removed_leaves_nothing_behind() {
-        let mut chart = seen(0);
-        let before = chart.bits(MISREAD);
-        chart.add(&seen(2));
-        let more = chart.bits(MISREAD);
+        let mut cell_map = seen(0);
+        let before = cell_map.bits(OBSERVATION_ERROR);
+        cell_map.add(&seen(2));
+        let more = cell_map.bits(OBSERVATION_ERROR);
         assert!(more < before, "control");
-        chart.remove(&seen(2));
-        assert_eq!(chart.bits(MISREAD), before);
+        cell_map.remove(&seen(2));
+        assert_eq!(cell_map.bits(OBSERVATION_ERROR), before);
     }
 
     #[test]
     fn episodes_one_after_the_other_are_as_likely_as_together() {
-        let mut chart = seen(0);
-        let one_by_one = chart.bits(MISREAD) + chart.bits_of(&seen(1), MISREAD);
-        chart.add(&seen(1));
-        assert!((chart.bits(MISREAD) - one_by_one).abs() < 1e-9);
+        let mut cell_map = seen(0);
+        let one_by_one =
+            cell_map.bits(OBSERVATION_ERROR) + cell_map.bits_of(&seen(1), OBSERVATION_ERROR);
+        cell_map.add(&seen(1));
+        assert!((cell_map.bits(OBSERVATION_ERROR) - one_by_one).abs() < 1e-9);
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::map::state_map::MOST_CHARTS;
+use crate::agent::estimator::map::state_map::MOST_MAPS;
 use xcs::settings;
 
 /// What is known beforehand of how actions displace the robot.
@@ -30,6 +30,6 @@ settings! {
         /// right, and one cell in 500 of sensed percepts for misread.
         estimates_noise: bool = true;
         /// The most maps: goals that can be told apart.
-        max_maps: u32 = MOST_CHARTS as u32, in 1..=MOST_CHARTS as u32;
+        max_maps: u32 = MOST_MAPS as u32, in 1..=MOST_MAPS as u32;
     }
 }

@@ -1,4 +1,4 @@
-//! Places on a chart, and what lies around a robot.
+//! Places on a map, and what lies around a robot.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ pub fn offset(displacement: usize) -> Place {
         .unwrap_or(Place::ORIGIN)
 }
 
-/// Cells to the east and to the north of the goal of a chart, or of where an episode began.
+/// Cells to the east and to the north of the goal of a map, or of where an episode began.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Place {
     /// To the east.

@@ -1,4 +1,4 @@
-//! What cells of a chart pay by themselves, once in an episode.
+//! What cells of a map pay by themselves, once in an episode.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -14,10 +14,10 @@ use xcscr_robot::arena::Outcome;
 pub const PERCEPT_BITS: usize = 16;
 /// The bits of a coordinate: bit k says that it is greater than `k - FURTHEST`.
 pub const COORDINATE_BITS: usize = 2 * FURTHEST as usize;
-/// The bits of a chart's number.
-pub const CHART_BITS: usize = 3;
+/// The bits of a map's number.
+pub const MAP_BITS: usize = 3;
 /// Where cells are misread: the probability that the robot is not where its moves should have led it.
-pub const ASTRAY: f64 = 1e-3;
+pub const MISLOCALISED: f64 = 1e-3;
 /// The same for the place in which episodes always began so far.
 pub const BEGUN_ELSEWHERE: f64 = 0.1;
 /// The bits of a step of the window: was there one, its action, its percept.
@@ -26,7 +26,7 @@ pub const STEP_BITS: usize = 1 + 3 + PERCEPT_BITS;
 const WINDOW: usize = 2;
 /// All bits of a context.
 pub const CONTEXT_BITS: usize =
-    PERCEPT_BITS + 2 * COORDINATE_BITS + CHART_BITS + MOST_PAYING + WINDOW * STEP_BITS;
+    PERCEPT_BITS + 2 * COORDINATE_BITS + MAP_BITS + MOST_PAYING + WINDOW * STEP_BITS;
 
 /// Where the percept and the place end: rules look at what comes after only where that does not suffice.
 pub const PARTS: &[usize] = &[PERCEPT_BITS, PLACE_END];
@@ -83,7 +83,7 @@ impl Tracker {
 
     /// In a state of which it is sure, before anything was done.
     pub fn standing(map: &Map, state: u32) -> Self {
-        let found = map.spots[state as usize].collected.count_ones();
+        let found = map.states[state as usize].collected.count_ones();
         let mut tracker = Self {
             found,
             ..Self::begun(Belief::even([state]))
@@ -97,7 +97,7 @@ impl Tracker {
         if let (None, Some(begin)) = (self.now, map.begin) {
             self.belief = map.first_belief(begin);
         }
-        match map.misread > 0.0 {
+        match map.observation_error > 0.0 {
             true => self.perceive_doubtingly(map, percept),
             false => self.perceive_rightly(map, percept),
         }
@@ -110,24 +110,25 @@ impl Tracker {
         if acted.is_some_and(|(_, felt)| felt.rewarded) {
             self.found = (self.found + 1).min(map.rewards());
         }
-        let (expected, astray) = match acted {
+        let (expected, mislocalised) = match acted {
             Some((action, felt)) => {
                 let stayed = (!map.unfelt).then_some(felt.bumped);
                 let expected = self.belief.expected(&map.pomdp, action, stayed);
-                (expected, ASTRAY)
+                (expected, MISLOCALISED)
             }
             None => (std::mem::take(&mut self.belief), BEGUN_ELSEWHERE),
         };
         let (seen, found) = (around(percept), self.found);
         let mut likely = [1.0; NEIGHBOURS.len() + 2];
-        (1..likely.len()).for_each(|errors| likely[errors] = likely[errors - 1] * map.misread);
+        (1..likely.len())
+            .for_each(|errors| likely[errors] = likely[errors - 1] * map.observation_error);
         let fits = |state: u32| {
-            let spot = &map.spots[state as usize];
-            let wrong = usize::from(spot.collected.count_ones() != found);
+            let map_state = &map.states[state as usize];
+            let wrong = usize::from(map_state.collected.count_ones() != found);
             likely[strange(map, state, &seen) + wrong]
         };
         let anywhere = map.pomdp.states() as u32;
-        self.belief = Belief::weighed(&expected, astray, anywhere, fits);
+        self.belief = Belief::weighed(&expected, mislocalised, anywhere, fits);
         let there = self.belief.likeliest().map(|(state, _)| {
             let there = map.pomdp.percept(state);
             Percept::from_word(there.words()[0], PERCEPT_BITS)
@@ -142,7 +143,7 @@ impl Tracker {
         let acted = self.acted.take();
         let after = acted.and_then(|(action, felt)| {
             let found = felt.rewarded;
-            // A reward that was not foreseen, or did not come, still tells where the robot is.
+            // A reward that was not predicted, or did not come, still tells where the robot is.
             let counts = [
                 self.found + u32::from(found),
                 self.found + u32::from(!found),
@@ -183,16 +184,16 @@ impl Tracker {
     /// All that rules look at, as bits.
     pub fn context(&self, map: &Map) -> Percept {
         let percept = self.now.unwrap_or(Percept::from_word(0, PERCEPT_BITS));
-        let spot = self
+        let map_state = self
             .belief
             .likeliest()
-            .map(|(state, _)| map.spots[state as usize]);
-        let spot = spot.unwrap_or_default();
+            .map(|(state, _)| map.states[state as usize]);
+        let map_state = map_state.unwrap_or_default();
         let mut context = percept
-            .followed_by(&above(spot.place.east))
-            .followed_by(&above(spot.place.north))
-            .followed_by(&Percept::from_word(spot.chart.into(), CHART_BITS))
-            .followed_by(&Percept::from_word(spot.collected.into(), MOST_PAYING));
+            .followed_by(&above(map_state.place.east))
+            .followed_by(&above(map_state.place.north))
+            .followed_by(&Percept::from_word(map_state.cell_map.into(), MAP_BITS))
+            .followed_by(&Percept::from_word(map_state.collected.into(), MOST_PAYING));
         for step in self.window.iter().rev() {
             context = context.followed_by(&step_bits(*step));
         }
@@ -212,7 +213,7 @@ pub enum View {
 impl View {
     /// Those that rules on a map may have, the narrowest first.
     pub fn fit_for(map: &Map) -> &'static [Self] {
-        match map.misread > 0.0 {
+        match map.observation_error > 0.0 {
             true => &[Self::Place, Self::Steps],
             false => &[Self::Steps],
         }
@@ -272,7 +273,7 @@ fn lost(map: &Map, percept: &Percept, found: u32) -> Belief {
     let seen = around(percept);
     let strange = |state: u32| strange(map, state, &seen);
     let states = 0..pomdp.states() as u32;
-    let states = states.filter(|&state| map.spots[state as usize].collected.count_ones() == found);
+    let states = states.filter(|&state| map.states[state as usize].collected.count_ones() == found);
     let least = states.clone().map(strange).min();
     match least {
         Some(least) => Belief::even(states.filter(|&state| strange(state) == least)),
@@ -296,8 +297,8 @@ type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;
 pub fn words(alleles: Alleles<'_>, seen: &dyn Fn(Alleles<'_>) -> Option<String>) -> Vec<String> {
     let east = PERCEPT_BITS;
     let north = east + COORDINATE_BITS;
-    let chart = north + COORDINATE_BITS;
-    let collected = chart + CHART_BITS;
+    let cell_map = north + COORDINATE_BITS;
+    let collected = cell_map + MAP_BITS;
     let window = collected + MOST_PAYING;
     let mut words = coordinate_words("x", east, alleles);
     words.extend(coordinate_words("y", north, alleles));
@@ -306,7 +307,7 @@ pub fn words(alleles: Alleles<'_>, seen: &dyn Fn(Alleles<'_>) -> Option<String>)
         let bits: String = range.map(state).collect();
         bits.contains(['0', '1']).then(|| format!("{name} {bits}"))
     };
-    words.extend(part("map", chart..collected));
+    words.extend(part("map", cell_map..collected));
     words.extend(part("rewards found", collected..window));
     for (step, ago) in ["last step", "step before"].into_iter().enumerate() {
         let from = window + step * STEP_BITS;
@@ -342,14 +343,14 @@ mod tests {
     /// Three places that look alike: the action bumps in the first, and leads from the second to the third.
     fn alike(unfelt: bool) -> Map {
         let seen = [sight(&Percept::from_word(0, PERCEPT_BITS), 0); 3];
-        let spot = |east| MapState {
+        let map_state = |east| MapState {
             place: Place::new(east, 1),
             ..MapState::default()
         };
         Map {
             pomdp: Pomdp::new(1, 0.0, &seen, |state, _| [0, 2, 2][state]),
-            spots: [0, 1, 2].map(spot).into(),
-            misread: 0.02,
+            states: [0, 1, 2].map(map_state).into(),
+            observation_error: 0.02,
             begin: None,
             unfelt,
         }
@@ -377,16 +378,16 @@ mod tests {
     }
 
     /// Two states that look different, in the second of which `rewards` rewards were found.
-    fn paying(rewards: u32, misread: f64) -> Map {
+    fn paying(rewards: u32, observation_error: f64) -> Map {
         let look = |word, found| sight(&Percept::from_word(word, PERCEPT_BITS), found);
-        let spot = |collected| MapState {
+        let map_state = |collected| MapState {
             collected,
             ..MapState::default()
         };
         Map {
             pomdp: Pomdp::new(1, 0.0, &[look(0, 0), look(1, rewards)], |_, _| 1),
-            spots: vec![spot(0), spot((1 << rewards) - 1)],
-            misread,
+            states: vec![map_state(0), map_state((1 << rewards) - 1)],
+            observation_error,
             begin: None,
             unfelt: false,
         }
@@ -404,12 +405,16 @@ mod tests {
 
     #[test]
     fn a_reward_on_the_step_that_gets_lost_counts_if_the_map_knows_one() {
-        for misread in [0.0, 0.02] {
-            assert_eq!(counted(&paying(1, misread)), 1, "{misread}");
+        for observation_error in [0.0, 0.02] {
             assert_eq!(
-                counted(&paying(0, misread)),
+                counted(&paying(1, observation_error)),
+                1,
+                "{observation_error}"
+            );
+            assert_eq!(
+                counted(&paying(0, observation_error)),
                 0,
-                "no reward on the map, {misread}"
+                "no reward on the map, {observation_error}"
             );
         }
     }

@@ -1,4 +1,4 @@
-//! Charts drawn anew from all episodes that are kept.
+//! Maps drawn anew from all episodes that are kept.
 
 use crate::agent::estimator::map::association::MapStep;
 use crate::agent::estimator::map::hypothesis::MapHypothesis;
@@ -6,7 +6,7 @@ use crate::agent::estimator::map::likelihood::Likelihood;
 use crate::agent::estimator::map::map_set::{MapSet, Place};
 
 impl MapSet {
-    /// Draws all charts anew from the kept episodes, the shortest first, and once more from how they
+    /// Draws all maps anew from the kept episodes, the shortest first, and once more from how they
     /// lie there; keeps what is likelier. Looked-up percepts that are misread have
     /// [a way of their own](Self::redraw_doubting).
     pub(super) fn re_estimate(&mut self) {
@@ -25,19 +25,19 @@ impl MapSet {
         if fresh.likelihood(&order) > self.likelihood(&order) || order.len() < 25 {
             self.take_over(fresh);
         }
-        if self.misread() > 0.0 {
+        if self.observation_error() > 0.0 {
             self.take_over(self.clone().without_needless(&order));
         }
     }
 
-    /// Takes over charts, and what they tell of moves.
+    /// Takes over maps, and what they tell of moves.
     fn take_over(&mut self, drawn: Self) {
         self.hypotheses = drawn.hypotheses;
         self.robot = drawn.robot;
         self.slips = drawn.slips;
     }
 
-    /// Charts drawn from how episodes lie on these ones.
+    /// Maps drawn from how episodes lie on these ones.
     fn drawn_again(&self, episodes: &[Vec<MapStep>]) -> Self {
         let mut again = self.blank();
         let prior = |hypothesis: &MapHypothesis| match hypothesis.transferred {
@@ -51,7 +51,7 @@ impl MapSet {
             };
             let hypothesis = &mut again.hypotheses[at];
             let goal = self.robot.vision.of_a_goal();
-            hypothesis.chart.sight(Place::ORIGIN, goal);
+            hypothesis.cell_map.sight(Place::ORIGIN, goal);
             hypothesis.add(steps, &alignment);
             again.slips[0] += again.slips_of(steps, &alignment);
             again.slips[1] += steps.len() as f64;
@@ -63,15 +63,15 @@ impl MapSet {
         again
     }
 
-    /// The same without charts of goals that have another one. If cells are misread, the first episodes on a
-    /// chart may draw it so wrongly that later ones open another. A chart is needless if without it
+    /// The same without maps of goals that have another one. If cells are misread, the first episodes on a
+    /// map may draw it so wrongly that later ones open another. A map is needless if without it
     /// episodes are as likely but for what it tells of its cells, one bit of each.
     fn without_needless(self, episodes: &[Vec<MapStep>]) -> Self {
         let mut best = self;
         let mut at = 0;
         while at < best.hypotheses.len() && best.hypotheses.len() > 1 {
             let fewer = best.without(at, episodes);
-            let cells = best.hypotheses[at].chart.cells();
+            let cells = best.hypotheses[at].cell_map.cells();
             (best, at) = match fewer.fit(episodes).doubled(cells) > best.fit(episodes) {
                 true => (fewer, 0),
                 false => (best, at + 1),
@@ -80,14 +80,14 @@ impl MapSet {
         best
     }
 
-    /// The same drawn again without a chart.
+    /// The same drawn again without a map.
     fn without(&self, at: usize, episodes: &[Vec<MapStep>]) -> Self {
         let mut fewer = self.clone();
         fewer.hypotheses.remove(at);
         fewer.drawn_again(episodes).drawn_again(episodes)
     }
 
-    /// How likely episodes are on the charts that there are.
+    /// How likely episodes are on the maps that there are.
     fn fit(&self, episodes: &[Vec<MapStep>]) -> Likelihood {
         let fits = episodes.iter().filter_map(|steps| self.best_fit(steps));
         fits.map(|(_, alignment)| alignment.likelihood)
@@ -117,7 +117,7 @@ mod tests {
             .map(|number| MapHypothesis::transferred(number, goal))
             .into();
         maps.brought[1]
-            .chart
+            .cell_map
             .sight(Place::new(1, 0), CellState::Free);
         maps.hypotheses = maps.brought.clone();
         maps
@@ -128,7 +128,10 @@ mod tests {
         let maps = two_transferred();
         assert_eq!(maps.without(0, &[]).hypotheses, [maps.brought[1].clone()]);
         assert_eq!(maps.without(1, &[]).hypotheses, [maps.brought[0].clone()]);
-        assert_ne!(maps.brought[0].chart, maps.brought[1].chart, "control");
+        assert_ne!(
+            maps.brought[0].cell_map, maps.brought[1].cell_map,
+            "control"
+        );
     }
 
     #[test]

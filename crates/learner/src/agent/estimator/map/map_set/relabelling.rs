@@ -1,4 +1,4 @@
-//! Charts, and how all episodes lie on them where cells are misread.
+//! Maps, and how all episodes lie on them where cells are misread.
 
 use std::cmp::Reverse;
 
@@ -12,7 +12,7 @@ use crate::agent::estimator::map::observations::Observations;
 const SWEEPS: usize = 4;
 
 impl MapSet {
-    /// Draws all charts anew: from the charts that there are, and from none, the shortest episodes first.
+    /// Draws all maps anew: from the maps that there are, and from none, the shortest episodes first.
     pub(super) fn redraw_doubting(&mut self, episodes: &[Vec<MapStep>]) {
         let mut fresh = self.blank();
         for steps in episodes {
@@ -32,7 +32,7 @@ impl MapSet {
     }
 }
 
-/// Charts, and how all episodes lie on them.
+/// Maps, and how all episodes lie on them.
 #[derive(Debug, Clone)]
 struct Drawing<'a> {
     maps: MapSet,
@@ -41,9 +41,9 @@ struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    /// These episodes, each where it is likeliest on the charts that there are.
+    /// These episodes, each where it is likeliest on the maps that there are.
     fn of(maps: MapSet, episodes: &'a [Vec<MapStep>]) -> Self {
-        let seen = maps.seen_on_charts();
+        let seen = maps.seen_on_maps();
         let laid = episodes
             .iter()
             .map(|steps| maps.likeliest(steps, &seen, false));
@@ -55,7 +55,7 @@ impl<'a> Drawing<'a> {
         .drawn()
     }
 
-    /// Draws the charts from how the episodes lie.
+    /// Draws the maps from how the episodes lie.
     fn drawn(mut self) -> Self {
         let mut maps = self.maps.blank();
         let hypotheses = self.laid.iter().map(|laid| laid.at + 1).max().unwrap_or(0);
@@ -65,16 +65,16 @@ impl<'a> Drawing<'a> {
         for (steps, laid) in self.episodes.iter().zip(&self.laid) {
             let hypothesis = &mut maps.hypotheses[laid.at];
             hypothesis.add(steps, &laid.alignment);
-            hypothesis.chart.sight(Place::ORIGIN, goal);
+            hypothesis.cell_map.sight(Place::ORIGIN, goal);
         }
         self.maps = maps;
         self
     }
 
-    /// What is seen on each chart.
+    /// What is seen on each map.
     fn seen(&self) -> Vec<Observations> {
         let blank = self.maps.blank();
-        let mut seen = blank.seen_on_charts();
+        let mut seen = blank.seen_on_maps();
         seen.resize(self.maps.hypotheses.len(), Observations::default());
         for laid in &self.laid {
             seen[laid.at].add(&laid.seen);
@@ -84,8 +84,12 @@ impl<'a> Drawing<'a> {
 
     /// How likely it is, as a logarithm to the base 2.
     fn bits(&self) -> f64 {
-        let misread = self.maps.robot().misread;
-        let seen: f64 = self.seen().iter().map(|seen| seen.bits(misread)).sum();
+        let observation_error = self.maps.robot().observation_error;
+        let seen: f64 = self
+            .seen()
+            .iter()
+            .map(|seen| seen.bits(observation_error))
+            .sum();
         let moves: f64 = self.laid.iter().map(|laid| laid.bits).sum();
         seen + moves - TO_OPEN * self.maps.used() as f64
     }
@@ -124,7 +128,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// The same with as many charts as are worth it.
+    /// The same with as many maps as are worth it.
     fn improved(self) -> Self {
         let mut best = self.settled(true).without_needless();
         let mut at = 0;
@@ -137,12 +141,12 @@ impl<'a> Drawing<'a> {
         best
     }
 
-    /// The same with two charts in place of one, on which two goals may have been taken for one; `None` if
+    /// The same with two maps in place of one, on which two goals may have been taken for one; `None` if
     /// there is no room. Each episode is at home among those that lie wrong with it, so to lay one after the
     /// other elsewhere does not lead there.
     fn split(&self, at: usize) -> Option<Self> {
         let new = self.maps.room()?;
-        let misread = self.maps.robot().misread;
+        let observation_error = self.maps.robot().observation_error;
         let seen = |number: usize| &self.laid[number].seen;
         let [first, second] = self.most_unlike(at)?;
         let mut halves = [seen(first).clone(), seen(second).clone()];
@@ -152,7 +156,7 @@ impl<'a> Drawing<'a> {
         for number in others.filter(|number| ![first, second].contains(number)) {
             let [old, other] = halves
                 .each_ref()
-                .map(|half| half.bits_of(seen(number), misread));
+                .map(|half| half.bits_of(seen(number), observation_error));
             halves[usize::from(other > old)].add(seen(number));
             if other > old {
                 split.laid[number].at = new;
@@ -161,7 +165,7 @@ impl<'a> Drawing<'a> {
         Some(split.drawn().settled(false))
     }
 
-    /// The episodes on a chart, those that see most first.
+    /// The episodes on a map, those that see most first.
     fn laid_on(&self, at: usize) -> Vec<usize> {
         let all = 0..self.laid.len();
         let mut own: Vec<usize> = all.filter(|&number| self.laid[number].at == at).collect();
@@ -169,14 +173,15 @@ impl<'a> Drawing<'a> {
         own
     }
 
-    /// Of the episodes on a chart the one that sees most, and the one that contradicts it most.
+    /// Of the episodes on a map the one that sees most, and the one that contradicts it most.
     fn most_unlike(&self, at: usize) -> Option<[usize; 2]> {
-        let misread = self.maps.robot().misread;
+        let observation_error = self.maps.robot().observation_error;
         let own = self.laid_on(at);
         let (&first, others) = own.split_first()?;
         let beside = |&number: &usize| {
             let seen = &self.laid[number].seen;
-            let gain = self.laid[first].seen.bits_of(seen, misread) - seen.bits(misread);
+            let gain = self.laid[first].seen.bits_of(seen, observation_error)
+                - seen.bits(observation_error);
             (number, gain)
         };
         let worse =
@@ -185,7 +190,7 @@ impl<'a> Drawing<'a> {
         Some([first, second])
     }
 
-    /// The same without charts that are not worth it.
+    /// The same without maps that are not worth it.
     fn without_needless(self) -> Self {
         let mut best = self;
         let mut at = 0;

@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 /// Connections at a time: what a few browsers open, and few enough for `ulimit -n 64` when each
 /// takes a socket and a file.
 const MOST_GUESTS: usize = 24;
-/// How long a guest may take nothing of what is sent.
+/// How long a connection may take nothing of what is sent.
 const STALL_TIME: Duration = Duration::from_secs(30);
-/// A guest that did nothing for so long gives way to a new one when all places are taken.
+/// A connection that did nothing for so long gives way to a new one when all places are taken.
 const IDLE_TIME: Duration = Duration::from_secs(1);
 /// How long, and how much, is read and thrown away at the end: closing a connection with unread
 /// bytes would take the answer back.
@@ -21,16 +21,16 @@ const MOST_FAREWELL: u64 = 64 * 1024;
 
 /// Who is connected.
 #[derive(Debug, Default)]
-pub struct Room(Mutex<Vec<Arc<Seat>>>);
+pub struct Room(Mutex<Vec<Arc<Slot>>>);
 
 /// A connection, and when something last went over it.
 #[derive(Debug)]
-struct Seat {
+struct Slot {
     stream: TcpStream,
     active: Mutex<Instant>,
 }
 
-impl Seat {
+impl Slot {
     fn idle(&self) -> Duration {
         let active = self.active.lock().unwrap_or_else(PoisonError::into_inner);
         active.elapsed()
@@ -42,13 +42,13 @@ impl Seat {
 }
 
 impl Room {
-    fn seats(&self) -> std::sync::MutexGuard<'_, Vec<Arc<Seat>>> {
+    fn seats(&self) -> std::sync::MutexGuard<'_, Vec<Arc<Slot>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// A seat for a new connection. When all are taken, whoever has been idle for longest gives
     /// way, so that silent connections keep nobody out; `None` when nobody is idle.
-    fn seat(&self, stream: TcpStream) -> Result<Arc<Seat>, TcpStream> {
+    fn slot(&self, stream: TcpStream) -> Result<Arc<Slot>, TcpStream> {
         let mut seats = self.seats();
         if seats.len() >= MOST_GUESTS {
             let idlest = (0..seats.len()).max_by_key(|&at| seats[at].idle());
@@ -59,32 +59,32 @@ impl Room {
             let _ = seats.remove(idlest).stream.shutdown(Shutdown::Both);
         }
         let active = Mutex::new(Instant::now());
-        let seat = Arc::new(Seat { stream, active });
-        seats.push(Arc::clone(&seat));
-        Ok(seat)
+        let slot = Arc::new(Slot { stream, active });
+        seats.push(Arc::clone(&slot));
+        Ok(slot)
     }
 }
 
 /// A connection that was let in. Writing to it fails when nothing is taken for too long.
 #[derive(Debug)]
-pub struct Guest {
-    seat: Arc<Seat>,
+pub struct Connection {
+    slot: Arc<Slot>,
     room: Arc<Room>,
 }
 
-impl Guest {
+impl Connection {
     /// Lets a connection in; gives it back when there is no place.
     pub fn enter(stream: TcpStream, room: &Arc<Room>) -> Result<Self, TcpStream> {
-        let patience = Some(STALL_TIME);
+        let grace_period = Some(STALL_TIME);
         let prepared = stream
             .set_nodelay(true)
-            .and_then(|()| stream.set_write_timeout(patience));
+            .and_then(|()| stream.set_write_timeout(grace_period));
         if prepared.is_err() {
             return Err(stream);
         }
         let room = Arc::clone(room);
-        let seat = room.seat(stream)?;
-        Ok(Self { seat, room })
+        let slot = room.slot(stream)?;
+        Ok(Self { slot, room })
     }
 
     /// Reads what comes next; fails with [`ErrorKind::TimedOut`] when nothing does until then.
@@ -93,40 +93,40 @@ impl Guest {
         if left.is_zero() {
             return Err(ErrorKind::TimedOut.into());
         }
-        self.seat.stream.set_read_timeout(Some(left))?;
-        (&self.seat.stream).read(piece)
+        self.slot.stream.set_read_timeout(Some(left))?;
+        (&self.slot.stream).read(piece)
     }
 
     /// Sends all of it.
     ///
     /// # Errors
-    /// When the guest has gone, or takes nothing for too long.
+    /// When the connection has gone, or takes nothing for too long.
     pub fn say(&mut self, bytes: &[u8]) -> io::Result<()> {
-        (&self.seat.stream).write_all(bytes)?;
-        self.seat.touch();
+        (&self.slot.stream).write_all(bytes)?;
+        self.slot.touch();
         Ok(())
     }
 
-    /// Passes everything on between the guest and another connection, until either has enough.
+    /// Passes everything on between the connection and another connection, until either has enough.
     ///
     /// # Errors
     /// When no thread can be started.
     #[cfg(feature = "live")]
     pub fn connect(&mut self, other: &TcpStream) -> io::Result<()> {
-        self.seat.stream.set_read_timeout(None)?;
+        self.slot.stream.set_read_timeout(None)?;
         thread::scope(|scope| {
             let there = thread::Builder::new().spawn_scoped(scope, || {
-                pass_on(&self.seat.stream, other, &self.seat);
+                pass_on(&self.slot.stream, other, &self.slot);
             })?;
-            pass_on(other, &self.seat.stream, &self.seat);
+            pass_on(other, &self.slot.stream, &self.slot);
             let _ = there.join();
             Ok(())
         })
     }
 
-    /// Says that nothing more comes, and waits a moment until the guest has understood.
+    /// Says that nothing more comes, and waits a moment until the connection has understood.
     pub fn take_leave(&mut self) -> io::Result<()> {
-        self.seat.stream.shutdown(Shutdown::Write)?;
+        self.slot.stream.shutdown(Shutdown::Write)?;
         let until = Instant::now() + FAREWELL_TIME;
         let mut piece = [0; 4096];
         let mut read = 0;
@@ -140,22 +140,22 @@ impl Guest {
     }
 }
 
-impl Drop for Guest {
+impl Drop for Connection {
     fn drop(&mut self) {
         let mut seats = self.room.seats();
-        seats.retain(|seat| !Arc::ptr_eq(seat, &self.seat));
+        seats.retain(|slot| !Arc::ptr_eq(slot, &self.slot));
     }
 }
 
 #[cfg(feature = "live")]
 /// Copies until the end, then ends both connections.
-fn pass_on(mut from: &TcpStream, mut to: &TcpStream, seat: &Seat) {
+fn pass_on(mut from: &TcpStream, mut to: &TcpStream, slot: &Slot) {
     let mut piece = [0; 16 * 1024];
     while let Ok(bytes @ 1..) = from.read(&mut piece) {
         if to.write_all(&piece[..bytes]).is_err() {
             break;
         }
-        seat.touch();
+        slot.touch();
     }
     for stream in [from, to] {
         let _ = stream.shutdown(Shutdown::Both);

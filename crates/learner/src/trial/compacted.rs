@@ -6,21 +6,21 @@ use xcs::{Population, compact};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Maze, Paths};
 
-/// The rules of a learner condensed for a maze, and put to the test there.
+/// The rules of a learner compacted for a maze, and put to the test there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Condensed {
-    /// The condensed rules, never more than were learned.
+pub struct Compacted {
+    /// The compacted rules, never more than were learned.
     pub rules: Population,
     /// The percepts of the maze of which the learner knows anything.
     pub percepts: usize,
-    /// In how many of these the condensed rules choose only actions that the learner rates best.
+    /// In how many of these the compacted rules choose only actions that the learner rates best.
     pub agreeing: usize,
-    /// Is the condensed policy globally optimal?
+    /// Is the compacted policy globally optimal?
     pub optimal: bool,
 }
 
-impl Condensed {
-    /// Rules are condensed in worlds of at most this many different percepts; beyond, it would take
+impl Compacted {
+    /// Rules are compacted in worlds of at most this many different percepts; beyond, it would take
     /// minutes.
     pub const MOST_PERCEPTS: usize = 4096;
 
@@ -32,23 +32,23 @@ impl Condensed {
             return None;
         }
         let percepts = sensor.at_most_percepts(maze, Self::MOST_PERCEPTS)?;
-        let worth = |percept: &_| knowledge.worth(percept, actions);
+        let values = |percept: &_| knowledge.values(percept, actions);
         let learned = knowledge.rules()?;
-        let condensed = compact(learned, &percepts, worth);
+        let compacted = compact(learned, &percepts, values);
         // Rules that were induced may be fewer, because they vote together.
-        let rules = match condensed.len() > learned.len() {
+        let rules = match compacted.len() > learned.len() {
             true => learned.clone(),
-            false => condensed,
+            false => compacted,
         };
-        let condensed = Knowledge::Rules(rules.clone());
-        let known = percepts.iter().filter(|p| worth(p).greatest().is_some());
+        let compacted = Knowledge::Rules(rules.clone());
+        let known = percepts.iter().filter(|p| values(p).greatest().is_some());
         let agrees = |percept: &_| {
-            let wanted = worth(percept);
-            let chosen = condensed.worth(percept, actions);
+            let wanted = values(percept);
+            let chosen = compacted.values(percept, actions);
             let is_wanted = |action| wanted.best_actions().any(|best| best == action);
             chosen.greatest().is_some() && chosen.best_actions().all(is_wanted)
         };
-        let frozen = Frozen::new(condensed.clone(), actions, 1);
+        let frozen = Frozen::new(compacted.clone(), actions, 1);
         let fault = FaultFinder::default().find(&frozen, sensor, maze, paths);
         Some(Self {
             percepts: known.clone().count(),
@@ -84,12 +84,12 @@ mod tests {
             let _ = trial.run(&mut ());
             let knowledge = trial.method().knowledge();
             let sensor = trial.plan().config.sensor;
-            let condensed = Condensed::new(&knowledge, sensor, &maze, trial.paths()).unwrap();
+            let compacted = Compacted::new(&knowledge, sensor, &maze, trial.paths()).unwrap();
             let learned = knowledge.rules().unwrap();
-            assert!(condensed.rules.len() <= learned.len(), "seed {seed}");
-            assert_eq!(condensed.agreeing, condensed.percepts, "seed {seed}");
-            let worth = |percept: &_| knowledge.worth(percept, maze.action_count());
-            let alone = compact(learned, &sensor.percepts(&maze), worth);
+            assert!(compacted.rules.len() <= learned.len(), "seed {seed}");
+            assert_eq!(compacted.agreeing, compacted.percepts, "seed {seed}");
+            let values = |percept: &_| knowledge.values(percept, maze.action_count());
+            let alone = compact(learned, &sensor.percepts(&maze), values);
             grown += usize::from(alone.len() > learned.len());
         }
         assert!(grown > 0, "control: condensing alone makes more of some");

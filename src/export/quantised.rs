@@ -22,20 +22,20 @@ const SIZES: [Size; 3] = [Size::new(16, 8), Size::new(16, 16), Size::new(32, 32)
 /// The bits of a rule's figures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size {
-    /// Bits of the worth: 16 or 32.
-    pub worth: u32,
+    /// Bits of the value: 16 or 32.
+    pub value: u32,
     /// Bits of the weight: 8, 16 or 32.
     pub weight: u32,
 }
 
 impl Size {
-    const fn new(worth: u32, weight: u32) -> Self {
-        Self { worth, weight }
+    const fn new(value: u32, weight: u32) -> Self {
+        Self { value, weight }
     }
 
-    /// The greatest worth.
-    fn most_worth(self) -> f64 {
-        f64::from(u32::MAX >> (32 - self.worth))
+    /// The greatest value.
+    fn most_value(self) -> f64 {
+        f64::from(u32::MAX >> (32 - self.value))
     }
 
     /// The greatest weight: of 32 bits only 24 are used, so that sums fit.
@@ -46,22 +46,22 @@ impl Size {
 
 /// A rule that votes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vote {
+pub struct WeightedRule {
     /// Which percepts it matches.
     pub condition: Condition,
     /// What it votes for.
     pub action: Action,
-    /// The worth of its action, 0 for the least of all rules.
-    pub worth: u32,
+    /// The value of its action, 0 for the least of all rules.
+    pub value: u32,
     /// The weight of its vote; at least 1.
     pub weight: u32,
 }
 
-/// Rules as votes in whole numbers. The action of the greatest weighted mean worth wins, the first
+/// Rules as votes in whole numbers. The action of the greatest weighted mean value wins, the first
 /// of equals.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ballot {
-    votes: Vec<Vote>,
+pub struct QuantisedPolicy {
+    votes: Vec<WeightedRule>,
     /// The same votes, with an index that finds those that match: worth as prediction, weight as
     /// fitness.
     index: Population,
@@ -79,9 +79,9 @@ pub enum ExportError {
     /// Nothing was learned.
     #[error("nothing was learned, so there is no policy to export")]
     Empty,
-    /// The charts that they go by have too many states.
+    /// The maps that they go by have too many states.
     #[error(
-        "the charts that the rules go by have {0} states, more than the {MOST_STATES} that can be \
+        "the maps that the rules go by have {0} states, more than the {MOST_STATES} that can be \
          exported: train another method for export, such as xcscr-plus"
     )]
     Vast(usize),
@@ -90,26 +90,26 @@ pub enum ExportError {
     Many(usize),
     /// The sums of their votes do not fit.
     #[error(
-        "the worths of two actions lie so close that votes of 32 bits are needed, and the sums of {0} \
+        "the values of two actions lie so close that votes of 32 bits are needed, and the sums of {0} \
          rules with such votes do not fit into 64 bits: {CONDENSE}"
     )]
     Sums(usize),
     /// Actions lie too close for whole numbers.
     #[error(
-        "the worths of two actions lie too close in percept {0} to be told apart in whole \
+        "the values of two actions lie too close in percept {0} to be told apart in whole \
          numbers of 32 bits: {CONDENSE}"
     )]
     Close(Percept),
     /// The same with a memory.
     #[error(
-        "the worths of two actions lie too close in a context to be told apart in whole numbers of \
+        "the values of two actions lie too close in a context to be told apart in whole numbers of \
          32 bits: train with another seed"
     )]
     CloseInContext,
     /// Eq. 6 as it is printed.
-    #[error("rules learned with `xcs.worth_over_match_set` cannot be exported: {CONDENSE}")]
+    #[error("rules learned with `xcs.value_over_match_set` cannot be exported: {CONDENSE}")]
     OverMatchSet,
-    /// A plan on charts.
+    /// A plan on maps.
     #[error(
         "what was learned is a plan on a map, which chooses without rules and cannot be exported: train xcscr-plus, which \
          distils rules from such a plan"
@@ -121,11 +121,11 @@ pub enum ExportError {
 const CONDENSE: &str = "condense them with `xcscr rules RUN --compact --json > few.json`, and \
                         export few.json";
 
-impl Ballot {
+impl QuantisedPolicy {
     /// The votes of what was learned about percepts of `width` bits and `actions` actions, in the
     /// fewest bits with which they choose an action that `knowledge` rates best, wherever it rates
     /// any: in all percepts of up to 16 bits, otherwise in those `of_world` and in many drawn at
-    /// random; with a memory in the contexts that two moves on the charts make.
+    /// random; with a memory in the contexts that two moves on the maps make.
     ///
     /// # Errors
     /// When there is nothing to export, or it cannot be expressed exactly.
@@ -143,7 +143,7 @@ impl Ballot {
         let mut unlike = None;
         for size in SIZES {
             let votes = votes(&rules, size);
-            let ballot = Self {
+            let quantised = Self {
                 index: index(&votes),
                 votes,
                 size,
@@ -153,16 +153,16 @@ impl Ballot {
                 of,
             };
             // Sums that do not fit cannot be compared either.
-            if !ballot.sums_fit() {
+            if !quantised.sums_fit() {
                 return Err(ExportError::Sums(rules.len()));
             }
             let differs = |percept: &&Percept| {
-                let worth = knowledge.worth_in(percept, actions);
-                !agrees(ballot.decide(percept), &worth)
+                let value = knowledge.values_in(percept, actions);
+                !agrees(quantised.decide(percept), &value)
             };
             unlike = percepts.iter().find(differs).copied();
             if unlike.is_none() {
-                return Ok(ballot);
+                return Ok(quantised);
             }
         }
         Err(match unlike {
@@ -176,10 +176,10 @@ impl Ballot {
         Action::all(self.actions).all(|action| {
             let own = || self.votes.iter().filter(|vote| vote.action == action);
             let weight: u64 = own().map(|vote| u64::from(vote.weight)).sum();
-            let worth: u128 = own()
-                .map(|v| u128::from(v.worth) * u128::from(v.weight))
+            let value: u128 = own()
+                .map(|v| u128::from(v.value) * u128::from(v.weight))
                 .sum();
-            weight <= u64::from(u32::MAX) && worth <= u128::from(u64::MAX)
+            weight <= u64::from(u32::MAX) && value <= u128::from(u64::MAX)
         })
     }
 
@@ -187,8 +187,8 @@ impl Ballot {
     pub fn decide(&self, percept: &Percept) -> Option<Action> {
         let mut sums = vec![(0_u64, 0_u64); self.actions];
         self.index.for_each_match(percept, |_, vote| {
-            let (worth, weight) = &mut sums[vote.action.index()];
-            *worth += vote.prediction as u64 * vote.fitness as u64;
+            let (value, weight) = &mut sums[vote.action.index()];
+            *value += vote.prediction as u64 * vote.fitness as u64;
             *weight += vote.fitness as u64;
         });
         let greater = |a: (u64, u64), b: (u64, u64)| {
@@ -204,7 +204,7 @@ impl Ballot {
     }
 
     /// The votes, in the order of the rules.
-    pub fn votes(&self) -> &[Vote] {
+    pub fn votes(&self) -> &[WeightedRule] {
         &self.votes
     }
 
@@ -253,10 +253,10 @@ impl Ballot {
 }
 
 /// Is the action one of the best, or is there none and nothing known?
-fn agrees(action: Option<Action>, worth: &PredictionArray) -> bool {
+fn agrees(action: Option<Action>, value: &PredictionArray) -> bool {
     match action {
-        None => worth.greatest().is_none(),
-        Some(action) => worth.best_actions().any(|best| best == action),
+        None => value.greatest().is_none(),
+        Some(action) => value.best_actions().any(|best| best == action),
     }
 }
 
@@ -268,7 +268,7 @@ fn rules(knowledge: &Knowledge, actions: usize) -> Result<Vec<Classifier>, Expor
         Knowledge::Planned(_) => return Err(ExportError::Planned),
         Knowledge::Table(table) => table
             .keys()
-            .flat_map(|percept| best_of_row(percept, &knowledge.worth(percept, actions)))
+            .flat_map(|percept| best_of_row(percept, &knowledge.values(percept, actions)))
             .collect(),
         _ => knowledge
             .rules()
@@ -286,32 +286,32 @@ fn rules(knowledge: &Knowledge, actions: usize) -> Result<Vec<Classifier>, Expor
 }
 
 /// One rule for each of the best actions in a row of a table.
-fn best_of_row(percept: &Percept, worth: &PredictionArray) -> Vec<Classifier> {
+fn best_of_row(percept: &Percept, value: &PredictionArray) -> Vec<Classifier> {
     let rule = |action| Classifier {
         fitness: 1.0,
-        prediction: worth.greatest().unwrap_or(0.0),
+        prediction: value.greatest().unwrap_or(0.0),
         ..Classifier::new(Condition::exactly(percept), action, 0, &Params::default())
     };
-    worth.best_actions().map(rule).collect()
+    value.best_actions().map(rule).collect()
 }
 
 /// The rules with figures of this size. The least prediction becomes 0: where the mean is
-/// weighted, a shift of all of them moves every worth alike.
-fn votes(rules: &[Classifier], size: Size) -> Vec<Vote> {
+/// weighted, a shift of all of them moves every value alike.
+fn votes(rules: &[Classifier], size: Size) -> Vec<WeightedRule> {
     let predictions = || rules.iter().map(|rule| rule.prediction);
     let least = predictions().fold(f64::INFINITY, f64::min);
     let range = predictions().fold(f64::NEG_INFINITY, f64::max) - least;
     let heaviest = rules.iter().map(|rule| rule.fitness).fold(0.0, f64::max);
-    let worth_scale = if range > 0.0 {
-        size.most_worth() / range
+    let value_scale = if range > 0.0 {
+        size.most_value() / range
     } else {
         0.0
     };
     let weight_scale = size.most_weight() / heaviest;
-    let vote = |rule: &Classifier| Vote {
+    let vote = |rule: &Classifier| WeightedRule {
         condition: rule.condition,
         action: rule.action,
-        worth: ((rule.prediction - least) * worth_scale).round() as u32,
+        value: ((rule.prediction - least) * value_scale).round() as u32,
         weight: ((rule.fitness * weight_scale).round() as u32).max(1),
     };
     rules.iter().map(vote).collect()
@@ -319,9 +319,9 @@ fn votes(rules: &[Classifier], size: Size) -> Vec<Vote> {
 
 /// The votes as a population, which finds those that match without looking at each. Whole numbers of
 /// 32 bits stay exact.
-fn index(votes: &[Vote]) -> Population {
-    let rule = |vote: &Vote| Classifier {
-        prediction: f64::from(vote.worth),
+fn index(votes: &[WeightedRule]) -> Population {
+    let rule = |vote: &WeightedRule| Classifier {
+        prediction: f64::from(vote.value),
         fitness: f64::from(vote.weight),
         ..Classifier::new(vote.condition, vote.action, 0, &Params::default())
     };

@@ -4,7 +4,7 @@ use std::iter::{Enumerate, Peekable};
 
 use foxglove::messages::LaserScan;
 
-use super::Scribe;
+use super::EventLogger;
 use crate::arena::{Contact, Estimate, View};
 use crate::episode::{PolicyMap, Step};
 use crate::record::error::RecordError;
@@ -21,7 +21,7 @@ struct Pending<'a> {
     scans: Peekable<std::vec::IntoIter<(u64, LaserScan)>>,
 }
 
-impl Scribe {
+impl EventLogger {
     /// A step was taken.
     pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
         let end_ns = step.view.now().time_ns;
@@ -30,7 +30,8 @@ impl Scribe {
         let over_robot = rule.scene(step.view.maze, self.decided_ns);
         out.send(For::Episode, Topic::RuleText, self.decided_ns, &over_robot)?;
         let (maze, at_ns) = (step.view.maze, self.decided_ns);
-        self.halo = percept::halo(self.sensor, maze, step.cell, &step.percept, at_ns);
+        self.perceived_cells =
+            percept::perceived_cells(self.sensor, maze, step.cell, &step.percept, at_ns);
         self.show_percept(out, at_ns)?;
         self.moved(out, step)?;
         let record = StepRecord::new(step);
@@ -175,7 +176,7 @@ impl Scribe {
 
     /// What the robot perceived when it decided last, and what it believes.
     pub(super) fn show_percept(&self, out: &mut Outbox, time_ns: u64) -> Result<(), RecordError> {
-        let scene = percept::scene(self.halo.clone(), &self.belief);
+        let scene = percept::scene(self.perceived_cells.clone(), &self.belief);
         out.send(For::Episode, Topic::Percept, time_ns, &scene)
     }
 }

@@ -11,7 +11,7 @@ use xcs::Condition;
 /// What `xcscr-plus` has learned about moving, apart from any maze.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Foresight {
+pub struct Generalisation {
     /// When an action ends in a collision.
     pub collisions: Vec<CollisionRule>,
     /// Which action leads back.
@@ -23,7 +23,7 @@ const MOST_COUNTED: u32 = 1_000_000_000;
 /// Every rule about collisions is asked at every step.
 const MOST_COLLISION_RULES: usize = 10_000;
 
-impl Foresight {
+impl Generalisation {
     /// Accepts rules about `actions` actions, none of them twice, whose counts can be.
     ///
     /// # Errors
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn rules_that_cannot_be_are_named() {
         let check = |collisions, returns| {
-            Foresight {
+            Generalisation {
                 collisions,
                 returns,
             }

@@ -9,7 +9,7 @@ use crate::world::Cell;
 
 /// Any arena, in which bits of what is perceived flip. Which do is drawn when the robot has come to
 /// rest, as many numbers each time, from a stream of its own: they are the same in every arena.
-pub struct MisreadingArena {
+pub struct NoisyPerceptArena {
     arena: Box<dyn Arena>,
     /// The probability that a bit flips.
     flips: f64,
@@ -19,19 +19,19 @@ pub struct MisreadingArena {
     flipped: Percept,
 }
 
-impl MisreadingArena {
+impl NoisyPerceptArena {
     /// Lets each of the `width` bits that are perceived in `arena` flip with the probability `flips`;
     /// which do follows from `seed`.
     pub fn new(arena: Box<dyn Arena>, flips: f64, width: usize, seed: u64) -> Self {
-        let mut misreading = Self {
+        let mut noisy_percepts = Self {
             arena,
             flips,
             width,
             stream: Stream::new(seed, StreamName::Flips),
             flipped: Percept::from_word(0, 0),
         };
-        misreading.draw();
-        misreading
+        noisy_percepts.draw();
+        noisy_percepts
     }
 
     fn draw(&mut self) {
@@ -41,7 +41,7 @@ impl MisreadingArena {
     }
 }
 
-impl Arena for MisreadingArena {
+impl Arena for NoisyPerceptArena {
     fn reset(&mut self, start: Cell) {
         self.arena.reset(start);
         self.draw();
@@ -89,7 +89,7 @@ mod tests {
 
     /// What flips in so many steps against a wall and back.
     fn flipped(arena: Box<dyn Arena>, flips: f64, count: usize) -> Vec<Percept> {
-        let mut arena = MisreadingArena::new(arena, flips, 16, 1);
+        let mut arena = NoisyPerceptArena::new(arena, flips, 16, 1);
         let start = arena.view().cell;
         arena.reset(start);
         let flipped = |number: usize| {

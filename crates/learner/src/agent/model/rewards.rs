@@ -17,7 +17,7 @@ const LEAST_GOAL: f64 = 1e-6;
 /// Sums are counted from that of walking for ever. So counted a step is worth nothing, a reward on
 /// the way what it pays, and the goal what it pays and that the walking has an end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Prizes {
+pub struct RewardModel {
     pub(super) discount: f64,
     /// What arriving at the goal is worth.
     goal: f64,
@@ -25,7 +25,7 @@ pub struct Prizes {
     found: Vec<f64>,
 }
 
-impl Prizes {
+impl RewardModel {
     /// With a discount per step, for a goal that pays `goal` where each step pays `step`; `found`
     /// tells what was found in all to be in a state.
     pub fn new(discount: f64, goal: f64, step: f64, found: Vec<f64>) -> Self {
@@ -48,9 +48,9 @@ impl Prizes {
 
     /// The steps from the goal at which one is as well off, were there nothing but the goal: fewer
     /// than none, where there is more.
-    pub(super) fn in_steps(&self, worth: f64) -> f64 {
-        let steps = 1.0 + libm::log(worth / self.goal) / libm::log(self.discount);
-        match worth > 0.0 {
+    pub(super) fn in_steps(&self, value: f64) -> f64 {
+        let steps = 1.0 + libm::log(value / self.goal) / libm::log(self.discount);
+        match value > 0.0 {
             true => steps.min(MOST_STEPS),
             false => MOST_STEPS,
         }

@@ -1,21 +1,21 @@
-//! Charts as a table of states.
+//! Maps as a table of states.
 
 use serde::Serialize;
 
 use crate::agent::{Map, pomdp::GOAL};
-use crate::export::ballot::{ExportError, MOST_STATES};
+use crate::export::quantised::{ExportError, MOST_STATES};
 use xcs::Action;
 
-/// The charts of a map with at most [`MOST_STATES`] states.
+/// The maps of a map with at most [`MOST_STATES`] states.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Charts {
+pub struct MapTable {
     /// The state in which all episodes begin, if that is known.
     pub begin: Option<u16>,
     /// The probability that another action than the chosen one is executed, each with the same chance.
     pub slip: f64,
     /// The probability that a cell is misread.
     #[serde(rename = "observation_error")]
-    pub misread: f64,
+    pub observation_error: f64,
     /// Does the tracker not look at whether the robot bumped?
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub unfelt: bool,
@@ -31,17 +31,17 @@ pub struct State {
     pub x: i16,
     /// Cells to the north of it.
     pub y: i16,
-    /// The number of the chart.
+    /// The number of the map.
     #[serde(rename = "map")]
-    pub chart: u8,
-    /// As bits: which rewards of the chart were found.
+    pub map: u8,
+    /// As bits: which rewards of the map were found.
     pub collected: u8,
     /// By action: the state that it leads to; none for the goal.
     pub next: Vec<Option<u16>>,
 }
 
-impl Charts {
-    /// The charts of a map.
+impl MapTable {
+    /// The maps of a map.
     ///
     /// # Errors
     /// When it has no states, or too many.
@@ -57,12 +57,12 @@ impl Charts {
                 .collect(),
             begin: map.begin.and_then(number),
             slip: map.pomdp.slip(),
-            misread: map.misread,
+            observation_error: map.observation_error,
             unfelt: map.unfelt,
         })
     }
 
-    /// How many rewards the charts know.
+    /// How many rewards the maps know.
     pub fn rewards(&self) -> u32 {
         let found = self.states.iter().map(|state| state.collected.count_ones());
         found.max().unwrap_or(0)
@@ -91,20 +91,20 @@ impl Charts {
 
     /// Are moves exact and percepts right? Then beliefs are whole numbers.
     pub fn is_exact(&self) -> bool {
-        self.slip == 0.0 && self.misread == 0.0
+        self.slip == 0.0 && self.observation_error == 0.0
     }
 }
 
 impl State {
     fn new(map: &Map, at: u32) -> Self {
-        let spot = &map.spots[at as usize];
+        let map_state = &map.states[at as usize];
         let actions = Action::all(map.pomdp.actions());
         Self {
             percept: map.pomdp.percept(at).words()[0] as u16,
-            x: spot.place.east,
-            y: spot.place.north,
-            chart: spot.chart,
-            collected: spot.collected,
+            x: map_state.place.east,
+            y: map_state.place.north,
+            map: map_state.cell_map,
+            collected: map_state.collected,
             next: actions
                 .map(|action| number(map.pomdp.next(at, action)))
                 .collect(),

@@ -7,9 +7,9 @@ use tiny_skia::{Path, PathBuilder};
 const FONT: &[u8] = include_bytes!("../../assets/font/DejaVuSans-latin.ttf");
 
 /// The font, ready to draw.
-pub(super) struct Letters(FontRef<'static>);
+pub(super) struct Glyphs(FontRef<'static>);
 
-impl Letters {
+impl Glyphs {
     /// Reads the font.
     ///
     /// # Errors

@@ -40,7 +40,7 @@ pub struct Moment {
 
 /// One policy or several, to be drawn over the maze. The same film gives the same bytes.
 #[derive(Debug, Clone)]
-pub struct Film {
+pub struct Animation {
     pub(super) maze: Maze,
     pub(super) title: String,
     /// What is to be said of the arrows, or nothing.
@@ -68,7 +68,7 @@ pub enum FilmError {
     Picture(String),
 }
 
-impl Film {
+impl Animation {
     /// Runs the trial again, as far as is needed, and keeps what is to be shown.
     ///
     /// # Errors
@@ -169,8 +169,8 @@ impl Camera {
 fn agree(one: &PolicyMap, other: &PolicyMap) -> bool {
     let both = one.cells().zip(other.cells());
     one.cells().count() == other.cells().count()
-        && both.into_iter().all(|((cell, worth), (there, other))| {
-            cell == there && worth.best_actions().eq(other.best_actions())
+        && both.into_iter().all(|((cell, values), (there, other))| {
+            cell == there && values.best_actions().eq(other.best_actions())
         })
 }
 
@@ -257,7 +257,7 @@ mod tests {
     #[test]
     fn a_maze_of_more_than_a_million_cells_is_not_drawn_and_the_message_names_another_way() {
         let plan = Plan::new(hall(4096, 257)).episodes(1);
-        let refused = Film::of(&plan, Scenes::Last).err();
+        let refused = Animation::of(&plan, Scenes::Last).err();
         let refused = refused.expect("it has too many cells").to_string();
         for part in ["hall has 1052672 cells", "xcscr rules RUN --cell COL,ROW"] {
             assert!(refused.contains(part), "{refused}");
@@ -267,15 +267,15 @@ mod tests {
     #[test]
     fn control_a_small_maze_is_drawn() {
         let plan = Plan::new(hall(40, 5)).arena(ArenaKind::Grid).episodes(1);
-        let film = Film::of(&plan, Scenes::Last).unwrap();
-        assert_eq!(film.moments().len(), 1);
+        let animation = Animation::of(&plan, Scenes::Last).unwrap();
+        assert_eq!(animation.moments().len(), 1);
     }
 
     #[test]
     fn an_animation_shows_the_episodes_that_changed_the_policy_and_the_last_one() {
         let plan = Plan::new(hall(40, 5)).arena(ArenaKind::Grid).episodes(30);
-        let film = Film::of(&plan, Scenes::Forming).unwrap();
-        let [before @ .., last] = film.moments() else {
+        let animation = Animation::of(&plan, Scenes::Forming).unwrap();
+        let [before @ .., last] = animation.moments() else {
             panic!("there is no moment");
         };
         assert_eq!(last.episode.episode, 30);
@@ -289,8 +289,9 @@ mod tests {
     fn of_many_changes_some_are_shown() {
         let maze = Maze::find(Path::new("maze4")).unwrap();
         let plan = Plan::new(maze).method(Method::Xcscr);
-        let film = Film::of(&plan.arena(ArenaKind::Grid).episodes(300), Scenes::Forming).unwrap();
-        let shown = film.moments().len();
+        let animation =
+            Animation::of(&plan.arena(ArenaKind::Grid).episodes(300), Scenes::Forming).unwrap();
+        let shown = animation.moments().len();
         assert!((20..=MOST_MOMENTS).contains(&shown), "{shown}");
     }
 }

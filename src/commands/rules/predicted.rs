@@ -5,14 +5,17 @@ use xcscr::trial::Plan;
 
 /// A line for each rule of the foresight; none without foresight.
 pub fn lines(knowledge: &Knowledge, plan: &Plan) -> Vec<String> {
-    let Some(foresight) = knowledge.foresight() else {
+    let Some(generalisation) = knowledge.generalisation() else {
         return Vec::new();
     };
-    let collisions = foresight
+    let collisions = generalisation
         .collisions
         .iter()
         .map(|rule| collision(rule, plan));
-    let returns = foresight.returns.iter().map(|rule| way_back(rule, plan));
+    let returns = generalisation
+        .returns
+        .iter()
+        .map(|rule| way_back(rule, plan));
     let mut lines: Vec<String> = Vec::new();
     for line in collisions.chain(returns) {
         // Rules can differ in bits that no percept has, and read the same.

@@ -1,4 +1,4 @@
-//! `/values`: the greatest worth of each cell as colour on the floor. In a large maze, whose arrows are
+//! `/values`: the greatest value of each cell as colour on the floor. In a large maze, whose arrows are
 //! too small for who sees the whole of it, the colours are those of the arrows, and the way that the
 //! greedy policy takes from the start is drawn.
 
@@ -44,12 +44,12 @@ const LIFT: [f64; 2] = [0.002, 0.01];
 /// How a cell is coloured: worth less than nothing or not, and the step of its share.
 type Tint = (bool, u8);
 
-/// The cells whose worth is known, and how they are coloured; none of a vast maze.
+/// The cells whose value is known, and how they are coloured; none of a vast maze.
 fn tints(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<(Cell, Tint)> {
     let policy = policy.filter(|_| !maze.is_vast());
     let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
-    let known = ranked.filter_map(|((cell, worth), rank)| {
-        let is_bad = worth.greatest()? < 0.0;
+    let known = ranked.filter_map(|((cell, values), rank)| {
+        let is_bad = values.greatest()? < 0.0;
         let share = if is_bad { 1.0 - rank? } else { rank? };
         Some((*cell, (is_bad, (share * SHADES).round() as u8)))
     });
@@ -97,7 +97,7 @@ pub(in crate::record) fn scene(shown: &Floor, maze: &Maze, time_ns: u64) -> Scen
         let around = CORNERS.map(|[x, y]| point(at + Vector2::new(x, y) * unit, 0.0));
         corners.entry(tint).or_default().extend(around);
     }
-    let mut floor = entity("worth", WORLD, time_ns);
+    let mut floor = entity("values", WORLD, time_ns);
     let corners = corners.into_iter();
     floor.triangles = corners
         .map(|(tint, corners)| squares(maze, tint, corners))

@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-pub use super::guest::Guest;
-use super::guest::Room;
+pub use super::connection::Connection;
+use super::connection::Room;
 pub use super::head::{Head, Origin};
 
 /// The sites of the viewers.
@@ -29,13 +29,13 @@ const RECOVERY: Duration = Duration::from_millis(100);
 
 /// A listener on the loopback interface that lets in only requests within its bounds.
 #[derive(Debug)]
-pub struct Gate {
+pub struct Listener {
     listener: TcpListener,
     port: u16,
     origins: Vec<String>,
 }
 
-impl Gate {
+impl Listener {
     /// Listens on a port of 127.0.0.1; 0 takes any that is free. Pages of the [viewers](VIEWERS)
     /// are allowed.
     ///
@@ -64,14 +64,14 @@ impl Gate {
         self.origins.push(origin.0.clone());
     }
 
-    /// Lets guests in on threads of their own, until the [`Opened`] gate is dropped. `host` answers
+    /// Lets connection in on threads of their own, until the [`Opened`] gate is dropped. `host` answers
     /// a request whose head was accepted; all others are refused before.
     ///
     /// # Errors
     /// When no thread can be started.
     pub fn open<H>(self, host: H) -> io::Result<Opened>
     where
-        H: Fn(&Head, &mut Guest) -> io::Result<()> + Send + Sync + 'static,
+        H: Fn(&Head, &mut Connection) -> io::Result<()> + Send + Sync + 'static,
     {
         let closing = Arc::new(AtomicBool::new(false));
         let (port, told) = (self.port, Arc::clone(&closing));
@@ -85,41 +85,41 @@ impl Gate {
 
     fn accept<H>(self, host: &Arc<H>, closing: &AtomicBool)
     where
-        H: Fn(&Head, &mut Guest) -> io::Result<()> + Send + Sync + 'static,
+        H: Fn(&Head, &mut Connection) -> io::Result<()> + Send + Sync + 'static,
     {
         let room = Arc::new(Room::default());
-        let gate = Arc::new(self);
+        let listener = Arc::new(self);
         while !closing.load(Ordering::Relaxed) {
-            let Ok((stream, _)) = gate.listener.accept() else {
+            let Ok((stream, _)) = listener.listener.accept() else {
                 thread::sleep(RECOVERY);
                 continue;
             };
-            let mut guest = match Guest::enter(stream, &room) {
-                Ok(guest) => guest,
+            let mut connection = match Connection::enter(stream, &room) {
+                Ok(connection) => connection,
                 Err(mut stream) => {
                     // Fits into the buffer of any connection, so it waits for nobody.
                     let _ = stream.write_all(&refusal(503));
                     continue;
                 }
             };
-            let (gate, host) = (Arc::clone(&gate), Arc::clone(host));
-            // When no thread can be started, the guest is dropped, and with it the connection.
+            let (listener, host) = (Arc::clone(&listener), Arc::clone(host));
+            // When no thread can be started, the connection is dropped, and with it the connection.
             let _ = thread::Builder::new().spawn(move || {
-                // A guest that breaks off is nobody's fault.
-                let _ = gate.receive(&mut guest, &*host);
+                // A connection that breaks off is nobody's fault.
+                let _ = listener.receive(&mut connection, &*host);
             });
         }
     }
 
-    fn receive<H>(&self, guest: &mut Guest, host: &H) -> io::Result<()>
+    fn receive<H>(&self, connection: &mut Connection, host: &H) -> io::Result<()>
     where
-        H: Fn(&Head, &mut Guest) -> io::Result<()>,
+        H: Fn(&Head, &mut Connection) -> io::Result<()>,
     {
-        match Head::read(guest).and_then(|head| self.check(head)) {
-            Ok(head) => host(&head, guest)?,
-            Err(status) => guest.say(&refusal(status))?,
+        match Head::read(connection).and_then(|head| self.check(head)) {
+            Ok(head) => host(&head, connection)?,
+            Err(status) => connection.say(&refusal(status))?,
         }
-        guest.take_leave()
+        connection.take_leave()
     }
 
     /// The head, if it may come in; or else the status that says why not.
@@ -140,7 +140,7 @@ impl Gate {
     }
 }
 
-/// A gate that lets guests in until it is dropped.
+/// A gate that lets connection in until it is dropped.
 #[derive(Debug)]
 pub struct Opened {
     port: u16,

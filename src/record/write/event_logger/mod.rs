@@ -17,7 +17,7 @@ use crate::record::topics::curve::Curve;
 use crate::record::topics::episode::{Ended, EpisodeRecord, Outlook, Population, Running};
 use crate::record::topics::trail::Trail;
 use crate::record::topics::transforms::Transforms;
-use crate::record::topics::{Topic, legend, log, maze, policy, robot, worth};
+use crate::record::topics::{Topic, legend, log, maze, policy, robot, values};
 use crate::sensor::Sensor;
 use crate::trial::{Judge, steps_to_goal};
 use crate::world::{Cell, Maze};
@@ -28,7 +28,7 @@ use xcs::PredictionArray;
 const CELLS_A_STEP: u32 = 64;
 
 /// Keeps what messages need beyond the event that they report.
-pub(super) struct Scribe {
+pub(super) struct EventLogger {
     robot: RobotShape,
     sensor: Sensor,
     /// What a goal pays.
@@ -51,7 +51,7 @@ pub(super) struct Scribe {
     decided_ns: u64,
     way: Way,
     /// What the robot perceived when it decided last, and where one that only senses believes to be.
-    halo: SceneEntity,
+    perceived_cells: SceneEntity,
     belief: Vec<SceneEntity>,
     maze_shown: bool,
     /// After every how many steps all cells are asked what was learned; never in a vast maze.
@@ -65,7 +65,7 @@ pub(super) struct Scribe {
 struct Shown {
     /// What decides how its arrows look.
     marks: Option<Vec<policy::Mark>>,
-    floor: Option<worth::Floor>,
+    floor: Option<values::Floor>,
     columns: Option<Vec<CubePrimitive>>,
 }
 
@@ -74,13 +74,13 @@ impl Shown {
     fn all(policy: &PolicyMap, maze: &Maze) -> Self {
         Self {
             marks: Some(policy::marks(Some(policy), maze)),
-            floor: Some(worth::Floor::of(Some(policy), maze)),
+            floor: Some(values::Floor::of(Some(policy), maze)),
             columns: Some(policy::columns(Some(policy), maze)),
         }
     }
 }
 
-impl Scribe {
+impl EventLogger {
     pub fn new(maze: &Maze, info: &RunInfo, beams: bool) -> Self {
         Self {
             robot: info.robot,
@@ -102,7 +102,7 @@ impl Scribe {
             was_optimal: false,
             decided_ns: 0,
             way: Way::new(maze.cell_size_m()),
-            halo: SceneEntity::default(),
+            perceived_cells: SceneEntity::default(),
             belief: Vec::new(),
             maze_shown: false,
             asks_every: (!maze.is_vast()).then(|| {
@@ -240,10 +240,10 @@ impl Scribe {
     fn outlook(&mut self, policy: &PolicyMap, learned: &Learned<'_>) -> Outlook {
         let Learned { method, view, .. } = *learned;
         let (maze, judge) = (view.maze, &mut self.judge);
-        let worth = self.start.and_then(|cell| policy.worth(cell).copied());
+        let values = self.start.and_then(|cell| policy.values(cell).copied());
         let path = |cell| judge.greedy_path(method, policy, maze, cell);
         Outlook {
-            start_values: worth.unwrap_or_else(|| PredictionArray::new(0)),
+            start_values: values.unwrap_or_else(|| PredictionArray::new(0)),
             greedy_steps: self
                 .start
                 .map(path)
@@ -281,10 +281,10 @@ impl Scribe {
             out.send(to, Topic::Policy, time_ns, &policy::scene(arrows, time_ns))?;
             self.shown(to).marks = marks;
         }
-        let floor = worth::Floor::of(self.policy.as_ref(), maze);
+        let floor = values::Floor::of(self.policy.as_ref(), maze);
         if self.shown(to).floor.as_ref() != Some(&floor) {
-            let scene = worth::scene(&floor, maze, time_ns);
-            out.send(to, Topic::Worth, time_ns, &scene)?;
+            let scene = values::scene(&floor, maze, time_ns);
+            out.send(to, Topic::Values, time_ns, &scene)?;
             self.shown(to).floor = Some(floor);
         }
         Ok(())
