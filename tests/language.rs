@@ -6,20 +6,23 @@ use std::path::{Path, PathBuf};
 /// The most words of a sentence.
 const MOST_WORDS: usize = 30;
 /// Words of our own for which the field has a term, and the term.
-const OWN_WORDS: [(&str, &str); 13] = [
-    ("mislocalised", "mislocalised"),
+const OWN_WORDS: [(&str, &str); 16] = [
+    ("astray", "mislocalised"),
     ("atlas", "maps"),
-    ("quantised", "quantised policy"),
-    ("collected`", "collected"),
-    ("predicted", "predicted"),
-    ("predict", "predict"),
-    ("predicted", "predicted"),
-    ("estimated_pose", "estimated-pose marker"),
+    ("ballot", "quantised policy"),
+    ("charted", "mapped"),
+    ("eaten", "collected"),
+    ("foreseen", "predicted"),
+    ("foretell", "predict"),
+    ("foretold", "predicted"),
+    ("ghost", "estimated-pose marker"),
     ("habits", "noise model"),
-    ("labelled_examples", "examples"),
+    ("lessons", "examples"),
     ("look alike", "share a percept"),
+    ("misread", "observed wrongly"),
     ("salvage", "recover"),
-    ("builder", "highlights builder"),
+    ("scribe", "event logger"),
+    ("the teller", "highlights builder"),
 ];
 
 fn root() -> &'static Path {

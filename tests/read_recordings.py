@@ -22,7 +22,7 @@ from mcap.stream_reader import StreamReader
 from mcap_protobuf.decoder import DecoderFactory
 
 MAGIC = b"\x89MCAP0\r\n"
-PAGE = Path(__file__).parent.parent / "docs/src/recordings.md"
+PAGE = Path(__file__).parent.parent / "docs/src/reference/recordings.md"
 # A line of the table of topics: the topic, its schema, and which recordings have it.
 ROW = re.compile(r"^\| `(/\S+)` \| `(\S+)`(?: \(JSON\))? \| (both|run|episodes(?:, \w+)?) \|", re.MULTILINE)
 ROWS = ROW.findall(PAGE.read_text())

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use xcscr::study::STUDY_KEYS;
 use xcscr::trial::{ReadBy, Resolved, Settings};
@@ -41,7 +42,7 @@ fn page() -> String {
 
 #[test]
 fn the_page_of_settings_says_what_is_declared() {
-    require(&page(), "docs/src/settings.md");
+    require(&page(), "docs/src/reference/settings.md");
 }
 
 /// Requires that a page of the documentation is this one.
@@ -76,7 +77,49 @@ fn page_of_keys() -> String {
 
 #[test]
 fn the_page_of_study_keys_says_what_is_declared() {
-    require(&page_of_keys(), "docs/src/study-file.md");
+    require(&page_of_keys(), "docs/src/reference/study-file.md");
+}
+
+/// The help of a command, at its default width.
+fn help_of(words: &[&str]) -> String {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_xcscr"));
+    let output = program.args(words).arg("--help").output().unwrap();
+    assert!(output.status.success(), "{words:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Adds the help of a command and of all commands below it to a page.
+fn write_help(page: &mut String, words: &[&str]) {
+    let help = help_of(words);
+    let title = words.join(" ");
+    writeln!(
+        page,
+        "\n## xcscr {title}\n\n```text\n{}\n```",
+        help.trim_end()
+    )
+    .unwrap();
+    let below = help.split("\nCommands:\n").nth(1).unwrap_or_default();
+    let below = below.lines().take_while(|line| !line.is_empty());
+    let names = below.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    for name in names.filter_map(|line| line.split_whitespace().next()) {
+        if name != "help" {
+            write_help(page, &[words, &[name]].concat());
+        }
+    }
+}
+
+#[test]
+fn the_page_of_the_command_line_has_the_help_of_every_command() {
+    let mut page = "# Command line\n\nThe help of every command, as `xcscr COMMAND --help` prints it. `xcscr man --out DIR` writes manual pages. This page is \
+        made from the program (`UPDATE_DOCS=1 cargo test --test settings` writes it anew).\n"
+        .to_owned();
+    write_help(&mut page, &[]);
+    let commands = page.matches("\n## xcscr").count();
+    assert!(commands > 25, "{commands} commands");
+    require(
+        &page.replace("## xcscr \n", "## xcscr\n"),
+        "docs/src/reference/command-line.md",
+    );
 }
 
 #[test]

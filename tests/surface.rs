@@ -136,12 +136,15 @@ fn missing(page: &str, names: impl Iterator<Item = &'static str>) -> Vec<&'stati
 fn a_table_explains_every_sensor_method_and_topic() {
     let none: [&str; 0] = [];
     let sensors = Sensor::ALL.iter().map(|sensor| sensor.name());
-    assert_eq!(missing("robot.md", sensors.clone()), none);
+    assert_eq!(missing("reference/robot.md", sensors.clone()), none);
     let methods = Method::ALL.iter().map(|method| method.name());
-    assert_eq!(missing("learner.md", methods), none);
+    assert_eq!(missing("how-to/choose-a-method.md", methods), none);
     let topics = Topic::ALL.iter().map(|topic| topic.name());
-    assert_eq!(missing("recordings.md", topics), none);
-    assert!(!missing("recordings.md", sensors).is_empty(), "control");
+    assert_eq!(missing("reference/recordings.md", topics), none);
+    assert!(
+        !missing("reference/recordings.md", sensors).is_empty(),
+        "control"
+    );
 }
 
 #[test]

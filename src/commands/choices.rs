@@ -13,7 +13,7 @@ use xcscr::world::Maze;
 
 use super::failure::{Exit, Failure};
 
-/// Parses one of a closed set by its name.
+/// Parses one of a closed set of values by its name.
 pub fn one_of<T: Copy + Send + Sync + 'static>(
     choices: &'static [T],
     name: fn(T) -> &'static str,
@@ -45,7 +45,7 @@ pub fn sensor() -> impl TypedValueParser<Value = Sensor> {
     one_of(Sensor::ALL, Sensor::name)
 }
 
-/// Where settings come from.
+/// The options that determine the settings.
 #[derive(Debug, clap::Args)]
 pub struct SettingsArgs {
     /// The robot: a bundled profile or a TOML file; `xcscr robot list` lists them.
@@ -60,7 +60,8 @@ pub struct SettingsArgs {
 }
 
 impl SettingsArgs {
-    /// Returns the settings laid over `base`. A robot replaces the whole robot of `base`.
+    /// Returns the settings applied on top of `base`. A robot profile replaces the whole robot of
+    /// `base`.
     pub fn resolve(&self, base: &Settings) -> Result<Resolved, Failure> {
         let read = |path: &Path| read_text(path, Settings::MOST_BYTES);
         let text = self.config.as_deref().map(read).transpose()?;
@@ -77,10 +78,10 @@ impl SettingsArgs {
     }
 }
 
-/// Room for more rules than a population may have.
+/// The most bytes that are read of a file of rules. This exceeds the largest population.
 const MOST_RULES_BYTES: u64 = 1 << 30;
 
-/// What was learned: that of a run, by its folder, or a file of rules.
+/// Reads the learned policy of a run folder, a recording, or a file of rules.
 pub fn read_rules(path: &Path) -> Result<Knowledge, Failure> {
     if path.is_dir() {
         return Ok(RunFolder::open(path).knowledge()?);
@@ -93,7 +94,7 @@ pub fn read_rules(path: &Path) -> Result<Knowledge, Failure> {
         let typed = disk::typed(path);
         let message = match Maze::from_json(text.as_bytes(), "world") {
             Ok(_) => format!(
-                "{typed} is a world, not what was learned: train in it with `xcscr train {typed}`, and give the folder of the run"
+                "{typed} is a world, not a learned policy: train in it with `xcscr train {typed}`, and pass the folder of the run"
             ),
             Err(_) => format!("{typed} holds no rules: {fault}"),
         };
@@ -101,7 +102,7 @@ pub fn read_rules(path: &Path) -> Result<Knowledge, Failure> {
     })
 }
 
-/// The text of an input file of at most so many bytes.
+/// Reads an input file of at most `most` bytes as text.
 pub fn read_text(path: &Path, most: u64) -> Result<String, Failure> {
     disk::read_text(path, most).map_err(|cause| {
         let exit = match cause.kind() {

@@ -1,4 +1,4 @@
-//! `xcscr config`: the settings, and where each came from.
+//! `xcscr config`: prints the settings and their origins.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -15,7 +15,7 @@ use xcscr::world::Maze;
 use super::choices::{self, SettingsArgs};
 use super::failure::{Exit, Failure};
 
-/// What to do with settings.
+/// Subcommands of `config`.
 #[derive(Debug, Subcommand)]
 pub enum ConfigCommand {
     /// Print all settings as a file for --config, or each one with its origin.
@@ -27,24 +27,25 @@ pub enum ConfigCommand {
 pub struct ShowArgs {
     #[command(flatten)]
     settings: SettingsArgs,
-    /// As they are in this world, which decides the step-threshold unless it is set.
+    /// Print the settings for this world, which determines the step threshold unless it is set.
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
-    /// Print only the settings that have an effect with this method [default, with --arena or --sensor:
+    /// Print only the settings that affect this method [default, with --arena or --sensor:
     /// xcscr-plus].
     #[arg(long, value_parser = choices::method())]
     method: Option<Method>,
-    /// Print only the settings that have an effect in this arena [default, with --method or --sensor: physics].
+    /// Print only the settings that affect this arena [default, with --method or --sensor:
+    /// physics].
     #[arg(long, value_parser = choices::arena())]
     arena: Option<ArenaKind>,
-    /// Print only the settings that have an effect on this percept [default, with --method or --arena: lidar
+    /// Print only the settings that affect this percept [default, with --method or --arena: lidar
     /// in physics, neighbours on the grid].
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
-    /// Print each setting on a line of its own, with where it came from.
+    /// Print each setting on its own line, with its origin.
     #[arg(long)]
     resolved: bool,
-    /// Print one JSON document: each setting with its value, its origin, its range and what it is.
+    /// Print one JSON document: each setting with its value, origin, range and description.
     #[arg(long)]
     json: bool,
 }
@@ -60,7 +61,7 @@ struct Entry<'a> {
 }
 
 impl ShowArgs {
-    /// What decides which settings are printed; `None` for all.
+    /// Returns the scope of the settings to print; `None` for all settings.
     fn scope<'a>(&self, settings: &'a Settings) -> Option<Scope<'a>> {
         if (self.method, self.arena, self.sensor) == (None, None, None) {
             return None;
@@ -95,7 +96,7 @@ pub fn run(command: &ConfigCommand, out: &mut impl Write) -> Result<(), Failure>
     }
 }
 
-/// A settings file that gives those of these settings again that count.
+/// Formats the settings that count as a settings file.
 fn as_file(resolved: &Resolved, counts: impl Fn(&str) -> bool) -> Result<String, Failure> {
     let no_toml = |fault: toml::ser::Error| {
         Failure::new(Exit::Internal, format!("no TOML for settings: {fault}"))
@@ -104,7 +105,8 @@ fn as_file(resolved: &Resolved, counts: impl Fn(&str) -> bool) -> Result<String,
     toml::to_string(&counting(all, "", &counts)).map_err(no_toml)
 }
 
-/// The part of a table of settings that counts; `section` stands before its names, with a dot.
+/// Returns the part of a settings table that counts. `section` is the prefix of its keys, with a
+/// dot at the end.
 fn counting(table: Table, section: &str, counts: &impl Fn(&str) -> bool) -> Table {
     let kept = table.into_iter().filter_map(|(name, value)| {
         let key = format!("{section}{name}");

@@ -1,4 +1,4 @@
-//! `xcscr world convert`: ROS 2 maps in, and worlds out as maps.
+//! `xcscr world convert`: converts ROS 2 maps to worlds, and worlds to maps.
 
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -10,27 +10,27 @@ use xcscr::world::{Gridded, Gridding, MapError, Maze, OccupancyMap};
 use super::failure::{Exit, Failure};
 use super::output::OutputFile;
 
-/// The most passages that are named one by one.
+/// The most passages that are listed.
 const MOST_LISTED: usize = 5;
 
 /// Arguments of `world convert`.
 #[derive(Debug, clap::Args)]
 pub struct ConvertArgs {
-    /// A map (.yaml, beside its PGM or PNG image), or a world file (.json).
+    /// The map (.yaml, next to its PGM or PNG image) or the world file (.json) to convert.
     input: PathBuf,
-    /// The world file (.json) or the map (.yaml, with its image beside it) to write.
+    /// The world file (.json) or the map (.yaml, with its image next to it) to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Edge of a cell in metres [default: one pixel].
     #[arg(long, value_name = "M")]
     cell: Option<f64>,
-    /// Where episodes start, in metres of the map's frame [default: in any free cell].
+    /// Start of the episodes, in metres in the map frame [default: any free cell].
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     start: Option<Point>,
-    /// The goal, in metres of the map's frame.
+    /// Goal, in metres in the map frame.
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     goal: Option<Point>,
-    /// What unknown pixels count as.
+    /// Treat unknown pixels as this.
     #[arg(long, value_name = "WHAT", default_value = "wall")]
     unknown: Unknown,
     /// Share of a cell's pixels that may be occupied or unknown in a free cell, from 0 to below 1
@@ -41,26 +41,26 @@ pub struct ConvertArgs {
     /// a free cell may have].
     #[arg(long, value_name = "N")]
     despeckle: Option<usize>,
-    /// Lower left corner of the grid in metres from that of the image, or `auto`: where most
-    /// passages between cells lead to the goal.
+    /// Lower left corner of the grid in metres from that of the image, or `auto` for the corner
+    /// with the most passages between cells that lead to the goal.
     #[arg(long, value_name = "auto|X,Y", default_value = "auto", value_parser = offset, allow_hyphen_values = true)]
     offset: Offset,
-    /// Draw map, grid, start and goal into this PNG file.
+    /// Draw the map, the grid, the start and the goal into this PNG file.
     #[arg(long, value_name = "FILE")]
     preview: Option<PathBuf>,
-    /// Replace files that exist.
+    /// Replace existing files.
     #[arg(long)]
     force: bool,
 }
 
-/// What unknown pixels count as.
+/// The interpretation of unknown pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Unknown {
     Wall,
     Free,
 }
 
-/// Metres in the map's frame.
+/// A point in the map frame, in metres.
 #[derive(Debug, Clone, Copy)]
 struct Point([f64; 2]);
 
@@ -79,7 +79,7 @@ fn point(text: &str) -> Result<Point, String> {
         .ok_or_else(|| "expected metres such as 1.5,-0.3".to_owned())
 }
 
-/// Where the grid begins.
+/// The corner of the grid.
 #[derive(Debug, Clone, Copy)]
 enum Offset {
     Auto,
@@ -95,7 +95,7 @@ fn offset(text: &str) -> Result<Offset, String> {
     }
 }
 
-/// Converts in the direction that the names of the files tell.
+/// Converts in the direction that the file extensions determine.
 pub fn run(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     match (ending(&args.input).as_str(), ending(&args.output).as_str()) {
         ("yaml" | "yml", "json") => to_world(args, out),
@@ -112,7 +112,7 @@ fn ending(file: &Path) -> String {
     ending.to_ascii_lowercase()
 }
 
-/// From a map to a world.
+/// Converts a map to a world.
 fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     let world = OutputFile::free(&args.output, args.force)?;
     let preview = args.preview.as_deref();
@@ -143,7 +143,7 @@ fn to_world(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     print_world(&gridded, &args.output, out)
 }
 
-/// The name of the file, as far as it can be that of a world.
+/// Derives a valid world name from the file name.
 fn world_name(file: &Path) -> String {
     let stem = file
         .file_stem()
@@ -217,7 +217,7 @@ fn print_world(gridded: &Gridded, file: &Path, out: &mut impl Write) -> Result<(
     }
 }
 
-/// From a world to a map.
+/// Converts a world to a map.
 fn to_map(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     refuse_options_of_maps(args)?;
     let image = args.output.with_extension("pgm");
@@ -233,7 +233,7 @@ fn to_map(args: &ConvertArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(writeln!(out, "{map} and {image}: one pixel per cell")?)
 }
 
-/// A world has its cells, start and goal already.
+/// Rejects options for maps: a world already has its cells, start and goal.
 fn refuse_options_of_maps(args: &ConvertArgs) -> Result<(), Failure> {
     let given = [
         ("--cell", args.cell.is_some()),
@@ -256,7 +256,7 @@ fn refuse_options_of_maps(args: &ConvertArgs) -> Result<(), Failure> {
     }
 }
 
-/// Does it lie at the file system, and not at what a file holds?
+/// Returns true if the file system caused the error, and not the content of a file.
 fn is_of_the_system(cause: &io::Error) -> bool {
     !matches!(
         cause.kind(),

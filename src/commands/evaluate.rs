@@ -1,4 +1,4 @@
-//! `xcscr evaluate`: the greedy policy put to the test.
+//! `xcscr evaluate`: evaluates the greedy policy.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -20,10 +20,10 @@ use super::learned::LearnedArgs;
 pub struct EvaluateArgs {
     #[command(flatten)]
     learned: LearnedArgs,
-    /// Another arena than the run's own.
+    /// Arena to use instead of the run's own.
     #[arg(long, value_parser = choices::arena())]
     arena: Option<ArenaKind>,
-    /// Number of episodes; with `--robustness`, of each condition.
+    /// Number of episodes; with `--robustness`, in each condition.
     #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     episodes: u32,
     /// Root seed of start cells and noise.
@@ -31,21 +31,21 @@ pub struct EvaluateArgs {
     seed: u64,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Record every episode as training does, to be watched and verified.
+    /// Record every episode as in training, to watch and verify it.
     #[arg(long)]
     record: bool,
-    /// The folder of the recordings [default: that of the run, with `-evaluation` at its end].
+    /// Folder of the recordings [default: the run's folder with the suffix `-evaluation`].
     #[arg(long, value_name = "DIR", requires = "record")]
     out: Option<PathBuf>,
     /// Replace an earlier evaluation in that folder.
     #[arg(long, requires = "record")]
     force: bool,
-    /// End with code 1 unless every episode takes a shortest path; where moves slip, unless every
-    /// action in it is a best one.
+    /// Exit with code 1 unless every episode takes a shortest path. Where moves slip, exit with
+    /// code 1 unless every action is a best one.
     #[arg(long)]
     require_optimal: bool,
-    /// Drive under noise 0 to 5, slip, flips, slippery floors and sensor faults, from the same seed,
-    /// and print one table.
+    /// Evaluate under noise 0 to 5, slip, observation noise, slippery floors and sensor faults,
+    /// with the same seed, and print one table.
     #[arg(long, conflicts_with_all = ["record", "require_optimal"])]
     robustness: bool,
     /// Print one JSON document instead of the report.
@@ -66,7 +66,7 @@ impl EvaluateArgs {
     }
 }
 
-/// Evaluates and reports.
+/// Evaluates the policy and reports the result.
 pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
     let (plan, knowledge) = args.plan()?;
     if args.robustness {
@@ -97,7 +97,7 @@ pub fn run(args: &EvaluateArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Evaluates; with `--record`, also the folder that holds the recordings.
+/// Evaluates the policy. With `--record`, also returns the folder of the recordings.
 fn evaluate(
     args: &EvaluateArgs,
     plan: &Plan,
@@ -113,7 +113,7 @@ fn evaluate(
     match record_evaluation(plan, knowledge, args.episodes, &folder, &stop) {
         Err(RunError::Stopped) => {
             clear_evaluation(&folder, true)?;
-            let message = "interrupted; nothing was kept, so run it again".to_owned();
+            let message = "interrupted; nothing was saved: run the same command again".to_owned();
             Err(Failure::new(Exit::Interrupted, message))
         }
         recorded => Ok((recorded?.0, Some(folder))),
@@ -132,7 +132,7 @@ fn print(
     knowledge: &Knowledge,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    // Where moves slip, the fewest steps are no yardstick.
+    // Where moves slip, the fewest steps are not a meaningful reference.
     let (optimally, best) = match plan.config.settings.arena.slip > 0.0 {
         true => ("only best actions ", "expected at best"),
         false => ("by a shortest path", "shortest"),

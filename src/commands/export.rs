@@ -1,4 +1,4 @@
-//! `xcscr export`: the policy as source code or data.
+//! `xcscr export`: exports the policy as source code or data.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -16,11 +16,11 @@ use super::output::OutputFile;
 pub struct ExportArgs {
     #[command(flatten)]
     learned: LearnedArgs,
-    /// What to write: source code that decides as `evaluate` does, with the maps of rules that have a
-    /// memory, or the rules as data.
+    /// Format: source code that chooses the same actions as `evaluate`, including the maps of rules
+    /// that use maps, or the rules as data.
     #[arg(long, value_parser = target())]
     target: Target,
-    /// The file to write [default: standard output].
+    /// File to write [default: standard output].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Replace the file if it exists.
@@ -32,7 +32,7 @@ fn target() -> impl TypedValueParser<Value = Target> {
     choices::one_of(Target::ALL, Target::name)
 }
 
-/// Writes the policy.
+/// Exports the policy.
 pub fn run(args: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> {
     let asked = args.output.as_deref();
     let file = asked.map(|path| OutputFile::free(path, args.force));

@@ -1,4 +1,4 @@
-//! Why a command did not do what was asked, and the exit code for it.
+//! Failures of commands, and their exit codes.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -11,46 +11,46 @@ use xcscr::world::WorldError;
 
 use super::terminal::{escaped, fitted, shows_colours};
 
-/// How a message begins where there are colours.
+/// The beginning of a coloured error message.
 const RED_ERROR: &str = "\x1b[1;91merror\x1b[0m";
 
-/// The exit codes of unsuccessful ends; `--help` explains them.
+/// The exit codes of failed commands, as explained by `--help`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
-    /// The reader of stdout went away, which is a clean end.
+    /// The reader of stdout has closed it. This is a clean exit.
     Closed = 0,
-    /// A condition that the user asked for does not hold.
+    /// A condition that the user requested does not hold.
     Refuted = 1,
-    /// Arguments that make no sense together.
+    /// Invalid or contradictory arguments.
     Usage = 2,
-    /// Done, but some data was lost.
+    /// The command succeeded, but some data was lost.
     Lossy = 3,
     /// Bad input data.
     BadData = 65,
     /// An input file is missing.
     Missing = 66,
-    /// A fault of this program.
+    /// An internal error of this program.
     Internal = 70,
     /// The output cannot be created.
     CannotCreate = 73,
     /// Input or output error.
     Io = 74,
-    /// Interrupted, and a valid checkpoint was left.
+    /// Interrupted. A valid checkpoint was left.
     Interrupted = 75,
 }
 
-/// An exit code, and the message for it.
+/// An exit code and its message.
 #[derive(Debug)]
 pub struct Failure {
     /// The exit code.
     pub exit: Exit,
     message: String,
-    /// The message with colours, if it has any.
+    /// The coloured message, if there is one.
     styled: Option<String>,
 }
 
 impl Failure {
-    /// A failure with its message, which begins with a small letter and ends without a stop.
+    /// Creates a failure. The message begins with a lowercase letter and ends without a full stop.
     pub fn new(exit: Exit, message: impl Into<String>) -> Self {
         Self {
             exit,
@@ -59,13 +59,13 @@ impl Failure {
         }
     }
 
-    /// The failure after a panic, whose own message is already on stderr.
+    /// Creates the failure after a panic, whose own message is already on stderr.
     pub fn internal() -> Self {
         let message = "internal error: please report it with the message above";
         Self::new(Exit::Internal, message)
     }
 
-    /// Prints the message to stderr. A closed stderr is no reason to fail again.
+    /// Prints the message to stderr. Errors of stderr are ignored.
     pub fn print(&self) {
         let plain = escaped(&self.message);
         let message = match &self.styled {
@@ -86,7 +86,7 @@ impl Failure {
         }
     }
 
-    /// Prints the message and gives the exit code.
+    /// Prints the message and returns the exit code.
     pub fn report(&self) -> ExitCode {
         self.print();
         ExitCode::from(self.exit as u8)
@@ -110,7 +110,7 @@ impl From<io::Error> for Failure {
 
 impl From<&clap::Error> for Failure {
     fn from(error: &clap::Error) -> Self {
-        // The plain text: its colours could not be told from those that an argument brings along.
+        // Plain text: clap's colours cannot be distinguished from escape codes in an argument.
         let message = error.render().to_string();
         let message = message.strip_prefix("error: ").unwrap_or(&message);
         Self::new(Exit::Usage, message.trim_end())

@@ -1,4 +1,4 @@
-//! Signals: the first asks for an orderly end, the second for an immediate one.
+//! Signal handling: the first signal requests a graceful shutdown, the second ends the process.
 
 use std::io;
 use std::process;
@@ -19,33 +19,33 @@ const SIGNALS: [i32; 3] = [consts::SIGINT, consts::SIGTERM, consts::SIGUSR1];
 const SIGNALS: [i32; 2] = [consts::SIGINT, consts::SIGTERM];
 
 /// The exit code after a second signal.
-const IMPATIENT: i32 = 130;
-/// How long what is under way may still take after the first signal ...
-const PATIENCE: Duration = Duration::from_secs(4);
-/// ... and how soon that signal is noticed here.
-const GLANCE: Duration = Duration::from_millis(50);
+const SECOND_SIGNAL_EXIT: i32 = 130;
+/// Grace period after the first signal.
+const GRACE_PERIOD: Duration = Duration::from_secs(4);
+/// Interval at which the watcher polls for the signal.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Whether a signal came that asks for the end. The next one ends the process at once.
+/// A flag that the first signal sets. The second signal ends the process at once.
 #[derive(Debug, Clone)]
 pub struct Interrupt {
     came: Arc<AtomicBool>,
 }
 
 impl Interrupt {
-    /// Takes notice of signals from now on.
+    /// Registers the signal handlers.
     pub fn notice() -> io::Result<Self> {
         let came = Arc::new(AtomicBool::new(false));
         for signal in SIGNALS {
-            // In this order: the first signal finds the flag down and raises it.
-            flag::register_conditional_shutdown(signal, IMPATIENT, came.clone())?;
+            // In this order: the first signal finds the flag cleared and sets it.
+            flag::register_conditional_shutdown(signal, SECOND_SIGNAL_EXIT, came.clone())?;
             flag::register(signal, came.clone())?;
         }
         Ok(Self { came })
     }
 
-    /// The same, and watches. When what is under way takes too long after a signal, such as an
-    /// episode in a winding maze, the process ends with what `farewell` says: like a process that is
-    /// killed, it leaves its last checkpoint or journal whole.
+    /// Registers the signal handlers and starts a watcher. If the current work, such as an episode
+    /// in a winding maze, exceeds the grace period, the process ends with the failure from
+    /// `shutdown_message`. As after a kill, the last checkpoint or journal stays intact.
     pub fn watch(shutdown_message: impl Fn() -> Failure + Send + 'static) -> io::Result<Self> {
         let this = Self::notice()?;
         let watch = this.clone();
@@ -53,16 +53,16 @@ impl Interrupt {
         Ok(this)
     }
 
-    /// Did one come?
+    /// Returns true if a signal was received.
     pub fn came(&self) -> bool {
         self.came.load(Ordering::Relaxed)
     }
 
     fn end_in_time(&self, shutdown_message: &impl Fn() -> Failure) {
         while !self.came() {
-            sleep(GLANCE);
+            sleep(POLL_INTERVAL);
         }
-        sleep(PATIENCE);
+        sleep(GRACE_PERIOD);
         let failure = shutdown_message();
         say("");
         failure.print();
@@ -70,10 +70,10 @@ impl Interrupt {
     }
 }
 
-/// Lets what goes beyond a limit of the system end in code 74, where otherwise a signal kills:
-/// writing beyond a file-size limit fails with an error, and memory that cannot be had, which the
-/// standard library names on stderr before it aborts, ends the process as a kill would, so that
-/// the last checkpoint or journal is whole.
+/// Turns violations of system limits into exit code 74, where a signal would otherwise kill the
+/// process. Writing beyond a file-size limit fails with an error. When memory runs out, the
+/// standard library reports it on stderr and aborts. The process then ends as if killed, so that
+/// the last checkpoint or journal stays intact.
 pub fn limits_are_errors() -> io::Result<()> {
     #[cfg(unix)]
     flag::register(consts::SIGXFSZ, Arc::default())?;

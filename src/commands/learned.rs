@@ -1,4 +1,4 @@
-//! What was learned, from the folder of a run or a lone file of rules.
+//! Loads what was learned from a run folder, a recording, or a rules.json file.
 
 use std::path::PathBuf;
 
@@ -12,33 +12,33 @@ use xcscr::world::Maze;
 use super::choices;
 use super::failure::{Exit, Failure};
 
-/// Where to find what was learned, and what it is about.
+/// The source of a learned policy, and its world and sensor.
 #[derive(Debug, clap::Args)]
 pub struct LearnedArgs {
     /// The folder of a run, one of its recordings, or a rules.json file.
     #[arg(value_name = "RUN|RULES")]
     run: PathBuf,
-    /// Another world file than the run's own; needed for a lone rules.json.
+    /// World file to use instead of the run's own. Required with a rules.json.
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
-    /// Another percept than the run's own.
+    /// Percept to use instead of the run's own.
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
 }
 
 impl LearnedArgs {
-    /// Is it the folder of a run, and no lone file of rules?
+    /// Returns true if the source is a run folder, and not a recording or a file of rules.
     pub fn is_a_run(&self) -> bool {
         self.run.is_dir()
     }
 
-    /// Is it a run as it was, so that running it again gives the same?
+    /// Returns true if the run is unchanged, so that repeating it gives the same result.
     pub fn can_be_repeated(&self) -> bool {
         self.is_a_run() && self.world.is_none() && self.sensor.is_none()
     }
 
-    /// The plan of the run, and what was learned. A lone file of rules does not tell where it was
-    /// learned: in `arena`, or else in physics.
+    /// Returns the plan of the run and what was learned. A file of rules does not name its arena:
+    /// then the arena is `arena`, or physics by default.
     pub fn load(&self, arena: Option<ArenaKind>) -> Result<(Plan, Knowledge), Failure> {
         let is_file = self.run.exists() && !self.run.is_dir();
         let is_recording = self.run.extension().is_some_and(|end| end == "mcap");
@@ -61,7 +61,7 @@ impl LearnedArgs {
         Ok((plan, knowledge))
     }
 
-    /// A folder beside it for what is made of it.
+    /// Returns the path of a sibling folder for the results of an evaluation.
     pub fn beside(&self) -> PathBuf {
         let name = match self.run.is_dir() {
             true => self.run.file_name(),
@@ -71,7 +71,7 @@ impl LearnedArgs {
         self.run.with_file_name(format!("{name}-evaluation"))
     }
 
-    /// A plan around a lone file of rules.
+    /// Returns a plan for a file of rules.
     fn plan_of_rules(&self, knowledge: &Knowledge, arena: ArenaKind) -> Result<Plan, Failure> {
         let world = self.world.as_ref().ok_or_else(|| {
             let message = format!(

@@ -1,4 +1,4 @@
-//! `--live`: streaming to a viewer.
+//! `--live`: streams to a viewer.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -12,26 +12,26 @@ use super::failure::{Exit, Failure};
 use super::interrupt::Interrupt;
 use super::terminal::say;
 
-/// Where viewers look first.
+/// The default port of viewers.
 pub const LIVE_PORT: u16 = 8765;
-/// How often one looks whether somebody watches, or wants to end.
+/// Interval at which the stream polls for viewers and interrupts.
 const TICK: Duration = Duration::from_millis(100);
-/// How long training waits for a viewer: long enough to open one, and a script is not stuck.
+/// How long training waits for a viewer: long enough to open one, and short enough for scripts.
 const VIEWER_WAIT: Duration = Duration::from_secs(60);
 
 /// Arguments of commands that can stream.
 #[derive(Debug, clap::Args)]
 pub struct LiveArgs {
     /// Stream to a viewer on this machine (needs a build with `--features live`). A replay waits
-    /// for one and pauses while nobody watches. Training waits a minute, keeps to the speed while
-    /// somebody watches, and runs as fast as it can while nobody does. Pages of Foxglove and
-    /// Lichtblick may connect; `--allow-origin` adds those of another viewer.
+    /// for a viewer and pauses while there is none. Training waits a minute for a viewer. While a
+    /// viewer is connected, training keeps to the speed; otherwise it runs as fast as possible.
+    /// Pages of Foxglove and Lichtblick may connect; `--allow-origin` adds those of another viewer.
     #[arg(long)]
     live: bool,
-    /// How many times as fast as real time the stream runs [default: 1 to replay, 10 to train].
+    /// Speed of the stream relative to real time [default: 1 for replays, 10 for training].
     #[arg(long, value_name = "X", requires = "live", value_parser = speed)]
     speed: Option<f64>,
-    /// Also let pages of this origin read what is served or streamed, such as
+    /// Also let pages of this origin read the served or streamed data, such as
     /// https://viewer.example.
     #[arg(long, value_name = "ORIGIN")]
     pub allow_origin: Vec<Origin>,
@@ -45,7 +45,7 @@ fn speed(text: &str) -> Result<f64, String> {
 }
 
 impl LiveArgs {
-    /// The broadcast, if it is wanted; says on stderr how to watch it.
+    /// Opens the broadcast if requested, and prints on stderr how to watch it.
     pub fn open(&self, port: u16, usual_speed: f64) -> Result<Option<Broadcast>, Failure> {
         if !self.live {
             return Ok(None);
@@ -64,17 +64,17 @@ impl LiveArgs {
     }
 }
 
-/// A stream whose simulated time keeps to a multiple of real time while somebody watches.
+/// A stream whose simulated time keeps to a multiple of real time while a viewer is connected.
 pub struct Broadcast {
     stream: Stream,
     speed: f64,
-    /// Since when somebody watches: real time, and simulated time in nanoseconds.
+    /// The time at which a viewer connected: real time, and simulated time in nanoseconds.
     since: Option<(Instant, u64)>,
     interrupt: Interrupt,
 }
 
 impl Broadcast {
-    /// Waits until somebody watches, at most so long. Ctrl-C ends the waiting, too.
+    /// Waits for a viewer, at most for `most`. Ctrl-C also ends the wait.
     pub fn wait_for_viewer(&self, most: Duration) {
         if self.stream.is_watched() {
             return;
@@ -83,17 +83,17 @@ impl Broadcast {
         while !self.stream.is_watched() && !self.is_interrupted() && begun.elapsed() < most {
             thread::sleep(TICK);
         }
-        // A viewer asks for one topic after the other.
+        // A viewer subscribes to its topics one by one.
         thread::sleep(TICK);
     }
 
-    /// Waits a while for a viewer; then what is to be done with each message that is recorded.
+    /// Waits for a viewer, then returns a function that sends each recorded message.
     pub fn into_tap(mut self) -> Tap {
         self.wait_for_viewer(VIEWER_WAIT);
         Box::new(move |topic, time_ns, data: &[u8]| self.send(topic, time_ns, data))
     }
 
-    /// Waits until it is time, then sends a message.
+    /// Waits until a message is due, then sends it.
     pub fn send(&mut self, topic: Topic, time_ns: u64, data: &[u8]) {
         self.keep_pace(time_ns);
         self.stream.send(topic, time_ns, data);
@@ -114,14 +114,14 @@ impl Broadcast {
         }
     }
 
-    /// Stays until the last viewer has gone. Ctrl-C ends it, too.
+    /// Waits until the last viewer has disconnected. Ctrl-C also ends the wait.
     pub fn stay(&self) {
         while self.stream.has_viewers() && !self.is_interrupted() {
             thread::sleep(TICK);
         }
     }
 
-    /// Did Ctrl-C ask for the end?
+    /// Returns true if Ctrl-C was pressed.
     pub fn is_interrupted(&self) -> bool {
         self.interrupt.came()
     }
@@ -135,7 +135,7 @@ fn open(port: u16, origins: &[Origin]) -> Result<Stream, Failure> {
     })
 }
 
-/// Without the feature there is never a stream.
+/// An uninhabited type: without the feature there is never a stream.
 #[cfg(not(feature = "live"))]
 enum Stream {}
 

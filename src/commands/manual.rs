@@ -1,4 +1,4 @@
-//! `xcscr man`: manual pages.
+//! `xcscr man`: writes manual pages.
 
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -11,10 +11,10 @@ use super::failure::{Exit, Failure};
 /// Arguments of `man`.
 #[derive(Debug, clap::Args)]
 pub struct ManArgs {
-    /// The folder of the pages, such as ~/.local/share/man/man1.
+    /// Folder of the pages, such as ~/.local/share/man/man1.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Replace pages that hold something else, such as those of another version.
+    /// Replace pages with different content, such as those of another version.
     #[arg(long)]
     force: bool,
 }
@@ -29,7 +29,7 @@ pub fn run(args: &ManArgs, program: clap::Command) -> Result<(), Failure> {
 }
 
 fn write_pages(args: &ManArgs, program: clap::Command) -> io::Result<()> {
-    // Aside first: the library that makes them looks at nothing that is there.
+    // Into a temporary folder first: the library overwrites existing files.
     let made = tempfile::tempdir()?;
     clap_mangen::generate_to(program, made.path())?;
     fs::create_dir_all(&args.out)?;

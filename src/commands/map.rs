@@ -1,4 +1,4 @@
-//! `xcscr map`: the policy over the maze as a picture, still or moving.
+//! `xcscr map`: draws the policy over the maze, as a picture or an animation.
 
 use std::path::{Path, PathBuf};
 
@@ -13,15 +13,15 @@ use super::output::OutputFile;
 /// Arguments of `map`.
 #[derive(Debug, clap::Args)]
 pub struct MapArgs {
-    /// The folder of a run, or one of its recordings.
+    /// Folder of a run, or one of its recordings.
     run: PathBuf,
-    /// The picture to write: .svg or .png.
+    /// Picture to write: .svg or .png.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// The policy after this episode [default: that of the recording, or the last].
+    /// Show the policy after this episode [default: that of the recording, or the last].
     #[arg(long, value_name = "N", conflicts_with = "animate")]
     episode: Option<u32>,
-    /// The policy as it forms over the episodes.
+    /// Show how the policy forms over the episodes.
     #[arg(long)]
     animate: bool,
     /// Replace the picture if it exists.
@@ -29,14 +29,14 @@ pub struct MapArgs {
     force: bool,
 }
 
-/// The kinds of pictures.
+/// The picture formats.
 #[derive(Clone, Copy)]
 enum Kind {
     Svg,
     Png,
 }
 
-/// Runs the trial again and draws.
+/// Repeats the trial and draws the policy.
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let kind = Kind::of(&args.output)?;
     let file = OutputFile::free(&args.output, args.force)?;
@@ -71,7 +71,7 @@ impl Kind {
     }
 }
 
-/// The plan of a run, and the episode that a recording shows.
+/// Returns the plan of a run, and the episode of a recording.
 fn plan(args: &MapArgs) -> Result<(Plan, Option<u32>), Failure> {
     if args.run.exists() && !args.run.is_dir() {
         let source = Source::of(&args.run)?;

@@ -1,4 +1,4 @@
-//! The subcommands: thin layers over the library, one file each.
+//! The subcommands: thin layers over the library, one module each.
 
 mod choices;
 pub mod config;

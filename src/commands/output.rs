@@ -1,4 +1,4 @@
-//! A file that the user asked for by name.
+//! Output files named by the user.
 
 use std::io::{self, ErrorKind};
 use std::path::Path;
@@ -7,7 +7,7 @@ use xcscr::disk;
 
 use super::failure::{Exit, Failure};
 
-/// A file to write, which is checked before the work for it begins.
+/// An output file that is checked before the work for it begins.
 #[derive(Debug)]
 pub struct OutputFile<'a> {
     path: &'a Path,
@@ -15,7 +15,7 @@ pub struct OutputFile<'a> {
 }
 
 impl<'a> OutputFile<'a> {
-    /// Fails if the file exists, unless `force` allows to replace it, or if it cannot be written.
+    /// Fails if the file exists and `force` is not set, or if the file cannot be written.
     pub fn free(path: &'a Path, force: bool) -> Result<Self, Failure> {
         disk::require_free(path, force)
             .and_then(|()| require_folder(path))
@@ -23,13 +23,13 @@ impl<'a> OutputFile<'a> {
         Ok(Self { path, force })
     }
 
-    /// Writes the file aside, and gives it its name when it is whole.
+    /// Writes the file atomically.
     pub fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
         disk::write(self.path, bytes, self.force).map_err(|cause| unwritten(self.path, &cause))
     }
 }
 
-/// Fails if there is no folder to write the file into.
+/// Fails if the folder of the file does not exist.
 fn require_folder(path: &Path) -> io::Result<()> {
     let named = |folder: &&Path| !folder.as_os_str().is_empty();
     match path.parent().filter(named) {

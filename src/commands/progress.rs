@@ -6,21 +6,21 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use xcscr::episode::{Ending, Episode, Learned, Observer};
 use xcscr::trial::Trial;
 
-/// While the first episode runs.
+/// The template during the first episode.
 const FIRST: &str = "{bar:14} episode {pos}/{len}";
-/// At most 80 columns, for up to 99,999 episodes.
+/// The template afterwards: at most 80 columns, for up to 99,999 episodes.
 const TEMPLATE: &str = "{bar:14} episode {pos}/{len}, {msg}, {eta} left";
 
-/// Shows how training goes, when stderr is a terminal. It wipes itself away at the end.
+/// Shows the progress of training if stderr is a terminal. The bar is cleared at the end.
 pub struct Progress {
     bar: ProgressBar,
     best: Option<u32>,
-    /// Was an episode seen?
+    /// True after the first episode.
     is_under_way: bool,
 }
 
 impl Progress {
-    /// A bar for what is left of a trial; `quiet` hides it.
+    /// Creates a bar for the rest of a trial; `quiet` hides it.
     pub fn new(trial: &Trial, quiet: bool) -> Self {
         let progress = trial.progress();
         let mut this = Self::of(trial.plan().config.episodes, quiet);
@@ -30,7 +30,7 @@ impl Progress {
         this
     }
 
-    /// A bar for this many episodes; `quiet` hides it.
+    /// Creates a bar for a number of episodes; `quiet` hides it.
     pub fn of(episodes: u32, quiet: bool) -> Self {
         let target = if quiet {
             ProgressDrawTarget::hidden()
@@ -47,7 +47,7 @@ impl Progress {
     }
 }
 
-/// A bar that is drawn so.
+/// Returns the style of a template.
 fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).expect("the template is valid")
 }

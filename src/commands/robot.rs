@@ -1,4 +1,4 @@
-//! `xcscr robot`: list, show and check robot profiles.
+//! `xcscr robot`: lists, shows and checks robot profiles.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -12,10 +12,10 @@ use xcscr::world::Maze;
 use super::failure::Failure;
 use super::terminal::write_words;
 
-/// What to do with robot profiles.
+/// Subcommands of `robot`.
 #[derive(Debug, Subcommand)]
 pub enum RobotCommand {
-    /// List the profiles that come with the program.
+    /// List the bundled profiles.
     List,
     /// Print a profile with the source of each value, as a file for `--robot`.
     Show {
@@ -34,7 +34,7 @@ pub enum RobotCommand {
     },
 }
 
-/// Runs one of the robot commands.
+/// Runs a subcommand of `robot`.
 pub fn run(command: &RobotCommand, out: &mut impl Write) -> Result<(), Failure> {
     match command {
         RobotCommand::List => list(out),
@@ -60,7 +60,7 @@ fn show(profile: &RobotProfile, out: &mut impl Write) -> Result<(), Failure> {
     for (key, value, source) in profile.entries() {
         let setting = format!("{key} = {value}");
         match source {
-            // One line each, whatever a file says.
+            // One line each, even if the file contains line breaks.
             Some(source) => {
                 let source = source.replace(char::is_control, " ");
                 writeln!(out, "{setting:42} # {source}")?;
@@ -78,7 +78,7 @@ fn check(profile: &RobotProfile, maze: Option<Maze>, out: &mut impl Write) -> Re
     let fits = match maze {
         None => format!("it fits into cells of at least {least_m:.3} m"),
         Some(maze) => {
-            // A robot that senses; the learner does not matter here.
+            // A plan with a sensor; the learner does not matter here.
             let plan = Plan::new(maze.clone()).sensor(Sensor::Lidar);
             let settings = Settings {
                 physics: physics.clone(),

@@ -1,11 +1,11 @@
-//! Where recordings lie.
+//! Finds recordings.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::failure::{Exit, Failure};
 
-/// The recordings that a path names: itself, or those of a run folder.
+/// Returns the recordings at a path: the file itself, or those of a run folder.
 pub fn recordings(path: &Path) -> Result<Vec<PathBuf>, Failure> {
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);
@@ -18,13 +18,14 @@ pub fn recordings(path: &Path) -> Result<Vec<PathBuf>, Failure> {
         .iter()
         .map(|e| e.path())
         .collect();
-    // Unfinished recordings are kept in the list, so that nobody takes the rest for the whole.
+    // Unfinished recordings stay in the list, so that the others are not mistaken for the whole
+    // run.
     let is_recording = |file: &PathBuf| {
         let name = file.to_string_lossy();
         name.ends_with(".mcap") || name.ends_with(".mcap.part")
     };
     files.retain(is_recording);
-    // Episodes by their numbers, of which those beyond 9999 have more digits.
+    // Sorts episodes by number, because numbers above 9999 have more digits.
     files.sort_by_cached_key(|file| {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let number: String = name.chars().filter(char::is_ascii_digit).collect();

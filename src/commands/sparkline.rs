@@ -1,12 +1,12 @@
-//! A small curve for the terminal.
+//! A small chart for the terminal.
 
-/// Bars from the lowest to the highest.
+/// Bars, the lowest first.
 const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
-/// The most bars of a curve, which leaves room for a label in 80 columns.
+/// The most bars of a chart. This leaves room for a label in 80 columns.
 const MOST: usize = 48;
 
-/// The numbers as bars from 0 to the greatest of them; of many numbers, each bar is the mean of
-/// several. Empty without numbers.
+/// Draws numbers as bars from 0 to the greatest number. With many numbers, each bar is the mean of
+/// several. Returns an empty string without numbers.
 pub fn sparkline(numbers: &[u32]) -> String {
     let bars = numbers.len().min(MOST);
     let means: Vec<f64> = (0..bars)
@@ -17,13 +17,13 @@ pub fn sparkline(numbers: &[u32]) -> String {
     means.into_iter().map(|mean| BARS[level(mean)]).collect()
 }
 
-/// Part `number` of so many that are as equal as can be.
+/// Returns part `number` of `parts` nearly equal parts.
 fn part(numbers: &[u32], number: usize, parts: usize) -> &[u32] {
     let cut = |at: usize| at * numbers.len() / parts;
     &numbers[cut(number)..cut(number + 1)]
 }
 
-/// The mean of some numbers; 0 of none.
+/// Returns the mean of numbers; 0 if there are none.
 pub fn mean(numbers: &[u32]) -> f64 {
     let sum: u64 = numbers.iter().copied().map(u64::from).sum();
     sum as f64 / numbers.len().max(1) as f64

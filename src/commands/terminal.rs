@@ -1,4 +1,4 @@
-//! The way to the terminal: what files hold is printed, and never obeyed.
+//! Safe output to the terminal: control characters from files are escaped.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use std::path::Path;
 
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 
-/// What cannot stand as it is in the path of an address.
+/// The characters that must be percent-encoded in the path of an address.
 const IN_PATHS: &AsciiSet = &CONTROLS
     .add(b' ')
     .add(b'"')
@@ -20,22 +20,22 @@ const IN_PATHS: &AsciiSet = &CONTROLS
     .add(b'{')
     .add(b'}');
 
-/// Columns of a terminal.
+/// Width of a terminal, in columns.
 const COLUMNS: usize = 80;
 
-/// Tells the user something, on a line of stderr. A closed stderr is no reason to fail.
+/// Prints a line to stderr. Errors of stderr are ignored.
 pub fn say(line: &str) {
     let mut there = io::stderr();
     let _ = writeln!(there, "{}", fitted(&escaped(line), &there));
 }
 
-/// Prints a line of words on stdout, as a terminal or a file is to have it.
+/// Prints a line of text to stdout, wrapped for a terminal.
 pub fn write_words(out: &mut impl Write, line: &str) -> io::Result<()> {
     writeln!(out, "{}", fitted(line, &io::stdout()))
 }
 
-/// The text as it is printed there: a terminal gets lines of at most 80 columns, broken between words;
-/// a file or a pipe gets them whole, so that they can be searched.
+/// Wraps text for a terminal to lines of at most 80 columns, between words. For a file or a pipe,
+/// the text is unchanged, so that it can be searched.
 pub fn fitted<'a>(text: &'a str, there: &impl IsTerminal) -> Cow<'a, str> {
     match there.is_terminal() {
         true => Cow::Owned(broken(text)),
@@ -43,8 +43,8 @@ pub fn fitted<'a>(text: &'a str, there: &impl IsTerminal) -> Cow<'a, str> {
     }
 }
 
-/// The text with each line that is too long broken between words; what goes on is indented. What
-/// stands between backticks is one word, so that it can be copied.
+/// Wraps each line that is too long between words. Continuation lines are indented. Text between
+/// backticks is one word, so that it can be copied.
 fn broken(text: &str) -> String {
     let lines: Vec<String> = text.split('\n').map(broken_line).collect();
     lines.join("\n")
@@ -72,7 +72,7 @@ fn broken_line(line: &str) -> String {
     text
 }
 
-/// The words of a line; those between two backticks are one.
+/// Splits a line into words. Text between backticks is one word.
 fn words(line: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut is_open = false;
@@ -86,8 +86,8 @@ fn words(line: &str) -> Vec<String> {
     words
 }
 
-/// Does the terminal on stdout show links (OSC 8)? Those that are known to; `FORCE_HYPERLINK=1`
-/// says so of any, `FORCE_HYPERLINK=0` of none.
+/// Returns true if the terminal on stdout shows links (OSC 8). Known terminals are detected.
+/// `FORCE_HYPERLINK=1` enables links, `FORCE_HYPERLINK=0` disables them.
 pub fn shows_links() -> bool {
     let set = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
     if let Some(forced) = set("FORCE_HYPERLINK") {
@@ -123,13 +123,13 @@ pub fn shows_links() -> bool {
             || SIGNS.iter().any(|name| set(name).is_some()))
 }
 
-/// Are colours wanted there? See no-color.org.
+/// Returns true if colours are enabled there; see no-color.org.
 pub fn shows_colours(there: &impl IsTerminal) -> bool {
     let forbidden = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     there.is_terminal() && !forbidden
 }
 
-/// Prints a maze with its policy, and what the letters mean, on stdout: in colour where that is wanted.
+/// Prints a maze with its policy and legend to stdout, in colour if enabled.
 pub fn print_maze(drawn: &str) -> io::Result<()> {
     let (mut out, drawn) = (io::stdout(), escaped(drawn));
     match shows_colours(&out) {
@@ -138,23 +138,24 @@ pub fn print_maze(drawn: &str) -> io::Result<()> {
     }
 }
 
-/// A drawn maze in colours: walls grey, arrows green, the goal magenta, what is not clear yellow.
+/// Colours a drawn maze: walls grey, arrows green, the goal magenta, ambiguous cells yellow.
 fn painted(drawn: &str) -> String {
-    let paint = |letter: char| {
-        let colour = match letter {
+    let paint = |character: char| {
+        let colour = match character {
             '█' => 90,
             '←'..='↓' | '↖'..='↙' => 32,
             'G' => 35,
             '+' | '?' => 33,
-            _ => return letter.to_string(),
+            _ => return character.to_string(),
         };
-        format!("\u{1b}[{colour}m{letter}\u{1b}[0m")
+        format!("\u{1b}[{colour}m{character}\u{1b}[0m")
     };
     drawn.chars().map(paint).collect()
 }
 
-/// Prints an address after a name, on a line of stdout: as a link behind short words (OSC 8) where the terminal shows links, so
-/// that 80 columns hold. The address is one of our own making, whose letters are ASCII and command nothing.
+/// Prints a name and an address to stdout. If the terminal shows links (OSC 8), the address is a
+/// link behind a short text, so that the line fits 80 columns. The address comes from this program:
+/// its characters are printable ASCII.
 pub fn write_link(name: &str, address: &str, out: &mut impl Write) -> io::Result<()> {
     if !shows_links() {
         return writeln!(out, "  {name}{address}");
@@ -162,7 +163,7 @@ pub fn write_link(name: &str, address: &str, out: &mut impl Write) -> io::Result
     write!(out, "  {name}")?;
     out.flush()?;
     let address = escaped(address);
-    // What goes through `out` would be escaped.
+    // Output through `out` would be escaped.
     write!(
         io::stdout(),
         "\u{1b}]8;;{address}\u{1b}\\click here to open it\u{1b}]8;;\u{1b}\\"
@@ -178,16 +179,16 @@ pub fn file_link(path: &Path) -> String {
     format!("file://{encoded}")
 }
 
-/// Text on its way to the terminal, in which whatever commands a terminal is shown as `\u001b`.
-/// That is also how JSON spells it: a document means the same as before.
+/// A writer that escapes control characters for a terminal as `\u001b`. This is also the escape of
+/// JSON, so the meaning of a document does not change.
 pub struct Escaping<W: Write> {
     inner: W,
-    /// The beginning of a letter whose other bytes are still to come.
+    /// The first bytes of an incomplete character.
     pending: Vec<u8>,
 }
 
 impl<W: Write> Escaping<W> {
-    /// Text on its way to `inner`.
+    /// Creates a writer to `inner`.
     pub fn new(inner: W) -> Self {
         let pending = Vec::new();
         Self { inner, pending }
@@ -212,35 +213,34 @@ impl<W: Write> Write for Escaping<W> {
     }
 }
 
-/// The text with all that commands a terminal as it is spelt in JSON; the ends of lines and
-/// tabulators stay.
+/// Escapes all characters that control a terminal as in JSON, except line breaks and tabs.
 pub fn escaped(text: &str) -> Cow<'_, str> {
     if !text.contains(is_command) {
         return Cow::Borrowed(text);
     }
     let mut shown = String::with_capacity(text.len() + 16);
-    for letter in text.chars() {
-        match is_command(letter) {
-            true => write!(shown, "\\u{:04x}", u32::from(letter)).expect("a string has room"),
-            false => shown.push(letter),
+    for character in text.chars() {
+        match is_command(character) {
+            true => write!(shown, "\\u{:04x}", u32::from(character)).expect("a string has room"),
+            false => shown.push(character),
         }
     }
     Cow::Owned(shown)
 }
 
-/// Does a terminal do something else with it than show it? Control characters do, of which there
-/// are some above ASCII, and those that turn the direction of writing, so that one text looks like
-/// another.
-fn is_command(letter: char) -> bool {
-    let turns = matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    turns || (letter.is_control() && letter != '\n' && letter != '\t')
+/// Returns true if a terminal does not simply display the character. This includes control
+/// characters, also those above ASCII, and characters that change the writing direction, which can
+/// make one text look like another.
+fn is_command(character: char) -> bool {
+    let turns = matches!(character, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || (character.is_control() && character != '\n' && character != '\t')
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Every letter that could be written, byte by byte.
+    /// Writes a text byte by byte, and returns the output.
     fn written(text: &str) -> String {
         let mut out = Escaping::new(Vec::new());
         for byte in text.bytes() {
@@ -251,12 +251,15 @@ mod tests {
 
     #[test]
     fn no_character_of_unicode_commands_the_terminal_and_none_is_lost() {
-        for letter in '\0'..=char::MAX {
-            let (text, shown) = (letter.to_string(), written(&letter.to_string()));
-            let is_layout = letter == '\n' || letter == '\t';
-            assert!(is_layout || !shown.contains(char::is_control), "{letter:?}");
-            // In a JSON document it stands for the same.
-            if letter > '\u{1f}' && letter != '"' && letter != '\\' {
+        for character in '\0'..=char::MAX {
+            let (text, shown) = (character.to_string(), written(&character.to_string()));
+            let is_layout = character == '\n' || character == '\t';
+            assert!(
+                is_layout || !shown.contains(char::is_control),
+                "{character:?}"
+            );
+            // In a JSON document the escape has the same meaning.
+            if character > '\u{1f}' && character != '"' && character != '\\' {
                 let read: String = serde_json::from_str(&format!("\"{shown}\"")).unwrap();
                 assert_eq!(read, text);
             }

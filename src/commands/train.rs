@@ -1,4 +1,4 @@
-//! `xcscr train`: a fresh learner, trained and recorded.
+//! `xcscr train`: trains and records a new learner.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use super::replay::browser;
 use super::terminal::{file_link, say};
 use super::train_report::TrainReport;
 
-/// What is settled once a run has begun.
+/// The options that cannot be changed once a run has begun.
 const CHOICES: [&str; 12] = [
     "world", "method", "arena", "sensor", "episodes", "seed", "out", "force", "robot", "config",
     "set", "record",
@@ -30,32 +30,32 @@ const CHOICES: [&str; 12] = [
 /// Arguments of `train`.
 #[derive(Debug, clap::Args)]
 pub struct TrainArgs {
-    /// The world file, such as worlds/maze4.json.
+    /// World file, such as worlds/maze4.json.
     #[arg(required_unless_present = "resume")]
     world: Option<PathBuf>,
-    /// How the robot learns.
+    /// Learning method.
     #[arg(long, default_value = "xcscr-plus", value_parser = choices::method())]
     method: Method,
-    /// Where the robot acts: in simulated physics, or on the bare grid.
+    /// Arena of the robot: simulated physics, or a plain grid.
     #[arg(long, default_value = "physics", value_parser = choices::arena())]
     arena: ArenaKind,
-    /// What the robot perceives [default: lidar in physics, neighbours on the grid; in mazes of
-    /// more than 1,024 cells the same with the robot's position].
+    /// Percept of the robot [default: lidar in physics, neighbours on the grid; in mazes of more
+    /// than 1,024 cells, the same with the robot's position].
     #[arg(long, value_parser = choices::sensor())]
     sensor: Option<Sensor>,
     /// Number of episodes.
     #[arg(long, default_value_t = 180, value_name = "N")]
     episodes: u32,
-    /// Root seed of all random streams: the same seed gives the same bytes.
+    /// Root seed of all random streams. The same seed gives the same bytes.
     #[arg(long, default_value_t = 1, value_name = "S", value_parser = choices::seed, allow_negative_numbers = true)]
     seed: u64,
-    /// The folder of the run [default: recordings/<world>-<method>-<arena>-s<seed>].
+    /// Folder of the run [default: recordings/<world>-<method>-<arena>-s<seed>].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace the folder of an earlier run.
     #[arg(long)]
     force: bool,
-    /// Resume the interrupted run in this folder; the result is bit-identical to that of an
+    /// Resume the interrupted run in this folder. The result is bit-identical to that of an
     /// uninterrupted run.
     #[arg(long, value_name = "DIR", conflicts_with_all = CHOICES)]
     resume: Option<PathBuf>,
@@ -64,15 +64,15 @@ pub struct TrainArgs {
     /// Start from rules learned elsewhere: a rules.json file or the folder of a run.
     #[arg(long, value_name = "RULES|RUN", conflicts_with = "resume")]
     init_rules: Option<PathBuf>,
-    /// Which episodes to record: all, best, last, every:N, beams (all, with each beam of the lidar) or none.
+    /// Episodes to record: all, best, last, every:N, beams (all, with each lidar beam) or none.
     #[arg(long, default_value = "all", value_name = "MODE")]
     record: RecordMode,
     #[command(flatten)]
     live: LiveArgs,
-    /// The port for `--live`.
+    /// Port for `--live`.
     #[arg(long, value_name = "P", default_value_t = LIVE_PORT)]
     port: u16,
-    /// Open the page of the highlights in the browser when the run has ended.
+    /// Open the page of the highlights in the browser at the end of the run.
     #[arg(long)]
     open: bool,
     /// Print one JSON document instead of the report.
@@ -157,7 +157,8 @@ fn begin(args: &TrainArgs, world: &Path) -> Result<(Session, Interrupt), Failure
     Ok((Session::begin(folder, trial, args.record)?, interrupt))
 }
 
-/// Resumes the run in a folder, named as a run names its folder itself: without a slash at the end.
+/// Resumes the run in a folder. Removes a trailing slash, so that the name is the same as in a new
+/// run.
 fn resume<'a>(folder: impl Iterator<Item = &'a PathBuf>) -> Result<(Resumed, Interrupt), Failure> {
     let path: PathBuf = folder.flat_map(|path| path.components()).collect();
     let folder = RunFolder::resume(&path)?;
@@ -165,7 +166,7 @@ fn resume<'a>(folder: impl Iterator<Item = &'a PathBuf>) -> Result<(Resumed, Int
     Ok((Session::resume(folder)?, interrupt))
 }
 
-/// Watches for signals from the moment on at which the folder is this process's own.
+/// Watches for signals. The folder must already be locked by this process.
 fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
     let folder = RunFolder::open(folder.path());
     let shutdown_message = move || {
@@ -175,14 +176,14 @@ fn watch(folder: &RunFolder) -> Result<Interrupt, Failure> {
     Ok(Interrupt::watch(shutdown_message)?)
 }
 
-/// Says on stderr what speaks against a plan.
+/// Prints the warnings about a plan on stderr.
 fn say_warnings(plan: &Plan) {
     for warning in plan.warnings() {
         say(&format!("warning: {warning}"));
     }
 }
 
-/// There is nothing left to do, which is a success.
+/// Reports that the run is already finished, which is a success.
 fn say_finished(folder: &RunFolder, json: bool, out: &mut impl Write) -> Result<(), Failure> {
     let episodes = folder.plan()?.config.episodes;
     let run_dir = disk::named(folder.path());
@@ -193,6 +194,6 @@ fn say_finished(folder: &RunFolder, json: bool, out: &mut impl Write) -> Result<
     }
     Ok(writeln!(
         out,
-        "{run_dir} is finished: all {episodes} episodes were run before"
+        "{run_dir} is finished: all {episodes} episodes have been run"
     )?)
 }

@@ -1,4 +1,4 @@
-//! What `train` says at its end.
+//! The report of `train`.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,13 +16,13 @@ use super::failure::Failure;
 use super::sparkline::sparkline;
 use super::terminal::{file_link, print_maze, write_link};
 
-/// What the letters over the maze mean.
+/// The legend of the drawn maze.
 const LEGEND: &str = "→ best action   + several are best   ? nothing known   G goal";
-/// What the arrows mean where the best action depends on what came before.
-const BEGINNINGS: &str = "arrows: as if an episode began there";
+/// The legend of the arrows if the best action depends on the history.
+const ARROWS: &str = "arrows: as if an episode began there";
 
-/// What the state is where percepts do not determine what follows.
-const ON_A_MAP: &str = "cell on its own map: percepts do not tell all cells apart";
+/// The state of a learner with a map.
+const ON_A_MAP: &str = "cell on its own map: percepts do not distinguish all cells";
 
 /// The result of a training run, as `--json` prints it.
 #[derive(Debug, Serialize)]
@@ -33,29 +33,30 @@ pub struct TrainReport {
     sensor: &'static str,
     seed: u64,
     episodes: u32,
-    /// Steps of a shortest path; `null` when episodes start anywhere.
+    /// The number of steps of a shortest path; `null` if episodes start anywhere.
     optimal_steps: Option<u32>,
-    /// How many shortest paths there are; `null` when episodes start anywhere.
+    /// The number of shortest paths; `null` if episodes start anywhere.
     optimal_paths: Option<u64>,
     first_optimal_episode: Option<u32>,
     first_optimal_env_steps: Option<u64>,
     first_executed_optimal_episode: Option<u32>,
-    /// Steps of the greedy policy from the start; `null` when it does not arrive, or when
-    /// episodes start anywhere.
+    /// The number of steps of the greedy policy from the start; `null` if it does not reach a goal,
+    /// or if episodes start anywhere.
     greedy_steps: Option<u32>,
-    /// Is the greedy policy globally optimal at the end?
+    /// True if the greedy policy is globally optimal at the end.
     retained: bool,
     steps: u64,
     collisions: u64,
-    /// Who chose the steps.
+    /// The number of steps by decision source.
     chosen: Chosen,
-    /// Who chose those until the greedy policy was first globally optimal.
+    /// The same, until the greedy policy was first globally optimal.
     chosen_before: Chosen,
     rules: usize,
-    /// What these are: `rules`, or the pairs of a table, or the beliefs of a plan.
+    /// The unit of `rules`: rules, pairs of a table, or beliefs of a plan.
     #[serde(skip)]
     counted: &'static str,
-    /// What the state was taken for at the end: `percept`, or `map` for a cell on a map that the learner drew.
+    /// The state of the learner at the end: `percept`, or `map` for a cell on a map that the
+    /// learner drew.
     estimator: &'static str,
     run_dir: String,
     #[serde(skip)]
@@ -63,7 +64,7 @@ pub struct TrainReport {
 }
 
 impl TrainReport {
-    /// Sums up a finished trial whose files lie in `folder`.
+    /// Summarises a finished trial with its files in `folder`.
     pub fn new(trial: &Trial, folder: &Path) -> Self {
         let (plan, progress) = (trial.plan(), trial.progress());
         let (maze, config) = (&plan.maze, &plan.config);
@@ -101,7 +102,8 @@ impl TrainReport {
         }
     }
 
-    /// Prints the report for people; `steps_per_episode` are those of all episodes, also before it was resumed.
+    /// Prints the report as text. `steps_per_episode` includes the episodes before the run was
+    /// resumed.
     pub fn print(
         &self,
         trial: &Trial,
@@ -109,14 +111,14 @@ impl TrainReport {
         recording: &RecordSummary,
         out: &mut impl Write,
     ) -> Result<(), Failure> {
-        // The picture comes first: what follows stays in view on a terminal of 24 lines.
+        // The picture comes first, so that the rest stays visible on a terminal of 24 lines.
         let maze = &trial.plan().maze;
         match maze.is_vast() {
             true => writeln!(out, "The maze is too large to be drawn.\n")?,
             false => {
                 out.flush()?;
                 let beginnings = match trial.method().remembers() {
-                    true => format!("{BEGINNINGS}\n"),
+                    true => format!("{ARROWS}\n"),
                     false => String::new(),
                 };
                 let drawn = picture(maze, &trial.policy());
@@ -181,7 +183,7 @@ impl TrainReport {
         steps.map_or(globally.to_owned(), |steps| format!("{steps}, {globally}"))
     }
 
-    /// Where the greedy policy gets to if it is not optimal, and what to try.
+    /// Prints where the greedy policy leads if it is not optimal, and what to try.
     fn print_failure(&self, trial: &Trial, out: &mut impl Write) -> Result<(), Failure> {
         let maze = &trial.plan().maze;
         let Some(path) = trial.greedy_path().filter(|_| !self.retained) else {
@@ -190,13 +192,13 @@ impl TrainReport {
         let paid = rewards_on(&path, maze);
         writeln!(out, "  it takes             {}", course(&path, paid, maze))?;
         if paid > 0 && self.greedy_steps.is_some() {
-            let means = "means a shortest path, whatever is paid on the way";
+            let means = "means a shortest path, regardless of rewards on the way";
             return Ok(writeln!(out, "  optimal              {means}")?);
         }
-        if let Some((one, other)) = look_alike(trial) {
+        if let Some((one, other)) = aliased_cells(trial) {
             writeln!(
                 out,
-                "  look alike to it     {one} and {other}; `world info` lists all"
+                "  same percept         {one} and {other}; `world info` lists all"
             )?;
         }
         if let Some(advice) = trial.plan().advice() {
@@ -228,8 +230,8 @@ impl TrainReport {
     }
 }
 
-/// The first two cells that the robot cannot tell apart.
-fn look_alike(trial: &Trial) -> Option<(String, String)> {
+/// Returns the first two cells with the same percept.
+fn aliased_cells(trial: &Trial) -> Option<(String, String)> {
     let Plan { maze, config } = trial.plan();
     let groups = match maze.is_vast() || trial.method().remembers() {
         true => Vec::new(),
@@ -240,7 +242,7 @@ fn look_alike(trial: &Trial) -> Option<(String, String)> {
     Some((named(&cells[0]), named(&cells[1])))
 }
 
-/// How many cells on a path pay by themselves.
+/// Counts the auxiliary rewards on a path.
 fn rewards_on(path: &[Cell], maze: &Maze) -> usize {
     let pays = |&(step, cell): &(usize, &Cell)| {
         maze.auxiliary_reward(*cell).is_some() && !path[..step].contains(cell)
@@ -248,7 +250,7 @@ fn rewards_on(path: &[Cell], maze: &Maze) -> usize {
     path.iter().enumerate().filter(pays).count()
 }
 
-/// Where the greedy policy gets to, in words.
+/// Describes where the greedy policy leads.
 fn course(path: &[Cell], paid: usize, maze: &Maze) -> String {
     let paid = match paid {
         0 => String::new(),
@@ -265,8 +267,8 @@ fn course(path: &[Cell], paid: usize, maze: &Maze) -> String {
     }
 }
 
-/// The best actions of a policy as arrows over the maze; `+` where several tie, `?` where nothing
-/// is known.
+/// Draws the best actions of a policy as arrows over the maze: `+` where several tie, `?` where
+/// nothing is known.
 fn picture(maze: &Maze, policy: &PolicyMap) -> String {
     maze.drawn(|cell| {
         let mut best = policy.values(cell)?.best_actions();

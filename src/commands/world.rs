@@ -1,4 +1,4 @@
-//! `xcscr world`: check, show, describe and generate world files.
+//! `xcscr world`: checks, shows, describes and generates world files.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,10 +14,10 @@ use super::convert::{self, ConvertArgs};
 use super::failure::{Exit, Failure};
 use super::terminal::write_words;
 
-/// The most cells that a list in the text names one by one.
+/// The most cells of a list that are printed.
 const MOST_LISTED: usize = 8;
 
-/// What to do with world files.
+/// Subcommands of `world`.
 #[derive(Debug, Subcommand)]
 pub enum WorldCommand {
     /// Check world files: one line for each valid file, one message for each invalid one.
@@ -31,19 +31,18 @@ pub enum WorldCommand {
         /// A world file.
         file: PathBuf,
     },
-    /// Show size, goals, shortest paths, and cells that look alike to the robot.
+    /// Show size, goals, shortest paths, and cells with the same percept.
     Info {
         /// A world file.
         file: PathBuf,
         /// Print one JSON document.
         #[arg(long)]
         json: bool,
-        /// The fewest steps that are possible on average: for a robot that knows
-        /// its cell, one that knows the world but not where it starts, and one that knows only its
-        /// present percept.
+        /// Show the fewest possible steps on average: for a robot that knows its cell, for one that
+        /// knows the world but not its start, and for one that knows only its current percept.
         #[arg(long)]
         bounds: bool,
-        /// With `--bounds`: what it perceives; of a sensed percept, what a perfect lidar would show.
+        /// With `--bounds`: the percept of the robot; for lidar percepts, that of a perfect lidar.
         #[arg(long, default_value = Sensor::Neighbours.name(), requires = "bounds", value_parser = choices::sensor())]
         sensor: Sensor,
         /// With `--bounds`: the probability that another move is made than the chosen one.
@@ -59,18 +58,18 @@ pub enum WorldCommand {
 /// Arguments of `world generate`.
 #[derive(Debug, clap::Args)]
 pub struct GenerateArgs {
-    /// Winding passages, rooms with doors, random obstacles, or corridors.
+    /// Kind of maze: winding passages, rooms with doors, random obstacles, or corridors.
     #[arg(long, value_parser = choices::one_of(MazeKind::ALL, MazeKind::name))]
     kind: MazeKind,
-    /// Cells on each side, 5 to 1024.
+    /// Number of cells on each side, 5 to 1024.
     #[arg(long, value_name = "N")]
     size: u16,
-    /// The same seed gives the same maze.
+    /// Seed. The same seed gives the same maze.
     #[arg(long, default_value_t = 1, value_name = "S")]
     seed: u64,
 }
 
-/// Runs one of the world commands.
+/// Runs a subcommand of `world`.
 pub fn run(command: WorldCommand, out: &mut impl Write) -> Result<(), Failure> {
     match command {
         WorldCommand::Check { files } => check(&files, out),
@@ -124,7 +123,8 @@ fn check(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     verdict(&failures, files.len())
 }
 
-/// Bad data outweighs missing and unreadable files.
+/// Returns the failure for several files. Bad data takes precedence over missing and unreadable
+/// files.
 fn verdict(failures: &[Exit], files: usize) -> Result<(), Failure> {
     let Some(&first) = failures.first() else {
         return Ok(());
@@ -161,18 +161,18 @@ fn shortest(facts: &Facts) -> String {
     }
 }
 
-/// All that `world info` tells.
+/// The description that `world info` prints.
 #[derive(Debug, Serialize)]
 struct Description {
     #[serde(flatten)]
     facts: Facts,
-    /// `None` for mazes of more cells than can be compared in a moment.
+    /// `None` for mazes with too many cells to compare.
     look_alike: Option<Vec<LookAlike>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     bounds: Option<Bounds>,
 }
 
-/// The cells that one sensor cannot tell apart.
+/// The groups of cells with the same percept of one sensor.
 #[derive(Debug, Serialize)]
 struct LookAlike {
     sensor: Sensor,
@@ -211,7 +211,10 @@ impl Description {
             writeln!(out, "rewards     {reward} in {cells}, once in an episode")?;
             if !auxiliary.out_of_reach.is_empty() {
                 let cells = places(&auxiliary.out_of_reach);
-                writeln!(out, "            never found: no episode comes to {cells}")?;
+                writeln!(
+                    out,
+                    "            never collected: no episode reaches {cells}"
+                )?;
             }
         }
         for floor in &facts.floors {
@@ -223,7 +226,7 @@ impl Description {
         writeln!(out, "shortest    {}", shortest(facts))?;
         match &self.look_alike {
             Some(all) => all.iter().try_for_each(|one| one.print(out))?,
-            None => writeln!(out, "look alike  not searched in a maze of so many cells")?,
+            None => writeln!(out, "aliased     not searched in a maze of so many cells")?,
         }
         self.bounds
             .iter()
@@ -231,7 +234,7 @@ impl Description {
     }
 }
 
-/// The bounds, each with what it supposes.
+/// Prints the bounds, each with its assumption.
 fn print_bounds(bounds: &Bounds, out: &mut impl Write) -> Result<(), Failure> {
     let number = |bound: Option<Estimate>| match bound {
         None => "unknown".to_owned(),
@@ -264,7 +267,7 @@ fn print_bounds(bounds: &Bounds, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A probability.
+/// Parses a probability.
 fn share(text: &str) -> Result<f64, String> {
     let number = text
         .parse::<f64>()
@@ -274,7 +277,7 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl LookAlike {
-    /// What each of the sensors cannot tell apart.
+    /// Returns the groups of each sensor.
     fn of(maze: &Maze) -> Vec<Self> {
         let one = |&sensor: &Sensor| Self {
             sensor,
@@ -286,7 +289,7 @@ impl LookAlike {
     fn print(&self, out: &mut impl Write) -> Result<(), Failure> {
         let name = self.sensor.name();
         if self.groups.is_empty() {
-            return Ok(writeln!(out, "look alike  ({name}) none")?);
+            return Ok(writeln!(out, "aliased     ({name}) none")?);
         }
         for group in self.groups.iter().take(MOST_LISTED) {
             let note = match group.share_a_best_action {
@@ -294,25 +297,25 @@ impl LookAlike {
                 false => "no move is best in all",
             };
             let cells = places(&group.cells);
-            write_words(out, &format!("look alike  ({name}) {cells}: {note}"))?;
+            write_words(out, &format!("aliased     ({name}) {cells}: {note}"))?;
         }
         match self.groups.len().saturating_sub(MOST_LISTED) {
             0 => Ok(()),
-            1 => Ok(writeln!(out, "look alike  ({name}) and another group")?),
+            1 => Ok(writeln!(out, "aliased     ({name}) and another group")?),
             more => Ok(writeln!(
                 out,
-                "look alike  ({name}) and {more} more groups"
+                "aliased     ({name}) and {more} more groups"
             )?),
         }
     }
 }
 
-/// A cell as column and row.
+/// Formats a cell as column and row.
 fn place(cell: Cell) -> String {
     format!("{},{}", cell.col, cell.row)
 }
 
-/// Cells as column and row, the first few of them.
+/// Formats cells as column and row, at most [`MOST_LISTED`] of them.
 fn places(cells: &[Cell]) -> String {
     let shown: Vec<String> = cells.iter().copied().take(MOST_LISTED).map(place).collect();
     match cells.len().saturating_sub(MOST_LISTED) {

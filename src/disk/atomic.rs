@@ -1,5 +1,5 @@
-//! Atomic file writes: a file is there whole, or not at all. Each writer has a temporary file of its
-//! own, so that writers of one file cannot mix their bytes.
+//! Atomic file writes: after a write, a file is either complete or unchanged. Each writer uses its
+//! own temporary file, so that concurrent writers of one file cannot mix their bytes.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -10,62 +10,61 @@ use tempfile::NamedTempFile;
 
 use super::{differs_from, remove};
 
-/// Random characters in the name of a temporary file.
+/// Number of random characters in the name of a temporary file.
 const RANDOM: usize = 6;
-/// The end of its name.
+/// Suffix of the name of a temporary file.
 const SUFFIX: &str = ".tmp";
-/// The longest file name that is made part of the temporary one, so that both fit into 255 bytes.
+/// Longest file name that is included in the temporary name, so that both fit into 255 bytes.
 const MOST_NAME: usize = 200;
 
-/// Writes a file; `force` lets it take the place of an older file. After a crash or a power failure
-/// either the old file is there or the new one.
+/// Writes a file. `force` allows it to replace an existing file. After a crash or a power failure,
+/// the path holds either the old file or the new one.
 ///
 /// # Errors
-/// Those of the file system; then the old file is untouched.
+/// Errors of the file system. The old file is then unchanged.
 pub fn write(path: &Path, bytes: &[u8], force: bool) -> io::Result<()> {
-    let aside = written_aside(path, |file| file.write_all(bytes))?;
-    persist(aside, path, force)
+    let temporary = written_temporary(path, |file| file.write_all(bytes))?;
+    persist(temporary, path, force)
 }
 
-/// Writes a file, in place of an older one; see [`write`].
+/// Writes a file and replaces an existing one; see [`write`].
 ///
 /// # Errors
-/// The same.
+/// The same as [`write`].
 pub(crate) fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write(path, bytes, true)
 }
 
-/// The same for what is written piece by piece.
+/// Like [`replace`], for content that is written piece by piece.
 ///
 /// # Errors
-/// The same, and those of `write`.
+/// The same as [`write`], and the errors of the `write` argument.
 pub(crate) fn replace_with(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    persist(written_aside(path, write)?, path, true)
+    persist(written_temporary(path, write)?, path, true)
 }
 
-/// The same, unless there is a file of this name with other bytes: then that is kept. Returns
-/// whether the file holds what was written.
+/// Like [`replace_with`], but keeps an existing file with different content. Returns true if the
+/// file holds the written content.
 ///
 /// # Errors
-/// The same.
+/// The same as [`replace_with`].
 pub(crate) fn keep_or_create(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<bool> {
-    let aside = written_aside(path, write)?;
-    let written = aside.reopen()?;
+    let temporary = written_temporary(path, write)?;
+    let written = temporary.reopen()?;
     match differs_from(path, written.metadata()?.len(), written)? {
         true => Ok(false),
-        false => persist(aside, path, true).map(|()| true),
+        false => persist(temporary, path, true).map(|()| true),
     }
 }
 
-/// Writes a temporary file. When that fails, the file is removed at once: it may lie on a full disk,
-/// where its space is needed.
-fn written_aside(
+/// Writes a temporary file. If writing fails, the file is removed at once: the disk may be full.
+fn written_temporary(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<NamedTempFile> {
@@ -74,11 +73,11 @@ fn written_aside(
     Ok(file.into_inner()?)
 }
 
-/// Creates a temporary file next to `path`, called `.NAME.RANDOM.tmp`. It is removed unless it is
-/// [persisted](persist).
+/// Creates a temporary file `.NAME.RANDOM.tmp` next to `path`. It is removed when dropped, unless
+/// it is [persisted](persist).
 ///
 /// # Errors
-/// Those of the file system.
+/// Errors of the file system.
 pub(crate) fn aside(path: &Path) -> io::Result<NamedTempFile> {
     let name = path.file_name().filter(|name| name.len() <= MOST_NAME);
     let mut prefix = OsStr::new(".").to_owned();
@@ -88,29 +87,28 @@ pub(crate) fn aside(path: &Path) -> io::Result<NamedTempFile> {
     }
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(SUFFIX).rand_bytes(RANDOM);
-    // As readable as other files: a temporary file is otherwise for its owner alone.
+    // By default, a temporary file is readable only by its owner.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder_of(path))
 }
 
-/// Brings a temporary file to the disk, and gives it its name; `force` lets it take the place of an
-/// older file. A link of this name is replaced, never followed.
+/// Syncs a temporary file to disk and renames it to `path`. `force` allows it to replace an
+/// existing file. A symbolic link at `path` is replaced, not followed.
 ///
 /// # Errors
-/// Those of the file system; then the old file is untouched.
-pub(crate) fn persist(aside: NamedTempFile, path: &Path, force: bool) -> io::Result<()> {
-    aside.as_file().sync_all()?;
+/// Errors of the file system. The old file is then unchanged.
+pub(crate) fn persist(temporary: NamedTempFile, path: &Path, force: bool) -> io::Result<()> {
+    temporary.as_file().sync_all()?;
     let named = match force {
-        true => aside.persist(path),
-        false => aside.persist_noclobber(path),
+        true => temporary.persist(path),
+        false => temporary.persist_noclobber(path),
     };
     named.map_err(|fault| fault.error)?;
     sync_folder(folder_of(path))
 }
 
-/// Returns the name of the file that a killed process was writing when it left a temporary file of
-/// this name.
+/// Returns the name of the target file if `name` is the name of a temporary file.
 pub(crate) fn leftover_of(name: &str) -> Option<&str> {
     let (whole, random) = name
         .strip_prefix('.')?
@@ -120,16 +118,17 @@ pub(crate) fn leftover_of(name: &str) -> Option<&str> {
     is_random.then_some(whole)
 }
 
-/// Is this the temporary file of a killed process that was writing the file `whole`?
+/// Returns true if `name` is a temporary file that was left by an interrupted write of `whole`.
 pub(crate) fn is_leftover_of(name: &OsStr, whole: &str) -> bool {
     name.to_str().and_then(leftover_of) == Some(whole)
 }
 
-/// Removes the temporary files that killed processes left of the files that `is_ours` names. Only for
-/// a folder that this process has locked: elsewhere a file may be in use.
+/// Removes the temporary files left by killed processes, for the target files accepted by
+/// `is_ours`. Call it only in a folder that this process has locked: elsewhere, a temporary file
+/// may be in use.
 ///
 /// # Errors
-/// Those of the file system.
+/// Errors of the file system.
 pub(crate) fn remove_leftovers(folder: &Path, is_ours: impl Fn(&str) -> bool) -> io::Result<()> {
     for entry in folder.read_dir()? {
         let entry = entry?;
@@ -141,16 +140,16 @@ pub(crate) fn remove_leftovers(folder: &Path, is_ours: impl Fn(&str) -> bool) ->
     Ok(())
 }
 
-/// Gives a file that is safely on the disk its name, and brings the name to the disk, too.
+/// Renames a file that is already synced to disk, and syncs the folder.
 ///
 /// # Errors
-/// Those of the file system.
+/// Errors of the file system.
 pub(crate) fn rename(from: &Path, to: &Path) -> io::Result<()> {
     fs::rename(from, to)?;
     sync_folder(folder_of(to))
 }
 
-/// The folder of a file that is to be there.
+/// Returns the parent folder of a path.
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -159,7 +158,7 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 fn sync_folder(folder: &Path) -> io::Result<()> {
-    // Only Unix can do so for a folder.
+    // Only Unix can sync a folder.
     match cfg!(unix) {
         true => File::open(folder)?.sync_all(),
         false => Ok(()),
@@ -172,7 +171,7 @@ mod tests {
     use std::thread;
 
     #[test]
-    fn many_writers_of_one_file_at_once_leave_one_of_their_files_whole_and_all_succeed() {
+    fn concurrent_writers_of_one_file_all_succeed_and_leave_one_complete_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("tasks.json");
         let content = |writer: u8| vec![writer; 50_000 + usize::from(writer)];
@@ -194,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_killed_writer_left_is_told_from_files_of_others_and_removed() {
+    fn temporary_files_of_killed_writers_are_removed_and_other_files_kept() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("checkpoint");
         let (_, left) = aside(&path).unwrap().keep().unwrap();

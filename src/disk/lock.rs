@@ -1,4 +1,4 @@
-//! A folder that one process alone works in.
+//! A lock on a folder that allows only one process to work in it.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Seek, Write};
@@ -6,34 +6,34 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// The file that is locked; it holds the number of the process.
+/// The name of the lock file. It contains the process id of the holder.
 pub const LOCK: &str = "run.lock";
-/// Room for the number of a process.
+/// The most bytes that are read of a lock file.
 const MOST_BYTES: u64 = 64;
-/// How often a lock is tried whose holder is just coming or going ...
+/// Number of attempts to acquire a lock whose holder is just starting or exiting.
 const TRIES: usize = 50;
-/// ... and the pause between two tries.
+/// Pause between two attempts.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// A folder that this process alone works in, until this is dropped. The lock is the system's, and
-/// goes with the process however that ends: a file that a killed process leaves locks nobody out.
+/// Exclusive use of a folder by this process, until the lock is dropped. The operating system
+/// releases the lock when the process ends, so a lock file left by a killed process blocks nobody.
 #[derive(Debug)]
 pub struct FolderLock {
     file: File,
     path: PathBuf,
 }
 
-/// Why there is no lock.
+/// Errors when acquiring a lock.
 #[derive(Debug)]
 pub enum LockError {
-    /// Another process has it: its number, if it could be read.
+    /// Another process holds the lock. Contains its process id, if readable.
     Held(Option<u32>),
-    /// The file of the lock cannot be used.
+    /// The lock file cannot be used.
     File(PathBuf, io::Error),
 }
 
 impl FolderLock {
-    /// Locks a folder that exists.
+    /// Locks an existing folder.
     pub fn acquire(folder: &Path) -> Result<Self, LockError> {
         let path = folder.join(LOCK);
         let fault = |cause| LockError::File(path.clone(), cause);
@@ -67,8 +67,8 @@ impl FolderLock {
         Err(LockError::Held(holder))
     }
 
-    /// Writes down who holds the lock. False when the file was removed in the meantime by the
-    /// holder before: then somebody else may lock a new one.
+    /// Writes the process id into the lock file. Returns false if the previous holder has removed
+    /// the file in the meantime: another process may then lock a new file.
     fn sign(&mut self) -> io::Result<bool> {
         let pid = std::process::id();
         self.file.set_len(0)?;
@@ -80,21 +80,21 @@ impl FolderLock {
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
-        // A file that cannot be removed does no harm: the lock itself ends with the process.
+        // A lock file that cannot be removed is harmless: the lock ends with the process.
         let _ = fs::remove_file(&self.path);
         let _ = self.file.unlock();
     }
 }
 
-/// Opens the file or makes it; never follows a link to a file elsewhere.
+/// Opens or creates the lock file. Never follows a link.
 fn open(path: &Path) -> io::Result<File> {
     super::require_plain(path)?;
     let mut options = OpenOptions::new();
     options.write(true).create(true).truncate(false).open(path)
 }
 
-/// Is there a file of this name that no process left which worked in the folder? Those hold the
-/// number of their process, or nothing yet.
+/// Returns true if a file of this name exists that is not a lock file of this program. A lock file
+/// contains only a process id, or is empty.
 pub fn is_foreign_lock(path: &Path) -> bool {
     match super::read_text(path, MOST_BYTES) {
         Ok(text) => !text
@@ -104,7 +104,7 @@ pub fn is_foreign_lock(path: &Path) -> bool {
     }
 }
 
-/// The process that a lock names; `None` when it names none, or is gone.
+/// Returns the process id in a lock file; `None` if there is no id or no file.
 fn pid_in(path: &Path) -> io::Result<Option<u32>> {
     match super::read_text(path, MOST_BYTES) {
         Ok(text) => Ok(text.trim().parse().ok()),

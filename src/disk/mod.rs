@@ -18,33 +18,34 @@ pub(crate) use lock::{FolderLock, LOCK, is_foreign_lock};
 pub use typed::{named, typed};
 pub use xcscr_robot::input::{open, read, read_text};
 
-/// The name under which a recording is written until it is whole.
+/// Returns the name of an unfinished recording.
 pub(crate) fn part(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".part");
     name.into()
 }
 
-/// The most bytes that are read of any input: more than this program writes into one file that it
-/// reads whole, and little enough for any machine.
+/// The most bytes read of any input. This is more than this program writes into any file that it
+/// reads as a whole, and small enough for any machine.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
-/// How much memory an input of so many bytes may take: ten times its size, and 64 MiB.
+/// Returns the memory that an input of `bytes` may take: ten times its size plus 64 MiB.
 pub(crate) fn room_for(bytes: u64) -> u64 {
     bytes.saturating_mul(10).saturating_add(64 << 20)
 }
 
-/// How much an input of so many packed bytes may unpack to, in all, though never at once: more than
-/// the recording of a robot in a hall without landmarks, which unpacks to 120 times its size, and
-/// little enough that a small file is read in a moment.
+/// Returns the limit on the total unpacked size of an input of `bytes` packed bytes. A recording of
+/// a robot in a hall without landmarks unpacks to 120 times its size. The limit of 200 times allows
+/// it, and keeps the time to read a small file short.
 pub(crate) fn most_unpacked(bytes: u64) -> u64 {
     bytes.saturating_mul(200).saturating_add(16 << 20)
 }
 
-/// Refuses a name that leads elsewhere, before it is written to: a link, or a device.
+/// Rejects a path that exists and is not a regular file, such as a link or a device. Call it before
+/// writing to the path.
 ///
 /// # Errors
-/// When there is something, and it is not a regular file.
+/// When the path exists and is not a regular file.
 pub(crate) fn require_plain(path: &Path) -> io::Result<()> {
     match fs::symlink_metadata(path) {
         Ok(found) if !found.is_file() => {
@@ -55,7 +56,7 @@ pub(crate) fn require_plain(path: &Path) -> io::Result<()> {
     }
 }
 
-/// What helps when a file cannot be made: something against the cause, or else another place.
+/// Returns a hint for a file that cannot be created: a remedy for the cause, or else `place`.
 pub(crate) fn way_out_or(cause: &io::Error, place: &'static str) -> &'static str {
     match way_out(cause) {
         "" => place,
@@ -64,19 +65,19 @@ pub(crate) fn way_out_or(cause: &io::Error, place: &'static str) -> &'static str
     }
 }
 
-/// Makes a new file in place of an older one. A link of this name is replaced, never followed.
+/// Creates a new file and replaces an existing one. A link of this name is replaced, not followed.
 ///
 /// # Errors
-/// Those of the file system.
+/// Errors of the file system.
 pub(crate) fn create(path: &Path) -> io::Result<File> {
     remove(path)?;
     OpenOptions::new().write(true).create_new(true).open(path)
 }
 
-/// Removes a file that may be there.
+/// Removes a file if it exists.
 ///
 /// # Errors
-/// Those of the file system; that there is no such file is none.
+/// Errors of the file system. A missing file is not an error.
 pub(crate) fn remove(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(cause) if cause.kind() != io::ErrorKind::NotFound => Err(cause),
@@ -84,16 +85,15 @@ pub(crate) fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Is there something of this name that is anything else than a file of these bytes? Such a file
-/// was not written by who is about to write these bytes.
+/// Returns true if the path exists and is anything other than a file with exactly these bytes.
 ///
 /// # Errors
-/// Those of the file system; that there is no such file is none.
+/// Errors of the file system. A missing file is not an error.
 pub fn differs(path: &Path, bytes: &[u8]) -> io::Result<bool> {
     differs_from(path, bytes.len() as u64, bytes)
 }
 
-/// The same for so many bytes that are still to be read.
+/// Like [`differs`], for `length` bytes that are read from `bytes`.
 fn differs_from(path: &Path, length: u64, bytes: impl Read) -> io::Result<bool> {
     match fs::symlink_metadata(path) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(false),
@@ -107,10 +107,10 @@ fn differs_from(path: &Path, length: u64, bytes: impl Read) -> io::Result<bool> 
     }
 }
 
-/// Refuses to write a file whose name is taken, unless it may take the place of a plain file.
+/// Rejects a path that exists, unless `force` allows a regular file to be replaced.
 ///
 /// # Errors
-/// [`io::ErrorKind::AlreadyExists`], with the flag that would do it.
+/// [`io::ErrorKind::AlreadyExists`], with the flag that replaces the file.
 pub fn require_free(path: &Path, force: bool) -> io::Result<()> {
     let exists = |what| Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
     match fs::symlink_metadata(path) {
@@ -120,10 +120,10 @@ pub fn require_free(path: &Path, force: bool) -> io::Result<()> {
     }
 }
 
-/// What helps against an error of the file system, as the end of a message; empty when nothing is
-/// known to.
+/// Returns a hint for an error of the file system, as the end of a message. Empty if there is no
+/// hint.
 pub fn way_out(cause: &io::Error) -> &'static str {
-    /// Of this process, and of the whole system.
+    /// The codes for the limit of this process and of the whole system.
     #[cfg(unix)]
     const TOO_MANY_OPEN_FILES: [i32; 2] = [24, 23];
     #[cfg(not(unix))]
@@ -138,7 +138,7 @@ pub fn way_out(cause: &io::Error) -> &'static str {
     }
 }
 
-/// Is there no room for more?
+/// Returns true if the disk, the quota or the file-size limit is exhausted.
 pub(crate) fn is_full(cause: &io::Error) -> bool {
     use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
     matches!(cause.kind(), StorageFull | QuotaExceeded | FileTooLarge)
@@ -149,7 +149,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_another_content_differs() {
+    fn only_different_content_differs() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
         assert!(!differs(&path, b"ours").unwrap(), "nothing is there");

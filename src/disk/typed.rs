@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-/// A path as it can be typed in a shell: in quotes where it needs them, and never an option. What
-/// is no text, or commands a terminal, is written as bash, ksh and zsh read it.
+/// Formats a path so that it can be pasted into a shell. The path is quoted if necessary and never
+/// starts with `-`. Paths that are not UTF-8 or contain control characters use `$'...'`, which
+/// bash, ksh and zsh read.
 pub fn typed(path: &Path) -> String {
     let path = match path.as_os_str().as_encoded_bytes().starts_with(b"-") {
         true => &Path::new(".").join(path),
@@ -28,7 +29,7 @@ pub fn typed(path: &Path) -> String {
     }
 }
 
-/// A path in a document: as it is, or as it can be typed where it is no text.
+/// Formats a path for a document: unchanged if it is UTF-8, otherwise as [`typed`] does.
 pub fn named(path: &Path) -> String {
     path.to_str().map_or_else(|| typed(path), str::to_owned)
 }
@@ -38,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_is_shown_as_it_can_be_typed() {
+    fn a_path_is_quoted_for_a_shell() {
         for (path, shown) in [
             ("runs/maze4-s1", "runs/maze4-s1"),
             ("my run", "'my run'"),
@@ -53,7 +54,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_path_that_is_no_text_is_shown_as_a_shell_reads_it() {
+    fn a_path_that_is_not_utf8_is_quoted_for_a_shell() {
         use std::ffi::OsStr;
         use std::os::unix::ffi::OsStrExt;
         use std::process::Command;
@@ -61,7 +62,7 @@ mod tests {
         assert_eq!(named(path), r"$'run \xff\xc3\'1'");
         let script = format!("printf %s {}", typed(path));
         let bash = Command::new("bash").args(["-c", &script]).output();
-        // Not every system has this shell.
+        // bash may not be installed.
         if let Ok(read) = bash {
             assert_eq!(read.stdout, path.as_os_str().as_bytes());
         }

@@ -1,4 +1,4 @@
-//! The policy as a C99 header.
+//! Exports the policy as a C99 header.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use super::comments::C as COMMENTS;
 use super::{Provenance, QuantisedPolicy, WeightedRule};
 use xcs::Action;
 
-/// What is the same in every header: reading a table.
+/// The part that is the same in every header: how to read a table.
 pub(super) const FUNCTIONS: &str = r#"
 /* On an AVR the table stays in flash memory. */
 #if defined(__AVR__)
@@ -19,9 +19,9 @@ pub(super) const FUNCTIONS: &str = r#"
 #endif
 "#;
 
-/// Comparing values.
+/// The comparison of mean values.
 pub(super) const IS_GREATER: &str = r#"
-/* Is the mean values_a / weight_a greater than values_b / weight_b? In 96 bits. */
+/* Returns 1 if the mean values_a / weight_a is greater than values_b / weight_b. Computes in 96 bits. */
 static inline int xcscr_is_greater(uint64_t values_a, uint32_t weight_a,
                                    uint64_t values_b, uint32_t weight_b)
 {
@@ -37,7 +37,7 @@ static inline int xcscr_is_greater(uint64_t values_a, uint32_t weight_a,
 "#;
 
 const DECIDE: &str = r#"
-/* The action for a percept, the first of equals; XCSCR_NO_ACTION where no rule matches. */
+/* Returns the action for a percept, the first of equals; XCSCR_NO_ACTION if no rule matches. */
 static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
 {
     uint64_t value[XCSCR_ACTIONS] = {0};
@@ -70,7 +70,7 @@ static inline int8_t xcscr_decide(const uint8_t percept[XCSCR_PERCEPT_BYTES])
 }
 "#;
 
-/// The header; it ends with `more` code.
+/// Returns the header, followed by `more` code.
 pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance, more: &str) -> String {
     let mut text = String::from("/*\n");
     text.push_str(&COMMENTS.head(quantised, provenance));
@@ -95,7 +95,7 @@ pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance, more: &
     text
 }
 
-/// The names of the actions.
+/// Returns the constants for the actions.
 pub(super) fn actions(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = String::from("#define XCSCR_NO_ACTION (-1)\n\n");
     for action in Action::all(quantised.actions()) {
@@ -108,7 +108,7 @@ pub(super) fn actions(quantised: &QuantisedPolicy, provenance: &Provenance) -> S
     text
 }
 
-/// The type of a rule, and all of them.
+/// Returns the type of a rule and the table of rules.
 fn table(quantised: &QuantisedPolicy) -> String {
     let size = quantised.size();
     let mut text = format!(

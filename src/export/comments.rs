@@ -1,14 +1,14 @@
-//! The comment that an exported file begins with.
+//! The leading comment of an exported file.
 
 use super::{Provenance, QuantisedPolicy};
 
-/// How a language writes comments.
+/// The comment syntax of a language.
 pub(super) struct Comments {
-    /// What each line begins with.
+    /// The prefix of each line.
     line: &'static str,
-    /// What parts a sentence that is too long for one line of some languages.
+    /// The separator where a sentence is too long for one line in some languages.
     fold: &'static str,
-    /// How far lists stand to the right.
+    /// The indentation of lists.
     indent: &'static str,
 }
 
@@ -31,16 +31,16 @@ pub(super) const PYTHON: Comments = Comments {
 };
 
 impl Comments {
-    /// A text as lines of a comment.
+    /// Formats a text as comment lines.
     pub fn of(&self, text: &str) -> String {
         let line = |line| format!("{}{line}", self.line).trim_end().to_owned() + "\n";
         text.lines().map(line).collect()
     }
 
-    /// Where the policy comes from, and how it was compared.
+    /// Returns the origin of the policy and the result of the comparison.
     pub fn head(&self, quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
         self.of(&format!(
-            "{}\n{} rules vote in whole numbers. Compared with the run's own{}greedy choice in {}: the same.",
+            "{}\n{} rules vote with integers. Compared with the run's own{}greedy choice in {}: the same.",
             provenance.lines().join("\n"),
             quantised.votes().len(),
             self.fold,
@@ -48,8 +48,8 @@ impl Comments {
         ))
     }
 
-    /// What each bit of a percept says, which has so many; `how` tells how they are numbered, `number`
-    /// numbers one.
+    /// Lists the meaning of each of the `width` bits of a percept. `how` describes the numbering,
+    /// and `number` formats the number of a bit.
     pub fn bits(
         &self,
         width: usize,
@@ -62,7 +62,7 @@ impl Comments {
         self.of(&format!("\nBits of a percept{how}:{bits}"))
     }
 
-    /// The same of percepts that are bytes.
+    /// Like [`Self::bits`], for percepts that are bytes.
     pub fn bits_of_bytes(&self, quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
         let how = "; bit i is bit i % 8 of byte i / 8";
         self.bits(quantised.width(), provenance, how, |bit| format!("{bit:3}"))

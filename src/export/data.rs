@@ -1,4 +1,4 @@
-//! The policy as data: CSV and JSON.
+//! Exports the policy as data: CSV and JSON.
 
 use serde::Serialize;
 
@@ -23,13 +23,14 @@ struct Row {
 #[derive(Serialize)]
 struct Document<'a> {
     origin: &'a Facts,
-    /// In what it was compared with the run's own greedy choice.
+    /// The number of inputs in which the export was compared with the greedy choice of the run.
     compared: String,
-    /// What each bit of a percept, or with a memory of a context, says when it is 1.
+    /// The meaning of each bit of a percept when it is 1; for rules with a map, of each bit of a
+    /// context.
     bits: Vec<String>,
     actions: Vec<String>,
     rules: Vec<Row>,
-    /// The maps that rules with a memory go by.
+    /// The maps of rules with a map.
     #[serde(skip_serializing_if = "Option::is_none")]
     maps: Option<&'a MapTable>,
 }
@@ -45,7 +46,7 @@ fn rows(quantised: &QuantisedPolicy, provenance: &Provenance) -> impl Iterator<I
     })
 }
 
-/// One row per rule.
+/// Returns a CSV table with a row for each rule.
 pub(super) fn csv(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows(quantised, provenance) {
@@ -55,7 +56,7 @@ pub(super) fn csv(quantised: &QuantisedPolicy, provenance: &Provenance) -> Strin
     String::from_utf8(bytes).expect("texts and numbers")
 }
 
-/// One document.
+/// Returns a JSON document.
 pub(super) fn json(policy: &Policy, provenance: &Provenance) -> String {
     let quantised = policy.quantised();
     let document = Document {

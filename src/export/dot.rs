@@ -1,12 +1,12 @@
-//! The policy as a graph for Graphviz.
+//! Exports the policy as a graph for Graphviz.
 
 use std::fmt::Write;
 
 use super::{Provenance, QuantisedPolicy};
 use xcs::Action;
 
-/// Rules on the left, in words, and the actions they vote for on the right; the width of an arrow
-/// is the value.
+/// Returns a graph with the rules in words on the left and their actions on the right. The width of
+/// an arrow shows the value.
 pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = String::new();
     for line in provenance.lines() {
@@ -38,7 +38,7 @@ pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance) -> Stri
     text
 }
 
-/// A text in quotes, as DOT has them.
+/// Quotes a text for DOT.
 fn quoted(text: &str) -> String {
     let text = text
         .replace('\\', "\\\\")

@@ -1,9 +1,10 @@
-//! The policy out: what was learned as source code for a robot, or as a table.
+//! Exports learned policies as source code for a robot, or as a table.
 //!
-//! Rules keep voting as they do here, but in whole numbers, so that a microcontroller without
-//! floating point chooses the same action. [`QuantisedPolicy`] finds the fewest bits with which it does.
-//! Rules with a memory come with their maps as a table, and with a tracker that follows the robot on
-//! them (`memory`). Source code also leads from a pose in metres to a percept (`frame`).
+//! The rules keep voting as in this program, but with integers. A microcontroller without floating
+//! point chooses the same action. [`QuantisedPolicy`] finds the smallest integer sizes for which
+//! this holds. Rules with a map are exported with their maps as a table, and with a tracker that
+//! follows the robot on them (`memory`). Source code also converts a pose in metres to a percept
+//! (`frame`).
 
 mod quantised;
 mod c99;
@@ -23,13 +24,13 @@ pub use provenance::Provenance;
 pub use quantised::{ExportError, QuantisedPolicy, WeightedRule};
 use strum::{IntoStaticStr, VariantArray};
 
-/// What a policy can be written as.
+/// The export formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Target {
-    /// A C99 header: a table and a function, without allocation, libm or recursion.
+    /// A C99 header with a table and a function, without allocation, libm or recursion.
     C99,
-    /// A Rust module that needs no standard library.
+    /// A Rust module without the standard library.
     Rust,
     /// A Python module.
     Python,
@@ -45,12 +46,12 @@ impl Target {
     /// All targets.
     pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// The name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// The whole text of the file.
+    /// Returns the text of the exported file.
     pub fn text(self, policy: &Policy, provenance: &Provenance) -> String {
         let quantised = policy.quantised();
         let form = match policy.maps() {
@@ -73,7 +74,7 @@ impl Target {
         }
     }
 
-    /// What source code has to get from a pose to a percept.
+    /// Returns the source code that converts a pose to a percept.
     fn frame(self, provenance: &Provenance, form: Form) -> String {
         match self {
             Self::C99 => frame::c99(provenance, form),

@@ -1,11 +1,11 @@
-//! What is exported.
+//! The exported policy.
 
 use super::memory::MapTable;
 use super::quantised::{ExportError, QuantisedPolicy};
 use crate::agent::Knowledge;
 use xcs::Percept;
 
-/// Rules that vote; with a memory the maps that they go by.
+/// Rules that vote, and the maps of rules with a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Policy {
     quantised: QuantisedPolicy,
@@ -13,11 +13,11 @@ pub struct Policy {
 }
 
 impl Policy {
-    /// The policy of what was learned about percepts of `width` bits and `actions` actions, compared
-    /// as [`QuantisedPolicy::new`] says.
+    /// Quantises a policy learned on percepts of `width` bits and `actions` actions. Compares the
+    /// result as described in [`QuantisedPolicy::new`].
     ///
     /// # Errors
-    /// When there is nothing to export, or it cannot be expressed exactly.
+    /// When there is nothing to export, or the policy cannot be expressed exactly.
     pub fn new(
         knowledge: &Knowledge,
         width: usize,
@@ -39,7 +39,7 @@ impl Policy {
         &self.quantised
     }
 
-    /// The maps, if the rules go by any.
+    /// The maps, if the rules use any.
     pub(super) fn maps(&self) -> Option<&MapTable> {
         self.maps.as_ref()
     }

@@ -1,4 +1,4 @@
-//! Where a policy comes from, for whoever finds the file later.
+//! The origin of a policy, written into each exported file.
 
 use serde::Serialize;
 
@@ -13,18 +13,18 @@ use xcs::{Action, Condition};
 pub struct Provenance {
     maze: Maze,
     sensor: Sensor,
-    /// The robot's figures, in physics.
+    /// The robot's dimensions; `None` on the grid.
     robot: Option<Robot>,
-    /// How far lidar beams are taken to go that hit something too near to be measured, or do not come
-    /// back, in metres.
+    /// Assumed ranges of two kinds of lidar beams in metres: beams that hit something too near to
+    /// be measured, and beams that do not come back.
     assumed_ranges_m: [f64; 2],
-    /// Do conditions demand more than percepts tell?
+    /// True if conditions use more than the percept.
     remembers: bool,
-    /// What is known of the run.
+    /// The facts about the run.
     pub(super) facts: Facts,
 }
 
-/// The robot's figures, in metres, m/s and rad/s.
+/// The robot's dimensions, in metres, m/s and rad/s.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Robot {
     pub radius_m: f64,
@@ -36,16 +36,16 @@ pub(super) struct Robot {
 /// The run that a policy comes from.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Facts {
-    /// Who wrote the file.
+    /// The program that wrote the file, and its version.
     program: String,
     /// The world's name.
     pub(super) world: String,
     /// The percept's name.
     sensor: String,
-    /// The method's name; not known of a lone file of rules.
+    /// The method's name; absent for a lone file of rules.
     #[serde(skip_serializing_if = "Option::is_none")]
     method: Option<String>,
-    /// The root seed; not known of a lone file of rules.
+    /// The root seed; absent for a lone file of rules.
     #[serde(skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
     /// CRC-32 of the rules as JSON.
@@ -53,8 +53,8 @@ pub(super) struct Facts {
 }
 
 impl Provenance {
-    /// Where `knowledge` comes from; of a lone file of rules only the world and the percept are
-    /// known.
+    /// Collects the origin of `knowledge`. For a lone file of rules, only the world and the percept
+    /// are known.
     pub fn new(plan: &Plan, knowledge: &Knowledge, of_a_run: bool) -> Self {
         let Plan { maze, config } = plan;
         let json = serde_json::to_vec(knowledge).unwrap_or_default();
@@ -94,18 +94,19 @@ impl Provenance {
         self.sensor
     }
 
-    /// The robot's figures; `None` on the grid.
+    /// The robot's dimensions; `None` on the grid.
     pub(super) fn robot(&self) -> Option<Robot> {
         self.robot
     }
 
-    /// How far lidar beams are taken to go that hit something too near to be measured, or do not come
-    /// back, in metres.
+    /// Assumed ranges of two kinds of lidar beams in metres: beams that hit something too near to
+    /// be measured, and beams that do not come back.
     pub(super) fn assumed_ranges_m(&self) -> [f64; 2] {
         self.assumed_ranges_m
     }
 
-    /// The facts as lines for a comment. Names of worlds hold nothing that ends one.
+    /// Returns the facts as lines for a comment. The names of worlds cannot contain the end of a
+    /// comment.
     pub(super) fn lines(&self) -> Vec<String> {
         let Facts {
             program,
@@ -126,7 +127,7 @@ impl Provenance {
         lines
     }
 
-    /// What bit `bit` of a percept, or of what else rules look at, says when it is 1.
+    /// Returns the meaning of a bit of a percept, or of a context, when it is 1.
     pub(super) fn bit(&self, bit: usize) -> String {
         let words = self.demanded(&|at| (at == bit).then_some(true));
         match words.as_str() {
@@ -135,7 +136,7 @@ impl Provenance {
         }
     }
 
-    /// What a condition demands, in words.
+    /// Describes the demands of a condition in words.
     pub(super) fn words(&self, condition: &Condition) -> String {
         self.demanded(&|bit| condition.allele(bit))
     }
@@ -147,7 +148,7 @@ impl Provenance {
         }
     }
 
-    /// The name of an action.
+    /// Returns the name of an action.
     pub(super) fn action(&self, action: Action) -> String {
         self.maze.action_name(action)
     }

@@ -1,4 +1,4 @@
-//! The policy as a Python module.
+//! Exports the policy as a Python module.
 
 use std::fmt::Write;
 
@@ -6,11 +6,11 @@ use super::comments::PYTHON as COMMENTS;
 use super::{Provenance, QuantisedPolicy, WeightedRule};
 use xcs::Action;
 
-/// What is the same in every module.
+/// The part that is the same in every module.
 const DECIDE: &str = r##"
 
 def decide(percept):
-    """The action for a percept (a string of 0 and 1), the first of equals; None where no rule matches."""
+    """Returns the action for a percept (a string of 0 and 1), the first of equals; None if no rule matches."""
     sums = [[0, 0] for _ in ACTIONS]
     for condition, action, weight, value in RULES:
         if all(wanted in ("#", bit) for wanted, bit in zip(condition, percept)):
@@ -23,10 +23,10 @@ def decide(percept):
     return best
 "##;
 
-/// The module.
+/// Returns the module.
 pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = COMMENTS.head(quantised, provenance);
-    text.push_str("\nimport math\n\n# What each bit of a percept says when it is 1.\n");
+    text.push_str("\nimport math\n\n# The meaning of each bit of a percept when it is 1.\n");
     text.push_str(&names(quantised, quantised.width(), provenance));
     text.push_str("\n# Condition, action, weight, value.\nRULES = [\n");
     for WeightedRule {
@@ -44,7 +44,7 @@ pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance) -> Stri
     text
 }
 
-/// The names of so many bits, and of the actions.
+/// Returns the names of `bits` bits and of the actions.
 pub(super) fn names(quantised: &QuantisedPolicy, bits: usize, provenance: &Provenance) -> String {
     let bits = (0..bits).map(|bit| provenance.bit(bit));
     let actions = Action::all(quantised.actions()).map(|action| provenance.action(action));

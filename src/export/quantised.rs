@@ -1,25 +1,26 @@
-//! Rules that vote in whole numbers.
+//! Rules that vote with integers.
 
 use crate::agent::{CONTEXT_BITS, Knowledge, contexts};
 use crate::streams::StreamName;
 use xcs::random::Stream;
 use xcs::{Action, Classifier, Condition, Params, Percept, Population, PredictionArray};
 
-/// Percepts of at most this many bits are all looked at.
+/// The widest percepts, in bits, for which all percepts are compared.
 const ALL_OF_BITS: usize = 16;
-/// Of wider percepts, so many drawn at random, and for each rule so many that it matches.
+/// For wider percepts: the number of percepts drawn at random, and the number drawn for each rule
+/// among those it matches.
 const DRAWN: usize = 100_000;
 const DRAWN_PER_RULE: usize = 64;
-/// The rules that a 16-bit number counts.
+/// The most rules that a 16-bit number can count.
 const MOST_RULES: usize = u16::MAX as usize;
 
-/// The states that a 16-bit number counts, one number left for the goal.
+/// The most states that a 16-bit number can count. One number is reserved for the goal.
 pub(super) const MOST_STATES: usize = u16::MAX as usize;
 
-/// How many bits a rule's figures take, fewest first: worth, then weight.
+/// The sizes that are tried, the smallest first. Each is the bits of the value and of the weight.
 const SIZES: [Size; 3] = [Size::new(16, 8), Size::new(16, 16), Size::new(32, 32)];
 
-/// The bits of a rule's figures.
+/// The bits of a rule's value and weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size {
     /// Bits of the value: 16 or 32.
@@ -33,12 +34,12 @@ impl Size {
         Self { value, weight }
     }
 
-    /// The greatest value.
+    /// Returns the greatest value.
     fn most_value(self) -> f64 {
         f64::from(u32::MAX >> (32 - self.value))
     }
 
-    /// The greatest weight: of 32 bits only 24 are used, so that sums fit.
+    /// Returns the greatest weight. With 32 bits, only 24 are used, so that sums fit.
     fn most_weight(self) -> f64 {
         f64::from(u32::MAX >> (32 - self.weight.min(24)))
     }
@@ -47,88 +48,89 @@ impl Size {
 /// A rule that votes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeightedRule {
-    /// Which percepts it matches.
+    /// The percepts that the rule matches.
     pub condition: Condition,
-    /// What it votes for.
+    /// The action that the rule votes for.
     pub action: Action,
-    /// The value of its action, 0 for the least of all rules.
+    /// The value of the action. The least value of all rules is 0.
     pub value: u32,
     /// The weight of its vote; at least 1.
     pub weight: u32,
 }
 
-/// Rules as votes in whole numbers. The action of the greatest weighted mean value wins, the first
+/// Rules as votes with integers. The action with the greatest weighted mean value wins, the first
 /// of equals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuantisedPolicy {
     votes: Vec<WeightedRule>,
-    /// The same votes, with an index that finds those that match: worth as prediction, weight as
-    /// fitness.
+    /// The same votes with a search index. The prediction is the value, and the fitness is the
+    /// weight.
     index: Population,
     size: Size,
     width: usize,
     actions: usize,
-    /// How many percepts it was compared in, or of what else.
+    /// The number of inputs that were compared, and their kind.
     compared: usize,
     of: &'static str,
 }
 
-/// Rules that cannot be exported.
+/// Errors when a policy cannot be exported.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExportError {
     /// Nothing was learned.
     #[error("nothing was learned, so there is no policy to export")]
     Empty,
-    /// The maps that they go by have too many states.
+    /// The maps have too many states.
     #[error(
-        "the maps that the rules go by have {0} states, more than the {MOST_STATES} that can be \
+        "the maps of the rules have {0} states, but at most {MOST_STATES} can be \
          exported: train another method for export, such as xcscr-plus"
     )]
     Vast(usize),
-    /// They are too many.
-    #[error("{0} rules are more than the {MOST_RULES} that can be exported: {CONDENSE}")]
+    /// There are too many rules.
+    #[error("there are {0} rules, but at most {MOST_RULES} can be exported: {COMPACT}")]
     Many(usize),
-    /// The sums of their votes do not fit.
+    /// The sums of the votes do not fit.
     #[error(
-        "the values of two actions lie so close that votes of 32 bits are needed, and the sums of {0} \
-         rules with such votes do not fit into 64 bits: {CONDENSE}"
+        "the values of two actions are so close that 32-bit votes are needed, and the sums of {0} \
+         rules with 32-bit votes do not fit into 64 bits: {COMPACT}"
     )]
     Sums(usize),
-    /// Actions lie too close for whole numbers.
+    /// The values of two actions are too close for integers.
     #[error(
-        "the values of two actions lie too close in percept {0} to be told apart in whole \
-         numbers of 32 bits: {CONDENSE}"
+        "the values of two actions are too close in percept {0} to be distinguished with \
+         integers of 32 bits: {COMPACT}"
     )]
     Close(Percept),
-    /// The same with a memory.
+    /// Like [`Self::Close`], for rules with a map.
     #[error(
-        "the values of two actions lie too close in a context to be told apart in whole numbers of \
+        "the values of two actions are too close in a context to be distinguished with integers of \
          32 bits: train with another seed"
     )]
     CloseInContext,
-    /// Eq. 6 as it is printed.
-    #[error("rules learned with `xcs.value_over_match_set` cannot be exported: {CONDENSE}")]
+    /// Rules learned with Eq. 6 as printed.
+    #[error("rules learned with `xcs.value_over_match_set` cannot be exported: {COMPACT}")]
     OverMatchSet,
     /// A plan on maps.
     #[error(
-        "what was learned is a plan on a map, which chooses without rules and cannot be exported: train xcscr-plus, which \
+        "the learned policy is a plan on a map without rules and cannot be exported: train xcscr-plus, which \
          distils rules from such a plan"
     )]
     Planned,
 }
 
-/// The way out.
-const CONDENSE: &str = "condense them with `xcscr rules RUN --compact --json > few.json`, and \
+/// The hint of several errors.
+const COMPACT: &str = "compact them with `xcscr rules RUN --compact --json > few.json`, and \
                         export few.json";
 
 impl QuantisedPolicy {
-    /// The votes of what was learned about percepts of `width` bits and `actions` actions, in the
-    /// fewest bits with which they choose an action that `knowledge` rates best, wherever it rates
-    /// any: in all percepts of up to 16 bits, otherwise in those `of_world` and in many drawn at
-    /// random; with a memory in the contexts that two moves on the maps make.
+    /// Quantises what was learned about percepts of `width` bits and `actions` actions. Uses the
+    /// fewest bits with which the votes choose a best action of `knowledge` wherever `knowledge`
+    /// rates any action. Up to 16 bits, all percepts are compared. Wider percepts are compared in
+    /// `of_world` and in many random percepts. Rules with a map are compared in the contexts that
+    /// two moves on the maps produce.
     ///
     /// # Errors
-    /// When there is nothing to export, or it cannot be expressed exactly.
+    /// When there is nothing to export, or the policy cannot be expressed exactly.
     pub fn new(
         knowledge: &Knowledge,
         width: usize,
@@ -171,7 +173,8 @@ impl QuantisedPolicy {
         })
     }
 
-    /// Do the sums of one action fit into 64 bits of worth and 32 of weight, whatever matches?
+    /// Returns true if the sums of each action fit into 64 bits of value and 32 bits of weight,
+    /// whichever rules match.
     fn sums_fit(&self) -> bool {
         Action::all(self.actions).all(|action| {
             let own = || self.votes.iter().filter(|vote| vote.action == action);
@@ -183,7 +186,7 @@ impl QuantisedPolicy {
         })
     }
 
-    /// The action for a percept; `None` where no rule matches.
+    /// Returns the action for a percept; `None` if no rule matches.
     pub fn decide(&self, percept: &Percept) -> Option<Action> {
         let mut sums = vec![(0_u64, 0_u64); self.actions];
         self.index.for_each_match(percept, |_, vote| {
@@ -208,17 +211,17 @@ impl QuantisedPolicy {
         &self.votes
     }
 
-    /// The bits of a vote's figures.
+    /// The bits of a vote's value and weight.
     pub fn size(&self) -> Size {
         self.size
     }
 
-    /// The bits of a percept.
+    /// The number of bits of a percept.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// The bytes of a percept; bit `i` is bit `i % 8` of byte `i / 8`.
+    /// The number of bytes of a percept. Bit `i` is bit `i % 8` of byte `i / 8`.
     pub fn bytes(&self) -> usize {
         self.width.div_ceil(8)
     }
@@ -228,7 +231,7 @@ impl QuantisedPolicy {
         self.actions
     }
 
-    /// In what it was compared with what was learned.
+    /// Describes the inputs in which the votes were compared with the learned policy.
     pub fn compared(&self) -> String {
         let all = if self.width <= ALL_OF_BITS {
             "all "
@@ -238,7 +241,7 @@ impl QuantisedPolicy {
         format!("{all}{} {}", self.compared, self.of)
     }
 
-    /// Bytes of a condition: the values demanded, and where any is.
+    /// Returns the bytes of a condition: the demanded values, and a mask of the demanded bits.
     pub(super) fn condition_bytes(&self, condition: &Condition) -> (Vec<u8>, Vec<u8>) {
         let bits = |byte: usize, set: &dyn Fn(usize) -> bool| {
             let own = (8 * byte..(8 * byte + 8).min(self.width)).enumerate();
@@ -252,7 +255,7 @@ impl QuantisedPolicy {
     }
 }
 
-/// Is the action one of the best, or is there none and nothing known?
+/// Returns true if the action is one of the best, or if there is no action and no value is known.
 fn agrees(action: Option<Action>, value: &PredictionArray) -> bool {
     match action {
         None => value.greatest().is_none(),
@@ -260,8 +263,8 @@ fn agrees(action: Option<Action>, value: &PredictionArray) -> bool {
     }
 }
 
-/// What was learned as rules: condition, action, worth, weight. A table's rows become rules that
-/// match one percept each.
+/// Returns the learned policy as rules with condition, action, value and weight. Each row of a
+/// table becomes a rule for one percept.
 fn rules(knowledge: &Knowledge, actions: usize) -> Result<Vec<Classifier>, ExportError> {
     let rules: Vec<Classifier> = match knowledge {
         Knowledge::RulesOverMatchSet(_) => return Err(ExportError::OverMatchSet),
@@ -285,7 +288,7 @@ fn rules(knowledge: &Knowledge, actions: usize) -> Result<Vec<Classifier>, Expor
     }
 }
 
-/// One rule for each of the best actions in a row of a table.
+/// Returns one rule for each of the best actions in a row of a table.
 fn best_of_row(percept: &Percept, value: &PredictionArray) -> Vec<Classifier> {
     let rule = |action| Classifier {
         fitness: 1.0,
@@ -295,8 +298,8 @@ fn best_of_row(percept: &Percept, value: &PredictionArray) -> Vec<Classifier> {
     value.best_actions().map(rule).collect()
 }
 
-/// The rules with figures of this size. The least prediction becomes 0: where the mean is
-/// weighted, a shift of all of them moves every value alike.
+/// Scales the rules to integers of this size. The least prediction becomes 0: a common shift
+/// changes all weighted means equally.
 fn votes(rules: &[Classifier], size: Size) -> Vec<WeightedRule> {
     let predictions = || rules.iter().map(|rule| rule.prediction);
     let least = predictions().fold(f64::INFINITY, f64::min);
@@ -317,8 +320,8 @@ fn votes(rules: &[Classifier], size: Size) -> Vec<WeightedRule> {
     rules.iter().map(vote).collect()
 }
 
-/// The votes as a population, which finds those that match without looking at each. Whole numbers of
-/// 32 bits stay exact.
+/// Stores the votes in a population, whose index finds the matching votes quickly. Integers of 32
+/// bits stay exact.
 fn index(votes: &[WeightedRule]) -> Population {
     let rule = |vote: &WeightedRule| Classifier {
         prediction: f64::from(vote.value),
@@ -330,7 +333,7 @@ fn index(votes: &[WeightedRule]) -> Population {
     population.expect("rules of a population, or rows of a table, form a population")
 }
 
-/// What the votes are compared on.
+/// Returns the percepts in which the votes are compared.
 fn percepts(rules: &[Classifier], width: usize, of_world: &[Percept]) -> Vec<Percept> {
     if width <= ALL_OF_BITS {
         return (0..1 << width)
@@ -347,7 +350,7 @@ fn percepts(rules: &[Classifier], width: usize, of_world: &[Percept]) -> Vec<Per
     percepts
 }
 
-/// A percept with the bits that are fixed, and the others drawn.
+/// Returns a percept with some bits fixed and the others drawn at random.
 fn drawn(width: usize, fixed: impl Fn(usize) -> Option<bool>, stream: &mut Stream) -> Percept {
     let bits = (0..width).map(|bit| fixed(bit).unwrap_or_else(|| stream.below(2) == 1));
     Percept::from_bits(bits).expect("no wider than percepts are")

@@ -1,4 +1,4 @@
-//! The policy as a Rust module without the standard library.
+//! Exports the policy as a `no_std` Rust module.
 
 use std::fmt::Write;
 
@@ -6,9 +6,9 @@ use super::comments::RUST as COMMENTS;
 use super::{Provenance, QuantisedPolicy, WeightedRule};
 use xcs::Action;
 
-/// What is the same in every module.
+/// The part that is the same in every module.
 const DECIDE: &str = r"
-/// The action for a percept, the first of equals; `None` where no rule matches.
+/// Returns the action for a percept, the first of equals; `None` if no rule matches.
 pub fn decide(percept: &[u8; PERCEPT_BYTES]) -> Option<u8> {
     let mut value = [0_u64; ACTIONS];
     let mut weight = [0_u64; ACTIONS];
@@ -34,7 +34,7 @@ pub fn decide(percept: &[u8; PERCEPT_BYTES]) -> Option<u8> {
 }
 ";
 
-/// The module.
+/// Returns the module.
 pub(super) fn text(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = COMMENTS.head(quantised, provenance);
     text.push_str(&COMMENTS.bits_of_bytes(quantised, provenance));

@@ -1,10 +1,10 @@
-//! Headings, paragraphs, tables and pictures; as Markdown, and for a terminal.
+//! Headings, paragraphs, tables and pictures, rendered as Markdown or for a terminal.
 
 use std::fmt::Write;
 
-/// Columns of a terminal.
+/// Width of a terminal, in columns.
 const COLUMNS: usize = 80;
-/// A column of words is made no narrower than this to fit there.
+/// Least width to which a text column is narrowed to fit the terminal.
 const NARROWEST: usize = 20;
 
 /// A part of a page.
@@ -18,32 +18,32 @@ pub enum Block {
     Text(String),
     /// A table.
     Table(Table),
-    /// A picture. Not for terminals.
+    /// A picture. Terminals show its file name and caption.
     Picture(Picture),
 }
 
-/// A figure that was drawn.
+/// A rendered figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// The file name, without ending.
+    /// The file name, without extension.
     pub name: &'static str,
-    /// What it shows.
+    /// The caption.
     pub caption: &'static str,
     /// The figure as an SVG document.
     pub svg: String,
 }
 
-/// Rows under a header; the first column, and others that hold words, are aligned to the left.
+/// A header and rows. The first column and text columns are left-aligned, numbers right-aligned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// The names of the columns.
     pub header: Vec<String>,
-    /// The cells, as many in each row as in the header.
+    /// The cells. Each row has as many as the header.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// An empty table with these columns.
+    /// Creates an empty table with these columns.
     pub fn new<T: Into<String>>(header: impl IntoIterator<Item = T>) -> Self {
         Self {
             header: header.into_iter().map(Into::into).collect(),
@@ -51,7 +51,7 @@ impl Table {
         }
     }
 
-    /// Leaves out the columns that `is_dull` names if they say the same in every row.
+    /// Removes the columns accepted by `is_dull` whose cells are the same in every row.
     pub fn without_dull(mut self, is_dull: impl Fn(&str) -> bool) -> Self {
         let same = |column: usize| {
             let mut cells = self.rows.iter().map(|row| &row[column]);
@@ -82,7 +82,8 @@ impl Table {
         (0..self.header.len()).map(width).collect()
     }
 
-    /// Is the column to be aligned to the right, since it begins with digits throughout?
+    /// Returns true if every cell of the column begins with a digit. Such columns are
+    /// right-aligned. The first column never is.
     pub fn is_number(&self, column: usize) -> bool {
         let numeric = |cell: &str| {
             let bare = cell.trim_start_matches(['+', '-', '−', '<', ' ', '–']);
@@ -128,16 +129,16 @@ impl Table {
         text
     }
 
-    /// The table for a terminal: a line for each row, or more where its words need them to fit. A table that is too wide
-    /// even so comes in several parts, each with the first columns of words.
+    /// Formats the table for a terminal. A row takes several lines if its words need them. A table
+    /// that is still too wide is split into several tables, each with the leading text columns.
     pub fn text(&self) -> String {
         let parts = self.parts();
         let texts: Vec<String> = parts.iter().map(Self::whole_text).collect();
         texts.join("\n")
     }
 
-    /// The table as tables that are no wider than a terminal, if that can be. Each begins with the columns before the first
-    /// number.
+    /// Splits the table into tables that fit a terminal, where possible. Each begins with the
+    /// columns before the first number.
     fn parts(&self) -> Vec<Self> {
         if across(&self.fitted()) <= COLUMNS {
             return vec![self.clone()];
@@ -191,8 +192,8 @@ impl Table {
         text
     }
 
-    /// Widths of the columns, of which the widest that holds words is made narrower to fit a terminal.
-    /// A table that is too wide even so keeps one line for each row.
+    /// Returns the widths of the columns. The widest text column is narrowed to fit a terminal. If
+    /// the table is still too wide, nothing is narrowed.
     fn fitted(&self) -> Vec<usize> {
         let mut widths = self.widths();
         let surplus = across(&widths).saturating_sub(COLUMNS);
@@ -208,13 +209,14 @@ impl Table {
     }
 }
 
-/// How wide such columns are together.
+/// Returns the total width of columns, with gaps.
 fn across(widths: &[usize]) -> usize {
     let with_gaps: usize = widths.iter().map(|width| width + 2).sum();
     with_gaps.saturating_sub(2)
 }
 
-/// The lines of a row whose cells are broken between words to be no wider; what goes on is indented.
+/// Wraps the cells of a row to the given widths, and returns the lines. Continuation lines are
+/// indented.
 fn broken(row: &[String], widths: &[usize]) -> Vec<Vec<String>> {
     let parts = |(cell, &width): (&String, &usize)| match cell.chars().count() > width {
         true => wrapped(cell, width - 2)
@@ -232,7 +234,7 @@ fn broken(row: &[String], widths: &[usize]) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// The blocks as Markdown.
+/// Renders blocks as Markdown.
 pub fn markdown(blocks: &[Block]) -> String {
     let part = |block: &Block| match block {
         Block::Heading(text) => format!("## {}\n", without_tags(text)),
@@ -244,21 +246,21 @@ pub fn markdown(blocks: &[Block]) -> String {
     blocks.iter().map(part).collect::<Vec<_>>().join("\n")
 }
 
-/// Markdown in which nothing begins an element of HTML: names of studies and worlds come from files.
+/// Escapes HTML tags in Markdown. The names of studies and worlds come from files.
 pub(crate) fn without_tags(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
-    let mut letters = text.chars().peekable();
-    while let Some(letter) = letters.next() {
+    let mut characters = text.chars().peekable();
+    while let Some(character) = characters.next() {
         let begins = |next: &char| next.is_ascii_alphabetic() || "/!?".contains(*next);
-        if letter == '<' && letters.peek().is_some_and(begins) {
+        if character == '<' && characters.peek().is_some_and(begins) {
             safe.push('\\');
         }
-        safe.push(letter);
+        safe.push(character);
     }
     safe
 }
 
-/// The blocks for a terminal of 80 columns.
+/// Renders blocks for a terminal of 80 columns.
 pub fn terminal(blocks: &[Block]) -> String {
     let part = |block: &Block| match block {
         Block::Heading(text) => format!("{}\n", text.to_uppercase()),
@@ -270,7 +272,7 @@ pub fn terminal(blocks: &[Block]) -> String {
     blocks.iter().map(part).collect::<Vec<_>>().join("\n")
 }
 
-/// The text in lines of at most `width` characters, broken between words.
+/// Wraps text between words to lines of at most `width` characters.
 fn wrapped(text: &str, width: usize) -> String {
     let mut lines = String::new();
     let mut length = 0;
@@ -321,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_for_a_terminal_breaks_words_rather_than_be_wider_than_it() {
+    fn a_table_for_a_terminal_wraps_its_text_column() {
         let mut table = Table::new(["if", "go", "value"]);
         let words =
             "north wall, east free, south-east free, south wall, west free, north-west wall";
@@ -352,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_of_many_numbers_comes_in_parts_and_no_number_is_broken() {
+    fn a_table_of_many_numbers_is_split_and_no_number_is_broken() {
         let names = (0..12).map(|number| format!("number {number}"));
         let mut table = Table::new(["world".to_owned()].into_iter().chain(names));
         let numbers = (0..12).map(|number| format!("{number}00"));
@@ -371,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn markdown_has_no_elements_of_html_and_keeps_numbers_below_a_bound() {
+    fn markdown_has_no_html_elements_and_keeps_numbers_below_a_bound() {
         let text = "<img src=x> </b> <!-- p < 0.0001, a<3 -->";
         let safe = markdown(&[Block::Text(text.to_owned())]);
         assert_eq!(safe, "\\<img src=x> \\</b> \\<!-- p < 0.0001, a<3 -->\n");

@@ -1,18 +1,19 @@
-//! Blocks as one HTML page that needs nothing else: no network, no other file.
+//! Renders blocks as one self-contained HTML page, without network access or other files.
 
 use std::fmt::Write;
 
 use super::blocks::{Block, Picture, Table};
 
-/// Colours for light and dark, and the little there is of layout.
+/// Colours for light and dark mode, and the layout.
 const STYLE: &str = include_str!("page.css");
 /// Sorts a table by the column whose heading was clicked.
 const SCRIPT: &str = include_str!("page.js");
 
-/// Nothing may be loaded, from anywhere: the browser holds the page to it.
+/// Makes the browser refuse to load anything.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
-/// The colours of figures that stand on paper, and the names of those that also stand in the dark.
+/// The colours of figures, and the CSS variables that replace them so that figures follow dark
+/// mode.
 const COLOURS: [(&str, &str); 6] = [
     ("#FFFFFF", "var(--paper)"),
     ("#222222", "var(--ink)"),
@@ -22,7 +23,7 @@ const COLOURS: [(&str, &str); 6] = [
     ("#0072B2", "var(--blue)"),
 ];
 
-/// The blocks as a page.
+/// Renders blocks as a page.
 pub fn html(title: &str, blocks: &[Block]) -> String {
     let title = escaped(title);
     let mut page = format!(
@@ -75,7 +76,7 @@ fn table(table: &Table) -> String {
 }
 
 fn figure(picture: &Picture) -> String {
-    // Within HTML, SVG needs no name space, and the page then names no address at all.
+    // In HTML, SVG needs no namespace. Without it, the page contains no address at all.
     let bare = picture
         .svg
         .replace(" xmlns=\"http://www.w3.org/2000/svg\"", "");
@@ -88,14 +89,14 @@ fn figure(picture: &Picture) -> String {
     format!("<figure><div class=\"wide\">{svg}</div><figcaption>{caption}</figcaption></figure>")
 }
 
-/// Text with its `code` and **strong** parts.
+/// Converts text with `code` and **strong** parts to HTML.
 fn marked(text: &str) -> String {
     let escaped = escaped(text);
     let code = between(&escaped, "`", "code");
     between(&code, "**", "strong")
 }
 
-/// Puts every second part between two marks into an element.
+/// Wraps every second part between two marks in an element.
 fn between(text: &str, mark: &str, element: &str) -> String {
     let parts = text.split(mark).enumerate();
     let part = |(at, part): (usize, &str)| match at % 2 {
@@ -105,7 +106,7 @@ fn between(text: &str, mark: &str, element: &str) -> String {
     parts.map(part).collect()
 }
 
-/// Text as it stands in HTML, SVG and their attributes.
+/// Escapes text for HTML, SVG and their attributes.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

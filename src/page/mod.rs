@@ -1,5 +1,5 @@
-//! What is told in headings, paragraphs, tables and pictures: for a terminal, as Markdown, or as
-//! one HTML page that needs nothing else.
+//! Documents of headings, paragraphs, tables and pictures, rendered for a terminal, as Markdown, or
+//! as one self-contained HTML page.
 
 mod blocks;
 mod html;

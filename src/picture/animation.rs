@@ -1,4 +1,4 @@
-//! What is shown: a policy after one episode, or after many.
+//! Animations: the policy after one episode or after several.
 
 use std::ops::ControlFlow;
 
@@ -7,72 +7,74 @@ use crate::episode::{Ending, Episode, Learned, Observer, PolicyMap, Step};
 use crate::trial::{Judge, Plan, PlanError, Trial, steps_to_goal};
 use crate::world::{Cell, Maze, Paths};
 
-/// The most moments of an animation; where the policy changes more often, not every change is shown.
-const MOST_MOMENTS: usize = 45;
-/// The most cells of a maze that is drawn: with so many, an SVG takes 145 MB.
+/// The most frames of an animation. If the policy changes more often, some changes are skipped.
+const MOST_FRAMES: usize = 45;
+/// The most cells of a maze that is drawn. The SVG of such a maze takes 145 MB.
 const MOST_CELLS: usize = 1 << 20;
 
-/// Which episodes are shown.
+/// The episodes to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scenes {
     /// The policy after the last episode.
     Last,
-    /// The policy after this one, counted from 1.
+    /// The policy after this episode, counted from 1.
     After(u32),
-    /// The policy as it forms: after the episodes that changed a best action, in at most 45 moments.
+    /// The policy after each episode that changed a best action, in at most 45 frames.
     Forming,
 }
 
-/// The policy after an episode, and what that episode was.
+/// A frame of an animation: an episode and the policy after it.
 #[derive(Debug, Clone)]
 pub struct Moment {
-    /// The episode, as it ended.
+    /// The result of the episode.
     pub episode: Episode,
-    /// What was known after it.
+    /// The policy after the episode.
     pub policy: PolicyMap,
-    /// Was that globally optimal?
+    /// True if the policy was globally optimal.
     pub optimal: bool,
-    /// The cells through which the greedy policy goes from where the episode began.
+    /// The cells of the greedy path from the start of the episode.
     pub greedy_path: Vec<Cell>,
-    /// The cells that were visited in it, the start first.
+    /// The cells visited in the episode, the start first.
     pub visited: Vec<Cell>,
 }
 
-/// One policy or several, to be drawn over the maze. The same film gives the same bytes.
+/// An animation of one frame or several over the maze. Rendering is deterministic: the same
+/// animation gives the same bytes.
 #[derive(Debug, Clone)]
 pub struct Animation {
     pub(super) maze: Maze,
     pub(super) title: String,
-    /// What is to be said of the arrows, or nothing.
+    /// A note about the arrows, or an empty string.
     pub(super) arrows: &'static str,
     pub(super) paths: Paths,
     pub(super) moments: Vec<Moment>,
 }
 
-/// Why there is no picture.
+/// Errors when making a picture.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
     /// The trial cannot be run.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The run has fewer episodes.
+    /// The run has too few episodes.
     #[error("there is no episode {wanted}: the run has {episodes}")]
     NoSuchEpisode {
-        /// The episode that was asked for.
+        /// The requested episode.
         wanted: u32,
-        /// How many there are.
+        /// The number of episodes of the run.
         episodes: u32,
     },
-    /// The picture cannot be made.
+    /// The picture cannot be drawn.
     #[error("cannot draw the picture: {0}")]
     Picture(String),
 }
 
 impl Animation {
-    /// Runs the trial again, as far as is needed, and keeps what is to be shown.
+    /// Repeats the trial as far as needed and collects the frames.
     ///
     /// # Errors
-    /// When the plan cannot be run, or has no such episode, and in mazes of more than a million cells.
+    /// When the plan cannot be run or has no such episode, or when the maze has more than a million
+    /// cells.
     pub fn of(plan: &Plan, scenes: Scenes) -> Result<Self, FilmError> {
         check_size(&plan.maze)?;
         let episodes = plan.config.episodes;
@@ -83,7 +85,7 @@ impl Animation {
         };
         let mut trial = Trial::new(plan.clone())?;
         let mut camera = Camera::new(last, scenes == Scenes::Forming, trial.plan());
-        // The camera itself ends the trial.
+        // The camera ends the trial.
         let _ = trial.run(&mut camera);
         let config = &plan.config;
         let (world, method) = (plan.maze.name(), config.method.name());
@@ -101,7 +103,7 @@ impl Animation {
         })
     }
 
-    /// The moments, in order.
+    /// The frames, in order.
     pub fn moments(&self) -> &[Moment] {
         &self.moments
     }
@@ -112,19 +114,19 @@ fn check_size(maze: &Maze) -> Result<(), FilmError> {
     match width * height {
         0..=MOST_CELLS => Ok(()),
         cells => Err(FilmError::Picture(format!(
-            "{} has {cells} cells, at most {MOST_CELLS} are drawn; `xcscr rules RUN --cell COL,ROW` tells \
-             what was learned in one of them",
+            "{} has {cells} cells, but at most {MOST_CELLS} can be drawn; `xcscr rules RUN --cell COL,ROW` \
+             shows what was learned in one cell",
             maze.name()
         ))),
     }
 }
 
-/// Keeps the moments that are wanted.
+/// An observer that collects frames.
 struct Camera {
     last: u32,
-    /// Are changes shown, and not only the last episode?
+    /// True if changes are shown, and not only the last episode.
     shows_changes: bool,
-    /// Changes so far, and every how many of them one is kept.
+    /// The number of changes so far. One in `stride` changes is kept.
     changes: usize,
     stride: usize,
     judge: Judge,
@@ -146,7 +148,8 @@ impl Camera {
         }
     }
 
-    /// Is this policy to be kept? Counts the change, and makes room for it.
+    /// Returns true if this policy is a change to keep. Counts the change and thins the frames if
+    /// necessary.
     fn keeps(&mut self, policy: &PolicyMap) -> bool {
         let before = self.moments.last();
         if !self.shows_changes || before.is_some_and(|before| agree(&before.policy, policy)) {
@@ -154,8 +157,8 @@ impl Camera {
         }
         let number = self.changes;
         self.changes += 1;
-        // The last episode comes in addition.
-        if self.moments.len() == MOST_MOMENTS - 1 {
+        // One frame is reserved for the last episode.
+        if self.moments.len() == MOST_FRAMES - 1 {
             let mut at = 0..;
             self.moments
                 .retain(|_| at.next().is_some_and(|at: usize| at.is_multiple_of(2)));
@@ -165,7 +168,7 @@ impl Camera {
     }
 }
 
-/// Have two policies the same best actions in all cells?
+/// Returns true if two policies have the same best actions in all cells.
 fn agree(one: &PolicyMap, other: &PolicyMap) -> bool {
     let both = one.cells().zip(other.cells());
     one.cells().count() == other.cells().count()
@@ -208,7 +211,7 @@ impl Observer for Camera {
 }
 
 impl Moment {
-    /// What is said about it below the title.
+    /// The caption below the title.
     pub(super) fn caption(&self, maze: &Maze, paths: &Paths) -> String {
         let Episode {
             episode,
@@ -228,7 +231,7 @@ impl Moment {
             Some(now) => format!("{now} steps"),
             None => "never arrives".to_owned(),
         };
-        // Where actions slip, the fewest steps are no yardstick.
+        // Where actions slip, the fewest steps are not a meaningful reference.
         let verdict = match paths.slips() && self.optimal {
             true => "; the policy is optimal",
             false => "",
@@ -245,7 +248,7 @@ mod tests {
     use crate::agent::Method;
     use crate::arena::ArenaKind;
 
-    /// An empty hall with a start and a goal.
+    /// Returns an empty hall with a start and a goal.
     fn hall(width: usize, height: usize) -> Maze {
         let mut rows = vec![format!("#{}#", ".".repeat(width - 2)); height];
         rows[0] = "#".repeat(width);
@@ -255,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn a_maze_of_more_than_a_million_cells_is_not_drawn_and_the_message_names_another_way() {
+    fn a_maze_of_more_than_a_million_cells_is_not_drawn_and_the_message_suggests_an_alternative() {
         let plan = Plan::new(hall(4096, 257)).episodes(1);
         let refused = Animation::of(&plan, Scenes::Last).err();
         let refused = refused.expect("it has too many cells").to_string();
@@ -276,7 +279,7 @@ mod tests {
         let plan = Plan::new(hall(40, 5)).arena(ArenaKind::Grid).episodes(30);
         let animation = Animation::of(&plan, Scenes::Forming).unwrap();
         let [before @ .., last] = animation.moments() else {
-            panic!("there is no moment");
+            panic!("there is no frame");
         };
         assert_eq!(last.episode.episode, 30);
         assert!((2..30).contains(&before.len()), "{}", before.len());
@@ -286,12 +289,12 @@ mod tests {
     }
 
     #[test]
-    fn of_many_changes_some_are_shown() {
+    fn frames_are_thinned_if_there_are_many_changes() {
         let maze = Maze::find(Path::new("maze4")).unwrap();
         let plan = Plan::new(maze).method(Method::Xcscr);
         let animation =
             Animation::of(&plan.arena(ArenaKind::Grid).episodes(300), Scenes::Forming).unwrap();
         let shown = animation.moments().len();
-        assert!((20..=MOST_MOMENTS).contains(&shown), "{shown}");
+        assert!((20..=MOST_FRAMES).contains(&shown), "{shown}");
     }
 }

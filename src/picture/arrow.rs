@@ -1,16 +1,16 @@
-//! The arrow, from which all arrows come by turning and scaling.
+//! The arrow shape. All arrows are rotated and scaled copies of it.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::world::Direction;
 
-/// The colours of best actions far from the goal along the policy, half-way, and near it. Their lightness falls, so that
-/// colour-blind viewers see the order, too.
+/// Colours of best actions, by distance to the goal along the policy: far, halfway, near. Their
+/// lightness decreases, so that the order is visible to colour-blind viewers.
 pub(crate) const SCALE: [u32; 3] = [0xe6ac00, 0x1f8f8a, 0x45106b];
-/// The colour of best actions that lead to no goal.
+/// The colour of best actions that do not lead to a goal.
 pub(crate) const NO_GOAL: u32 = 0x9aa3b0;
 
-/// The arrow of length 1 that points east, from its tail at the origin; y downward.
+/// Outline of an arrow of length 1 that points east, with its tail at the origin; y points down.
 pub(super) const OUTLINE: [(f64, f64); 7] = [
     (0.0, -0.07),
     (0.58, -0.07),
@@ -21,23 +21,23 @@ pub(super) const OUTLINE: [(f64, f64); 7] = [
     (0.0, 0.07),
 ];
 
-/// Where an arrow points: one of eight directions.
+/// The direction of an arrow, one of eight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Heading(Direction);
 
 impl Heading {
-    /// The heading of a compass direction.
+    /// Creates the heading of a compass direction.
     pub fn new(direction: Direction) -> Self {
         Self(direction)
     }
 
-    /// Degrees clockwise from east, for SVG.
+    /// Returns degrees clockwise from east, for SVG.
     pub fn degrees(self) -> i32 {
         let eighths = Direction::CLOCKWISE.iter().position(|&d| d == self.0);
         45 * eighths.unwrap_or(0) as i32 - 90
     }
 
-    /// Cosine and sine of the angle from east, clockwise, without any trigonometry.
+    /// Returns cosine and sine of the angle clockwise from east, without trigonometric functions.
     fn cos_sin(self) -> (f64, f64) {
         let (east, south) = self.0.offset();
         let unit = match east != 0 && south != 0 {
@@ -47,7 +47,7 @@ impl Heading {
         (f64::from(east) * unit, f64::from(south) * unit)
     }
 
-    /// The outline of an arrow.
+    /// Returns the outline of an arrow.
     pub fn outline(self, tail: (f64, f64), length: f64) -> [(f64, f64); 7] {
         let (cos, sin) = self.cos_sin();
         OUTLINE.map(|(x, y)| {
@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn colours_get_darker_toward_the_goal() {
-        // Relative luminance, as WCAG 2 defines it.
+        // Relative luminance as defined by WCAG 2.
         let luminance = SCALE.map(|rgb| {
             let part = |shift: u32| {
                 let part = f64::from(rgb >> shift & 0xff) / 255.0;
@@ -77,14 +77,14 @@ mod tests {
             };
             0.2126 * part(16) + 0.7152 * part(8) + 0.0722 * part(0)
         });
-        // Differences that are seen without any hue: contrasts of at least 1.5.
+        // A contrast of at least 1.5 is visible without hue.
         for pair in luminance.windows(2) {
             assert!((pair[0] + 0.05) / (pair[1] + 0.05) > 1.5, "{luminance:?}");
         }
     }
 
     #[test]
-    fn the_tip_lies_where_the_direction_says_and_degrees_agree() {
+    fn the_tip_points_in_the_direction_and_degrees_agree() {
         for direction in Direction::CLOCKWISE {
             let heading = Heading::new(direction);
             let (x, y) = heading.outline((0.0, 0.0), 2.0)[3];

@@ -1,4 +1,4 @@
-//! From a film to shapes.
+//! Converts an animation to shapes.
 
 use std::collections::BTreeSet;
 
@@ -18,22 +18,22 @@ const START: Colour = Colour::hex(0xf4b740);
 const GOAL: Colour = Colour::hex(0x7fdca0);
 const REWARD: Colour = Colour::hex(0xe3cdf9);
 const PATH: Colour = Colour::hex(0x9cc3f5);
-/// The colour of all other actions.
+/// The colour of all actions that are not best.
 const NONE: Colour = Colour::hex(0xb9c0cc);
 
-/// Around everything.
+/// Margin around the picture, in pixels.
 const MARGIN: f64 = 16.0;
-/// Room for title and caption above the maze.
+/// Height of the title and caption above the maze.
 const HEAD: f64 = 62.0;
-/// Room for the legend below the maze.
+/// Height of the legend below the maze.
 const FOOT: f64 = 90.0;
-/// The least width, so that the words fit.
+/// Least width that fits the text.
 const LEAST_WIDTH: f64 = 544.0;
-/// The edge of a cell; less in mazes that would become larger than [`MOST`].
+/// Edge of a cell. It is smaller in mazes that would exceed [`MOST`].
 const CELL: f64 = 64.0;
 const MOST: f64 = 1280.0;
 
-/// Where cells lie in the picture.
+/// Positions of the cells in the picture.
 struct Plane<'a> {
     maze: &'a Maze,
     cell: f64,
@@ -42,7 +42,7 @@ struct Plane<'a> {
     height: f64,
 }
 
-/// Draws all moments of a film.
+/// Draws all frames of an animation.
 pub(super) fn draw(animation: &Animation) -> Drawing {
     let plane = Plane::new(&animation.maze);
     let frames = animation.moments.iter();
@@ -52,7 +52,7 @@ pub(super) fn draw(animation: &Animation) -> Drawing {
         title: animation.title.clone(),
         ground: plane.ground(),
         frames: frames
-            .map(|moment| plane.moment(moment, &animation.paths))
+            .map(|frame| plane.frame(frame, &animation.paths))
             .collect(),
         labels: plane.labels(animation),
     }
@@ -84,7 +84,7 @@ impl<'a> Plane<'a> {
         (left + self.cell / 2.0, top + self.cell / 2.0)
     }
 
-    /// A cell's box, smaller on each side by `inset`.
+    /// Returns the square of a cell, smaller by `inset` on each side.
     fn tile(&self, cell: Cell, inset: f64, fill: Colour) -> Shape {
         let (left, top) = self.corner(cell);
         let edge = self.cell - 2.0 * inset;
@@ -103,10 +103,10 @@ impl<'a> Plane<'a> {
         shapes
     }
 
-    /// What changes from moment to moment: cells visited, path, arrows, caption.
-    fn moment(&self, moment: &Moment, paths: &Paths) -> Vec<Shape> {
+    /// Returns the shapes that change from frame to frame: visited cells, path, arrows, caption.
+    fn frame(&self, frame: &Moment, paths: &Paths) -> Vec<Shape> {
         let mut shapes = Vec::new();
-        let visited = moment.visited.iter().map(|&cell| self.maze.index(cell));
+        let visited = frame.visited.iter().map(|&cell| self.maze.index(cell));
         let visited: BTreeSet<usize> = visited.collect();
         for cell in self.maze.free_cells() {
             let was_here = visited.contains(&self.maze.index(cell));
@@ -119,7 +119,7 @@ impl<'a> Plane<'a> {
         }
         shapes.extend(self.marks());
         shapes.push(Shape::Line {
-            points: moment
+            points: frame
                 .greedy_path
                 .iter()
                 .map(|&cell| self.centre(cell))
@@ -127,18 +127,18 @@ impl<'a> Plane<'a> {
             width: 0.12 * self.cell,
             colour: PATH,
         });
-        shapes.extend(self.arrows(moment));
-        let caption = moment.caption(self.maze, paths);
+        shapes.extend(self.arrows(frame));
+        let caption = frame.caption(self.maze, paths);
         shapes.push(words(MARGIN, 46.0, 13.0, FAINT, caption));
         shapes
     }
 
-    /// An arrow per action and free cell. The best ones are long and coloured by how near the goal is along the policy;
-    /// the others are short and faint.
-    fn arrows(&self, moment: &Moment) -> Vec<Shape> {
+    /// Returns an arrow for each action in each free cell. Arrows of best actions are long and
+    /// coloured by the distance to the goal along the policy. The others are short and faint.
+    fn arrows(&self, frame: &Moment) -> Vec<Shape> {
         let mut shapes = Vec::new();
-        let near = moment.policy.nearness(self.maze);
-        for ((cell, values), near) in moment.policy.cells().zip(near) {
+        let near = frame.policy.nearness(self.maze);
+        for ((cell, values), near) in frame.policy.cells().zip(near) {
             let directions = self.maze.moves().directions().iter();
             for (&direction, &one) in directions.zip(values.as_slice()) {
                 let is_best = one.is_some() && one == values.greatest();
@@ -158,7 +158,7 @@ impl<'a> Plane<'a> {
         shapes
     }
 
-    /// Start, goals and cells that pay by themselves.
+    /// Returns the tiles of the start, goals and auxiliary rewards.
     fn marks(&self) -> Vec<Shape> {
         let start = self.maze.start().map(|cell| (cell, START));
         let goals = self.maze.goals().iter().map(|&cell| (cell, GOAL));
@@ -170,7 +170,7 @@ impl<'a> Plane<'a> {
             .collect()
     }
 
-    /// The letters of start, goals and rewards, title and legend.
+    /// Returns the letters of start, goals and rewards, the title and the legend.
     fn labels(&self, animation: &Animation) -> Vec<Shape> {
         let start = self.maze.start().map(|cell| (cell, "S"));
         let goals = self.maze.goals().iter().map(|&cell| (cell, "G"));
@@ -237,7 +237,7 @@ fn words(x: f64, y: f64, size: f64, colour: Colour, text: impl Into<String>) -> 
     }
 }
 
-/// The colour of a share, from 0 (far from the goal) to 1 (near it).
+/// Returns the colour of a share, from 0 (far from the goal) to 1 (near the goal).
 fn shade(near: f64) -> Colour {
     let [far, middle, nearest] = SCALE.map(Colour::hex);
     match near < 0.5 {

@@ -1,15 +1,15 @@
-//! A film as a file.
+//! Animations as files.
 
 use super::animation::{Animation, FilmError};
 use super::{drawing, moving_png, pixels, svg};
 
 impl Animation {
-    /// An SVG document, which moves if there are several moments.
+    /// Renders an SVG document, animated if there are several frames.
     pub fn svg(&self) -> String {
         svg::document(&drawing::draw(self))
     }
 
-    /// A PNG file, which is an animated one (APNG) if there are several moments.
+    /// Renders a PNG file, animated (APNG) if there are several frames.
     ///
     /// # Errors
     /// When the picture is too large.

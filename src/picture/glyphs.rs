@@ -1,25 +1,27 @@
-//! Words as outlines, from a font that is part of the program.
+//! Text as outlines, from an embedded font.
 
 use ab_glyph::{Font, FontRef, OutlineCurve, Point};
 use tiny_skia::{Path, PathBuilder};
 
-/// DejaVu Sans, cut down to Latin letters; it is the same on every machine.
+/// DejaVu Sans, reduced to Latin letters. It is embedded so that pictures are the same on every
+/// machine.
 const FONT: &[u8] = include_bytes!("../../assets/font/DejaVuSans-latin.ttf");
 
-/// The font, ready to draw.
+/// The parsed font.
 pub(super) struct Glyphs(FontRef<'static>);
 
 impl Glyphs {
-    /// Reads the font.
+    /// Parses the font.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// When the font cannot be parsed.
     pub fn new() -> Result<Self, String> {
         let font = FontRef::try_from_slice(FONT).map_err(|fault| fault.to_string())?;
         Ok(Self(font))
     }
 
-    /// The outline of a text that begins at `at` on its base line; `None` when it is empty.
+    /// Returns the outline of a text that begins at `at` on its baseline; `None` if the outline is
+    /// empty.
     pub fn outline(&self, text: &str, at: (f32, f32), size: f32) -> Option<Path> {
         let font = &self.0;
         let scale = size / font.units_per_em()?;
@@ -37,7 +39,8 @@ impl Glyphs {
     }
 }
 
-/// Adds the curves of a glyph; a new contour begins where a curve does not go on.
+/// Adds the curves of a glyph. A curve that does not start where the last one ended starts a new
+/// contour.
 fn add(path: &mut PathBuilder, curves: &[OutlineCurve], place: impl Fn(Point) -> (f32, f32)) {
     let mut end = None;
     for curve in curves {

@@ -1,4 +1,4 @@
-//! A map, the cells that it became, and the robot among them.
+//! A preview of a converted map: the map, the cells of the grid, the start and the goals.
 
 use tiny_skia::{
     Color, FillRule, FilterQuality, Paint, PathBuilder, Pixmap, PixmapPaint, PremultipliedColorU8,
@@ -8,15 +8,15 @@ use tiny_skia::{
 use super::pixels;
 use crate::world::{Cell, Gridded, Occupancy, OccupancyMap};
 
-/// The longer side of the picture is about so long, in pixels.
+/// Approximate length of the longer side of the picture, in pixels.
 const SIDE: f32 = 1600.0;
-/// Lines between cells that are smaller than this would hide the map.
+/// Smallest cell, in pixels, that gets a frame. Frames around smaller cells would hide the map.
 const SMALLEST_CELL: f64 = 5.0;
-/// The radius of the mark of the start, in cells.
+/// Radius of the start mark, in cells.
 const START_MARK: f32 = 0.3;
 
-/// A PNG file: what the maze takes of the map in grey, free cells framed in blue, goals green, the start an orange
-/// disc.
+/// Renders a PNG file with the part of the map that the maze covers in grey. Free cells have a blue
+/// frame, goals are green, and the start is an orange disc.
 ///
 /// # Errors
 /// When the picture is too large.
@@ -53,7 +53,7 @@ pub fn map_preview(gridded: &Gridded, map: &OccupancyMap) -> Result<Vec<u8>, Str
     pixels::encoded(&canvas)
 }
 
-/// The pixels of the map.
+/// Renders the pixels of the map.
 fn plan(map: &OccupancyMap) -> Option<Pixmap> {
     let mut plan = Pixmap::new(map.width as u32, map.height as u32)?;
     let places = (0..map.height).flat_map(|row| (0..map.width).map(move |col| (col, row)));
@@ -68,7 +68,7 @@ fn plan(map: &OccupancyMap) -> Option<Pixmap> {
     Some(plan)
 }
 
-/// A free cell: its frame, and the goal or the start in it.
+/// Draws a free cell: its frame, and the goal or start mark.
 fn draw_cell(
     canvas: &mut Pixmap,
     gridded: &Gridded,

@@ -1,4 +1,4 @@
-//! The policy over the maze as a picture: Figure 5 of the paper, and how it forms over episodes.
+//! Pictures of the policy over the maze (Figure 5 of the paper), and animations of how it forms.
 
 mod arrow;
 mod drawing;

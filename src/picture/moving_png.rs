@@ -1,13 +1,13 @@
-//! Drawings as animated PNG.
+//! Drawings as animated PNG files.
 
 use std::io::Write;
 
 use png::{BlendOp, DisposeOp, EncodingError, Writer};
 
 use super::pixels;
-use super::shapes::{Drawing, LAST_MS, MOMENT_MS};
+use super::shapes::{Drawing, FRAME_MS, LAST_FRAME_MS};
 
-/// An animated PNG of all moments. After the first, only what changes is written.
+/// Renders an animated PNG of all frames. After the first frame, only the changes are written.
 ///
 /// # Errors
 /// When the picture is too large.
@@ -25,7 +25,7 @@ fn write(bytes: &mut Vec<u8>, drawing: &Drawing, frames: &[Vec<u8>]) -> Result<(
     let mut encoder = png::Encoder::new(bytes, width, height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_compression(png::Compression::High);
-    // What stays the same is all zeros, which filters would only stir up.
+    // Unchanged pixels are all zeros, and a filter would make them harder to compress.
     encoder.set_filter(png::Filter::NoFilter);
     encoder.set_animated(frames.len() as u32, 0)?;
     encoder.set_dispose_op(DisposeOp::None)?;
@@ -33,7 +33,7 @@ fn write(bytes: &mut Vec<u8>, drawing: &Drawing, frames: &[Vec<u8>]) -> Result<(
     let mut writer = encoder.write_header()?;
     for (number, frame) in frames.iter().enumerate() {
         let is_last = number + 1 == frames.len();
-        let lasts_ms = if is_last { LAST_MS } else { MOMENT_MS };
+        let lasts_ms = if is_last { LAST_FRAME_MS } else { FRAME_MS };
         writer.set_frame_delay(lasts_ms as u16, 1000)?;
         match number.checked_sub(1) {
             None => writer.write_image_data(frame)?,
@@ -43,7 +43,7 @@ fn write(bytes: &mut Vec<u8>, drawing: &Drawing, frames: &[Vec<u8>]) -> Result<(
     writer.finish()
 }
 
-/// Writes the rectangle that holds all changes; in it, what stays the same is transparent.
+/// Writes the bounding rectangle of all changes. Unchanged pixels in it are transparent.
 fn write_change(
     writer: &mut Writer<impl Write>,
     before: &[u8],
@@ -69,7 +69,7 @@ fn write_change(
     writer.write_image_data(&pixels)
 }
 
-/// A rectangle of pixels; never empty.
+/// A non-empty rectangle of pixels.
 struct Area {
     left: u32,
     top: u32,
@@ -78,7 +78,7 @@ struct Area {
 }
 
 impl Area {
-    /// The least one that holds all pixels in which two pictures differ.
+    /// Returns the smallest area that contains all pixels in which two pictures differ.
     fn of_changes(before: &[u8], now: &[u8], row_bytes: usize) -> Self {
         let (mut left, mut right, mut top, mut bottom) = (u32::MAX, 0, u32::MAX, 0);
         let rows = before

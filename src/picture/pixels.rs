@@ -7,10 +7,10 @@ use tiny_skia::{
 use super::glyphs::Glyphs;
 use super::shapes::{Colour, Drawing, Shape};
 
-/// Pixels along each pixel of a still figure, for sharp screens.
+/// Scale of still pictures, for high-resolution screens.
 const STILL_SCALE: f32 = 2.0;
 
-/// A PNG file of the only moment.
+/// Renders the only frame as a PNG file.
 ///
 /// # Errors
 /// When the picture is too large.
@@ -18,7 +18,7 @@ pub(super) fn png(drawing: &Drawing) -> Result<Vec<u8>, String> {
     encoded(&paint(drawing, 0, STILL_SCALE)?)
 }
 
-/// A picture, all of whose pixels are opaque, as a PNG file.
+/// Encodes an opaque picture as a PNG file.
 ///
 /// # Errors
 /// When the picture is too large.
@@ -40,24 +40,24 @@ pub(super) fn encoded(picture: &Pixmap) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Paints a moment; every pixel is opaque.
+/// Paints a frame. Every pixel is opaque.
 ///
 /// # Errors
 /// When the picture is too large.
 pub(super) fn paint(drawing: &Drawing, frame: usize, scale: f32) -> Result<Pixmap, String> {
-    let letters = Glyphs::new()?;
+    let glyphs = Glyphs::new()?;
     let length = |pixels: u32| (pixels as f32 * scale) as u32;
     let (width, height) = (length(drawing.width), length(drawing.height));
     let mut canvas = Pixmap::new(width, height)
         .ok_or_else(|| format!("{width} x {height} pixels are too many"))?;
     for shape in drawing.shapes(frame) {
         let look = Transform::from_scale(scale, scale);
-        add(&mut canvas, shape, look, &letters);
+        add(&mut canvas, shape, look, &glyphs);
     }
     Ok(canvas)
 }
 
-fn add(canvas: &mut Pixmap, shape: &Shape, look: Transform, letters: &Glyphs) {
+fn add(canvas: &mut Pixmap, shape: &Shape, look: Transform, glyphs: &Glyphs) {
     match shape {
         Shape::Rect { fill, .. } => {
             if let Some(rect) = rect(shape) {
@@ -92,7 +92,7 @@ fn add(canvas: &mut Pixmap, shape: &Shape, look: Transform, letters: &Glyphs) {
             let at = (at.0 as f32, at.1 as f32);
             fill_path(
                 canvas,
-                letters.outline(text, at, *size as f32),
+                glyphs.outline(text, at, *size as f32),
                 *colour,
                 look,
             );
@@ -115,7 +115,7 @@ fn rect(shape: &Shape) -> Option<Rect> {
     Rect::from_xywh(x, y, w, h)
 }
 
-/// A pen with a round tip.
+/// Returns a stroke with round ends and joins.
 fn round(width: f32) -> Stroke {
     Stroke {
         width,
@@ -131,7 +131,7 @@ fn fill_path(canvas: &mut Pixmap, outline: Option<Path>, fill: Colour, look: Tra
     }
 }
 
-/// A way through points; `None` when it has no extent.
+/// Returns a path through points; `None` if it has no extent.
 fn path(points: &[(f64, f64)]) -> Option<Path> {
     let mut path = PathBuilder::new();
     for (number, (x, y)) in points.iter().enumerate() {

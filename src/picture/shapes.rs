@@ -1,4 +1,4 @@
-//! What a drawing consists of: the few shapes that both SVG and pixels know.
+//! The shapes of a drawing. Each can be rendered as SVG and as pixels.
 
 use super::arrow::Heading;
 
@@ -7,12 +7,12 @@ use super::arrow::Heading;
 pub(super) struct Colour(pub u8, pub u8, pub u8);
 
 impl Colour {
-    /// The colour `0xRRGGBB`.
+    /// Creates the colour `0xRRGGBB`.
     pub const fn hex(rgb: u32) -> Self {
         Self((rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8)
     }
 
-    /// On the way from this colour to another; `share` runs from 0 to 1.
+    /// Returns a blend of this colour and another. `share` ranges from 0 to 1.
     pub fn toward(self, other: Self, share: f64) -> Self {
         let blend = |from: u8, to: u8| {
             let (from, to) = (f64::from(from), f64::from(to));
@@ -26,10 +26,10 @@ impl Colour {
     }
 }
 
-/// A shape. All lengths are in pixels of the figure, y downward.
+/// A shape. All lengths are in pixels of the picture; y points down.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Shape {
-    /// A box.
+    /// A rectangle.
     Rect {
         left: f64,
         top: f64,
@@ -37,20 +37,20 @@ pub(super) enum Shape {
         height: f64,
         fill: Colour,
     },
-    /// A line with round ends through points.
+    /// A polyline with round ends.
     Line {
         points: Vec<(f64, f64)>,
         width: f64,
         colour: Colour,
     },
-    /// An arrow with its tail at a point; with length 0 it is not there.
+    /// An arrow with its tail at a point. An arrow of length 0 is invisible.
     Arrow {
         tail: (f64, f64),
         heading: Heading,
         length: f64,
         fill: Colour,
     },
-    /// Words that begin at a point of their base line.
+    /// Text that begins at a point on its baseline.
     Text {
         at: (f64, f64),
         size: f64,
@@ -59,29 +59,29 @@ pub(super) enum Shape {
     },
 }
 
-/// A picture, or several of which all have the same kinds of shapes in the same order.
+/// A picture of one frame or several. All frames have the same kinds of shapes in the same order.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drawing {
     pub width: u32,
     pub height: u32,
     pub title: String,
-    /// What never changes and lies below everything.
+    /// The static shapes below the frames.
     pub ground: Vec<Shape>,
-    /// What changes, by moment; at least one.
+    /// The shapes of each frame; at least one frame.
     pub frames: Vec<Vec<Shape>>,
-    /// What never changes and lies above everything.
+    /// The static shapes above the frames.
     pub labels: Vec<Shape>,
 }
 
 impl Drawing {
-    /// All shapes of one moment, the lowest first.
+    /// Returns all shapes of a frame, the lowest first.
     pub fn shapes(&self, frame: usize) -> impl Iterator<Item = &Shape> {
         let frame = self.frames[frame].iter();
         self.ground.iter().chain(frame).chain(&self.labels)
     }
 }
 
-/// How long a moment of an animation lasts, in milliseconds.
-pub(super) const MOMENT_MS: u32 = 250;
-/// How long the last one does.
-pub(super) const LAST_MS: u32 = 3000;
+/// Duration of a frame of an animation, in milliseconds.
+pub(super) const FRAME_MS: u32 = 250;
+/// Duration of the last frame, in milliseconds.
+pub(super) const LAST_FRAME_MS: u32 = 3000;

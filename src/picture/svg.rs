@@ -1,12 +1,12 @@
-//! Drawings as SVG, still or moving (SMIL).
+//! Drawings as SVG, static or animated (SMIL).
 
 use std::fmt::Write;
 
 use super::arrow::OUTLINE;
-use super::shapes::{Colour, Drawing, LAST_MS, MOMENT_MS, Shape};
+use super::shapes::{Colour, Drawing, FRAME_MS, LAST_FRAME_MS, Shape};
 use crate::page::escaped;
 
-/// The document.
+/// Renders an SVG document.
 pub(super) fn document(drawing: &Drawing) -> String {
     let (width, height) = (drawing.width, drawing.height);
     let mut text = format!(
@@ -37,7 +37,7 @@ fn arrow_path() -> String {
     format!("M{}z", points.join("L"))
 }
 
-/// When each moment begins, as shares of the whole time.
+/// The start of each frame, as a share of the total duration.
 struct Clock {
     key_times: String,
     total_ms: u32,
@@ -45,8 +45,8 @@ struct Clock {
 
 impl Clock {
     fn new(frames: usize) -> Self {
-        let total_ms = (frames as u32 - 1) * MOMENT_MS + LAST_MS;
-        let share = |frame: usize| frame as f64 * f64::from(MOMENT_MS) / f64::from(total_ms);
+        let total_ms = (frames as u32 - 1) * FRAME_MS + LAST_FRAME_MS;
+        let share = |frame: usize| frame as f64 * f64::from(FRAME_MS) / f64::from(total_ms);
         let shares: Vec<String> = (0..frames).map(|frame| decimals(share(frame), 3)).collect();
         Self {
             key_times: shares.join(";"),
@@ -54,7 +54,7 @@ impl Clock {
         }
     }
 
-    /// What every animation says about time; it jumps from value to value.
+    /// Returns the timing attributes of every animation. Values change without interpolation.
     fn attributes(&self) -> String {
         format!(
             "keyTimes=\"{}\" dur=\"{}ms\" calcMode=\"discrete\" repeatCount=\"indefinite\"",
@@ -62,7 +62,7 @@ impl Clock {
         )
     }
 
-    /// Animates an attribute, unless its values are all the same.
+    /// Animates an attribute, unless all its values are equal.
     fn animate(&self, text: &mut String, kind: &str, attribute: &str, values: &[String]) {
         if values.iter().all(|value| *value == values[0]) {
             return;
@@ -75,14 +75,14 @@ impl Clock {
     }
 }
 
-/// What viewers without animation show: the last moment.
+/// Returns the last value, which viewers without animation show.
 fn still(values: &[String]) -> &str {
     values.last().map_or("", String::as_str)
 }
 
-/// One shape over all moments; nothing if it is never there.
+/// Writes a shape over all frames; nothing if it is never visible.
 fn element(text: &mut String, track: &[&Shape], clock: &Clock) {
-    // A string takes everything.
+    // Writing to a string cannot fail.
     let _ = match track[0] {
         Shape::Rect { .. } => rect(text, track, clock),
         Shape::Line { .. } => line(text, track, clock),
@@ -121,27 +121,27 @@ fn line(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result 
     let Shape::Line { width, colour, .. } = track[0] else {
         return Ok(());
     };
-    let ways = track.iter().filter_map(|shape| match shape {
+    let lines = track.iter().filter_map(|shape| match shape {
         Shape::Line { points, .. } => Some(points.as_slice()),
         _ => None,
     });
-    let longest = ways.clone().map(<[_]>::len).max().unwrap_or(0);
-    let ways: Vec<String> = ways.map(|points| way(points, longest)).collect();
+    let longest = lines.clone().map(<[_]>::len).max().unwrap_or(0);
+    let lines: Vec<String> = lines.map(|points| padded_points(points, longest)).collect();
     write!(
         text,
         "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" \
          stroke-linecap=\"round\" stroke-linejoin=\"round\">",
-        still(&ways),
+        still(&lines),
         hex(*colour),
         short(*width)
     )?;
-    clock.animate(text, "animate", "points", &ways);
+    clock.animate(text, "animate", "points", &lines);
     text.write_str("</polyline>\n")
 }
 
-/// The points of a line, the last one again and again: viewers blend lines of different lengths
-/// in different ways.
-fn way(points: &[(f64, f64)], longest: usize) -> String {
+/// Formats the points of a line and repeats the last point up to `longest` points. Viewers differ
+/// in how they blend lines of different lengths.
+fn padded_points(points: &[(f64, f64)], longest: usize) -> String {
     let last = points.iter().cycle().skip(points.len().saturating_sub(1));
     let padding = last.step_by(points.len().max(1));
     let points = points.iter().chain(padding).take(longest);
@@ -177,7 +177,7 @@ fn arrow(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result
     text.write_str("</use></g>\n")
 }
 
-/// Words cannot be animated: each of them is shown for its moment.
+/// Writes the text of each frame as its own element, because text cannot be animated.
 fn words(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result {
     for (number, shape) in track.iter().enumerate() {
         let Shape::Text {
@@ -196,7 +196,7 @@ fn words(text: &mut String, track: &[&Shape], clock: &Clock) -> std::fmt::Result
             short(*size),
             hex(*colour)
         )?;
-        // See [`still`].
+        // The last frame is visible without animation; see [`still`].
         let shown = |at: usize| if at == number { "inline" } else { "none" };
         let now = shown(track.len() - 1);
         let hidden = if now == "none" {
@@ -216,12 +216,12 @@ fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// A length with at most two decimals.
+/// Formats a length with at most two decimals.
 fn short(length: f64) -> String {
     decimals(length, 2)
 }
 
-/// A number with at most so many decimals.
+/// Formats a number with at most `most` decimals.
 fn decimals(number: f64, most: usize) -> String {
     let text = format!("{number:.most$}");
     match text.contains('.') {
@@ -250,8 +250,8 @@ mod tests {
         assert_eq!(escaped("<b>&"), "&lt;b&gt;&amp;");
     }
 
-    /// A moment with each kind of shape that changes.
-    fn moment(fill: Colour, length: f64, said: &str) -> Vec<Shape> {
+    /// Returns a frame with each kind of shape that changes.
+    fn frame(fill: Colour, length: f64, said: &str) -> Vec<Shape> {
         let (left, top, width, height) = (0.0, 0.0, 8.0, 8.0);
         let heading = Heading::new(Direction::East);
         let (at, tail, text) = ((0.0, 9.0), (1.0, 1.0), said.to_owned());
@@ -284,7 +284,7 @@ mod tests {
         ]
     }
 
-    /// What a viewer shows that knows nothing of animations.
+    /// Returns what a viewer without animation support shows.
     fn without_animation(svg: &str) -> String {
         let lines = svg
             .lines()
@@ -298,9 +298,9 @@ mod tests {
     }
 
     #[test]
-    fn viewers_without_animation_show_the_last_moment_in_all_its_parts() {
-        let first = moment(Colour(200, 0, 0), 2.0, "one");
-        let last = moment(Colour(0, 200, 0), 5.0, "two");
+    fn viewers_without_animation_show_the_last_frame_in_all_its_parts() {
+        let first = frame(Colour(200, 0, 0), 2.0, "one");
+        let last = frame(Colour(0, 200, 0), 5.0, "two");
         let svg = |frames| {
             document(&Drawing {
                 width: 9,

@@ -1,39 +1,40 @@
-//! What can go wrong while recordings are written and read.
+//! Errors when writing and reading recordings.
 
 use std::io;
 use std::path::PathBuf;
 
 use crate::disk;
 
-/// A recording that could not be written or read.
+/// An error when writing or reading a recording.
 ///
-/// Every message names the file and the way out.
+/// Every message names the file and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordError {
-    /// The file could not be made at all.
+    /// The file could not be created.
     #[error("cannot create the recording: {cause}{}: {}", disk::way_out_or(.cause, "; choose another folder, or free this one"), path.display())]
     Create {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         cause: io::Error,
     },
-    /// Writing stopped half-way, as on a full disk. What was written so far is kept.
+    /// Writing stopped part-way, for example because the disk is full. The data written so far is
+    /// kept.
     #[error("cannot write the recording: {cause}: {}", path.display())]
     Write {
-        /// The file, still with `.part` at the end of its name.
+        /// The file, whose name still ends with `.part`.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         cause: String,
     },
-    /// A recovered recording could not be written. Nothing of it is left, and the file that was to
-    /// be recovered is as it was.
+    /// A recovered recording could not be written. The incomplete output is removed, and the
+    /// damaged input file is unchanged.
     #[error("cannot write the recovered recording: {cause}: {}", path.display())]
     Recover {
-        /// The file that was to be.
+        /// The output file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         cause: String,
     },
     /// The file could not be read from the disk.
@@ -41,27 +42,27 @@ pub enum RecordError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         cause: io::Error,
     },
-    /// The file is one that was being written when the program ended.
-    #[error("this recording was never finished, and no viewer can open it; make a complete file of it with `xcscr recording recover {0} -o OUT.mcap`", path.display())]
+    /// The program ended while it was writing the file.
+    #[error("this recording was never finished, so viewers cannot open it; recover it with `xcscr recording recover {0} -o OUT.mcap`", path.display())]
     Unfinished {
         /// The file.
         path: PathBuf,
     },
-    /// The file is no MCAP file at all.
+    /// The file is not an MCAP file.
     #[error("this is not a recording: it does not begin like an MCAP file: {}", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
     },
-    /// The file is no sound MCAP file.
-    #[error("this recording is damaged: {cause}; `xcscr recording check` says more, `xcscr recording recover` saves what can be read: {}", path.display())]
+    /// The MCAP file is damaged.
+    #[error("this recording is damaged: {cause}; `xcscr recording check` lists the faults, `xcscr recording recover` saves the readable part: {}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What was found, and where.
+        /// The fault and its position.
         cause: String,
     },
 }

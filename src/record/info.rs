@@ -1,4 +1,4 @@
-//! What a recording says about the run it comes from.
+//! Facts about the run that a recording carries.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -6,9 +6,9 @@ use std::fmt;
 use super::mode::RecordMode;
 use crate::sensor::Sensor;
 
-/// The entry of the metadata record `run` that tells an evaluation from a training ...
+/// The key of the metadata record `run` that marks an evaluation.
 pub(super) const KIND: &str = "kind";
-/// ... and what it says; a training lacks it.
+/// The value of [`KIND`] for an evaluation. A training has no such entry.
 pub(super) const EVALUATION: &str = "evaluation";
 
 /// The facts of a run that its recordings carry.
@@ -16,7 +16,7 @@ pub(super) const EVALUATION: &str = "evaluation";
 pub struct RunInfo {
     /// The world file's text; attached as `world.json`.
     pub world_json: String,
-    /// What was chosen, and the settings that differ from the defaults of this version; attached as
+    /// The selected options, and the settings that differ from this version's defaults; attached as
     /// `config.json`.
     pub config_json: String,
     /// The root seed.
@@ -25,28 +25,28 @@ pub struct RunInfo {
     pub method: String,
     /// The arena's name, as on the command line.
     pub arena: String,
-    /// How the robot perceives.
+    /// The robot's sensor.
     pub sensor: Sensor,
-    /// How many episodes are planned.
+    /// The number of planned episodes.
     pub episodes: u32,
-    /// What the robot looks like.
+    /// The robot's dimensions.
     pub robot: RobotShape,
     /// The probability that an action slips.
     pub slip: f64,
-    /// What a goal pays.
+    /// The reward for reaching a goal.
     pub goal: f64,
-    /// Is nothing learned in it?
+    /// True if the run is an evaluation, in which nothing is learned.
     pub is_evaluation: bool,
 }
 
 impl RunInfo {
-    /// World, method and seed in a line.
+    /// Returns world, method, arena, sensor and seed in one line.
     pub(super) fn heading(&self, world: &str) -> String {
         let (method, arena, sensor) = (&self.method, &self.arena, self.sensor.name());
         format!("{world}: {method} on {arena}, {sensor}, seed {}", self.seed)
     }
 
-    /// The entries of the metadata record `run`.
+    /// Returns the entries of the metadata record `run`.
     pub(super) fn metadata(
         &self,
         world: &str,
@@ -70,12 +70,12 @@ impl RunInfo {
     }
 }
 
-/// How much of a run a recording shows.
+/// The kind of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordingKind {
-    /// All of it, but what happens more often than once per step.
+    /// The whole run, without events that happen more often than once per step.
     Run,
-    /// Its turning points, and a drive of what was learned.
+    /// The turning points of a run, and a drive with the learned policy.
     Highlights,
     /// One episode, by its number from 1.
     Episode(u32),
@@ -84,7 +84,7 @@ pub enum RecordingKind {
 }
 
 impl RecordingKind {
-    /// The name of the file in the folder of a run.
+    /// Returns the file name in the folder of the run.
     pub fn file_name(self) -> String {
         match self {
             Self::Run => "run.mcap".to_owned(),
@@ -94,7 +94,7 @@ impl RecordingKind {
         }
     }
 
-    /// The episode, if it is one.
+    /// Returns the episode number if the recording shows a single episode.
     pub fn episode(self) -> Option<u32> {
         match self {
             Self::Episode(number) => Some(number),
@@ -102,7 +102,8 @@ impl RecordingKind {
         }
     }
 
-    /// What the entry `episode` of the metadata record `run` says; the run for anything unknown.
+    /// Parses the entry `episode` of the metadata record `run`. Unknown texts give
+    /// [`Run`](Self::Run).
     pub fn of_entry(text: &str) -> Self {
         match text {
             "highlights" => Self::Highlights,
@@ -123,17 +124,17 @@ impl fmt::Display for RecordingKind {
     }
 }
 
-/// What the robot looks like: a disc on two wheels. All lengths are above 0.
+/// The robot's dimensions: a disc on two wheels. All lengths are above 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RobotShape {
     /// Radius of the disc, in metres.
     pub radius_m: f64,
-    /// Distance of the wheels from each other, in metres.
+    /// Distance between the wheels, in metres.
     pub wheel_base_m: f64,
 }
 
 impl RobotShape {
-    /// A robot that fits into cells of this size, in metres: a symbol, for the grid.
+    /// Returns the shape drawn for a robot in the grid world, with cells of this size in metres.
     pub fn for_cell(cell_size_m: f64) -> Self {
         Self {
             radius_m: 0.3 * cell_size_m,
@@ -141,7 +142,7 @@ impl RobotShape {
         }
     }
 
-    /// Radius of a wheel as it is drawn, in metres.
+    /// Returns the radius of a wheel as drawn, in metres.
     pub(super) fn wheel_radius_m(&self) -> f64 {
         0.3 * self.radius_m
     }

@@ -1,8 +1,8 @@
 //! Recordings: MCAP files that Foxglove and its open fork Lichtblick replay.
 //!
-//! A [`Recorder`] listens to episodes and writes one file for each, and `run.mcap` for the whole
-//! run. All times in a file are simulation time; no real date is in it. The same run gives the
-//! same bytes, so that a recording can be verified by running it again.
+//! A [`Recorder`] observes episodes. It writes one file per episode, and `run.mcap` for the whole
+//! run. All times in a file are simulation times; a recording contains no real date. The same run
+//! produces the same bytes, so a recording can be verified by repeating the run.
 
 mod error;
 mod info;

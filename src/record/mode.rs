@@ -1,4 +1,4 @@
-//! Which episodes are kept.
+//! Recording modes: which episodes are kept.
 
 use std::fmt;
 use std::num::NonZeroU32;
@@ -6,26 +6,27 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// Which episodes get a file, and how much is in it. All modes but [`None`](Self::None) also write `run.mcap`.
+/// Which episodes get a file, and what the file contains. All modes but [`None`](Self::None) also
+/// write `run.mcap`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum RecordMode {
     /// Every episode.
     #[default]
     All,
-    /// The one that reached the goal in the fewest steps; of several, the earliest.
+    /// The episode that reached the goal in the fewest steps; the earliest on a tie.
     Best,
-    /// The one that came last.
+    /// The last episode.
     Last,
-    /// The first, and every n-th after it: `every:50` keeps episodes 1, 51, 101, ...
+    /// The first episode and every n-th after it: `every:50` keeps episodes 1, 51, 101, ...
     Every(NonZeroU32),
-    /// Every episode, and what each beam of the lidar measured.
+    /// Every episode, with the measurement of each lidar beam.
     Beams,
-    /// None, and nothing else either.
+    /// No files at all.
     None,
 }
 
 impl RecordMode {
-    /// Is this episode written, if only to be dropped later?
+    /// Returns true if this episode is written, even if its file may be deleted later.
     pub fn wants(self, episode: u32) -> bool {
         match self {
             Self::All | Self::Best | Self::Last | Self::Beams => true,
@@ -35,7 +36,7 @@ impl RecordMode {
     }
 }
 
-/// A text that is no [`RecordMode`].
+/// A text that is not a valid [`RecordMode`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}` is not a recording mode: expected all, best, last, every:N (N from 1), beams, or none"

@@ -1,4 +1,4 @@
-//! Two runs side by side, as one recording.
+//! The comparison of two runs in one recording.
 
 use std::path::Path;
 
@@ -10,20 +10,20 @@ use crate::record::reader::Recording;
 use crate::record::{self, Comparison, compare_highlights, layout};
 
 impl Comparison {
-    /// Puts the highlights of two runs side by side: segment by segment, each pair at the same time,
-    /// then the drives of what was learned. A path is the folder of a run or a recording of it.
+    /// Combines the highlights of two runs side by side: segment by segment, each pair at the same
+    /// time, then the drives of the learned policies. A path is the folder of a run or one of its
+    /// recordings.
     ///
     /// # Errors
-    /// When a path is no finished run, or a recording is damaged.
+    /// If a path is not a finished run, or a recording is damaged.
     pub fn of(paths: [&Path; 2]) -> Result<Self, RunError> {
         side_by_side([material(paths[0])?, material(paths[1])?])
     }
 
-    /// The first difference between a recorded comparison and one of the same two runs, made again,
-    /// in words.
+    /// Repeats the runs of a recorded comparison and returns the first difference as text.
     ///
     /// # Errors
-    /// When the recording does not say what it compares, or a run cannot be made again.
+    /// If the recording does not name its runs, or a run cannot be repeated.
     pub fn difference(recorded: &Recording) -> Result<Option<String>, RunError> {
         let again = |side: &str| {
             let plan = attached_plan(recorded, &format!("{side}/"))?;
@@ -39,8 +39,8 @@ impl Comparison {
 fn side_by_side([a, b]: [Material; 2]) -> Result<Comparison, RunError> {
     let (mut of_a, mut of_b) = (a.builder()?, b.builder()?);
     for number in 0..a.segments().max(b.segments()) {
-        a.tell_chapter(number, &mut of_a)?;
-        b.tell_chapter(number, &mut of_b)?;
+        a.add_segment(number, &mut of_a)?;
+        b.add_segment(number, &mut of_b)?;
         of_a.catch_up(&mut of_b)?;
     }
     a.add_drive(&mut of_a)?;

@@ -1,4 +1,4 @@
-//! An evaluation that is recorded as a run is.
+//! Recorded evaluations.
 
 use std::fs;
 use std::io;
@@ -15,12 +15,12 @@ use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecordingKind, RunInfo};
 use crate::trial::{Evaluation, Plan, PlanError};
 
-/// Runs `episodes` episodes of the greedy policy that follows from `knowledge`, and records all of
-/// them in `folder`, which is made if it is missing.
+/// Runs `episodes` episodes of the greedy policy of `knowledge`, and records all of them in
+/// `folder`, which is created if it is missing.
 ///
 /// # Errors
-/// When the plan cannot be run, the knowledge is that of another world, a file cannot be written, or `stop` asks for the end
-/// after an episode: [`RunError::Stopped`].
+/// If the plan is invalid, the knowledge does not fit the world, or a file cannot be written.
+/// [`RunError::Stopped`] if `stop` returned true after an episode.
 pub fn record_evaluation(
     plan: &Plan,
     knowledge: &Knowledge,
@@ -31,11 +31,11 @@ pub fn record_evaluation(
     record_drives(plan, knowledge, episodes, folder, (RecordMode::All, stop))
 }
 
-/// Makes room for a recorded evaluation: the folder must be missing or empty; with `force`, the
-/// files of an earlier evaluation, finished or not, are removed from it, and nothing else.
+/// Prepares the folder for a recorded evaluation. The folder must be missing or empty. With
+/// `force`, the files of an earlier evaluation, finished or not, are removed, and nothing else.
 ///
 /// # Errors
-/// When the folder holds something else, or cannot be read or emptied.
+/// If the folder contains other files, or cannot be read or emptied.
 pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError> {
     let unreadable = |cause| RunFolderError::Io {
         path: folder.to_owned(),
@@ -51,7 +51,7 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
     let names = entries.iter().map(fs::DirEntry::file_name);
     let mut names: Vec<String> = names.filter_map(|name| name.into_string().ok()).collect();
     let run = RecordingKind::Run.file_name();
-    // One that was interrupted has no whole `run.mcap`, and no evaluation has files of a training.
+    // An interrupted evaluation has an unfinished `run.mcap`, but no files of a training.
     let is_unfinished = |names: &[String]| {
         names.contains(&format!("{run}.part")) && !names.iter().any(|name| is_of_a_training(name))
     };
@@ -64,7 +64,7 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
     if !force {
         return Err(RunFolderError::Exists(folder.to_owned()));
     }
-    // That by which it is known as an evaluation goes last.
+    // Remove `run.mcap` last, because it identifies the folder as an evaluation.
     names.retain(|name| *name != run);
     names.push(run);
     for name in names {
@@ -74,7 +74,7 @@ pub fn clear_evaluation(folder: &Path, force: bool) -> Result<(), RunFolderError
     Ok(())
 }
 
-/// Records an evaluation, in some mode.
+/// Records an evaluation in a recording mode.
 pub(super) fn record_drives(
     plan: &Plan,
     knowledge: &Knowledge,
@@ -91,7 +91,7 @@ pub(super) fn record_drives(
     let mut recorder = Recorder::create(folder, maze, info, mode)?;
     let limit = config.settings.reward.step_threshold;
     let frozen = Frozen::new(knowledge.clone(), maze.action_count(), limit);
-    recorder.know(&frozen, maze);
+    recorder.warm_start(&frozen, maze);
     let mut observers = (&mut recorder, &mut Until(stop));
     let evaluation = Evaluation::observed(&plan, knowledge, episodes, &mut observers)?;
     if stop() {
@@ -100,7 +100,7 @@ pub(super) fn record_drives(
     Ok((evaluation, recorder.finish(&frozen)?))
 }
 
-/// Ends an evaluation after an episode.
+/// Stops an evaluation after an episode.
 struct Until<'a>(&'a dyn Fn() -> bool);
 
 impl Observer for Until<'_> {
@@ -112,7 +112,7 @@ impl Observer for Until<'_> {
     }
 }
 
-/// The plan of an evaluation of what was learned, if that is about the world of the plan.
+/// Returns the plan of an evaluation of `knowledge`, if the knowledge fits the world of the plan.
 pub(super) fn evaluation_plan(
     plan: &Plan,
     knowledge: &Knowledge,

@@ -1,4 +1,4 @@
-//! What the recordings of a run say about it.
+//! The facts of a run in its recordings.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -7,7 +7,7 @@ use crate::arena::ArenaKind;
 use crate::record::{RobotShape, RunInfo};
 use crate::trial::{Config, Plan, Settings};
 
-/// What the recordings of a run say about it.
+/// Returns the facts of a run for its recordings.
 pub(super) fn run_info(plan: &Plan) -> RunInfo {
     let config = &plan.config;
     RunInfo {
@@ -25,7 +25,8 @@ pub(super) fn run_info(plan: &Plan) -> RunInfo {
     }
 }
 
-/// The simulated robot's sizes; on the grid, which has none, a symbol that fits into a cell.
+/// Returns the dimensions of the simulated robot. The grid world's robot is a symbol that fits into
+/// a cell.
 fn robot_shape(plan: &Plan) -> RobotShape {
     let physics = &plan.config.settings.physics;
     match plan.config.arena {
@@ -37,8 +38,8 @@ fn robot_shape(plan: &Plan) -> RobotShape {
     }
 }
 
-/// All that was chosen, and of the settings those that differ from the defaults of this version:
-/// the others would take a tenth of what an episode takes.
+/// Returns the selected options, and the settings that differ from the defaults of this version.
+/// The other settings would take a tenth of an episode's file.
 fn unusual(config: &Config) -> Value {
     let mut chosen = value(config);
     without(&mut chosen["settings"], &value(&Settings::default()));
@@ -49,7 +50,7 @@ fn value(of: &impl Serialize) -> Value {
     serde_json::to_value(of).expect("plain data becomes JSON")
 }
 
-/// Leaves out what is as it is `usual`; sections that are left empty, too.
+/// Removes the fields that equal those of `usual`, and sections that become empty.
 fn without(chosen: &mut Value, usual: &Value) {
     let Some(fields) = chosen.as_object_mut() else {
         return;

@@ -1,4 +1,4 @@
-//! The folder that a run leaves behind.
+//! The folder of a run.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -10,22 +10,22 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Serialize};
 
 use super::error::RunFolderError;
-use super::way_on::{CHECKPOINT, has_checkpoint, way_on};
+use super::resume_hint::{CHECKPOINT, has_checkpoint, resume_hint};
 use crate::agent::Knowledge;
 use crate::disk::{self, FolderLock, LOCK, LockError};
 use crate::record::RecordingKind;
 use crate::trial::{CheckpointError, Config, Plan, is_sealed, seal, unseal};
 use crate::world::Maze;
 
-/// The world, as the run used it.
+/// The world as used by the run.
 const WORLD: &str = "world.json";
-/// All that was chosen.
+/// The settings of the run.
 const CONFIG: &str = "config.json";
-/// What was learned.
+/// The learned knowledge.
 const RULES: &str = "rules.json";
 /// The page that plays the highlights.
 const PAGE: &str = "replay.html";
-/// What recordings leave beside numbered episodes.
+/// The files of recordings apart from numbered episodes.
 const RECORDINGS: [&str; 5] = [
     "run.mcap",
     "highlights.mcap",
@@ -39,43 +39,43 @@ const RECORDINGS: [&str; 5] = [
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
-    /// Held by whoever writes.
+    /// The lock of a folder opened for writing.
     _lock: Option<FolderLock>,
 }
 
-/// What a folder holds.
+/// The contents of a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Holds {
-    /// Nothing, or what a run leaves that was killed before it had begun.
+enum Contents {
+    /// Nothing, or the files of a run that was killed before its first checkpoint.
     Nothing,
     /// A run with a checkpoint.
     Interrupted,
-    /// A run without one.
+    /// A run without a checkpoint.
     Run,
-    /// Something else.
+    /// Other files.
     Foreign,
 }
 
 impl RunFolder {
-    /// The file of what was learned.
+    /// The file of the learned knowledge.
     pub(super) const RULES: &str = RULES;
 
-    /// Is this one of the names that runs give to files?
+    /// Returns true if runs give this name to a file.
     pub(super) fn writes(name: &str) -> bool {
         is_of_a_run(name)
     }
 
-    /// Makes the folder of a new run, and locks it. A run that is there already is replaced only
-    /// if `force` is set; then its files are removed, and nothing else.
+    /// Creates and locks the folder of a new run. An existing run is replaced only if `force` is
+    /// set; then its files are removed, and nothing else.
     ///
     /// # Errors
-    /// When the folder holds something, is in use, or cannot be made.
+    /// If the folder is not empty, is in use, or cannot be created.
     pub fn create(path: &Path, force: bool) -> Result<Self, RunFolderError> {
-        // Without a lock yet, so that nothing is left in a folder that is none of ours. Another
-        // process may be about to begin there: then it has the lock.
+        // Checked without a lock, so that no lock file is left in a foreign folder. An existing
+        // lock may belong to another process that is about to begin there.
         let lock = path.join(LOCK);
         let is_free = !lock.exists() || disk::is_foreign_lock(&lock);
-        if is_free && Self::holds_ours(path)? == Holds::Foreign {
+        if is_free && Self::checked_contents(path)? == Contents::Foreign {
             return Err(RunFolderError::Foreign(path.to_owned()));
         }
         fs::create_dir_all(path).map_err(|cause| RunFolderError::Create {
@@ -83,34 +83,37 @@ impl RunFolder {
             cause,
         })?;
         let folder = Self::locked(path)?;
-        match Self::holds_ours(path)? {
-            Holds::Foreign => Err(RunFolderError::Foreign(path.to_owned())),
-            Holds::Interrupted if !force => Err(RunFolderError::Interrupted(path.to_owned())),
-            Holds::Run if !force => Err(RunFolderError::Exists(path.to_owned())),
-            Holds::Run | Holds::Interrupted => folder.clear().map(|()| folder),
-            Holds::Nothing => folder.tidied(),
+        match Self::checked_contents(path)? {
+            Contents::Foreign => Err(RunFolderError::Foreign(path.to_owned())),
+            Contents::Interrupted if !force => Err(RunFolderError::Interrupted(path.to_owned())),
+            Contents::Run if !force => Err(RunFolderError::Exists(path.to_owned())),
+            Contents::Run | Contents::Interrupted => folder.clear().map(|()| folder),
+            Contents::Nothing => folder.tidied(),
         }
     }
 
-    /// Locks the folder of a run that is to go on, or that turns out to be finished.
+    /// Locks the folder of a run to resume it, or to find that the run is finished.
     ///
     /// # Errors
-    /// When there is no run, or another process works on it.
+    /// If there is no run, or another process uses the folder.
     pub fn resume(path: &Path) -> Result<Self, RunFolderError> {
-        let found = holds(path).map_err(|cause| RunFolderError::Io {
+        let found = contents(path).map_err(|cause| RunFolderError::Io {
             path: path.to_owned(),
             cause,
         })?;
         match found {
-            Holds::Interrupted | Holds::Run => Self::locked(path)?.tidied(),
+            Contents::Interrupted | Contents::Run => Self::locked(path)?.tidied(),
             _ => Err(RunFolderError::NothingToResume(path.to_owned())),
         }
     }
 
-    /// What is in a folder; what has the names of a run, but was not written by one, is foreign.
-    fn holds_ours(path: &Path) -> Result<Holds, RunFolderError> {
-        let ours = holds(path).and_then(|found| match found {
-            Holds::Run | Holds::Interrupted if !was_written_by_a_run(path)? => Ok(Holds::Foreign),
+    /// Returns the contents of a folder. Files with the names of a run that no run wrote are
+    /// foreign.
+    fn checked_contents(path: &Path) -> Result<Contents, RunFolderError> {
+        let ours = contents(path).and_then(|found| match found {
+            Contents::Run | Contents::Interrupted if !was_written_by_a_run(path)? => {
+                Ok(Contents::Foreign)
+            }
             found => Ok(found),
         });
         ours.map_err(|cause| RunFolderError::Create {
@@ -143,7 +146,8 @@ impl RunFolder {
         Ok(self)
     }
 
-    /// Returns the names of the files in the folder, in order, but those that are no text.
+    /// Returns the names of the files in the folder in order, without names that are not valid
+    /// text.
     pub(super) fn names(&self) -> Result<Vec<String>, RunFolderError> {
         let entries = self.path.read_dir().and_then(Iterator::collect);
         let entries: Vec<fs::DirEntry> = entries.map_err(|cause| RunFolderError::Io {
@@ -156,7 +160,7 @@ impl RunFolder {
         Ok(names)
     }
 
-    /// Removes the files of the run, those last by which a folder is known as that of a run.
+    /// Removes the files of the run; those that identify the folder as a run come last.
     fn clear(&self) -> Result<(), RunFolderError> {
         let mut names = self.names()?;
         names.retain(|name| is_of_a_run(name) && name != CONFIG && name != CHECKPOINT);
@@ -169,7 +173,7 @@ impl RunFolder {
         disk::remove(&path).map_err(|cause| RunFolderError::Write { path, cause })
     }
 
-    /// The folder of a run that exists, to be read.
+    /// Opens the folder of an existing run for reading.
     pub fn open(path: &Path) -> Self {
         Self {
             path: path.to_owned(),
@@ -177,20 +181,20 @@ impl RunFolder {
         }
     }
 
-    /// How to resume the run, for the end of a message; empty where its folder is gone.
+    /// Returns how to resume the run, for the end of a message; empty without a checkpoint.
     pub fn way_on(&self) -> String {
         match has_checkpoint(&self.path) {
-            true => format!("; {}", way_on(&self.path)),
+            true => format!("; {}", resume_hint(&self.path)),
             false => String::new(),
         }
     }
 
-    /// Where it is.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Saves what the run is about to do.
+    /// Saves the plan of the run.
     ///
     /// # Errors
     /// An error of the file system.
@@ -199,7 +203,7 @@ impl RunFolder {
         texts.try_for_each(|(name, text)| self.write(name, text.as_bytes()))
     }
 
-    /// Returns the files that hold a plan: their names, and their texts.
+    /// Returns the names and texts of the files of a plan.
     pub(super) fn texts_of(plan: &Plan) -> [(&'static str, String); 2] {
         [
             (WORLD, plan.maze.to_json()),
@@ -207,10 +211,10 @@ impl RunFolder {
         ]
     }
 
-    /// The plan of the run.
+    /// Returns the plan of the run.
     ///
     /// # Errors
-    /// When a file is missing, damaged or unreadable.
+    /// If a file is missing, damaged or unreadable.
     pub fn plan(&self) -> Result<Plan, RunFolderError> {
         let maze = Maze::load(&self.existing(WORLD)?)?;
         let config: Config = self.read(CONFIG)?;
@@ -219,7 +223,7 @@ impl RunFolder {
         Ok(plan)
     }
 
-    /// Saves what was learned.
+    /// Saves the learned knowledge.
     ///
     /// # Errors
     /// An error of the file system.
@@ -227,15 +231,15 @@ impl RunFolder {
         self.write(RULES, to_json(knowledge).as_bytes())
     }
 
-    /// What was learned.
+    /// Returns the learned knowledge.
     ///
     /// # Errors
-    /// When the file is missing, damaged or unreadable.
+    /// If the file is missing, damaged or unreadable.
     pub fn knowledge(&self) -> Result<Knowledge, RunFolderError> {
         self.read(RULES)
     }
 
-    /// Saves the highlights of the run; where, and how many bytes it has.
+    /// Saves the highlights of the run. Returns the path and the size in bytes.
     ///
     /// # Errors
     /// An error of the file system.
@@ -259,12 +263,12 @@ impl RunFolder {
         page.is_file().then_some(page)
     }
 
-    /// How to resume the run in a folder, if it was stopped.
+    /// Returns how to resume the run in a folder, if it was stopped.
     pub fn way_to_resume(folder: &Path) -> Option<String> {
-        has_checkpoint(folder).then(|| way_on(folder))
+        has_checkpoint(folder).then(|| resume_hint(folder))
     }
 
-    /// Saves where the run is, in place of an earlier checkpoint.
+    /// Saves a checkpoint and replaces an earlier one.
     ///
     /// # Errors
     /// An error of the file system; the earlier checkpoint is kept.
@@ -272,15 +276,15 @@ impl RunFolder {
         self.write(CHECKPOINT, &seal(state))
     }
 
-    /// Does the run lack its end?
+    /// Returns true if the run is interrupted.
     pub fn is_interrupted(&self) -> bool {
-        matches!(holds(&self.path), Ok(Holds::Interrupted))
+        matches!(contents(&self.path), Ok(Contents::Interrupted))
     }
 
-    /// Where the run was; `None` when it is finished.
+    /// Returns the checkpoint; `None` if the run is finished.
     ///
     /// # Errors
-    /// When the checkpoint cannot be read, or is damaged, or of another version.
+    /// If the checkpoint cannot be read, is damaged, or is of another version.
     pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Option<T>, RunFolderError> {
         let path = self.path.join(CHECKPOINT);
         if !path.is_file() && self.path.join(RULES).is_file() {
@@ -297,13 +301,13 @@ impl RunFolder {
         Ok(Some(state))
     }
 
-    /// That the checkpoint is of no use, for this reason.
+    /// Returns the error that the checkpoint cannot be used, with this fault.
     pub fn bad_checkpoint(&self, fault: CheckpointError) -> RunFolderError {
         let path = self.path.join(CHECKPOINT);
         RunFolderError::Checkpoint { path, fault }
     }
 
-    /// Ends the run: without a checkpoint it is finished.
+    /// Removes the checkpoint, which marks the run as finished.
     ///
     /// # Errors
     /// An error of the file system.
@@ -342,33 +346,33 @@ impl RunFolder {
     }
 }
 
-/// What is in a folder, which need not exist.
-fn holds(path: &Path) -> io::Result<Holds> {
+/// Returns the contents of a folder, which need not exist.
+fn contents(path: &Path) -> io::Result<Contents> {
     let names = path.read_dir().and_then(|entries| {
         let names = entries.map(|entry| Ok(entry?.file_name()));
         names.collect::<io::Result<Vec<_>>>()
     });
     let mut names = match names {
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(Holds::Nothing),
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(Contents::Nothing),
         names => names?,
     };
     let has = |name: &str| names.iter().any(|one| one == name);
     if has(CHECKPOINT) {
-        return Ok(Holds::Interrupted);
+        return Ok(Contents::Interrupted);
     }
     if has(CONFIG) {
-        return Ok(Holds::Run);
+        return Ok(Contents::Run);
     }
-    // What is there before the first checkpoint.
+    // Ignores the files that exist before the first checkpoint.
     let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));
     names.retain(|name| !is_lock(name) && !disk::is_leftover_of(name, CHECKPOINT));
     Ok(match names.is_empty() {
-        true => Holds::Nothing,
-        false => Holds::Foreign,
+        true => Contents::Nothing,
+        false => Contents::Foreign,
     })
 }
 
-/// What every version of this program writes into the `config.json` of a run.
+/// The fields that every version of this program writes into the `config.json` of a run.
 #[derive(Deserialize)]
 struct Signature {
     #[serde(rename = "version")]
@@ -383,11 +387,12 @@ struct Signature {
     _settings: BTreeMap<String, IgnoredAny>,
 }
 
-/// Was what has the names of a run written by one? Others call their files `config.json`, too.
+/// Returns true if a run wrote the files with the names of a run. Other programs also use
+/// `config.json`.
 fn was_written_by_a_run(path: &Path) -> io::Result<bool> {
     let read = |name: &str, most| match disk::read(&path.join(name), most) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
-        // It is none of ours.
+        // Such a file was not written by a run.
         Err(cause) if cause.kind() == io::ErrorKind::FileTooLarge => Ok(Vec::new()),
         Err(cause) if cause.kind() == io::ErrorKind::InvalidInput => Ok(Vec::new()),
         bytes => bytes,
@@ -397,7 +402,7 @@ fn was_written_by_a_run(path: &Path) -> io::Result<bool> {
         || is_sealed(&read(CHECKPOINT, disk::MOST_BYTES)?))
 }
 
-/// Is this one of the names that runs give to files?
+/// Returns true if runs give this name to a file.
 pub(super) fn is_of_a_run(name: &str) -> bool {
     let whole = disk::leftover_of(name).or_else(|| name.strip_suffix(".part"));
     let whole = whole.unwrap_or(name);
@@ -411,7 +416,7 @@ pub(super) fn is_of_a_run(name: &str) -> bool {
         || whole == "run.mcap.again"
 }
 
-/// Is this a file that only a training leaves?
+/// Returns true if only a training writes a file of this name.
 pub(super) fn is_of_a_training(name: &str) -> bool {
     [WORLD, CONFIG, RULES, CHECKPOINT].contains(&name)
 }
@@ -427,7 +432,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_names_that_runs_give_are_those_of_a_run() {
+    fn only_names_of_run_files_are_recognised() {
         let ours = "ep-0001.mcap ep-123456.mcap.part .rules.json.a1B2c3.tmp run.mcap checkpoint";
         for name in ours.split(' ') {
             assert!(is_of_a_run(name), "{name}");

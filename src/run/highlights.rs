@@ -17,37 +17,39 @@ use crate::record::{
 use crate::trial::{Plan, Trial};
 
 impl RunFolder {
-    /// Builds the highlights of the run: `highlights.mcap` as bytes. The same run gives the same bytes.
+    /// Returns the highlights of the run as the bytes of `highlights.mcap`. The same run produces
+    /// the same bytes.
     ///
-    /// Where the folder lacks the recordings of some episodes, the trial is run again.
+    /// If the folder lacks the recordings of some episodes, the trial is run again.
     ///
     /// # Errors
-    /// When the folder is not that of a finished run, or a recording in it is damaged.
+    /// If the folder does not contain a finished run, or one of its recordings is damaged.
     pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
         Material::of(self)?.build()
     }
 }
 
-/// Builds the highlights of a trial, which is run for that.
+/// Runs a trial and returns its highlights.
 ///
 /// # Errors
-/// When the plan is refused, or a temporary file cannot be written.
+/// If the plan is invalid, or a temporary file cannot be written.
 pub fn highlights(plan: &Plan, mode: RecordMode) -> Result<Vec<u8>, RunError> {
     Material::again(plan, mode)?.build()
 }
 
 impl Source {
-    /// Builds the highlights of the recorded trial, which is run again for that.
+    /// Repeats the recorded trial and returns its highlights.
     ///
     /// # Errors
-    /// When the plan is refused, or a temporary file cannot be written.
+    /// If the plan is invalid, the recording shows an evaluation, or a temporary file cannot be
+    /// written.
     pub fn highlights(&self) -> Result<Vec<u8>, RunError> {
         self.require_training()?;
         highlights(&self.plan, self.mode)
     }
 }
 
-/// Builds the highlights of the recordings in `folder`, all of which are there.
+/// Builds highlights from the complete recordings in `folder`.
 pub(super) fn build(
     folder: &Path,
     plan: &Plan,
@@ -56,7 +58,7 @@ pub(super) fn build(
     Material::in_folder(folder, plan, knowledge)?.build()
 }
 
-/// Refuses vast worlds: highlights draw every cell.
+/// Rejects very large worlds, because highlights draw every cell.
 fn require_few_cells(plan: &Plan) -> Result<(), RunError> {
     match plan.maze.is_vast() {
         true => Err(RunError::NoHighlights {
@@ -66,20 +68,20 @@ fn require_few_cells(plan: &Plan) -> Result<(), RunError> {
     }
 }
 
-/// What a highlights recording is made of.
+/// The sources of a highlights recording.
 pub(super) struct Material {
     plan: Plan,
-    /// With beams, or without.
+    /// [`RecordMode::Beams`] if the run recorded beams; otherwise [`RecordMode::All`].
     mode: RecordMode,
     folder: PathBuf,
     segments: Vec<Segment>,
     drive: Recording,
-    /// What goes away with this: the folder of a trial that was run again.
-    _aside: Option<TempDir>,
+    /// The temporary folder of a repeated trial, which is deleted with this value.
+    _temporary: Option<TempDir>,
 }
 
 impl Material {
-    /// That of a finished run.
+    /// Collects the sources from a finished run.
     pub fn of(folder: &RunFolder) -> Result<Self, RunError> {
         let plan = folder.plan()?;
         require_few_cells(&plan)?;
@@ -90,20 +92,20 @@ impl Material {
         }
     }
 
-    /// That of a trial, which is run for that, and shows beams if it did so before.
+    /// Runs the trial again, with beams if they were recorded before.
     pub fn again(plan: &Plan, mode: RecordMode) -> Result<Self, RunError> {
         require_few_cells(plan)?;
         let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
         let mut trial = Trial::new(plan.clone())?;
         let (maze, info) = (&trial.plan().maze, run_info(trial.plan()));
         let mut recorder = Recorder::create(folder.path(), maze, info, mode_for_highlights(mode))?;
-        // A break comes from the recorder, whose error `finish` gives out.
+        // The recorder breaks on errors, which `finish` returns.
         let _ = trial.run(&mut recorder);
         recorder.finish(trial.method())?;
         let knowledge = trial.method().knowledge();
         let material = Self::in_folder(folder.path(), trial.plan(), &knowledge)?;
         Ok(Self {
-            _aside: Some(folder),
+            _temporary: Some(folder),
             ..material
         })
     }
@@ -111,22 +113,22 @@ impl Material {
     fn in_folder(folder: &Path, plan: &Plan, knowledge: &Knowledge) -> Result<Self, RunError> {
         let plan = plan.clone().settled();
         let run = Recording::open(&folder.join(RecordingKind::Run.file_name()))?;
-        let aside = tempfile::tempdir().map_err(RunError::Temporary)?;
-        // The drive always shows its beams: they take little, and show what the robot senses.
+        let temporary = tempfile::tempdir().map_err(RunError::Temporary)?;
+        // The drive always includes beams: they take little space, and show the sensor readings.
         let mode = (RecordMode::Beams, &(|| false) as &dyn Fn() -> bool);
-        record_drives(&plan, knowledge, 1, aside.path(), mode)?;
-        let drive = Recording::open(&aside.path().join(RecordingKind::Episode(1).file_name()))?;
+        record_drives(&plan, knowledge, 1, temporary.path(), mode)?;
+        let drive = Recording::open(&temporary.path().join(RecordingKind::Episode(1).file_name()))?;
         Ok(Self {
             plan,
             mode: mode_for_highlights(recorded_mode(&run, "run")?),
             folder: folder.to_owned(),
             segments: segments(&run)?,
             drive,
-            _aside: None,
+            _temporary: None,
         })
     }
 
-    /// Who tells it.
+    /// Creates the builder of the highlights.
     pub fn builder(&self) -> Result<HighlightsBuilder<'_>, RunError> {
         let (info, senses) = (run_info(&self.plan), self.plan.config.senses());
         let curve = self.whole_curve()?;
@@ -136,13 +138,13 @@ impl Material {
         )?)
     }
 
-    /// How many segments there are before the drive.
+    /// Returns the number of segments before the drive.
     pub fn segments(&self) -> usize {
         self.segments.len()
     }
 
-    /// Tells segment `number`, from 0; nothing beyond the last one.
-    pub fn tell_chapter(
+    /// Adds segment `number`, from 0; nothing beyond the last one.
+    pub fn add_segment(
         &self,
         number: usize,
         builder: &mut HighlightsBuilder<'_>,
@@ -153,12 +155,12 @@ impl Material {
         }
     }
 
-    /// Tells what was learned.
+    /// Adds the drive of the learned policy.
     pub fn add_drive(&self, builder: &mut HighlightsBuilder<'_>) -> Result<(), RunError> {
         Ok(builder.drive(self.plan.config.episodes, &self.drive)?)
     }
 
-    /// The learning curve of all episodes, as `/curve` has it.
+    /// Returns the learning curve of all episodes, as a message of `/curve`.
     fn whole_curve(&self) -> Result<Vec<u8>, RunError> {
         let mut last = Vec::new();
         for message in self.episode(self.plan.config.episodes)?.messages() {
@@ -178,7 +180,7 @@ impl Material {
     fn build(&self) -> Result<Vec<u8>, RunError> {
         let mut builder = self.builder()?;
         for number in 0..self.segments() {
-            self.tell_chapter(number, &mut builder)?;
+            self.add_segment(number, &mut builder)?;
         }
         self.add_drive(&mut builder)?;
         Ok(builder.finish()?)
@@ -186,8 +188,8 @@ impl Material {
 }
 
 fn has_every_episode(folder: &Path, episodes: u32) -> bool {
-    let mut extents = (1..=episodes)
+    let mut kinds = (1..=episodes)
         .map(RecordingKind::Episode)
         .chain([RecordingKind::Run]);
-    extents.all(|extent| folder.join(extent.file_name()).is_file())
+    kinds.all(|kind| folder.join(kind.file_name()).is_file())
 }

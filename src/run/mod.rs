@@ -1,8 +1,8 @@
 //! A recorded, resumable run in a folder.
 //!
-//! [`Session`] trains and records into a [`RunFolder`], and resumes what was stopped; [`Source`]
-//! tells what run a recording comes from, and [`Again`] makes that run again to compare the bytes.
-//! [`RunFolder::highlights`] shows its turning points in less than two minutes.
+//! [`Session`] trains, records into a [`RunFolder`], and resumes stopped runs. [`Source`]
+//! identifies the run of a recording, and [`Again`] repeats the run to compare the bytes.
+//! [`RunFolder::highlights`] shows the turning points in less than two minutes.
 //!
 //! # Example
 //! ```
@@ -29,7 +29,7 @@ mod comparison;
 mod highlights;
 mod untouched;
 mod verify;
-mod way_on;
+mod resume_hint;
 
 pub use error::{RunError, RunFolderError};
 pub use evaluation::{clear_evaluation, record_evaluation};

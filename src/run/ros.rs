@@ -1,4 +1,4 @@
-//! A recording for ROS 2, made by running again what it shows.
+//! Recordings for ROS 2, made by repeating the recorded run.
 
 use super::error::RunError;
 use super::evaluation::evaluation_plan;
@@ -10,21 +10,22 @@ use crate::record::{RecordingKind, RosBag, RosRobot};
 use crate::trial::{Evaluation, Plan, Trial};
 
 impl RunFolder {
-    /// The run as an MCAP file for ROS 2, with the topics of `docs/src/recordings.md`.
-    /// The same run gives the same bytes.
+    /// Returns the run as an MCAP file for ROS 2, with the topics of `docs/src/reference/recordings.md`. The
+    /// same run produces the same bytes.
     ///
     /// # Errors
-    /// When the run cannot be read or run again.
+    /// If the run cannot be read or repeated.
     pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
         bag(&self.plan()?, None, None)
     }
 }
 
 impl Source {
-    /// What the recording shows, in the same form.
+    /// Returns the recorded episodes as an MCAP file for ROS 2.
     ///
     /// # Errors
-    /// When it cannot be run again, or is a highlights recording, which shows parts of many episodes.
+    /// If they cannot be repeated, or the recording shows highlights, which have parts of many
+    /// episodes.
     pub fn ros_bag(&self) -> Result<Vec<u8>, RunError> {
         let only = match self.extent {
             RecordingKind::Episode(episode) => Some(episode),
@@ -42,7 +43,7 @@ impl Source {
     }
 }
 
-/// The robot of a plan.
+/// Returns the robot of a plan.
 fn robot(plan: &Plan) -> RosRobot {
     let physics = &plan.config.settings.physics;
     let has_wheels = plan.config.arena == ArenaKind::Physics;
@@ -53,10 +54,10 @@ fn robot(plan: &Plan) -> RosRobot {
     }
 }
 
-/// Drives again, and writes one episode or all.
+/// Repeats the run, and writes one episode or all.
 fn bag(plan: &Plan, evaluated: Option<&Knowledge>, only: Option<u32>) -> Result<Vec<u8>, RunError> {
     let mut bag = RosBag::new(only, robot(plan))?;
-    // A break comes from the bag, whose fault `finish` gives out.
+    // The bag breaks on errors, which `finish` returns.
     match evaluated {
         Some(knowledge) => {
             let episodes = plan.config.episodes;

@@ -1,4 +1,4 @@
-//! A run under way: it loses at most a moment of work, however it is stopped.
+//! A run in progress, with checkpoints so that stopping it in any way loses little work.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -17,12 +17,12 @@ use crate::record::reader::Recording;
 use crate::record::{RecordMode, RecordSummary, Recorder, RecorderMemory, Tap};
 use crate::trial::{Checkpoint, Trial};
 
-/// Checkpoints may cost one part in so many of the time ...
+/// Checkpoints take at most 1/`SHARE` of the run time.
 const SHARE: u32 = 50;
-/// ... and are at most so far apart.
-const RAREST: Duration = Duration::from_secs(60);
+/// The maximum time between checkpoints.
+const MAX_INTERVAL: Duration = Duration::from_secs(60);
 
-/// What a checkpoint holds.
+/// The contents of a checkpoint.
 #[derive(Serialize, Deserialize)]
 struct State {
     trial: Checkpoint,
@@ -30,44 +30,45 @@ struct State {
     steps: Vec<u32>,
 }
 
-/// A recorded run under way, in a folder that nobody else works in.
+/// A recorded run in progress, in a locked folder.
 pub struct Session {
     folder: RunFolder,
     trial: Trial,
     recorder: Recorder,
-    /// Steps of each episode so far.
+    /// The number of steps of each episode so far.
     steps: Vec<u32>,
     next_checkpoint: Instant,
 }
 
-/// What became of a run that was to be resumed.
+/// The result of resuming a run.
 pub enum Resumed {
-    /// It goes on where it was.
+    /// The run continues from its checkpoint.
     Unfinished(Box<Session>),
-    /// There is nothing left to do.
+    /// The run is already finished.
     Finished(RunFolder),
 }
 
-/// A run that is done.
+/// A finished run.
 pub struct Finished {
-    /// The trial, with what was learned.
+    /// The trial with its learned knowledge.
     pub trial: Trial,
-    /// Its folder.
+    /// The run's folder.
     pub folder: RunFolder,
-    /// What was recorded.
+    /// The recorded files.
     pub recording: RecordSummary,
-    /// Steps of each episode, also of those before it was resumed.
+    /// The number of steps of each episode, including those before the run was resumed.
     pub steps: Vec<u32>,
 }
 
 impl Session {
-    /// Begins a run in a folder that is empty.
+    /// Begins a run in an empty folder.
     ///
     /// # Errors
-    /// When a file of the run cannot be written.
+    /// If a file of the run cannot be written.
     pub fn begin(folder: RunFolder, trial: Trial, mode: RecordMode) -> Result<Self, RunError> {
         let plan = trial.plan();
-        // First, so that the run can be resumed whenever it is stopped from here on.
+        // Save a checkpoint first, so that the run can be resumed whenever it is stopped from here
+        // on.
         folder.save_checkpoint(&State {
             trial: trial.checkpoint(),
             recorder: RecorderMemory::new(mode),
@@ -81,9 +82,8 @@ impl Session {
     /// Resumes the run in a folder from its last checkpoint.
     ///
     /// # Errors
-    /// When the checkpoint is missing, damaged or contradicts itself, or a recording that it
-    /// counts on is; when the settings or the world were changed by hand, or a file of others
-    /// would be replaced.
+    /// If the checkpoint or a required recording is missing, damaged or inconsistent. If the
+    /// settings or the world were changed by hand. If a foreign file would be replaced.
     pub fn resume(folder: RunFolder) -> Result<Resumed, RunError> {
         let Some(State {
             trial,
@@ -113,22 +113,22 @@ impl Session {
         }
     }
 
-    /// The trial as it is now.
+    /// Returns the trial in its current state.
     pub fn trial(&self) -> &Trial {
         &self.trial
     }
 
-    /// Hands every message that is recorded from now on to `tap`, too.
+    /// Also passes every message recorded from now on to `tap`.
     pub fn tap(&mut self, tap: Tap) {
         self.recorder.tap(tap);
     }
 
-    /// Runs what is left and saves what was learned. `observer` sees every step after it was
-    /// recorded; the run ends with a checkpoint after the first episode at whose end `stop` is
-    /// true.
+    /// Runs the remaining episodes and saves the learned knowledge. `observer` sees every step
+    /// after it was recorded. The run is stopped with a checkpoint after the first episode at whose
+    /// end `stop` returns true.
     ///
     /// # Errors
-    /// [`RunError::Interrupted`] when it was stopped; otherwise when something cannot be written.
+    /// [`RunError::Interrupted`] if the run was stopped; otherwise if a file cannot be written.
     pub fn run(
         mut self,
         observer: &mut dyn Observer,
@@ -174,7 +174,7 @@ impl Session {
             let mut observers = (&mut self.recorder, &mut *observer);
             let (episode, flow) = self.trial.run_episode(&mut observers);
             self.steps.push(episode.steps);
-            // Where the recorder failed, saving returns its error.
+            // If the recorder failed, `save` returns its error.
             if flow == ControlFlow::Break(()) || stop() {
                 self.save()?;
                 return Err(self.interrupted());
@@ -186,7 +186,7 @@ impl Session {
         Ok(())
     }
 
-    /// Makes a checkpoint, and plans the next one by what this one cost.
+    /// Saves a checkpoint. The time until the next one follows from the duration of this one.
     fn save(&mut self) -> Result<(), RunError> {
         let begun = Instant::now();
         let state = State {
@@ -195,7 +195,7 @@ impl Session {
             steps: self.steps.clone(),
         };
         self.folder.save_checkpoint(&state)?;
-        let pause = (begun.elapsed() * SHARE).min(RAREST);
+        let pause = (begun.elapsed() * SHARE).min(MAX_INTERVAL);
         self.next_checkpoint = Instant::now() + pause;
         Ok(())
     }
@@ -209,8 +209,8 @@ impl Session {
     }
 }
 
-/// Saves the highlights of a run whose episodes are all recorded, and the page that plays them. Returns the file of the
-/// highlights, and its bytes.
+/// Saves the highlights of a run with recordings of all episodes, and the page that plays them.
+/// Returns the path and the size in bytes of the highlights.
 fn save_highlights(
     folder: &RunFolder,
     trial: &Trial,

@@ -1,4 +1,4 @@
-//! What run a recording comes from.
+//! The run that a recording comes from.
 
 use std::path::{Path, PathBuf};
 
@@ -9,19 +9,19 @@ use crate::record::{RecordMode, RecordModeError, RecordingKind};
 use crate::trial::{Plan, Trial};
 use crate::world::Maze;
 
-/// Where a recording says that it comes from.
+/// The run of a recording, according to the recording.
 pub struct Source {
     /// The recording.
     pub file: PathBuf,
-    /// How to run it again.
+    /// The plan to repeat the run.
     pub plan: Plan,
-    /// Which episodes were kept.
+    /// The recording mode.
     pub mode: RecordMode,
-    /// How much of the run it shows.
+    /// The kind of the recording.
     pub extent: RecordingKind,
-    /// Of an evaluation: what was learned before.
+    /// The evaluated knowledge, if the recording shows an evaluation.
     pub evaluated: Option<Knowledge>,
-    /// The whole file.
+    /// The bytes of the whole file.
     pub bytes: Vec<u8>,
 }
 
@@ -29,7 +29,7 @@ impl Source {
     /// Reads a recording.
     ///
     /// # Errors
-    /// When the file cannot be read, or does not say where it comes from.
+    /// If the file cannot be read, or does not contain the facts of its run.
     pub fn of(file: &Path) -> Result<Self, RunError> {
         let recording = Recording::open(file)?;
         let metadata = recording.metadata("run");
@@ -58,7 +58,7 @@ impl Source {
     /// Requires the recording of a training.
     ///
     /// # Errors
-    /// When it is that of an evaluation, in which nothing is learned.
+    /// If the recording shows an evaluation, in which nothing is learned.
     pub fn require_training(&self) -> Result<(), RunError> {
         match self.evaluated {
             None => Ok(()),
@@ -70,10 +70,10 @@ impl Source {
         }
     }
 
-    /// Returns what was learned at the end of what the recording shows. A training is repeated up to there.
+    /// Returns the knowledge at the end of the recording. A training is repeated up to there.
     ///
     /// # Errors
-    /// When the plan of the recording cannot be run.
+    /// If the plan of the recording cannot be run.
     pub fn knowledge(&self) -> Result<Knowledge, RunError> {
         if let Some(knowledge) = &self.evaluated {
             return Ok(knowledge.clone());
@@ -90,7 +90,7 @@ impl Source {
     }
 }
 
-/// Which episodes were kept, by a recording's metadata of this name.
+/// Returns the recording mode from a recording's metadata of this name.
 pub(super) fn recorded_mode(recording: &Recording, name: &str) -> Result<RecordMode, RunError> {
     let entry = recording.metadata(name).and_then(|m| m.get("record"));
     let mode = entry.map_or("", String::as_str).parse();
@@ -100,7 +100,7 @@ pub(super) fn recorded_mode(recording: &Recording, name: &str) -> Result<RecordM
     })
 }
 
-/// How the episodes of a highlights recording are recorded: with beams if those of its run are, and all of them.
+/// Returns the mode to record all episodes for highlights: with beams if the run recorded them.
 pub(super) fn mode_for_highlights(mode: RecordMode) -> RecordMode {
     match mode {
         RecordMode::Beams => RecordMode::Beams,
@@ -108,8 +108,8 @@ pub(super) fn mode_for_highlights(mode: RecordMode) -> RecordMode {
     }
 }
 
-/// The plan whose world and settings are attached to a recording, below a name that ends in `/` or
-/// is empty.
+/// Returns the plan whose world and settings are attached to a recording. `below` is a prefix of
+/// the names that is empty or ends with `/`.
 pub(super) fn attached_plan(recording: &Recording, below: &str) -> Result<Plan, RunError> {
     let damaged = |fault: String| RunError::Recording {
         file: recording.path().to_owned(),
@@ -126,7 +126,7 @@ pub(super) fn attached_plan(recording: &Recording, below: &str) -> Result<Plan, 
     Ok(Plan { maze, config })
 }
 
-/// What an evaluation put to the test: attached to its `run.mcap`, which lies beside its episodes.
+/// Returns the evaluated knowledge. It is attached to `run.mcap`, which is next to the episodes.
 fn evaluated(file: &Path, recording: &Recording) -> Result<Knowledge, RunError> {
     const RULES: &str = "rules.json";
     let beside = file.with_file_name(RecordingKind::Run.file_name());

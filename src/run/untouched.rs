@@ -1,4 +1,4 @@
-//! Is the folder of an interrupted run as the run left it?
+//! Checks that the folder of an interrupted run was not changed by hand.
 
 use std::io;
 
@@ -10,12 +10,12 @@ use crate::record;
 use crate::trial::Plan;
 
 impl RunFolder {
-    /// Refuses to resume a run where somebody changed what it works with, or where the run would
-    /// write over a file that it did not write.
+    /// Rejects resuming a run if its settings or world were changed, or if the run would replace a
+    /// file that no run wrote.
     ///
     /// # Errors
-    /// [`RunFolderError::Changed`] for settings or a world that are not those of the checkpoint;
-    /// [`RunFolderError::InTheWay`] for a file of others; an error of the file system.
+    /// [`RunFolderError::Changed`] if the settings or the world differ from the checkpoint.
+    /// [`RunFolderError::InTheWay`] for a foreign file. An error of the file system.
     pub(super) fn check_untouched(&self, plan: &Plan) -> Result<(), RunFolderError> {
         for (name, text) in Self::texts_of(plan) {
             let found = self.bytes_of(name)?;
@@ -29,7 +29,8 @@ impl RunFolder {
         }
     }
 
-    /// Returns the first file that has a name of this run's results and is none.
+    /// Returns the first file that has the name of a result of this run but was not written by a
+    /// run.
     fn foreign_file(&self) -> Result<Option<String>, RunFolderError> {
         let rules = self.bytes_of(Self::RULES)?;
         if rules.is_some_and(|text| serde_json::from_slice::<Knowledge>(&text).is_err()) {

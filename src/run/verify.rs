@@ -1,4 +1,4 @@
-//! Whether a recorded run, made again, gives the same bytes.
+//! Verifies that a repeated run produces the same bytes.
 
 use std::fs;
 use std::io;
@@ -15,21 +15,21 @@ use crate::episode::Observer;
 use crate::record::{self, RecordMode, Recorder, RecordingKind};
 use crate::trial::{Plan, Trial};
 
-/// A recorded run that was made again, into a folder that goes away with this.
+/// A repeated run in a temporary folder, which is deleted with this value.
 pub struct Again {
     plan: Plan,
     mode: RecordMode,
     is_evaluation: bool,
-    /// What it ended with.
+    /// The learned knowledge at the end.
     knowledge: Knowledge,
     folder: TempDir,
 }
 
 impl Again {
-    /// Runs again what a recording comes from, while `observer` watches.
+    /// Repeats the run of a recording, while `observer` watches.
     ///
     /// # Errors
-    /// When its settings or its world are refused, or a file cannot be written.
+    /// If the settings or the world are invalid, or a file cannot be written.
     pub fn new(source: &Source, observer: &mut dyn Observer) -> Result<Self, RunError> {
         let (plan, mode) = (&source.plan, source.mode);
         let folder = tempfile::tempdir().map_err(RunError::Temporary)?;
@@ -46,7 +46,7 @@ impl Again {
         }
         let mut trial = Trial::new(plan.clone())?;
         let mut recorder = Recorder::create(folder.path(), &plan.maze, run_info(plan), mode)?;
-        // A break comes from the recorder, whose error `finish` gives out.
+        // The recorder breaks on errors, which `finish` returns.
         let _ = trial.run(&mut (&mut recorder, observer));
         recorder.finish(trial.method())?;
         Ok(Self {
@@ -58,7 +58,7 @@ impl Again {
         })
     }
 
-    /// Is this the run that another recording comes from?
+    /// Returns true if another recording comes from the same run.
     pub fn serves(&self, source: &Source) -> bool {
         let same_rules = match &source.evaluated {
             Some(knowledge) => self.is_evaluation && *knowledge == self.knowledge,
@@ -67,10 +67,10 @@ impl Again {
         self.mode == source.mode && self.plan == source.plan && same_rules
     }
 
-    /// The first difference between a recording and that of this run, in words.
+    /// Returns the first difference between a recording and that of this run as text.
     ///
     /// # Errors
-    /// When one of the two cannot be read.
+    /// If one of the two cannot be read.
     pub fn difference(&self, source: &Source) -> Result<Option<String>, RunError> {
         let name = source.extent.file_name();
         let folder = self.folder.path();
@@ -81,7 +81,7 @@ impl Again {
                     Ok(bytes) => bytes,
                     Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
                         let episodes = self.plan.config.episodes;
-                        let fault = format!("a new run of {episodes} episodes makes no {name}");
+                        let fault = format!("a new run of {episodes} episodes produces no {name}");
                         return Ok(Some(fault));
                     }
                     Err(cause) => return Err(RunError::Temporary(cause)),

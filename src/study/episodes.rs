@@ -1,7 +1,8 @@
-//! A row for each episode of a study, and learning curves, made by running its trials again.
+//! A table row for each episode of a study, and learning curves, computed by running its trials
+//! again.
 //!
-//! A trial follows from its plan, so nothing about episodes has to be kept while a study runs. The rows are the same for any
-//! number of threads, shards and machines.
+//! A trial is determined by its plan, so a study stores nothing about episodes while it runs. The
+//! rows are the same for any number of threads, shards and machines.
 
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -22,10 +23,10 @@ use super::store::record::trial;
 use crate::episode::{Ending, Episode};
 use crate::trial::Trial;
 
-/// Trials that are run at a time, for each thread: their rows wait in memory until they are written in order.
+/// Trials per thread in one batch. Their rows stay in memory until they are written in order.
 const TRIALS_PER_THREAD: usize = 4;
 
-/// A row of the table of episodes; fields without a value are empty.
+/// A row of the episode table. Fields without a value are empty.
 #[derive(Debug, Serialize)]
 struct EpisodeRow {
     world: String,
@@ -42,11 +43,12 @@ struct EpisodeRow {
     collisions: u32,
     explored: u32,
     reward: f64,
-    /// Did it end at a goal?
+    /// Whether the episode ended at a goal.
     reached: bool,
-    /// Steps of the greedy policy from the start after it; empty if it does not arrive, or episodes start anywhere.
+    /// Steps of the greedy policy from the start after the episode. Empty if the policy does not
+    /// reach a goal, or if episodes start anywhere.
     greedy_steps: Option<usize>,
-    /// Is the greedy policy globally optimal after it?
+    /// Whether the greedy policy is globally optimal after the episode.
     optimal: bool,
 }
 
@@ -76,16 +78,19 @@ impl EpisodeRow {
 }
 
 impl StudyFolder {
-    /// Runs the trials of the study again, and writes a row for each episode into `episodes.csv.gz` in its folder, in the order of
-    /// the trials, and their means into `learning-curves.csv`, which the report draws. A trial that fails has no rows. `stop` is asked between trials.
+    /// Runs the trials of the study again. Writes a row for each episode to `episodes.csv.gz` in
+    /// the study's folder, in the order of the trials. Writes the means to `learning-curves.csv`,
+    /// which the report plots. A failed trial has no rows. `stop` is called between batches of
+    /// trials.
     ///
     /// # Errors
-    /// When there are no threads, the file holds something else, it cannot be written, or `stop` asked for the end.
+    /// When the threads cannot be started, a file has other contents or cannot be written, or
+    /// `stop` returned true.
     pub fn write_episodes(&self, jobs: usize, stop: &dyn Fn() -> bool) -> Result<(), StudyError> {
         self.write_episodes_with(&Agents::default(), jobs, stop)
     }
 
-    /// The same with agents of one's own.
+    /// Like [`Self::write_episodes`], with custom agents.
     pub(super) fn write_episodes_with(
         &self,
         agents: &Agents,
@@ -142,7 +147,7 @@ impl StudyFolder {
     }
 }
 
-/// The rows of a trial; none of one that fails.
+/// Returns the rows of a trial, or none if the trial fails.
 fn rows(protocol: &Protocol, agents: &Agents, number: usize) -> Vec<EpisodeRow> {
     let run = || -> Result<Vec<EpisodeRow>, String> {
         let mut trial = trial(protocol, agents, number)?;

@@ -1,4 +1,4 @@
-//! Why a study cannot be had, run or read.
+//! Errors when loading, running or reading a study.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,97 +7,97 @@ use crate::disk;
 use crate::trial::{PlanError, SettingsError};
 use crate::world::WorldError;
 
-/// Why a study cannot go on.
+/// An error of a study.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// There is no such file.
-    #[error("there is no {}: give a study file, or one of {shipped}", .file.display())]
+    /// The study file does not exist.
+    #[error("unknown study \"{}\": pass a TOML file or one of: {shipped}", .file.display())]
     Missing {
         /// The file.
         file: PathBuf,
-        /// The names of the studies that come with the program.
+        /// The names of the studies that are shipped with the program.
         shipped: String,
     },
-    /// The folder holds no study.
-    #[error("{} holds no study: there is no plan.json in it", .0.display())]
+    /// The folder contains no study.
+    #[error("{} contains no study: it has no plan.json", .0.display())]
     NoStudy(PathBuf),
-    /// The folder holds no study in tasks.
-    #[error("{} holds no planned study: there is no tasks.json in it; make one with `xcscr study plan STUDY --tasks N --out DIR`", .0.display())]
+    /// The folder contains no planned study.
+    #[error("{} contains no planned study: it has no tasks.json; create one with `xcscr study plan STUDY --tasks N --out DIR`", .0.display())]
     NotPlanned(PathBuf),
-    /// Nobody says into how many tasks a study is to be split.
-    #[error("{} is new: say into how many tasks the study is to be split, such as `--tasks 100`", .0.display())]
+    /// The number of tasks is missing for a new planned study.
+    #[error("{} is new: give the number of tasks, such as `--tasks 100`", .0.display())]
     NoTasks(PathBuf),
-    /// The study is split otherwise.
+    /// The study is split into another number of tasks.
     #[error("{} is split into {found} tasks, not {wanted}: leave out `--tasks`, or choose another folder with `--out`", .folder.display())]
     OtherTasks {
         /// The folder.
         folder: PathBuf,
-        /// Into how many tasks.
+        /// The number of tasks in the folder.
         found: usize,
-        /// Into how many it was to be.
+        /// The number of tasks that was requested.
         wanted: usize,
     },
-    /// There is no such task.
-    #[error("{} has no task {task}, only 1 to {count}", .folder.display())]
+    /// The study has no task of this number.
+    #[error("{} has no task {task}: give a number from 1 to {count}", .folder.display())]
     NoTask {
         /// The folder.
         folder: PathBuf,
         /// The task.
         task: usize,
-        /// How many there are.
+        /// The number of tasks.
         count: usize,
     },
     /// Another version of this program made the plan.
-    #[error("{} was planned by xcscr {found}, and this is {}: run it with that one, or plan it again in another folder", .folder.display(), env!("CARGO_PKG_VERSION"))]
+    #[error("{} was planned by xcscr {found}, but this is {}: use that version, or plan the study again in another folder", .folder.display(), env!("CARGO_PKG_VERSION"))]
     OtherVersion {
         /// The folder.
         folder: PathBuf,
-        /// The version.
+        /// The version that made the plan.
         found: String,
     },
-    /// The engine of a cluster does not do what it is asked to.
+    /// A command of the cluster engine failed.
     #[error("{command}: {fault}")]
     Engine {
-        /// What it was asked.
+        /// The command.
         command: String,
-        /// What it says, and the way out.
+        /// The engine's message, and a hint.
         fault: String,
     },
-    /// The study file describes no study.
+    /// Invalid study file.
     #[error("{origin}: {fault}")]
     File {
         /// The file.
         origin: String,
-        /// What is wrong with it.
+        /// The fault.
         fault: String,
     },
-    /// A setting is no good.
+    /// Invalid setting.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// A world is no good.
+    /// Invalid world.
     #[error(transparent)]
     World(#[from] WorldError),
-    /// A number of the study is no good.
+    /// Invalid number in the study.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The folder holds something else than a study of the kind that is to come into it.
-    #[error("{} holds {holds}, and is left as it is: choose another folder with `--out`", .folder.display())]
+    /// The folder contains files that are not a study of the required kind.
+    #[error("{} contains {holds}; refusing to change it: choose another folder with `--out`", .folder.display())]
     Foreign {
         /// The folder.
         folder: PathBuf,
-        /// What is in it.
+        /// What the folder contains.
         holds: &'static str,
     },
-    /// A file is there already, and holds something else than would be written.
-    #[error("{} exists and holds something other than what this study wrote: replace it with `--force`; the trials are kept", .0.display())]
+    /// A file exists, and its contents differ from what would be written.
+    #[error("{} exists and differs from what this study would write: replace it with `--force`; the trials are kept", .0.display())]
     Exists(PathBuf),
-    /// A file that was made from the study was changed by hand.
+    /// A generated file was changed by hand.
     #[error("{} was changed after xcscr wrote it: move it away, then run the same command again", .0.display())]
     Altered(PathBuf),
-    /// The folder holds another study.
+    /// The folder contains another study.
     #[error(
-        "{} holds another study (plan {found}, this one is {wanted}): choose another folder with `--out`, or, with `study run`, replace the study in it with `--force`",
+        "{} contains another study (plan {found}, but this one is {wanted}): choose another folder with `--out`, or replace that study with `study run --force`",
         .folder.display()
     )]
     OtherStudy {
@@ -105,68 +105,68 @@ pub enum StudyError {
         folder: PathBuf,
         /// The plan in the folder.
         found: String,
-        /// The plan that was to be run.
+        /// The requested plan.
         wanted: String,
     },
-    /// Another process works in the folder.
+    /// Another process uses the folder.
     #[error("{} is in use by {holder}: wait for it, or choose another folder with `--out`", .folder.display())]
     Locked {
         /// The folder.
         folder: PathBuf,
-        /// Who works in it.
+        /// The process that uses the folder.
         holder: String,
     },
-    /// Folders of different studies cannot be joined.
-    #[error("{} and {} hold different studies (plans {} and {})", .0.display(), .1.display(), .2, .3)]
+    /// Folders of different studies cannot be merged.
+    #[error("{} and {} contain different studies (plans {} and {})", .0.display(), .1.display(), .2, .3)]
     Mixed(PathBuf, PathBuf, String, String),
-    /// There are different results of one trial.
-    #[error("{} holds another result of trial {trial} than {before}: same plan, different program or machine?", .place.display())]
+    /// A trial has two different results.
+    #[error("{} contains another result of trial {trial} than {before}: the plan is the same, so the program or the machine may differ", .place.display())]
     Contradiction {
         /// The folder or file with the second result.
         place: PathBuf,
         /// The trial.
         trial: usize,
-        /// Where the first one is.
+        /// Where the first result is.
         before: &'static str,
     },
     /// Trials are missing.
     #[error("{missing} of {total} trials are missing; `xcscr study status` lists them")]
     Incomplete {
-        /// How many are missing.
+        /// The number of missing trials.
         missing: usize,
-        /// How many there are.
+        /// The number of trials.
         total: usize,
     },
-    /// A file of the study holds something else.
+    /// A file of the study is damaged.
     #[error("{} is damaged: {fault}", .path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         fault: String,
     },
-    /// A folder or file cannot be made.
+    /// A folder or file cannot be created.
     #[error("cannot create {}: {cause}{}", .path.display(), disk::way_out_or(.cause, "; choose another folder with `--out`, or free this one"))]
     Create {
         /// The folder or file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         cause: io::Error,
     },
     /// A file cannot be read or written.
-    #[error("{}: {cause}{}", .path.display(), way_out(.cause))]
+    #[error("{}: {cause}{}", .path.display(), hint(.cause))]
     Io {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         cause: io::Error,
     },
-    /// A picture cannot be drawn.
+    /// A figure cannot be drawn.
     #[error("cannot draw {name}: {fault}")]
     Figure {
         /// The figure.
         name: String,
-        /// Why.
+        /// The cause.
         fault: String,
     },
     /// The threads cannot be started.
@@ -174,17 +174,17 @@ pub enum StudyError {
         "cannot start {jobs} jobs: {fault}; allow more memory and processes, or fewer `--jobs`"
     )]
     Jobs {
-        /// How many.
+        /// The number of threads.
         jobs: usize,
-        /// Why.
+        /// The cause.
         fault: String,
     },
 }
 
-/// What helps when a file cannot be written.
-fn way_out(cause: &io::Error) -> String {
+/// Returns a hint for a file that cannot be written.
+fn hint(cause: &io::Error) -> String {
     let again = match disk::is_full(cause) {
-        true => ", and give the same command again: finished trials are kept",
+        true => ", then run the same command again: finished trials are kept",
         false => "",
     };
     format!("{}{again}", disk::way_out(cause))

@@ -1,4 +1,4 @@
-//! Studies: from many trials to an answer.
+//! Studies: trials, their statistics and their reports.
 
 mod analysis;
 mod cluster;

@@ -1,4 +1,4 @@
-//! Studies with agents of one's own beside the built-in methods.
+//! Studies that compare custom agents with the built-in methods.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,24 +15,24 @@ use crate::trial::Plan;
 /// Builds the agent of a trial from the trial's plan.
 type Build = dyn Fn(&Plan) -> Box<dyn Agent> + Send + Sync;
 
-/// Agents that a program brings with it, by their names.
+/// Custom agents of a program, by name.
 #[derive(Default)]
 pub struct Agents(BTreeMap<String, Box<Build>>);
 
 impl Agents {
-    /// A new agent of this name for a trial.
+    /// Builds the agent of this name for a trial.
     ///
     /// # Errors
-    /// When this program has none of this name.
+    /// When this program has no agent of this name.
     pub fn build(&self, name: &str, plan: &Plan) -> Result<Box<dyn Agent>, String> {
         let build = self.0.get(name).ok_or_else(|| missing(name))?;
         Ok(build(plan))
     }
 
-    /// Requires the agents of a study.
+    /// Checks that this program has all agents of a study.
     ///
     /// # Errors
-    /// [`StudyError::File`] when this program lacks one.
+    /// [`StudyError::File`] when an agent is missing.
     pub fn require_for(&self, protocol: &Protocol) -> Result<(), StudyError> {
         let mut named = protocol.arms.iter().filter_map(|arm| arm.agent.as_ref());
         let lacking = named.find(|name| !self.0.contains_key(*name));
@@ -56,7 +56,7 @@ impl fmt::Debug for Agents {
     }
 }
 
-/// A study that can be run: a protocol, and agents of one's own beside the built-in methods.
+/// A study that can be run: a protocol, and custom agents in addition to the built-in methods.
 #[derive(Debug)]
 pub struct Study {
     protocol: Protocol,
@@ -64,20 +64,22 @@ pub struct Study {
 }
 
 impl Study {
-    /// A study of built-in methods.
+    /// Creates a study of built-in methods.
     pub fn new(protocol: Protocol) -> Self {
         let agents = Agents::default();
         Self { protocol, agents }
     }
 
-    /// The same with an agent of one's own, in the worlds, arenas, sensors and variants of the built-in methods, and with the
-    /// same seeds. `build` makes the agent of a trial from its plan, which has the world, the settings and the seed.
+    /// Adds a custom agent in the worlds, arenas, sensors and variants of the built-in methods,
+    /// with the same seeds. `build` creates the agent of a trial from its plan, which has the
+    /// world, the settings and the seed.
     ///
-    /// The agent appears under its name in reports, tests, tables and figures. They can be made by any program, but trials
-    /// run only in one that has the agent.
+    /// The agent appears under its name in reports, tests, tables and figures. Any program can
+    /// write these, but only a program that has the agent can run its trials.
     ///
     /// # Errors
-    /// [`StudyError::File`] when the name is not one of small letters, digits and hyphens, or is taken.
+    /// [`StudyError::File`] when the name is taken, or has other characters than lower-case
+    /// letters, digits and hyphens.
     pub fn with_agent(
         mut self,
         name: &str,
@@ -88,16 +90,16 @@ impl Study {
         Ok(self)
     }
 
-    /// What is going to be done.
+    /// Returns the protocol.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
     }
 
-    /// Runs what is missing of one shard of the study in the folder `out`, on `jobs` threads (all cores when 0). The results
-    /// do not depend on `jobs`.
+    /// Runs the missing trials of one shard of the study in the folder `out`, on `jobs` threads
+    /// (all cores when 0). The results do not depend on `jobs`.
     ///
     /// # Errors
-    /// When the folder holds another study, is in use, or cannot be written.
+    /// When the folder contains another study, is in use, or cannot be written.
     pub fn run(
         &self,
         out: &Path,
@@ -113,10 +115,11 @@ impl Study {
         open.close()
     }
 
-    /// Writes a row for each episode into `episodes.csv.gz` in the folder of the study: see [`StudyFolder::write_episodes`].
+    /// Writes a row for each episode to `episodes.csv.gz` in the study's folder: see
+    /// [`StudyFolder::write_episodes`].
     ///
     /// # Errors
-    /// As there.
+    /// The same as for [`StudyFolder::write_episodes`].
     pub fn write_episodes(
         &self,
         folder: &StudyFolder,

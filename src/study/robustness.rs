@@ -1,4 +1,4 @@
-//! How a learned policy does under conditions that it was not trained for.
+//! Evaluation of a learned policy under conditions that it was not trained for.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use crate::arena::{ArenaKind, View};
 use crate::episode::{Observer, Step};
 use crate::trial::{Config, Evaluation, Plan, PlanError};
 
-/// One change to the settings of a run. Everything else stays as the run has it.
+/// A change to the settings of a run. All other settings stay the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Condition {
     /// No change.
@@ -19,15 +19,15 @@ pub enum Condition {
     Noise(u8),
     /// `arena.slip`: the probability that another action is carried out.
     Slip(f64),
-    /// `sensor.flip_probability`: the probability that a bit of the percept is wrong.
+    /// `sensor.flip_probability`: the probability that a bit of the percept is flipped.
     Flips(f64),
-    /// The friction of the whole floor, in tenths. The robot is not told.
+    /// The friction of the whole floor, in tenths. The robot does not know it.
     FloorFriction(u8),
     /// `physics.faults.dead_sector_deg`: the width of the sector ahead without lidar returns.
     DeadSector(f64),
-    /// `physics.faults.stuck_encoder`: the encoder of the left wheel stands still.
+    /// `physics.faults.stuck_encoder`: the encoder of the left wheel does not count.
     StuckEncoder,
-    /// `physics.faults.gyro_drift_radps2`: how fast the bias of the gyro grows.
+    /// `physics.faults.gyro_drift_radps2`: the drift rate of the gyro's bias.
     GyroDrift(f64),
     /// `physics.faults.dead_bumper`: the front bumper never closes.
     DeadBumper,
@@ -55,7 +55,7 @@ impl Condition {
         Self::DeadBumper,
     ];
 
-    /// The reason why the condition cannot apply to a run; `None` when it can.
+    /// Returns the reason why the condition does not apply to a run, or `None` if it does.
     fn obstacle(self, config: &Config) -> Option<&'static str> {
         let physics = &config.settings.physics;
         let is_on_grid = config.arena == ArenaKind::Grid;
@@ -63,14 +63,14 @@ impl Condition {
             Self::Unchanged | Self::Slip(_) | Self::Flips(_) => None,
             _ if is_on_grid => Some("the grid has no wheels, floor or sensors"),
             Self::Noise(_) | Self::FloorFriction(_) => None,
-            _ if !config.senses() => Some("the robot is told its pose"),
+            _ if !config.senses() => Some("the robot has access to its true pose"),
             Self::DeadSector(_) if !physics.lidar.fitted => Some("the robot has no lidar"),
             Self::GyroDrift(_) if !physics.gyro.fitted => Some("the robot has no gyro"),
             _ => None,
         }
     }
 
-    /// Returns the plan under this condition. Faults are there from the first episode on.
+    /// Returns the plan under this condition. Faults are active from the first episode.
     fn apply(self, mut plan: Plan) -> Plan {
         let settings = &mut plan.config.settings;
         let faults = &mut settings.physics.faults;
@@ -128,27 +128,27 @@ impl Serialize for Condition {
 pub struct ConditionResult {
     /// The condition.
     pub condition: Condition,
-    /// Episodes run.
+    /// Number of episodes.
     pub episodes: u32,
-    /// Episodes that reached a goal.
+    /// Number of episodes that reached a goal.
     pub successes: u32,
-    /// The share of them, with Wilson's 95 % interval.
+    /// The share of successes, with Wilson's 95 % interval.
     pub success: Interval,
-    /// Mean steps of an episode.
+    /// Mean number of steps per episode.
     pub mean_steps: f64,
-    /// Mean collisions of an episode.
+    /// Mean number of collisions per episode.
     pub collisions_per_episode: f64,
-    /// Episodes in which the robot was mislocalised after at least one step: its estimate lay in
-    /// another cell than the robot. `None` of a robot that does not estimate its pose.
+    /// Episodes in which the robot was mislocalised after at least one step: the estimated pose was
+    /// in another cell than the true pose. `None` for a robot that does not estimate its pose.
     pub mislocalised_episodes: Option<u32>,
 }
 
-/// A condition that cannot apply to a run.
+/// A condition that does not apply to a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
     /// The condition.
     pub condition: Condition,
-    /// Why it cannot apply.
+    /// The reason.
     pub reason: &'static str,
 }
 
@@ -159,21 +159,21 @@ pub struct Robustness {
     pub world: String,
     /// The arena's name.
     pub arena: &'static str,
-    /// The root seed of starts and noise; the same for each condition.
+    /// The root seed of starts and noise, the same for each condition.
     pub seed: u64,
     /// The conditions that apply.
     pub conditions: Vec<ConditionResult>,
-    /// The conditions that do not.
+    /// The conditions that do not apply.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Robustness {
-    /// Runs `episodes` episodes of the greedy policy under each condition that can apply.
+    /// Runs `episodes` episodes of the greedy policy under each condition that applies.
     ///
     /// # Errors
-    /// When the plan cannot be run, or the knowledge does not fit it.
+    /// When the plan cannot be run, or the knowledge does not fit the plan.
     pub fn run(plan: &Plan, knowledge: &Knowledge, episodes: u32) -> Result<Self, PlanError> {
-        // The limit of steps must not differ between conditions.
+        // The step limit must not differ between conditions.
         let plan = plan.clone().settled();
         let mut found = Self {
             world: plan.maze.name().to_owned(),

@@ -16,14 +16,14 @@ use super::store::TrialRecord;
 use super::store::folder::{OpenFolder, StudyFolder};
 use super::store::journal::Journal;
 
-/// Hears how a study goes on.
+/// Receives the progress of a study.
 pub trait StudyWatcher {
-    /// So many trials are about to be run.
+    /// Called before `trials` trials are run.
     fn begins(&mut self, trials: usize) {
         let _ = trials;
     }
 
-    /// A trial was finished and kept. `Break` ends the study after the trials that are running.
+    /// Called when a trial is finished and stored. `Break` ends the study after the running trials.
     fn finished(&mut self, record: &TrialRecord) -> ControlFlow<()> {
         let _ = record;
         ControlFlow::Continue(())
@@ -33,33 +33,33 @@ pub trait StudyWatcher {
 impl StudyWatcher for () {}
 
 impl StudyFolder {
-    /// Joins folders of one study, which must be complete together, into the folder `out`.
+    /// Merges folders of one study, which must be complete together, into the folder `out`.
     ///
     /// # Errors
     /// [`StudyError::Mixed`], [`StudyError::Incomplete`], or an error of a folder.
     pub fn merge(folders: &[PathBuf], out: &Path) -> Result<Self, StudyError> {
-        put_together(&Self::join(folders)?, out)
+        write_merged(&Self::join(folders)?, out)
     }
 }
 
-/// Puts a study that is complete into the folder `out`.
-pub(super) fn put_together(joined: &StudyFolder, out: &Path) -> Result<StudyFolder, StudyError> {
+/// Writes a complete study to the folder `out`.
+pub(super) fn write_merged(joined: &StudyFolder, out: &Path) -> Result<StudyFolder, StudyError> {
     joined.require_complete()?;
     let mut open = OpenFolder::open(out, joined.protocol())?;
     open.add_all(joined)?;
     open.close()
 }
 
-/// What keeps finished trials.
-pub(super) trait Keep {
-    /// Writes them: a process that is killed loses them no more.
+/// A store for finished trials.
+pub(super) trait RecordStore {
+    /// Writes records so that they survive when the process is killed.
     fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError>;
 
-    /// Brings what was written to the disk: a machine that dies loses it no more.
+    /// Flushes the written records to the disk, so that they survive a crash of the machine.
     fn sync(&mut self) -> Result<(), StudyError>;
 }
 
-impl Keep for OpenFolder {
+impl RecordStore for OpenFolder {
     fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError> {
         self.write(records)
     }
@@ -69,7 +69,7 @@ impl Keep for OpenFolder {
     }
 }
 
-impl Keep for Journal {
+impl RecordStore for Journal {
     fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError> {
         self.write(records)
     }
@@ -79,16 +79,16 @@ impl Keep for Journal {
     }
 }
 
-/// A finished trial, and who waits until it is written.
+/// A finished trial, and the channel of the thread that waits until the trial is written.
 type Finished = (TrialRecord, SyncSender<()>);
 
-/// Runs trials on `jobs` threads (all cores when 0). A thread begins its next trial when the one
-/// before is written, so that whoever kills the process costs each of them one trial at most.
+/// Runs trials on `jobs` threads (all cores when 0). A thread begins its next trial when its last
+/// one is written, so a killed process loses at most one trial per thread.
 pub(super) fn run_trials(
     study: (&Protocol, &Agents),
     trials: &[usize],
     jobs: usize,
-    keep: &mut dyn Keep,
+    store: &mut dyn RecordStore,
     watcher: &mut dyn StudyWatcher,
 ) -> Result<(), StudyError> {
     let fault = |fault: String| StudyError::Jobs { jobs, fault };
@@ -101,49 +101,49 @@ pub(super) fn run_trials(
         let run = || pool.install(|| run_each(study, trials, sender, &stop));
         let spawned = thread::Builder::new().spawn_scoped(scope, run);
         spawned.map_err(|cause| fault(cause.to_string()))?;
-        let kept = keep_all(receiver, keep, watcher, &stop);
+        let stored = store_all(receiver, store, watcher, &stop);
         stop.store(true, Ordering::Relaxed);
-        kept
+        stored
     })
 }
 
-/// Runs trials on the threads of the pool that this is called in, until they are told to stop.
+/// Runs trials on the threads of the current pool until `stop` is set.
 fn run_each(
     (protocol, agents): (&Protocol, &Agents),
     trials: &[usize],
     sender: Sender<Finished>,
     stop: &AtomicBool,
 ) {
-    // One at a time: trials take long, and the last ones should not wait in line.
+    // One at a time: trials take long, and the last ones should not queue behind each other.
     let trials = trials.par_iter().with_max_len(1);
     trials.for_each_with(sender, |sender, &trial| {
         if !stop.load(Ordering::Relaxed) {
-            let (kept, wait) = sync_channel(0);
-            // Nobody listens or answers any more only after an error, which stops us too.
-            let _ = sender.send((TrialRecord::of(protocol, agents, trial), kept));
+            let (stored, wait) = sync_channel(0);
+            // The channels are closed only after an error, which also sets `stop`.
+            let _ = sender.send((TrialRecord::of(protocol, agents, trial), stored));
             let _ = wait.recv();
         }
     });
 }
 
-/// Keeps records as they come, all that wait at once, until there are no more.
-fn keep_all(
+/// Writes records as they arrive, all waiting records at once, until the channel is closed.
+fn store_all(
     receiver: Receiver<Finished>,
-    keep: &mut dyn Keep,
+    store: &mut dyn RecordStore,
     watcher: &mut dyn StudyWatcher,
     stop: &AtomicBool,
 ) -> Result<(), StudyError> {
     while let Ok(first) = receiver.recv() {
         let finished = std::iter::once(first).chain(receiver.try_iter());
         let (records, waiting): (Vec<TrialRecord>, Vec<_>) = finished.unzip();
-        keep.write(&records)?;
+        store.write(&records)?;
         for record in &records {
             if watcher.finished(record).is_break() {
                 stop.store(true, Ordering::Relaxed);
             }
         }
         drop(waiting);
-        keep.sync()?;
+        store.sync()?;
     }
     Ok(())
 }

@@ -357,7 +357,7 @@ fn export_writes_a_file_once_says_where_it_comes_from_and_prints_data() {
     );
     let (csv, _) = ended(&export("csv", &[]), 0, "csv");
     assert!(
-        csv.starts_with("condition,action,weight,values,if,go\n"),
+        csv.starts_with("condition,action,weight,value,if,go\n"),
         "{csv}"
     );
     let (json, _) = ended(&export("json", &[]), 0, "json");

@@ -33,7 +33,7 @@ fn greedy(trial: &Trial) -> f64 {
 }
 
 #[test]
-fn a_robot_that_only_senses_is_optimal_once_it_has_a_chart() {
+fn a_robot_that_only_senses_is_optimal_once_it_has_a_map() {
     for world in ["maze4", "maze5", "maze6"] {
         let trial = finished(world, Method::XcscrPlus, ArenaKind::Physics, 4, 0.0);
         assert!(trial.progress().optimal, "{world}: {:?}", trial.progress());

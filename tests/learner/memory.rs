@@ -147,7 +147,7 @@ fn rules_look_at_the_percept_alone_where_that_is_enough_and_at_the_place_where_i
 }
 
 #[test]
-fn where_moves_slip_the_charts_are_drawn_all_the_same() {
+fn where_moves_slip_the_maps_are_drawn_all_the_same() {
     let trial = finished("woods101", Method::XcscrPlus, 60, 0.21875);
     let steps = greedy(&trial);
     // The estimate of the belief bound is 4.06, the mean of 500 episodes good to some 0.25 steps.

@@ -34,7 +34,7 @@ fn a_trial_with_flipping_bits_goes_on_from_a_checkpoint_as_if_it_had_never_stopp
 }
 
 #[test]
-fn a_memory_tells_two_goals_apart_where_cells_are_misread() {
+fn a_memory_tells_two_goals_apart_where_observations_have_errors() {
     let ratio = |cell_maps| {
         let mut settings = Settings::default();
         settings.reward.step_threshold = 100;
@@ -55,7 +55,7 @@ fn a_memory_tells_two_goals_apart_where_cells_are_misread() {
 }
 
 #[test]
-fn a_memory_does_not_hold_moves_that_never_slip_for_slipping_where_cells_are_misread() {
+fn a_memory_does_not_hold_moves_that_never_slip_for_slipping_where_observations_have_errors() {
     let slip = |world: &str, slip| {
         let mut settings = Settings::default();
         settings.reward.step_threshold = 100;
@@ -100,7 +100,7 @@ fn learned_in_mazef4(bumps: bool, flips: f64) -> (u64, f64) {
 }
 
 #[test]
-fn a_memory_that_feels_no_bumps_needs_more_steps_to_learn_only_where_cells_are_misread() {
+fn a_memory_that_feels_no_bumps_needs_more_steps_to_learn_only_where_observations_have_errors() {
     let [felt, unfelt] = [true, false].map(|bumps| learned_in_mazef4(bumps, 0.0));
     assert_eq!(unfelt, felt, "control: steps, and times the bound");
     let [felt, unfelt] = [true, false].map(|bumps| learned_in_mazef4(bumps, 0.02));
@@ -129,7 +129,7 @@ fn rules_and_checkpoints_tell_that_bumps_are_not_felt() {
 }
 
 #[test]
-fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
+fn a_memory_tells_an_observation_error_from_what_is_new_and_one_without_does_not() {
     for world in ["classic/mazef4", "classic/maze7"] {
         let steps = |method| {
             let trial = finished(trial(world, method, 60, 0.02));
@@ -161,7 +161,7 @@ fn a_memory_tells_what_was_misread_from_what_is_new_and_one_without_does_not() {
 }
 
 #[test]
-fn as_many_percepts_are_misread_as_bits_that_flip_foretell() {
+fn as_many_percepts_have_errors_as_flipped_bits_predict() {
     let progress = finished(trial("maze5", Method::QLearning, 200, 0.01));
     let (observation_error, steps) = (
         progress.progress().mistakes.observation_error,

@@ -118,7 +118,7 @@ fn what_the_mechanisms_contribute_is_in_the_results() {
     let pages = pages();
     for told in [
         format!("short-term filter add {added} points each"),
-        format!("is still values {last} points in Maze5 and Maze6"),
+        format!("is still worth {last} points in Maze5 and Maze6"),
     ] {
         assert!(pages.contains(&told), "the pages lack {told}");
     }

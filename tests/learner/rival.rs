@@ -106,7 +106,7 @@ fn it_needs_to_perceive_the_eight_cells_around_and_is_then_not_misled_where_cell
 }
 
 #[test]
-fn a_plan_that_is_not_one_for_its_charts_is_refused() {
+fn a_plan_that_is_not_one_for_its_maps_is_refused() {
     let trial = plan("woods101", Method::RMax, true).episodes(20).run();
     let sound = as_json(&trial.unwrap());
     let read = |json: &Value| serde_json::from_value::<Knowledge>(json.clone());
@@ -114,12 +114,12 @@ fn a_plan_that_is_not_one_for_its_charts_is_refused() {
     let seen = forged["planned"]["planner"]["seen"].as_array_mut().unwrap();
     seen.pop();
     let error = read(&forged).unwrap_err().to_string();
-    assert!(error.contains("not one for its cell_maps"), "{error}");
+    assert!(error.contains("does not fit its map"), "{error}");
     assert!(read(&sound).is_ok(), "control");
 }
 
 #[test]
-fn where_cells_are_misread_it_plans_on_in_each_step_and_resumes_to_the_same_bytes() {
+fn where_observations_have_errors_it_plans_on_in_each_step_and_resumes_to_the_same_bytes() {
     let mut plan = plan("woods101", Method::RMax, true).episodes(30);
     plan.config.settings.sensor.flip_probability = 0.02;
     let mut whole = Trial::new(plan).unwrap();

@@ -355,7 +355,7 @@ fn diff_shows_the_rules_that_only_one_has_and_where_they_part() {
     let desk = Desk::new("xcscr-plus");
     let same = desk.fine(&["rules", "run", "--diff", "run"]);
     assert!(
-        same.contains("They go the same way in every cell."),
+        same.contains("The best actions are the same in every cell."),
         "{same}"
     );
     assert!(!same.contains("Only in"), "{same}");

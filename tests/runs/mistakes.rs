@@ -9,7 +9,7 @@ const MISTAKES: [(&[&str], i32, &str); 9] = [
     (
         &["evaluate", "worlds/maze4.json"],
         65,
-        "worlds/maze4.json is a world, not what was learned: train in it with `xcscr train worlds/maze4.json`",
+        "worlds/maze4.json is a world, not a learned policy: train in it with `xcscr train worlds/maze4.json`",
     ),
     (
         &["train", "assets/results/flips.toml"],
@@ -41,7 +41,7 @@ const MISTAKES: [(&[&str], i32, &str); 9] = [
     (
         &["rules", "worlds/maze4.json"],
         65,
-        "is a world, not what was learned",
+        "is a world, not a learned policy",
     ),
 ];
 

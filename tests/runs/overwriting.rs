@@ -180,7 +180,11 @@ fn a_run_is_forced_only_into_the_place_of_a_run() {
         let out = desk.folder(&name, files);
         for more in [&[][..], &["--force"]] {
             let args = ["train", WORLD, "--episodes", "1", "--quiet", "--out", &out];
-            refused(&[&args, more].concat(), &desk.path(&name), "no run wrote");
+            refused(
+                &[&args, more].concat(),
+                &desk.path(&name),
+                "xcscr did not create",
+            );
         }
     }
     // Control: what a run wrote is replaced, and what else is there stays.
@@ -264,7 +268,7 @@ fn an_evaluation_is_forced_only_into_the_place_of_an_evaluation() {
     for taken in [&notes, &run] {
         for more in [&[][..], &["--force"]] {
             let args = [&evaluate[..], &[taken], more].concat();
-            refused(&args, Path::new(taken), "no run wrote");
+            refused(&args, Path::new(taken), "xcscr did not create");
         }
     }
     // Control: its own earlier recordings.

@@ -406,7 +406,7 @@ fn resuming_takes_no_other_choices_and_needs_a_run() {
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().to_str().unwrap();
     let (_, stderr) = expect(66, &["train", "--resume", dir]);
-    assert!(stderr.contains("holds no interrupted run"), "{stderr}");
+    assert!(stderr.contains("contains no interrupted run"), "{stderr}");
     expect(66, &["train", "--resume", "no/such/folder"]);
     expect(2, &["train", "--resume", dir, "--seed", "2"]);
     expect(2, &["train", "--resume", dir, "worlds/maze4.json"]);
@@ -503,7 +503,7 @@ fn a_damaged_or_foreign_checkpoint_is_refused_and_left_as_it_is() {
         (&sound[..sound.len() / 2], "but should have"),
         (&newer[..], &has_format),
         (b"not at all", "it is not a checkpoint"),
-        (&sound[..], "its content contradicts itself"),
+        (&sound[..], "its content is inconsistent"),
     ] {
         fs::write(&file, bytes).unwrap();
         let (_, stderr) = expect(65, &["train", "--resume", dir]);

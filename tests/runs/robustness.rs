@@ -180,7 +180,7 @@ fn conditions_that_cannot_apply_are_named_with_the_reason() {
     assert!(
         left_out
             .iter()
-            .all(|l| l["reason"] == "the robot is told its pose")
+            .all(|l| l["reason"] == "the robot has access to its true pose")
     );
     assert_eq!(names(&told["conditions"]).len(), 13);
     // A lidar that is not there cannot have a dead sector.

@@ -109,7 +109,7 @@ fn a_study_warns_once_for_each_world_and_the_preset_of_the_paper_keeps_its_step_
     let warned: Vec<&str> = stderr.lines().collect();
     assert_eq!(warned.len(), 1, "{stderr}");
     assert!(
-        warned[0].starts_with("warning: dfs-12-1: cells look alike"),
+        warned[0].starts_with("warning: dfs-12-1: the sensor `"),
         "{stderr}"
     );
     let report = fs::read_to_string(folder.path().join("found/report.md")).unwrap();
@@ -137,7 +137,7 @@ fn cells_that_look_alike_are_not_searched_for_in_vast_worlds_by_info_which_says_
         let (text, _) = expect(0, &["world", "info", world]);
         let (described, _) = expect(0, &["world", "info", world, "--json"]);
         let unknown = json(described.as_bytes())["look_alike"].is_null();
-        (text.contains("look alike  not searched"), unknown)
+        (text.contains("aliased     not searched"), unknown)
     };
     assert_eq!(told("129"), (true, true));
     // Control: the largest that are.

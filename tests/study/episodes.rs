@@ -143,7 +143,7 @@ fn a_sweep_of_two_settings_has_a_heat_map_and_tests_against_its_first_values() {
             .into_iter()
             .all(|against| against == "xcs.beta=0.1 xcs.mu=0.1")
     );
-    assert!(report.contains("4 trials of each find"), "{report}");
+    assert!(report.contains("4 trials of each detect"), "{report}");
     // Control: one setting makes no map.
     desk.write(
         "one.toml",

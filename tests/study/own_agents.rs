@@ -92,8 +92,8 @@ fn names_that_are_taken_or_no_names_are_refused() {
         ("xcs", "the name of another method"),
         ("r-max", "the name of another method"),
         ("fewest-steps", "the name of another method"),
-        ("", "small letters"),
-        ("<b>", "small letters"),
+        ("", "lower-case letters"),
+        ("<b>", "lower-case letters"),
     ] {
         let refused = with_own(study()).with_agent(name, |plan| Box::new(FewestSteps::new(plan)));
         let message = refused.unwrap_err().to_string();

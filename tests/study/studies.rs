@@ -513,7 +513,11 @@ fn figures_that_no_trial_can_have_are_refused_though_their_checksum_is_right() {
 fn only_the_papers_own_experiment_is_set_beside_the_paper() {
     let desk = Desk::new();
     let printed = desk.done("run small.toml --episodes 180 --trials 1 --out a");
-    for words in ["Next to the paper", "p = 0.8646", "Eq. 6: the denominator"] {
+    for words in [
+        "Comparison with the paper",
+        "p = 0.8646",
+        "Eq. 6: the denominator",
+    ] {
         assert!(printed.contains(words), "{words} is missing in\n{printed}");
     }
     let other = SMALL.replace("trials = 4", "sensors = [\"position\"]\ntrials = 1");
@@ -521,7 +525,7 @@ fn only_the_papers_own_experiment_is_set_beside_the_paper() {
     assert!(
         !desk
             .done("run other.toml --out b")
-            .contains("Next to the paper")
+            .contains("Comparison with the paper")
     );
 }
 
@@ -557,11 +561,11 @@ fn what_was_learned_before_or_turned_off_is_compared_with_nothing() {
 fn a_report_says_what_came_out_and_draws_it() {
     let desk = Desk::new();
     let printed = desk.done("run small.toml --out a");
-    for words in ["maze5", "xcscr − xcs", "What the data can decide"] {
+    for words in ["maze5", "xcscr − xcs", "Pairwise comparisons"] {
         assert!(printed.contains(words), "{words} is missing in\n{printed}");
     }
     assert!(
-        !printed.contains("Next to the paper"),
+        !printed.contains("Comparison with the paper"),
         "12 episodes are not the paper's"
     );
     for file in [
@@ -594,10 +598,7 @@ fn a_report_says_what_came_out_and_draws_it() {
 fn an_ablation_tells_what_each_switch_contributes() {
     let desk = Desk::new();
     let printed = desk.done("run ablation --out a --trials 1 --episodes 3");
-    assert!(
-        printed.contains("What each switch contributes"),
-        "{printed}"
-    );
+    assert!(printed.contains("Contribution of each switch"), "{printed}");
     assert!(desk.path("a/ablation.svg").is_file());
     assert_eq!(
         fs::read_to_string(desk.path("a/trials.csv"))
@@ -670,12 +671,12 @@ fn a_report_has_the_parts_of_a_results_section_in_every_format() {
     let desk = Desk::new();
     desk.done("run small.toml --out a");
     let sections = [
-        "What was asked",
-        "What was run",
+        "Question",
+        "Setup",
         "Table",
         "Figures",
         "Tests",
-        "What cannot be concluded",
+        "Limitations",
     ];
     let markdown = desk.done("report a --format md");
     let headings: Vec<&str> = markdown

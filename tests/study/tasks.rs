@@ -153,7 +153,7 @@ fn what_is_not_finished_is_not_merged_and_status_tells_the_tasks() {
         said.contains("6 of 16 trials finished, in 5 tasks"),
         "{said}"
     );
-    assert!(said.contains("missing: not begun (3): 1,3,5"), "{said}");
+    assert!(said.contains("missing: not started (3): 1,3,5"), "{said}");
     assert!(said.contains("--array=1,3,5"), "{said}");
     let (_, said) = desk.ends("merge split", 1);
     assert!(said.contains("10 of 16 trials are missing"), "{said}");
@@ -304,7 +304,7 @@ fn another_study_another_split_and_another_program_are_refused() {
         "{said}"
     );
     let (_, said) = desk.ends("plan small.toml --seed 8 --tasks 4 --out split", 73);
-    assert!(said.contains("split holds another study"), "{said}");
+    assert!(said.contains("split contains another study"), "{said}");
     desk.ends("task split 5", 2);
     desk.ends("task nowhere 1", 66);
     let (_, said) = desk.ends("plan small.toml --tasks 17", 65);
@@ -352,16 +352,16 @@ fn a_folder_that_holds_something_else_is_refused_by_what_it_holds_and_left_as_it
     for (kind, words, refused) in [
         (
             "notes",
-            "holds files that no study wrote",
+            "contains files that xcscr did not create",
             vec![plan, submit, run, tune],
         ),
         (
             "whole",
-            "holds a study that `xcscr study run`",
+            "contains a study created by `xcscr study run`",
             vec![plan, submit, tune],
         ),
-        ("split", "holds a study in tasks", vec![run, tune]),
-        ("search", "holds a search", vec![plan, submit, run]),
+        ("split", "contains a planned study", vec![run, tune]),
+        ("search", "contains a search", vec![plan, submit, run]),
     ] {
         for command in refused {
             let (_, said) = desk.ends(&format!("{command} {kind}"), 73);

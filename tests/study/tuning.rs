@@ -71,7 +71,7 @@ fn a_search_halves_its_candidates_within_its_budget_and_ends_on_fresh_seeds() {
         "{found:#}"
     );
     assert!(
-        said.contains("rung 1, 10 seeds more") && said.contains("On fresh seeds"),
+        said.contains("rung 1, 10 more seeds") && said.contains("On fresh seeds"),
         "{said}"
     );
     // The final, and each rung, have seeds of their own.

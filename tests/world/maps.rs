@@ -197,7 +197,7 @@ fn what_is_wrong_in_a_header_or_an_image_is_named() {
         (b"P5 99999999999 99999999 255\n", "are more than"),
         (b"P5 8000 8000 255\n", "ends after 0 of the 64000000 bytes"),
         (b"P2 8000 8000 255\n1 2 3", "expected a number at byte"),
-        (b"P2 1 1 255\n256", "above the greatest"),
+        (b"P2 1 1 255\n256", "exceeds the maximum"),
         (b"P5 0 3 255\n", "no pixel"),
         (b"\x89PNG\r\n", "image"),
     ] {

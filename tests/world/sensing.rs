@@ -231,7 +231,7 @@ fn control_without_gyro_gate_or_bump_inflation_the_claims_do_not_hold() {
     assert_eq!(broken_claims(|_| {}), [""; 0]);
     let without = [
         broken_claims(|params| params.gyro.fitted = false),
-        broken_claims(|params| params.estimator.listener = 10_000.0),
+        broken_claims(|params| params.estimator.gate = 10_000.0),
         broken_claims(|params| params.estimator.bump_inflation = false),
     ];
     // Without a gate every beam may end on two lines, and tells nothing.

@@ -1,16 +1,16 @@
-//! Reads input files: regular files of a limited size.
+//! Reads input files: regular files of limited size.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Opens a file to be read. Pipes, devices and folders are refused at once: those may have no end,
-/// or wait for ever for a writer.
+/// Opens a file for reading. Refuses pipes, devices and folders, which may be endless or block
+/// while waiting for a writer.
 ///
 /// # Errors
 /// Those of the file system, and [`io::ErrorKind::InvalidInput`].
 pub fn open(path: &Path) -> io::Result<File> {
-    // Before it is opened: opening a pipe waits.
+    // Check before opening, because opening a pipe blocks.
     match fs::metadata(path)?.is_file() {
         true => File::open(path),
         false => Err(io::Error::new(
@@ -20,7 +20,7 @@ pub fn open(path: &Path) -> io::Result<File> {
     }
 }
 
-/// Reads a file of at most so many bytes. A larger one is refused before any of it is read.
+/// Reads a file of at most `most` bytes. Refuses a larger file before reading any of it.
 ///
 /// # Errors
 /// Those of the file system and of [`open`], and [`io::ErrorKind::FileTooLarge`].
@@ -29,7 +29,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let size = file.metadata()?.len();
     if size <= most {
-        // It may grow while it is read, and some files of the system do not know their size.
+        // The file may grow while it is read, and some system files report no size.
         file.take(most + 1).read_to_end(&mut bytes)?;
     }
     match size.max(bytes.len() as u64) > most {
@@ -48,10 +48,10 @@ fn amount(bytes: u64) -> String {
     }
 }
 
-/// The same for a file of text.
+/// Reads a text file of at most `most` bytes.
 ///
 /// # Errors
-/// The same, and [`io::ErrorKind::InvalidData`] when it is no UTF-8.
+/// Those of [`read`], and [`io::ErrorKind::InvalidData`] if the file is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let text = String::from_utf8(read(path, most)?);
     text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not UTF-8 text"))

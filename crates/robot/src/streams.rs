@@ -1,43 +1,43 @@
-//! The named streams of random numbers: who draws, each from a sequence of its own, so that
-//! switching one of them off does not move the others.
+//! The named streams of random numbers. Each user draws from its own sequence, so that switching
+//! one off does not change the others.
 
-/// Who draws random numbers; see [`xcs::random::Stream::new`]. The numbers are part of what makes
-/// a seed give the same bytes: new names go to the end.
+/// The users of random numbers; see [`xcs::random::Stream::new`]. A seed gives the same bytes only
+/// if the numbers stay the same: add new names at the end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StreamName {
     /// The cell in which an episode starts.
     Start,
-    /// Explore or exploit, and which action.
+    /// Whether to explore, and the random action.
     Exploration,
     /// Covering, the genetic algorithm and deletion.
     Evolution,
-    /// Imprinting: whether, and which policy of \[PS\].
+    /// Whether to imprint, and which policy of \[PS\].
     Imprinting,
-    /// Noise of wheels and pose.
+    /// Noise of the wheels and of the measured pose.
     Physics,
     /// Resampling in statistics.
     Bootstrap,
     /// Generated worlds.
     World,
-    /// Which remembered transitions are replayed.
+    /// The remembered transitions that are replayed.
     Replay,
     /// The lidar: its scale, and the noise of its beams.
     Lidar,
-    /// The scales of the wheels, as the encoders have them.
+    /// The encoders: the scales of the wheels.
     Encoders,
     /// The gyro: bias, scale and noise.
     Gyro,
-    /// Which actions slip, and to which others.
+    /// Which actions slip, and the actions executed in their place.
     Slip,
-    /// Percepts on which an exported policy is compared with what was learned.
+    /// Percepts on which an exported policy is compared with the learned one.
     Export,
-    /// Which policy the keeper of `xcscr-coevolved` chooses.
+    /// The policy that the policy selector of `xcscr-coevolved` chooses.
     Experts,
-    /// The rules of that keeper.
+    /// The rules of the policy selector of `xcscr-coevolved`.
     Keeper,
-    /// The rules of the cloner of `xcscr-coevolved`.
+    /// The rules of the behaviour cloner of `xcscr-coevolved`.
     BehaviourCloner,
-    /// Which bits of a percept flip.
+    /// The bits of a percept that observation noise inverts.
     Flips,
 }
 

@@ -1,13 +1,13 @@
-//! What a wheeled robot senses in a maze of square cells, and what it makes of that.
+//! Sensors, pose estimation and local mapping of a wheeled robot in a maze of square cells.
 //!
 //! ```text
-//! what is true (Moment, Terrain) -> Sensors -> Readings -> Onboard -> pose, cells around
+//! ground truth (Moment, Terrain) -> Sensors -> Readings -> Onboard -> pose, cells around
 //! ```
 //!
-//! [`Sensors`] see the truth and tell it with noise. [`Onboard`], the robot's own computer, sees
-//! nothing but [`Readings`]: neither walls nor a true pose can be named there. Lengths are in metres of the
-//! grid frame (origin in the south-western corner of the grid, x to the east, y to the north), angles in
-//! radians, counter-clockwise from east.
+//! [`Sensors`] measure the ground truth with noise. [`Onboard`], the robot's own computer, receives
+//! nothing but [`Readings`]: its code cannot access walls or the true pose. Lengths are in metres
+//! of the grid frame (origin in the south-western corner of the grid, x to the east, y to the
+//! north). Angles are in radians, counter-clockwise from east.
 
 mod onboard;
 mod params;

@@ -1,18 +1,20 @@
-//! Whole numbers near a number.
+//! Fast rounding to whole numbers.
 //!
-//! The same bits as `f64::floor` and `f64::round`, which on the baseline of x86-64 are calls of a
-//! function, for numbers as large as coordinates are. Each beam of the lidar needs several.
+//! The results are bit-identical to `f64::floor` and `f64::round` for numbers as large as
+//! coordinates. On the baseline of x86-64 the standard functions are calls, and each beam of the
+//! lidar needs several.
 
-/// Adding and subtracting it leaves no digits behind the point.
+/// Adding and subtracting this number removes all fractional digits.
 const SHIFT: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
 
-/// The largest whole number that is not above `number`, whose size is below 2^51.
+/// Returns the largest whole number not above `number`, whose magnitude must be below 2^51.
 pub fn floor(number: f64) -> f64 {
     let near = (number + SHIFT) - SHIFT;
     if near > number { near - 1.0 } else { near }
 }
 
-/// The nearest whole number to `number`, whose size is below 2^51; a half goes away from zero.
+/// Returns the whole number nearest to `number`, whose magnitude must be below 2^51. Halves round
+/// away from zero.
 pub fn round(number: f64) -> f64 {
     let near = (number + SHIFT) - SHIFT;
     let off = number - near;
@@ -36,7 +38,7 @@ mod tests {
     }
 
     #[test]
-    fn they_are_those_of_the_standard_library() {
+    fn results_match_the_standard_library() {
         for step in -400_000..=400_000 {
             agree(f64::from(step) / 1024.0);
             agree(f64::from(step) * 1_000.7);
@@ -50,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn no_number_stays_none() {
+    fn nan_stays_nan() {
         assert!(floor(f64::NAN).is_nan() && round(f64::NAN).is_nan());
     }
 }

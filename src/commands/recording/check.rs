@@ -1,4 +1,4 @@
-//! `xcscr recording check`: what is wrong with a recording.
+//! `xcscr recording check`: checks recordings for damage.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use crate::commands::failure::{Exit, Failure};
 use crate::commands::source;
 use crate::commands::terminal::write_words;
 
-/// Arguments of `check`.
+/// Arguments of `recording check`.
 #[derive(Debug, clap::Args)]
 pub struct CheckArgs {
     /// Recordings (.mcap), or folders of runs.
@@ -20,7 +20,7 @@ pub struct CheckArgs {
     json: bool,
 }
 
-/// What was found in one file, as `--json` prints it.
+/// The findings in one file, as `--json` prints them.
 #[derive(serde::Serialize)]
 struct Checked {
     file: String,
@@ -28,7 +28,7 @@ struct Checked {
     findings: Vec<String>,
 }
 
-/// Checks every file, and says of each what was found.
+/// Checks every file and reports the findings.
 pub fn run(args: &CheckArgs, out: &mut impl Write) -> Result<(), Failure> {
     let mut checked = Vec::new();
     for path in &args.files {

@@ -1,4 +1,4 @@
-//! `xcscr recording info`: what a run or a recording holds.
+//! `xcscr recording info`: summarises runs and recordings.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -11,7 +11,7 @@ use super::summary;
 use crate::commands::failure::Failure;
 use crate::commands::source::recordings;
 
-/// Prints a summary of each run, and what each recording holds.
+/// Prints a summary of each run, and the content of each recording.
 pub fn run(paths: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Failure> {
     if !json {
         return paths.iter().try_for_each(|path| show(path, out));
@@ -23,7 +23,7 @@ pub fn run(paths: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Fa
     show_json(&files, out)
 }
 
-/// What a recording says of itself.
+/// The content of a recording.
 #[derive(Debug, Serialize)]
 struct Shown {
     file: String,
@@ -62,7 +62,7 @@ fn show_json(files: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     Ok(writeln!(out, "{}", serde_json::to_string_pretty(&shown?)?)?)
 }
 
-/// Sums up a run, or says what a recording holds.
+/// Summarises a run, or lists the content of recordings.
 fn show(path: &Path, out: &mut impl Write) -> Result<(), Failure> {
     let files = recordings(path)?;
     if let Some(run) = summary::whole_run(path) {

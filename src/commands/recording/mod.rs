@@ -1,4 +1,4 @@
-//! `xcscr recording`: what recordings hold, whether they are whole and true, and other files made of them.
+//! `xcscr recording`: inspects, checks, verifies and converts recordings.
 
 mod check;
 mod info;
@@ -15,7 +15,7 @@ use super::failure::Failure;
 use super::output::OutputFile;
 use super::source::recordings;
 
-/// The commands about recordings.
+/// Subcommands of `recording`.
 #[derive(Debug, clap::Subcommand)]
 pub enum RecordingCommand {
     /// Summarise a run, or list what recordings hold.
@@ -29,7 +29,7 @@ pub enum RecordingCommand {
     },
     /// Check recordings for damage.
     Check(check::CheckArgs),
-    /// Run the trial again, and compare every recording with it bit by bit.
+    /// Repeat the trial and compare every recording with it bit by bit.
     Verify {
         /// Recordings (.mcap), or folders of runs.
         #[arg(required = true, value_name = "RECORDING|RUN")]
@@ -42,11 +42,11 @@ pub enum RecordingCommand {
     Recover(recover::RecoverArgs),
     /// Write the highlights of a run: how it learned, in less than two minutes.
     Highlights(IntoFile),
-    /// Write a recording, or a whole run, as ROS 2 would have recorded it: /tf, /odom, /scan, /map.
+    /// Write a recording, or a whole run, in the form that ROS 2 records: /tf, /odom, /scan, /map.
     Ros(IntoFile),
 }
 
-/// A recording or a run, and the file that is made of it.
+/// A recording or a run, and the file to write.
 #[derive(Debug, clap::Args)]
 pub struct IntoFile {
     /// A recording (.mcap), or the folder of a run.
@@ -67,7 +67,7 @@ impl IntoFile {
     }
 }
 
-/// Runs one of the commands.
+/// Runs a subcommand of `recording`.
 pub fn run(command: &RecordingCommand, out: &mut impl Write) -> Result<(), Failure> {
     match command {
         RecordingCommand::Info { recordings, json } => info::run(recordings, *json, out),
@@ -88,7 +88,7 @@ pub fn run(command: &RecordingCommand, out: &mut impl Write) -> Result<(), Failu
     }
 }
 
-/// The highlights of a run, or of the run that a recording comes from.
+/// Returns the highlights of a run, or of the run of a recording.
 fn highlights(from: &Path) -> Result<Vec<u8>, RunError> {
     match from.is_dir() {
         true => RunFolder::open(from).highlights(),
@@ -96,7 +96,7 @@ fn highlights(from: &Path) -> Result<Vec<u8>, RunError> {
     }
 }
 
-/// An episode or a whole run for ROS 2.
+/// Converts an episode or a whole run for ROS 2.
 fn ros_bag(from: &Path) -> Result<Vec<u8>, RunError> {
     match from.is_dir() {
         true => RunFolder::open(from).ros_bag(),

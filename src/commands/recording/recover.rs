@@ -1,4 +1,4 @@
-//! `xcscr recording recover`: a whole recording of what can be read of a broken one.
+//! `xcscr recording recover`: recovers the readable part of a damaged recording.
 
 use std::path::PathBuf;
 
@@ -7,10 +7,10 @@ use xcscr::record::{self, Recovery};
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::terminal::say;
 
-/// Arguments of `recover`.
+/// Arguments of `recording recover`.
 #[derive(Debug, clap::Args)]
 pub struct RecoverArgs {
-    /// The recording, such as run.mcap.part; it is left as it is.
+    /// The recording, such as run.mcap.part. It is not changed.
     file: PathBuf,
     /// The new recording.
     #[arg(short, long, value_name = "OUT")]
@@ -20,7 +20,7 @@ pub struct RecoverArgs {
     force: bool,
 }
 
-/// Recovers, and says on stderr how much.
+/// Recovers a recording, and reports the result on stderr.
 pub fn run(args: &RecoverArgs) -> Result<(), Failure> {
     let Recovery {
         messages,

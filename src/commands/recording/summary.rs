@@ -1,4 +1,4 @@
-//! `xcscr recording info RUN`: a run on one screen.
+//! `xcscr recording info RUN`: summarises a run on one screen.
 
 use std::fs;
 use std::io::Write;
@@ -12,10 +12,10 @@ use xcscr::record::reader::Recording;
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::sparkline::{mean, sparkline};
 
-/// Episodes at the beginning and at the end that are compared.
+/// The number of episodes at the beginning and at the end that are compared.
 const FEW: usize = 10;
 
-/// An episode's figures, as `/episode` gives them at its end.
+/// The figures of an episode, from the last `/episode` message of the episode.
 #[derive(Debug, Deserialize)]
 struct Figures {
     episode: u32,
@@ -27,13 +27,13 @@ struct Figures {
     shortest: Option<u32>,
 }
 
-/// The finished recording of the whole run in a folder, if that is what a path names.
+/// Returns the finished recording of the whole run if `path` is the folder of a run.
 pub fn whole_run(path: &Path) -> Option<PathBuf> {
     let run = path.join(RecordingKind::Run.file_name());
     (path.is_dir() && run.is_file()).then_some(run)
 }
 
-/// Sums up the run in a folder, of which `files` are the recordings.
+/// Summarises the run in a folder with the recordings `files`.
 pub fn print(
     folder: &Path,
     run: &Path,
@@ -90,7 +90,7 @@ fn print_files(
     let (typed, run) = (disk::typed(folder), disk::typed(run));
     writeln!(out, "{} recordings, {megabytes:.1} MB", files.len())?;
     writeln!(out, "  watch them           xcscr replay {typed}")?;
-    writeln!(out, "  what one holds       xcscr recording info {run}")?;
+    writeln!(out, "  inspect one          xcscr recording info {run}")?;
     Ok(writeln!(
         out,
         "  verify               xcscr recording verify {typed}"
@@ -113,7 +113,7 @@ fn figures(recording: &Recording) -> Result<Vec<Figures>, Failure> {
     Ok(episodes)
 }
 
-/// How many of all, and which was the first.
+/// Formats the number of episodes, and which was the first.
 fn times<'a>(some: impl Iterator<Item = &'a Figures>, all: &[Figures]) -> String {
     let some: Vec<u32> = some.map(|one| one.episode).collect();
     some.first().map_or("never".to_owned(), |first| {
@@ -125,7 +125,7 @@ fn times<'a>(some: impl Iterator<Item = &'a Figures>, all: &[Figures]) -> String
     })
 }
 
-/// The mean at the beginning and at the end.
+/// Formats the means at the beginning and at the end.
 fn change(numbers: &[u32]) -> String {
     let few = FEW.min(numbers.len());
     let (first, last) = (&numbers[..few], &numbers[numbers.len() - few..]);

@@ -1,4 +1,4 @@
-//! `xcscr recording verify`: whether a new run gives the same bytes.
+//! `xcscr recording verify`: compares recordings with repeated runs byte by byte.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -10,16 +10,16 @@ use xcscr::run::{Again, Source};
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::progress::Progress;
 
-/// What became of one recording, as `--json` prints it.
+/// The result for one recording, as `--json` prints it.
 #[derive(serde::Serialize)]
 struct Verified {
     file: String,
     same: bool,
-    /// The first difference from the run that was made again.
+    /// The first difference from the repeated run.
     difference: Option<String>,
 }
 
-/// Verifies all recordings; those of the same run are compared with one new run.
+/// Verifies all recordings. Recordings of the same run are compared with one repeated run.
 pub fn run(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Failure> {
     let mut verified = Vec::new();
     let mut again: Option<Again> = None;
@@ -39,7 +39,8 @@ pub fn run(files: &[PathBuf], json: bool, out: &mut impl Write) -> Result<(), Fa
     report(&verified, json, out)
 }
 
-/// The first difference of a recording from a new run; `again` is the run that was made last.
+/// Returns the first difference between a recording and a repeated run. `again` caches the last
+/// repeated run.
 fn difference(file: &Path, again: &mut Option<Again>) -> Result<Option<String>, Failure> {
     let recording = Recording::open(file)?;
     if recording.extent() == Some(RecordingKind::Comparison) {

@@ -1,4 +1,4 @@
-//! Opening a link in the browser.
+//! Opens links in the browser.
 
 use std::fmt::Display;
 use std::process::{Command, Stdio};
@@ -6,8 +6,8 @@ use std::thread;
 
 use crate::commands::terminal::say;
 
-/// Opens an address in the browser: that of the variable `BROWSER`, or the system's own. When there
-/// is none, says so; the address can still be copied.
+/// Opens an address in the browser named by the variable `BROWSER`, or in the system's default. If
+/// that fails, prints a message; the address can still be copied.
 pub fn open(address: &str) {
     let named = std::env::var_os("BROWSER").filter(|name| !name.is_empty());
     let mut command = named.map_or_else(system, Command::new);
@@ -21,7 +21,7 @@ pub fn open(address: &str) {
     };
     match command.spawn() {
         Err(cause) => failed(&cause),
-        // Where no browser is installed, the system's program finds that out later.
+        // If no browser is installed, the system's program only fails later.
         Ok(mut browser) => drop(thread::spawn(move || match browser.wait() {
             Ok(status) if !status.success() => failed(&status),
             _ => (),
@@ -29,7 +29,7 @@ pub fn open(address: &str) {
     }
 }
 
-/// What opens addresses on this system.
+/// Returns the system's command that opens addresses.
 fn system() -> Command {
     if cfg!(target_os = "macos") {
         Command::new("open")

@@ -1,4 +1,4 @@
-//! Highlights recordings of runs that lack one.
+//! Creates missing highlights recordings.
 
 use std::path::{Path, PathBuf};
 
@@ -10,15 +10,15 @@ use xcscr::run::RunFolder;
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::source::recordings;
 
-/// Files of runs, with highlights recordings in temporary folders for runs that lack one.
+/// Files of runs, including highlights recordings in temporary folders for runs that have none.
 pub struct WithHighlights {
     /// All files.
     pub files: Vec<PathBuf>,
-    /// What goes away with this.
+    /// Temporary folders, removed on drop.
     _temporary: Vec<TempDir>,
 }
 
-/// Writes the highlights of each finished run among `paths` that lacks them.
+/// Writes the highlights of each finished run among `paths` that has none.
 pub fn write_missing(
     paths: &[PathBuf],
     mut files: Vec<PathBuf>,
@@ -45,7 +45,7 @@ pub fn write_missing(
     })
 }
 
-/// Reads a recording, or of a run its highlights, which are made if it has none.
+/// Reads a recording, or the highlights of a run. Missing highlights are created.
 pub fn recording(path: &Path) -> Result<Recording, Failure> {
     if !path.is_dir() {
         return Ok(Recording::open(path)?);

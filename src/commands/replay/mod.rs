@@ -26,15 +26,16 @@ pub struct ReplayArgs {
     /// Show the highlights of two runs side by side.
     #[arg(long, conflicts_with = "live")]
     compare: bool,
-    /// Write a web page that plays the recording without network, server or viewer. Of a run, the page has the
-    /// highlights; of a study, those of its best trial; with `--compare`, two runs side by side.
+    /// Write a web page that plays the recording without network, server or viewer. For a run, the
+    /// page shows the highlights; for a study, those of its best trial; with `--compare`, two runs
+    /// side by side.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["live", "output"])]
     html: Option<PathBuf>,
-    /// Play it in this terminal: the maze, the robot, and each decision in words. Of a run, the highlights. Into a file or a
-    /// pipe, write every decision.
+    /// Play the recording in this terminal: the maze, the robot, and each decision in words. For a
+    /// run, play the highlights. If the output is a file or a pipe, write every decision.
     #[arg(long, conflicts_with_all = ["live", "compare", "html", "open"])]
     terminal: bool,
-    /// Write the comparison to this file (.mcap) in place of serving it.
+    /// Write the comparison to this file (.mcap) instead of serving it.
     #[arg(short, long, value_name = "FILE", requires = "compare")]
     output: Option<PathBuf>,
     /// Replace the file of `--html` or `--output` if it exists.
@@ -45,12 +46,12 @@ pub struct ReplayArgs {
     open: bool,
     #[command(flatten)]
     live: LiveArgs,
-    /// The port [default: any that is free; with `--live` 8765].
+    /// Port [default: any free one; with `--live` 8765].
     #[arg(long, value_name = "P")]
     port: Option<u16>,
 }
 
-/// Serves recordings on this machine only and prints links that open them, or streams them.
+/// Streams recordings, or serves them on this machine only and prints links that open them.
 pub fn run(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     if args.terminal {
         return terminal::run(&args.recordings, out);
@@ -83,7 +84,7 @@ impl ReplayArgs {
     }
 }
 
-/// Two runs side by side, into a file or to a viewer.
+/// Compares two runs side by side, in a file or in a viewer.
 fn compare(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let [a, b] = &args.recordings[..] else {
         let message = "`--compare` takes two runs".to_owned();

@@ -1,4 +1,5 @@
-//! `xcscr replay --html`: a page that plays a recording, a run, two runs, or the best trial of a study.
+//! `xcscr replay --html`: writes a page that plays a recording, a run, two runs, or the best trial
+//! of a study.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +15,7 @@ use crate::commands::failure::{Exit, Failure};
 use crate::commands::output::OutputFile;
 use crate::commands::terminal::file_link;
 
-/// Writes the page of a recording, a run, a comparison of two, or the best trial of a study to `file`, and prints its address.
+/// Writes the page to `file` and prints its address.
 pub fn write(
     paths: &[PathBuf],
     compare: bool,
@@ -48,7 +49,7 @@ fn page_of(path: &Path, out: &mut impl Write) -> Result<String, Failure> {
     Ok(player::page(&highlights::recording(path)?)?)
 }
 
-/// The page of the best trial of a study, which is run again for that.
+/// Repeats the best trial of a study and returns its page.
 fn page_of_study(study: &StudyFolder, out: &mut impl Write) -> Result<String, Failure> {
     let Some((number, plan)) = study.best_trial() else {
         let path = study.path().display();

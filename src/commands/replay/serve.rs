@@ -1,4 +1,4 @@
-//! `xcscr replay`: links that open recordings in a viewer.
+//! `xcscr replay`: prints links that open recordings in a viewer.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -17,24 +17,24 @@ use super::browser;
 use crate::commands::failure::{Exit, Failure};
 use crate::commands::terminal::write_link;
 
-/// A link opens at most so many files; the others can be dragged into the viewer.
+/// The most files that a link opens. The others can be dragged into the viewer.
 const MOST_LINKED: usize = 10;
 
-/// How recordings are served.
+/// The options of the server.
 pub struct Service<'a> {
     /// The port; 0 for any that is free.
     pub port: u16,
-    /// Whose pages may read them, beside those of the two viewers.
+    /// Origins whose pages may read the recordings, in addition to those of the two viewers.
     pub origins: &'a [Origin],
-    /// Is the first link opened?
+    /// True if the first link is opened.
     pub open: bool,
 }
 
-/// Recordings that a link opens together.
+/// Recordings that one link opens together.
 pub struct Offer {
-    /// What they show, in words.
+    /// A description of the recordings.
     pub what: String,
-    /// The layout that fits them.
+    /// The layout for the recordings.
     pub layout: String,
     /// The recordings.
     pub files: Vec<PathBuf>,
@@ -66,14 +66,14 @@ pub fn run(offers: Vec<Offer>, service: &Service<'_>, out: &mut impl Write) -> R
         browser::open(&link);
     }
     server.run(|| stopped.load(Ordering::Relaxed))?;
-    // A terminal shows `^C`: what comes next begins on a line of its own.
+    // A terminal shows `^C`. The next output begins on its own line.
     if io::stdout().is_terminal() {
         writeln!(out)?;
     }
     Ok(())
 }
 
-/// What a viewer is offered of these recordings, highlights first.
+/// Groups the recordings into offers, highlights first.
 pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
     let (mut compared, mut others) = (Vec::new(), Vec::new());
     for file in files {
@@ -91,7 +91,7 @@ pub fn offers(files: &[PathBuf]) -> Result<Vec<Offer>, Failure> {
     Ok(offers.chain(compared).collect())
 }
 
-/// The offer of a recording that shows two runs; `None` of any other.
+/// Returns the offer of a comparison of two runs; `None` for any other recording.
 fn comparison(file: &Path) -> Result<Option<Offer>, Failure> {
     let recording = Recording::open(file)?;
     let layout = recording.attachment("foxglove-layout.json");
@@ -106,14 +106,14 @@ fn comparison(file: &Path) -> Result<Option<Offer>, Failure> {
     }))
 }
 
-/// Recordings of one run that one layout fits: those of two runs would interleave in a viewer.
+/// Recordings of one run with the same layout. Those of two runs would interleave in a viewer.
 struct Group {
     plan: Plan,
     kind: Kind,
     files: Vec<PathBuf>,
 }
 
-/// What they show, in the order in which they are offered.
+/// The kinds of recordings, in the order of the offers.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Highlights,
@@ -141,7 +141,7 @@ impl Group {
     }
 }
 
-/// The files run by run and kind by kind, highlights first.
+/// Groups the files by run and kind, highlights first.
 fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
     let mut groups: Vec<Group> = Vec::new();
     for file in files {
@@ -150,7 +150,7 @@ fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
         let kind = match source.extent {
             RecordingKind::Highlights => Kind::Highlights,
             RecordingKind::Run => Kind::Run,
-            // Comparisons are offered by themselves.
+            // Comparisons are offered separately.
             RecordingKind::Episode(_) | RecordingKind::Comparison => Kind::Episodes,
         };
         let fits = |group: &&mut Group| group.plan == plan && group.kind == kind;
@@ -167,7 +167,7 @@ fn sorted(files: &[PathBuf]) -> Result<Vec<Group>, Failure> {
     Ok(groups)
 }
 
-/// Prints the links of an offer; the first one.
+/// Prints the links of an offer and returns the first one.
 fn print_links(server: &mut Server, offer: Offer, out: &mut impl Write) -> Result<String, Failure> {
     let layout = server.add("foxglove-layout.json", Content::Text(offer.layout));
     let mut links = Vec::new();

@@ -1,4 +1,4 @@
-//! `xcscr replay --live`: finished recordings, streamed to a viewer.
+//! `xcscr replay --live`: streams finished recordings to a viewer.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -9,8 +9,9 @@ use xcscr::record::{RecordingKind, Topic};
 use crate::commands::failure::Failure;
 use crate::commands::live::Broadcast;
 
-/// Streams all files in order, then stays until the last viewer has gone. Ctrl-C ends it. Beside
-/// episodes, the recording of the whole run and the highlights are left out: time would jump back.
+/// Streams all files in order, then waits until the last viewer has disconnected. Ctrl-C ends the
+/// stream. If there are episodes, the recording of the whole run and the highlights are left out,
+/// because time would jump back.
 pub fn run(files: &[PathBuf], mut broadcast: Broadcast) -> Result<(), Failure> {
     let apart = [RecordingKind::Run, RecordingKind::Highlights].map(RecordingKind::file_name);
     let is_apart = |file: &&PathBuf| apart.iter().any(|name| file.ends_with(name));

@@ -14,14 +14,14 @@ use crate::commands::failure::{Exit, Failure};
 use crate::commands::interrupt::Interrupt;
 use crate::commands::terminal::escaped;
 
-/// How often the picture changes.
+/// Time between two frames.
 const PERIOD: Duration = Duration::from_millis(50);
 const KEYS: &str = "space: play, pause   left, right: step   +, -: speed   q: quit";
-/// Where the result is no terminal, all rows of the maze are printed, and so many columns.
+/// Columns and rows of a frame if stdout is not a terminal. The rows are not limited.
 const UNBOUNDED: (usize, usize) = (80, usize::MAX);
 
-/// Plays one recording, or the highlights of a run, until `q` or Ctrl-C. Where stdout is no terminal, prints a frame for each
-/// decision.
+/// Plays one recording, or the highlights of a run, until `q` or Ctrl-C. If stdout is not a
+/// terminal, prints a frame for each decision.
 pub fn run(paths: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     let [path] = paths else {
         let message = "`--terminal` takes one recording, or one run".to_owned();
@@ -45,7 +45,7 @@ pub fn run(paths: &[PathBuf], out: &mut impl Write) -> Result<(), Failure> {
     Ok(played?)
 }
 
-/// What is shown, and how it goes on.
+/// The player and its state.
 struct Screen {
     player: TextPlayer,
     decisions_s: Vec<f64>,
@@ -115,7 +115,7 @@ impl Screen {
         }
     }
 
-    /// Goes to a decision, and waits there.
+    /// Goes to a decision and pauses.
     fn go_to(&mut self, decision: usize) {
         self.is_playing = false;
         self.t_s = self
@@ -125,7 +125,7 @@ impl Screen {
             .unwrap_or(self.player.end_s());
     }
 
-    /// Lets time pass.
+    /// Advances the time.
     fn pass(&mut self, elapsed: Duration) {
         if self.is_playing {
             self.t_s += elapsed.as_secs_f64() * self.speed;
@@ -136,13 +136,14 @@ impl Screen {
     }
 }
 
-/// The keys that are pressed; without a terminal on stdin none.
+/// Returns the pressed keys. Without a terminal on stdin there are none.
 fn keys() -> Receiver<Key> {
     let (sender, keys) = channel();
     thread::spawn(move || {
         let term = Term::stdout();
         while let Ok(key) = term.read_key() {
-            // After the last key the terminal must not be waiting for another: it would stay as it is while a key is read.
+            // The thread must not wait for a key after the last one: the terminal would stay in the
+            // mode for reading keys.
             let is_last = matches!(key, Key::Char('q') | Key::Escape);
             if sender.send(key).is_err() || is_last {
                 break;

@@ -1,4 +1,4 @@
-//! `xcscr rules --diff`: what two learners know that the other one does not.
+//! `xcscr rules --diff`: compares the rules of two learners.
 
 use std::io::Write;
 use std::path::Path;
@@ -14,12 +14,12 @@ use super::listing::{Order, rows};
 use crate::commands::choices;
 use crate::commands::failure::Failure;
 
-/// The most rules of either that are shown.
+/// The most rules of each learner that are shown.
 const MOST_RULES: usize = 20;
-/// The most cells that are named one by one.
+/// The most cells that are listed.
 const MOST_CELLS: usize = 20;
 
-/// Prints the rules that only one of the two has, and the cells in which they go different ways.
+/// Prints the rules that only one of the two has, and the cells in which their best actions differ.
 pub fn print(
     (plan, first): (&Plan, &Knowledge),
     other: &Path,
@@ -34,7 +34,7 @@ pub fn print(
     let (one, two) = (first.len(), second.len());
     writeln!(
         out,
-        "{world}, {sensor}: {one} and {two} rules, {both} of them in both"
+        "{world}, {sensor}: {one} and {two} rules, {both} in common"
     )?;
     let parts = [
         ("first", first, first_only),
@@ -53,10 +53,10 @@ pub fn print(
             writeln!(out, "and {more} more")?;
         }
     }
-    print_ways(plan, first, &second, out)
+    print_differences(plan, first, &second, out)
 }
 
-/// The rules that the other has not.
+/// Returns the rules that the other learner does not have.
 fn only_in(knowledge: &Knowledge, other: &Knowledge) -> Vec<Classifier> {
     let rules = |knowledge: &Knowledge| knowledge.rules().map_or(vec![], |r| r.rules().to_vec());
     let key = |rule: &Classifier| (rule.condition, rule.action);
@@ -66,8 +66,8 @@ fn only_in(knowledge: &Knowledge, other: &Knowledge) -> Vec<Classifier> {
     own
 }
 
-/// The cells in which the best actions differ.
-fn print_ways(
+/// Prints the cells in which the best actions differ.
+fn print_differences(
     plan: &Plan,
     first: &Knowledge,
     second: &Knowledge,
@@ -77,17 +77,17 @@ fn print_ways(
         .maze
         .free_cells()
         .filter(|&cell| !plan.maze.is_goal(cell));
-    let ways = cells.map(|cell| {
+    let pairs = cells.map(|cell| {
         (
             cell,
-            [first, second].map(|knowledge| way(plan, knowledge, cell)),
+            [first, second].map(|knowledge| best_actions(plan, knowledge, cell)),
         )
     });
-    let differing: Vec<_> = ways.filter(|(_, [one, two])| one != two).collect();
+    let differing: Vec<_> = pairs.filter(|(_, [one, two])| one != two).collect();
     match differing.len() {
-        0 => writeln!(out, "\nThey go the same way in every cell.")?,
-        1 => writeln!(out, "\nThey go different ways in 1 cell:")?,
-        count => writeln!(out, "\nThey go different ways in {count} cells:")?,
+        0 => writeln!(out, "\nThe best actions are the same in every cell.")?,
+        1 => writeln!(out, "\nThe best actions differ in 1 cell:")?,
+        count => writeln!(out, "\nThe best actions differ in {count} cells:")?,
     }
     for (Cell { col, row }, [one, two]) in differing.iter().take(MOST_CELLS) {
         writeln!(
@@ -102,12 +102,12 @@ fn print_ways(
     }
 }
 
-/// The best actions in a cell, in words.
-fn way(plan: &Plan, knowledge: &Knowledge, cell: Cell) -> String {
+/// Returns the best actions in a cell, in words.
+fn best_actions(plan: &Plan, knowledge: &Knowledge, cell: Cell) -> String {
     let percept = plan.config.sensor.perceive_at(&plan.maze, cell);
     let values = knowledge.values(&percept, plan.maze.action_count());
     if values.greatest().is_none() {
-        return "nowhere".to_owned();
+        return "no action".to_owned();
     }
     let best = values
         .best_actions()

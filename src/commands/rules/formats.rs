@@ -1,4 +1,4 @@
-//! Rules for a terminal, as a file of rules, and as CSV.
+//! Output formats of rules: text for a terminal, rules.json, and CSV.
 
 use std::io::Write;
 
@@ -12,14 +12,14 @@ use super::{Shown, predicted};
 use crate::commands::failure::Failure;
 use crate::commands::terminal::write_words;
 
-/// For a terminal.
+/// Prints the rules for a terminal.
 pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
     writeln!(out, "{}", headline(shown))?;
     if let Some(percept) = &shown.here {
         writeln!(out, "  where the percept is {percept}")?;
     }
     writeln!(out, "\n{}", table(&shown.rows).text().trim_end())?;
-    if shown.rows.iter().any(names_a_place) {
+    if shown.rows.iter().any(uses_position) {
         writeln!(
             out,
             "x and y: cells to the east and to the north of the goal."
@@ -32,13 +32,13 @@ pub fn text(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Does a rule with a memory look at where the robot is?
-fn names_a_place(row: &Row) -> bool {
+/// Returns true if a rule depends on the robot's position on the map.
+fn uses_position(row: &Row) -> bool {
     let limits = ["x >", "x <=", "y >", "y <="];
     limits.iter().any(|limit| row.words.contains(limit))
 }
 
-/// A rules.json file.
+/// Prints a rules.json file.
 pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
     let rules: Vec<Classifier> = shown.rows.iter().map(|row| row.rule).collect();
     let rules: Population = rules
@@ -68,7 +68,7 @@ pub fn json(shown: &Shown<'_>, out: &mut impl Write) -> Result<(), Failure> {
     )?)
 }
 
-/// A CSV table.
+/// Prints a CSV table.
 pub fn csv(rows: Vec<Row>, out: &mut impl Write) -> Result<(), Failure> {
     let mut table = csv::WriterBuilder::new();
     let mut table = table.has_headers(false).from_writer(out);
@@ -79,7 +79,7 @@ pub fn csv(rows: Vec<Row>, out: &mut impl Write) -> Result<(), Failure> {
     Ok(table.flush()?)
 }
 
-/// What is listed, in one or two lines.
+/// Describes the list of rules in one or two lines.
 pub fn headline(shown: &Shown<'_>) -> String {
     let Shown {
         plan,
@@ -109,7 +109,7 @@ pub fn headline(shown: &Shown<'_>) -> String {
     )
 }
 
-/// The rules as a table.
+/// Returns the rules as a table.
 pub fn table(rows: &[Row]) -> Table {
     let mut table = Table::new([
         "if", "go", "covers", "value", "error", "fitness", "num", "exp",

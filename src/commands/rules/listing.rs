@@ -1,4 +1,4 @@
-//! Rules as they are listed: in words, in an order.
+//! Sorted lists of rules in words.
 
 use std::cmp::Reverse;
 
@@ -8,10 +8,10 @@ use xcscr::agent::Knowledge;
 use xcscr::trial::Plan;
 use xcscr::xcs::{Action, Classifier, Condition, Percept};
 
-/// By what rules are ordered.
+/// The sort order of rules.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Order {
-    /// Percepts of the world that it matches.
+    /// The number of the world's percepts that the rule matches.
     Covers,
     Action,
     Value,
@@ -35,7 +35,7 @@ pub const COLUMNS: [&str; 10] = [
     "experience",
 ];
 
-/// A rule as it is shown.
+/// A row of a list of rules.
 #[derive(Debug, Serialize)]
 pub struct Row {
     pub condition: Condition,
@@ -53,7 +53,7 @@ pub struct Row {
     pub rule: Classifier,
 }
 
-/// The rules that match a percept, or all, in the wanted order.
+/// Returns the rules that match a percept, or all rules, in the given order.
 pub fn rows(
     rules: &[Classifier],
     (plan, knowledge): (&Plan, &Knowledge),
@@ -61,7 +61,7 @@ pub fn rows(
     by: Order,
 ) -> Vec<Row> {
     let Plan { maze, config } = plan;
-    // What rules with a memory look at where an episode begins.
+    // For rules with a map: the contexts at the beginning of an episode.
     let percepts: Vec<Percept> = config.sensor.percepts(maze);
     let percepts: Vec<Percept> = percepts.iter().map(|p| knowledge.looked_at(p)).collect();
     let here = here.map(|percept| knowledge.looked_at(percept));
@@ -96,7 +96,8 @@ pub fn rows(
     rows
 }
 
-/// What a rule demands; of one with a memory also of the place and of the last steps.
+/// Describes the demands of a rule in words; for a rule with a map, also its demands on the cell
+/// and the last steps.
 pub fn words(rule: &Classifier, plan: &Plan, knowledge: &Knowledge) -> String {
     let Plan { maze, config } = plan;
     knowledge.words(config.sensor, maze, &|at| rule.condition.allele(at))

@@ -1,4 +1,4 @@
-//! `xcscr rules`: what was learned, to be read.
+//! `xcscr rules`: prints the learned rules.
 
 mod diff;
 mod predicted;
@@ -26,44 +26,46 @@ use super::learned::LearnedArgs;
 pub struct RulesArgs {
     #[command(flatten)]
     learned: LearnedArgs,
-    /// Only the rules that match what the robot perceives in this cell.
+    /// Print only the rules that match the percept in this cell.
     #[arg(long, value_name = "COL,ROW", value_parser = cell)]
     cell: Option<Cell>,
-    /// Why the robot goes where it goes in this cell: the rules that vote, what would have to be
-    /// different, and the episodes that made the strongest rule what it is.
+    /// Explain the choice in this cell: the rules that vote, the changes of the percept that would
+    /// change the choice, and the episodes that shaped the strongest rule.
     #[arg(long, value_name = "COL,ROW", value_parser = cell, conflicts_with_all = ["cell", "compact", "format", "json", "csv"])]
     why: Option<Cell>,
-    /// The rules that only one of the two has, and the cells in which they go different ways.
+    /// Print the rules that only one of the two has, and the cells in which their best actions
+    /// differ.
     #[arg(long, value_name = "RUN|RULES", conflicts_with_all = ["why", "cell", "compact", "format", "json", "csv"])]
     diff: Option<PathBuf>,
-    /// Order of the rules: largest first, except by error and action.
+    /// Sort the rules by this column: largest first, except error and action.
     #[arg(long, value_name = "BY", default_value = "covers")]
     sort: Order,
-    /// Condense to few general rules that choose the same action for every percept of the world.
+    /// Compact the rules to a few general ones that choose the same action for every percept of the
+    /// world.
     #[arg(long)]
     compact: bool,
     /// Print the rules in this format.
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     format: Format,
-    /// The same as `--format json`.
+    /// Same as `--format json`.
     #[arg(long, conflicts_with_all = ["format", "csv"])]
     json: bool,
-    /// The same as `--format csv`.
+    /// Same as `--format csv`.
     #[arg(long, conflicts_with = "format")]
     csv: bool,
 }
 
-/// How rules are printed.
+/// The output format of rules.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Format {
-    /// For a terminal.
+    /// Text for a terminal.
     Text,
     /// A rules.json file, which `evaluate` and `train --init-rules` read.
     Json,
-    /// A table.
+    /// A CSV table.
     Csv,
-    /// One page that needs no other file: the policy over the maze, the rules in a table that can be
-    /// sorted, and where they lead in each cell.
+    /// One self-contained page: the policy over the maze, the rules in a sortable table, and the
+    /// best actions in each cell.
     Html,
 }
 
@@ -100,7 +102,7 @@ pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
     let here = args.cell.map(|cell| perceived(&plan, cell)).transpose()?;
     let compacted = args
         .compact
-        .then(|| condense(&knowledge, &plan))
+        .then(|| compact(&knowledge, &plan))
         .transpose()?;
     let all = knowledge.rules().map_or(&[][..], Population::rules);
     let rules = compacted
@@ -121,12 +123,12 @@ pub fn run(args: &RulesArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
 }
 
-/// What is printed.
+/// The content to print.
 struct Shown<'a> {
     plan: &'a Plan,
     knowledge: &'a Knowledge,
     compacted: Option<&'a Compacted>,
-    /// Only the rules that match this percept.
+    /// The percept that the rules must match, if any.
     here: Option<Percept>,
     rows: Vec<listing::Row>,
 }
@@ -141,14 +143,14 @@ impl RulesArgs {
     }
 }
 
-/// What was learned, if it is rules about the world of the plan.
+/// Loads rules that fit the world of the plan.
 fn load(learned: &LearnedArgs) -> Result<(Plan, Knowledge), Failure> {
     let (plan, knowledge) = learned.load(None)?;
     checked(&plan, &knowledge)?;
     Ok((plan, knowledge))
 }
 
-/// Accepts rules about the world of the plan.
+/// Accepts only rules that fit the world of the plan.
 fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
     let Plan { maze, config } = plan;
     knowledge
@@ -162,17 +164,17 @@ fn checked(plan: &Plan, knowledge: &Knowledge) -> Result<(), Failure> {
     Err(Failure::new(Exit::BadData, message))
 }
 
-fn condense(knowledge: &Knowledge, plan: &Plan) -> Result<Compacted, Failure> {
+fn compact(knowledge: &Knowledge, plan: &Plan) -> Result<Compacted, Failure> {
     let Plan { maze, config } = plan;
     let paths = Paths::with_slip(maze, config.settings.arena.slip);
     Compacted::new(knowledge, config.sensor, maze, &paths).ok_or_else(|| {
         let name = maze.name();
         let message = match knowledge.remembers() {
-            true => "rules with a memory are compacted while they are learned; the list without \
-                     `--compact` is the answer"
+            true => "rules with a map are compacted during learning: list them without \
+                     `--compact`"
                 .to_owned(),
             false => format!(
-                "{name} has more than {} percepts: too many to condense rules for",
+                "{name} has more than {} percepts: too many to compact the rules",
                 Compacted::MOST_PERCEPTS
             ),
         };

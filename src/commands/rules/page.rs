@@ -12,17 +12,17 @@ use super::listing::words;
 use super::{Shown, predicted};
 use crate::commands::failure::Failure;
 
-/// The most free cells of a maze that are listed one by one.
+/// The most free cells of a maze that are listed.
 const MOST_CELLS: usize = 400;
 
-/// Prints the page; `is_run`: can the run be repeated, so that its policy can be drawn?
+/// Prints the page. `is_run` is true if the run can be repeated, so that its policy can be drawn.
 pub fn print(shown: &Shown<'_>, is_run: bool, out: &mut impl Write) -> Result<(), Failure> {
     let mut blocks = vec![Block::Text(headline(shown))];
     if let Some(percept) = &shown.here {
         blocks.push(Block::Text(format!("Only where the percept is {percept}.")));
     }
     if shown.plan.maze.is_vast() {
-        blocks.push(Block::Text(TOO_VAST.to_owned()));
+        blocks.push(Block::Text(TOO_LARGE.to_owned()));
     } else if is_run {
         blocks.push(Block::Picture(policy(shown.plan)?));
     }
@@ -39,16 +39,16 @@ pub fn print(shown: &Shown<'_>, is_run: bool, out: &mut impl Write) -> Result<()
     Ok(write!(out, "{}", html(&title, &blocks))?)
 }
 
-/// In place of the policy.
-const TOO_VAST: &str = "The maze has too many cells for a picture of its policy.";
+/// The text that replaces the picture of the policy.
+const TOO_LARGE: &str = "The maze has too many cells for a picture of its policy.";
 
-/// What the columns of the rules say.
+/// The meaning of the columns.
 const LEGEND: &str = "**if**: the condition; **covers**: percepts of this world that it matches; \
     **value**: the prediction of the reward; **error**: its mean absolute error; **fitness**: the \
     weight of its vote; **num**: numerosity, classifiers that the rule stands for; **exp**: how often \
     it was updated.";
 
-/// The policy over the maze after the last episode.
+/// Draws the policy over the maze after the last episode.
 fn policy(plan: &Plan) -> Result<Picture, Failure> {
     Ok(Picture {
         name: "policy",
@@ -57,7 +57,7 @@ fn policy(plan: &Plan) -> Result<Picture, Failure> {
     })
 }
 
-/// Where the rules lead in each cell, and which of them decides.
+/// Adds the best actions in each cell, and the deciding rule.
 fn add_cells(shown: &Shown<'_>, blocks: &mut Vec<Block>) {
     let maze = &shown.plan.maze;
     let cells: Vec<Cell> = maze
@@ -70,8 +70,8 @@ fn add_cells(shown: &Shown<'_>, blocks: &mut Vec<Block>) {
     blocks.push(Block::Heading("In each cell".to_owned()));
     if cells.len() > MOST_CELLS {
         blocks.push(Block::Text(format!(
-            "Not listed for the {} free cells of this maze: {MOST_CELLS} at most are. `xcscr rules RUN \
-             --why COL,ROW` tells it for one.",
+            "Not listed: this maze has {} free cells, and at most {MOST_CELLS} are listed. `xcscr rules RUN \
+             --why COL,ROW` explains one cell.",
             cells.len()
         )));
         return;

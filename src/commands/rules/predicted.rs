@@ -1,9 +1,9 @@
-//! What a learner foresees, in words.
+//! The transition generalisation of a learner, in words.
 
 use xcscr::agent::{CollisionRule, Knowledge, ReturnRule};
 use xcscr::trial::Plan;
 
-/// A line for each rule of the foresight; none without foresight.
+/// Returns a line for each rule of the transition generalisation; none without it.
 pub fn lines(knowledge: &Knowledge, plan: &Plan) -> Vec<String> {
     let Some(generalisation) = knowledge.generalisation() else {
         return Vec::new();
@@ -15,10 +15,10 @@ pub fn lines(knowledge: &Knowledge, plan: &Plan) -> Vec<String> {
     let returns = generalisation
         .returns
         .iter()
-        .map(|rule| way_back(rule, plan));
+        .map(|rule| inverse_action(rule, plan));
     let mut lines: Vec<String> = Vec::new();
     for line in collisions.chain(returns) {
-        // Rules can differ in bits that no percept has, and read the same.
+        // Rules can differ in bits that no percept has, and then have the same words.
         if !lines.contains(&line) {
             lines.push(line);
         }
@@ -26,7 +26,7 @@ pub fn lines(knowledge: &Knowledge, plan: &Plan) -> Vec<String> {
     lines
 }
 
-fn way_back(rule: &ReturnRule, plan: &Plan) -> String {
+fn inverse_action(rule: &ReturnRule, plan: &Plan) -> String {
     let ReturnRule { turn, hits, misses } = rule;
     let (turn, all) = (turn.index(), hits + misses);
     let undoing = match 360 * turn / plan.maze.action_count() {

@@ -1,4 +1,4 @@
-//! `xcscr rules --why`: why the rules choose what they choose in a cell.
+//! `xcscr rules --why`: explains the choice in a cell.
 
 use std::io::Write;
 
@@ -15,10 +15,11 @@ use xcscr::agent::Knowledge;
 
 /// The most rules that are shown for one action.
 const MOST_VOTES: usize = 5;
-/// The most episodes that are told of a rule's history.
+/// The most episodes that are shown of a rule's history.
 const MOST_EXAMPLES: usize = 5;
 
-/// Tells why, in words; `is_run`: can the run be repeated, so that its history can be told?
+/// Prints the explanation. `is_run` is true if the run can be repeated, so that the history of the
+/// rule is available.
 pub fn print(
     (plan, knowledge): (&Plan, &Knowledge),
     cell: Cell,
@@ -28,13 +29,13 @@ pub fn print(
     let Plan { maze, config } = plan;
     let why = Why::at(plan, knowledge, cell);
     let (world, sensor) = (maze.name(), config.sensor);
-    let moment = match knowledge {
+    let note = match knowledge {
         Knowledge::Remembering { .. } => ", as if an episode began there",
         _ => "",
     };
     writeln!(
         out,
-        "{world}, {}, cell {},{}{moment}",
+        "{world}, {}, cell {},{}{note}",
         sensor.name(),
         cell.col,
         cell.row
@@ -50,7 +51,7 @@ pub fn print(
     }
 }
 
-/// Where it goes, and the value of each action.
+/// Formats the best actions, and the value of each action.
 fn choice(plan: &Plan, why: &Why) -> String {
     let name = |action| plan.maze.action_name(action);
     let best: Vec<String> = why.values.best_actions().map(name).collect();
@@ -69,7 +70,7 @@ fn choice(plan: &Plan, why: &Why) -> String {
     }
 }
 
-/// The strongest of the rules that match.
+/// Prints the strongest matching rules.
 fn print_votes(
     (plan, knowledge): (&Plan, &Knowledge),
     why: &Why,
@@ -128,7 +129,7 @@ fn print_changes(why: &Why, plan: &Plan, out: &mut impl Write) -> Result<(), Fai
     {
         let place = match cell {
             Some(Cell { col, row }) => format!(" (as in cell {col},{row})"),
-            None => " (nowhere in this world)".to_owned(),
+            None => " (in no cell of this world)".to_owned(),
         };
         let name = plan.maze.action_name(*action);
         let line = format!("  {name:<11} with {}{place}", words.join(", "));
@@ -137,7 +138,7 @@ fn print_changes(why: &Why, plan: &Plan, out: &mut impl Write) -> Result<(), Fai
     match why.changes.is_empty() {
         true => Ok(writeln!(
             out,
-            "  nowhere else, whatever one or two cells around were"
+            "  nowhere else, for any change of one or two surrounding cells"
         )?),
         false => Ok(()),
     }

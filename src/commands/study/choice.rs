@@ -1,4 +1,4 @@
-//! Which study, and what the command line changes in it.
+//! The study, and its overrides on the command line.
 
 use std::path::PathBuf;
 
@@ -7,11 +7,11 @@ use xcscr::study::{Overrides, Protocol, StudyError, StudyFile};
 
 use crate::commands::choices;
 
-/// A study, and what is otherwise than its file says.
+/// A study and its overrides.
 #[derive(Debug, clap::Args)]
 pub(super) struct ChoiceArgs {
-    /// A study file (TOML), or one of the studies that come with the program, such as paper or
-    /// ablation (a name that does not exist lists them all).
+    /// Study file (TOML), or the name of a bundled study, such as paper or ablation (an unknown
+    /// name lists them all).
     study: PathBuf,
     /// Trials of each method in each world.
     #[arg(long, value_name = "N")]
@@ -22,7 +22,7 @@ pub(super) struct ChoiceArgs {
     /// Root seed of all trials.
     #[arg(long, value_name = "S", value_parser = choices::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Run in this arena instead of the study's.
+    /// Arena to use instead of the study's.
     #[arg(long, value_parser = choices::arena())]
     arena: Option<ArenaKind>,
     /// Override one setting of all trials, such as `xcs.beta=0.1`.
@@ -31,7 +31,7 @@ pub(super) struct ChoiceArgs {
 }
 
 impl ChoiceArgs {
-    /// The study, frozen.
+    /// Returns the study's protocol.
     pub fn protocol(&self) -> Result<Protocol, StudyError> {
         let overrides = Overrides {
             trials: self.trials,

@@ -1,4 +1,4 @@
-//! `xcscr study`: many trials, and what they say.
+//! `xcscr study`: runs studies of many trials and reports their results.
 
 mod choice;
 mod plan;
@@ -30,24 +30,25 @@ use submit::SubmitArgs;
 use task::TaskArgs;
 use tune::TuneArgs;
 
-/// What to do with studies.
+/// Subcommands of `study`.
 #[derive(Debug, Subcommand)]
 pub enum StudyCommand {
     /// Run a study, or resume an interrupted one.
     Run(RunArgs),
     /// List the keys of a study file, with an example of each.
     Keys,
-    /// Show what would be run, and split it into tasks for many machines.
+    /// Show the trials of a study, and split them into tasks for many machines.
     Plan(PlanArgs),
     /// Submit the tasks of a study to a cluster, or those that are missing or failed.
     Submit(SubmitArgs),
-    /// Run one task of a planned study: what the jobs of a cluster do.
+    /// Run one task of a planned study (called by cluster jobs).
     Task(TaskArgs),
-    /// Search for the best of the settings that a study varies: all begin with few seeds, the worse half
-    /// is dropped after each rung, and the best two meet on fresh seeds.
+    /// Search for the best of the settings that a study varies. All candidates begin with few
+    /// seeds, the worse half is dropped after each rung, and the best two are compared on fresh
+    /// seeds.
     Tune(TuneArgs),
-    /// List the missing and failed trials of a study, or of its shards together; of a planned study,
-    /// its tasks, and which of them to submit again.
+    /// List the missing and failed trials of a study, or of several shards of a study. For a
+    /// planned study, list its tasks and those to submit again.
     Status {
         /// Folders of one study.
         #[arg(required = true, value_name = "DIR")]
@@ -59,52 +60,53 @@ pub enum StudyCommand {
         #[arg(long)]
         json: bool,
     },
-    /// Merge the shards of a study, in any order, or the tasks of a planned one, into one folder.
+    /// Merge the shards of a study, in any order, or the tasks of a planned study, into one folder.
     Merge {
         /// Folders of one study.
         #[arg(required = true, value_name = "DIR")]
         folders: Vec<PathBuf>,
-        /// The folder of the whole study; for a planned study, `result` in its folder unless given.
+        /// Folder of the merged study; for a planned study, `result` in its folder by default.
         #[arg(short, long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// Write a row for each episode into episodes.csv.gz. The trials are run again for that.
+        /// Write a row for each episode into episodes.csv.gz. This repeats the trials.
         #[arg(long)]
         episodes_csv: bool,
-        /// Replace another study in this folder, and what was changed by hand.
+        /// Replace another study in this folder, and changes made by hand.
         #[arg(long)]
         force: bool,
     },
-    /// Write a row for each episode of a study into episodes.csv.gz in its folder. The trials are run again for that.
+    /// Write a row for each episode of a study into episodes.csv.gz in its folder. This repeats the
+    /// trials.
     Episodes {
         /// The folder of a study.
         folder: PathBuf,
-        /// Trials at a time; 0 for as many as there are cores.
+        /// Number of parallel trials; 0 for as many as there are cores.
         #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
         jobs: u16,
-        /// Replace a table that holds something else, such as changes by hand.
+        /// Replace a table with different content, such as changes made by hand.
         #[arg(long)]
         force: bool,
     },
     /// Print the result of a study, and write report.md, report.html and the figures into its
-    /// folder. Of a study that is not finished, print the table of its finished trials, without
-    /// tests, and write nothing.
+    /// folder. For an unfinished study, print the table of its finished trials, without tests, and
+    /// write nothing.
     Report {
         /// The folder of a study.
         folder: PathBuf,
-        /// Replace a report and figures that hold something else, such as changes by hand.
+        /// Replace a report and figures with different content, such as changes made by hand.
         #[arg(long)]
         force: bool,
-        /// Print the report in this format: for a terminal, as Markdown, as one HTML page that
-        /// needs no other file, or as one JSON document.
+        /// Print the report in this format: for a terminal, as Markdown, as one self-contained HTML
+        /// page, or as one JSON document.
         #[arg(long, value_enum, value_name = "FORMAT", default_value_t = Format::Text)]
         format: Format,
-        /// The same as `--format json`.
+        /// Same as `--format json`.
         #[arg(long, conflicts_with = "format")]
         json: bool,
     },
 }
 
-/// How a report is printed.
+/// The output format of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// For a terminal.
@@ -118,7 +120,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// JSON if `json` asks for it.
+    /// Returns JSON if `json` is set.
     fn or_json(self, json: bool) -> Self {
         if json { Self::Json } else { self }
     }
@@ -132,16 +134,16 @@ pub struct RunArgs {
     /// The folder of the study [default: studies/<name>].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Run only one part of several, such as 2/7.
+    /// Run only one of several shards, such as 2/7.
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
-    /// Trials at a time; 0 for as many as there are cores.
+    /// Number of parallel trials; 0 for as many as there are cores.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     jobs: u16,
-    /// Replace another study in this folder, and what was changed by hand.
+    /// Replace another study in this folder, and changes made by hand.
     #[arg(long)]
     force: bool,
-    /// Write a row for each episode into episodes.csv.gz at the end. The trials are run again for that.
+    /// Write a row for each episode into episodes.csv.gz at the end. This repeats the trials.
     #[arg(long, conflicts_with = "shard")]
     episodes_csv: bool,
     /// Print one JSON document instead of the report.
@@ -152,7 +154,7 @@ pub struct RunArgs {
     quiet: bool,
 }
 
-/// Runs one of the study commands.
+/// Runs a subcommand of `study`.
 pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> {
     match command {
         StudyCommand::Run(args) => run_trials(args, out),
@@ -288,8 +290,8 @@ fn episodes(path: &Path, jobs: usize, force: bool) -> Result<(), Failure> {
     Ok(Report::new(&folder).write(&folder)?)
 }
 
-/// Writes the table of episodes of a complete study. The report of before, which has no learning curves, may then be replaced,
-/// unless it was changed by hand.
+/// Writes the table of episodes of a complete study. The existing report, which has no learning
+/// curves, may then be replaced, unless it was changed by hand.
 fn with_episodes(folder: StudyFolder, jobs: usize) -> Result<StudyFolder, Failure> {
     Report::new(&folder).write(&folder)?;
     write_episodes(&folder, jobs)?;
@@ -300,13 +302,13 @@ fn write_episodes(folder: &StudyFolder, jobs: usize) -> Result<(), Failure> {
     let interrupt = Interrupt::notice()?;
     let written = folder.write_episodes(jobs, &|| interrupt.came());
     if written.is_err() && interrupt.came() {
-        let message = "interrupted; nothing was written, so run it again";
+        let message = "interrupted; nothing was written: run the same command again";
         return Err(Failure::new(Exit::Interrupted, message));
     }
     Ok(written?)
 }
 
-/// Says on stderr what speaks against arms of a study, once for all arms of which the same is true.
+/// Prints warnings about the arms of a study on stderr, each only once.
 fn say_warnings(protocol: &Protocol) {
     let mut said = BTreeSet::new();
     for plan in protocol.arm_plans() {
@@ -319,9 +321,9 @@ fn say_warnings(protocol: &Protocol) {
     }
 }
 
-/// Reports a complete study; of another one, prints what its finished trials say.
+/// Reports a complete study. For an incomplete study, prints the results of its finished trials.
 fn report(path: &Path, force: bool, format: Format, out: &mut impl Write) -> Result<(), Failure> {
-    // A study that runs can be looked at, but nothing can be written beside it.
+    // A running study can be read, but nothing can be written to its folder.
     let (folder, busy) = match StudyFolder::read_locked(path) {
         Err(busy @ StudyError::Locked { .. }) => (StudyFolder::read(path)?, Some(busy)),
         folder => (folder?, None),
@@ -343,7 +345,7 @@ fn finish(folder: &StudyFolder, format: Format, out: &mut impl Write) -> Result<
     refuse_failed(folder)
 }
 
-/// Prints a report, and where it is if it was written.
+/// Prints a report, and its address if it was written.
 fn print_report(
     report: &Report,
     format: Format,

@@ -1,4 +1,4 @@
-//! `xcscr study plan`: what would be run.
+//! `xcscr study plan`: shows the trials of a study.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use crate::commands::terminal::say;
 pub struct PlanArgs {
     #[command(flatten)]
     choice: ChoiceArgs,
-    /// Number of tasks to split it into, each one job of a cluster.
+    /// Number of tasks to split the study into, each one cluster job.
     #[arg(long, value_name = "N")]
     tasks: Option<usize>,
     /// Freeze the study in this folder, for `study task` and `study submit`.
@@ -27,7 +27,7 @@ pub struct PlanArgs {
     json: bool,
 }
 
-/// What would be run, as `study plan --json` prints it.
+/// The outline of a study, as `study plan --json` prints it.
 #[derive(Debug, Serialize)]
 struct Outline {
     study: String,
@@ -41,7 +41,7 @@ struct Outline {
     tasks: Option<usize>,
 }
 
-/// Prints what would be run, and freezes it if there is a folder for it.
+/// Prints the outline of a study, and freezes the study if there is a folder for it.
 pub(super) fn run(args: &PlanArgs, out: &mut impl Write) -> Result<(), Failure> {
     let protocol = args.choice.protocol()?;
     super::say_warnings(&protocol);
@@ -53,7 +53,7 @@ pub(super) fn run(args: &PlanArgs, out: &mut impl Write) -> Result<(), Failure> 
         }
     }
     if args.out.is_none() && !args.json {
-        say("nothing was written: with `--tasks` and `--out` the study is frozen in a folder");
+        say("nothing was written: use `--tasks` and `--out` to freeze the study in a folder");
     }
     match args.json {
         true => writeln!(out, "{}", serde_json::to_string_pretty(&outline)?)?,

@@ -1,4 +1,4 @@
-//! `xcscr study status` of a planned study: its tasks.
+//! `xcscr study status` for a planned study: the states of its tasks.
 
 use std::io::Write;
 
@@ -9,14 +9,14 @@ use xcscr::study::{PlannedStudy, Slurm, TaskState};
 use super::status::head;
 use crate::commands::failure::Failure;
 
-/// What became of the tasks of a study, as `study status --json` prints it.
+/// The states of the tasks of a study, as `study status --json` prints them.
 #[derive(Debug, Serialize)]
 pub(super) struct PlannedStatus {
     study: String,
     plan: String,
     trials: usize,
     finished: usize,
-    /// How many trials failed; a merge shows them.
+    /// The number of failed trials. A merge lists them.
     failed_trials: usize,
     tasks: usize,
     complete: Vec<usize>,
@@ -24,7 +24,7 @@ pub(super) struct PlannedStatus {
     waiting: Vec<usize>,
     failed: Vec<usize>,
     missing: Vec<usize>,
-    /// What `--array=` would complete it: the failed and missing tasks.
+    /// The value of `--array=` that completes the study: the failed and missing tasks.
     array: String,
 }
 
@@ -79,8 +79,8 @@ impl PlannedStatus {
             ("complete", &self.complete),
             ("running", &self.running),
             ("waiting", &self.waiting),
-            ("failed: begun, and ended early", &self.failed),
-            ("missing: not begun", &self.missing),
+            ("failed: started but ended early", &self.failed),
+            ("missing: not started", &self.missing),
         ] {
             if !tasks.is_empty() {
                 writeln!(out, "  {name} ({}): {}", tasks.len(), Slurm::ranges(tasks))?;
@@ -92,7 +92,7 @@ impl PlannedStatus {
         Ok(self.print_next(planned, out)?)
     }
 
-    /// What there is to do now.
+    /// Prints the next command.
     fn print_next(&self, planned: &PlannedStudy, out: &mut impl Write) -> std::io::Result<()> {
         let folder = typed(planned.path());
         match (&self.array[..], self.finished == self.trials) {
@@ -100,7 +100,7 @@ impl PlannedStatus {
             ("", _) => Ok(()),
             (array, _) => writeln!(
                 out,
-                "to complete it: --array={array}, which the same `xcscr study submit` submits again"
+                "to complete it: repeat `xcscr study submit`, which submits --array={array}"
             ),
         }
     }

@@ -1,4 +1,4 @@
-//! How far a study is, while it runs.
+//! The progress of a running study.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -11,8 +11,8 @@ use crate::commands::interrupt::Interrupt;
 
 const TEMPLATE: &str = "{bar:30} trial {pos}/{len}, {eta} left";
 
-/// A progress bar on stderr, when that is a terminal. It wipes itself away at the end. A signal
-/// ends the study after the trials that are running.
+/// A progress bar on stderr, if stderr is a terminal. The bar is cleared at the end. A signal ends
+/// the study after the running trials.
 pub(super) struct Progress {
     bar: ProgressBar,
     interrupt: Interrupt,
@@ -35,7 +35,7 @@ impl Progress {
         }
     }
 
-    /// The same, which counts finished trials for somebody else.
+    /// Returns the same bar, which also counts finished trials in `finished`.
     pub fn counting(mut self, finished: Arc<AtomicUsize>) -> Self {
         self.finished = finished;
         self

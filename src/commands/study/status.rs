@@ -1,4 +1,4 @@
-//! `xcscr study status`: what is finished of a study.
+//! `xcscr study status`: lists missing and failed trials.
 
 use std::io::Write;
 
@@ -7,10 +7,10 @@ use xcscr::study::{Arm, Shard, Slurm, StudyFolder};
 
 use crate::commands::failure::Failure;
 
-/// Up to so many arms of which every trial is listed have a line of their own.
+/// The most arms with all trials listed that get a line each.
 const MANY_ARMS: usize = 8;
 
-/// What is finished of a study, as `study status --json` prints it.
+/// The status of a study, as `study status --json` prints it.
 #[derive(Debug, Serialize)]
 pub(super) struct Status {
     study: String,
@@ -19,17 +19,17 @@ pub(super) struct Status {
     finished: usize,
     failed: Vec<usize>,
     missing: Vec<usize>,
-    /// How the trials of each arm are called, and how many there are.
+    /// The names of the arms, and the number of trials in each.
     #[serde(skip)]
     arms: (Vec<String>, usize),
-    /// The shards that have trials to run.
+    /// The shards with trials left to run.
     #[serde(skip_serializing_if = "Option::is_none")]
     shards: Option<Vec<String>>,
 }
 
 impl Status {
-    /// Trials of the study, numbered as in trials.csv: a line for each arm, but one for all arms of which
-    /// every trial is listed, if these are many.
+    /// Lists trials, numbered as in trials.csv, with one line for each arm. If there are many arms
+    /// of which every trial is listed, they share one line.
     fn listed(&self, trials: &[usize]) -> Vec<String> {
         let (names, per_arm) = &self.arms;
         let arms = trials.chunk_by(|a, b| a / per_arm == b / per_arm);
@@ -98,12 +98,12 @@ impl Status {
     }
 }
 
-/// The line that a status begins with.
+/// Returns the first line of a status.
 pub(super) fn head(study: &str, plan: &str, finished: usize, trials: usize) -> String {
     format!("study {study}, plan {plan}: {finished} of {trials} trials finished")
 }
 
-/// What the trials of an arm have in common, in words.
+/// Describes the common properties of an arm's trials.
 pub(super) fn name(arm: &Arm) -> String {
     let words = [
         &arm.world,

@@ -1,4 +1,4 @@
-//! `xcscr study submit`: the tasks of a study, given to a cluster.
+//! `xcscr study submit`: submits the tasks of a study to a cluster.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -14,45 +14,45 @@ use crate::commands::failure::Failure;
 pub struct SubmitArgs {
     #[command(flatten)]
     choice: ChoiceArgs,
-    /// What runs the jobs of the cluster.
+    /// Workload manager of the cluster.
     #[arg(long, value_enum, default_value_t = Engine::Slurm)]
     engine: Engine,
-    /// Into how many tasks the study is split, each a job of its own; aim for 5 to 30 minutes of
-    /// work each. Fixed by the first submission.
+    /// Number of tasks to split the study into, each one job; aim for 5 to 30 minutes of work each.
+    /// Fixed by the first submission.
     #[arg(long, value_name = "N")]
     tasks: Option<usize>,
-    /// The time limit of a task, such as 45m, 1h or 2d. A task that needs longer is
-    /// interrupted, and resumed later.
+    /// Time limit of a task, such as 45m, 1h or 2d. A task that needs longer is interrupted and can
+    /// be resumed.
     #[arg(long, value_name = "TIME", value_parser = minutes)]
     time: u64,
-    /// The partition of the cluster.
+    /// Partition of the cluster.
     #[arg(long, value_name = "NAME", value_parser = partition)]
     partition: Option<String>,
-    /// Processors of a task, each of which runs a trial at a time [default: 1].
+    /// Processors of a task, each of which runs one trial at a time [default: 1].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     cpus: Option<u32>,
-    /// The memory of a task, such as 500M or 2G [default: what the cluster gives].
+    /// Memory of a task, such as 500M or 2G [default: set by the cluster].
     #[arg(long, value_name = "SIZE", value_parser = megabytes)]
     mem: Option<u32>,
-    /// The most tasks that run at a time.
+    /// Maximum number of tasks that run at the same time.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
     array_limit: Option<u32>,
-    /// The folder of the study, on a file system that all machines of the cluster see.
+    /// Folder of the study, on a file system that all machines of the cluster share.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Print the scripts and commands, and do nothing.
+    /// Print the scripts and commands without running them.
     #[arg(long)]
     dry_run: bool,
 }
 
-/// What runs the jobs of a cluster.
+/// A workload manager.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Engine {
-    /// An array job, and a job that merges what it leaves.
+    /// Slurm: an array job, and a job that merges its results.
     Slurm,
 }
 
-/// Submits what is neither finished nor in the queue.
+/// Submits the tasks that are neither finished nor in the queue.
 pub(super) fn run(args: &SubmitArgs, out: &mut impl Write) -> Result<(), Failure> {
     let Engine::Slurm = args.engine;
     let protocol = args.choice.protocol()?;
@@ -69,7 +69,7 @@ pub(super) fn run(args: &SubmitArgs, out: &mut impl Write) -> Result<(), Failure
     if args.dry_run {
         return show(&slurm, &planned, out);
     }
-    // Before anything is frozen.
+    // Fails before anything is frozen.
     Slurm::require()?;
     planned.make()?;
     let queue = match Slurm::knows(&planned) {
@@ -90,11 +90,11 @@ pub(super) fn run(args: &SubmitArgs, out: &mut impl Write) -> Result<(), Failure
     )?;
     Ok(writeln!(
         out,
-        "how far they are: xcscr study status {folder}"
+        "show their progress: xcscr study status {folder}"
     )?)
 }
 
-/// The tasks that are neither finished nor in the queue.
+/// Returns the tasks that are neither finished nor in the queue.
 fn open_tasks(planned: &PlannedStudy, queue: &[Queued]) -> Result<Vec<usize>, Failure> {
     let states = planned.survey()?.states(queue).into_iter();
     let open = states.filter(|(_, state)| matches!(state, TaskState::Failed | TaskState::Missing));
@@ -109,7 +109,7 @@ fn nothing_to_do(planned: &PlannedStudy, queue: &[Queued]) -> String {
     }
 }
 
-/// Prints what would be written and done.
+/// Prints the scripts and the commands that submit them.
 fn show(slurm: &Slurm, planned: &PlannedStudy, out: &mut impl Write) -> Result<(), Failure> {
     let tasks = match PlannedStudy::is_in(planned.path()) {
         true => open_tasks(planned, &[])?,
@@ -128,7 +128,7 @@ fn show(slurm: &Slurm, planned: &PlannedStudy, out: &mut impl Write) -> Result<(
     )?)
 }
 
-/// Whole minutes, as Slurm counts.
+/// Parses a duration to minutes, the unit of Slurm.
 fn minutes(text: &str) -> Result<u64, String> {
     let units = [("m", 1), ("h", 60), ("d", 24 * 60)];
     let read = |(unit, minutes): (&str, u64)| {
@@ -143,7 +143,7 @@ fn minutes(text: &str) -> Result<u64, String> {
         })
 }
 
-/// Whole megabytes.
+/// Parses a size to megabytes.
 fn megabytes(text: &str) -> Result<u32, String> {
     let units = [("M", 1), ("G", 1024)];
     let read = |(unit, megabytes): (&str, u32)| {
@@ -157,7 +157,7 @@ fn megabytes(text: &str) -> Result<u32, String> {
     megabytes.ok_or_else(|| "write megabytes or gigabytes, such as 500M or 2G".to_owned())
 }
 
-/// A name that stays one word in a script.
+/// Parses a partition name that needs no quoting in a script.
 fn partition(text: &str) -> Result<String, String> {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.,".contains(c);
     match !text.is_empty() && text.chars().all(is_plain) {

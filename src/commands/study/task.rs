@@ -1,4 +1,4 @@
-//! `xcscr study task`: one task of a planned study.
+//! `xcscr study task`: runs one task of a planned study.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub struct TaskArgs {
     folder: PathBuf,
     /// The task, counted from 1.
     task: usize,
-    /// Trials at a time; 0 for as many as there are cores.
+    /// Number of parallel trials; 0 for as many as there are cores.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     jobs: u16,
     /// Do not show progress.
@@ -26,7 +26,7 @@ pub struct TaskArgs {
     quiet: bool,
 }
 
-/// Runs what is missing of a task. Trials that failed are results, of which the merge tells.
+/// Runs the missing trials of a task. Failed trials are results, which the merge reports.
 pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
     let planned = PlannedStudy::read(&args.folder)?;
     let task = args.task;
@@ -43,13 +43,14 @@ pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
     let all = survey.trials();
     if !args.quiet {
         say(&format!(
-            "task {task}: all {all} trials are finished, {finished} of them now"
+            "task {task}: all {all} trials are finished, {finished} of them in this run"
         ));
     }
     Ok(())
 }
 
-/// What to say after a signal. A task that finished nothing would not do so another time either.
+/// Returns the failure after a signal. A task that finished no trial would not finish one when
+/// repeated either.
 fn interrupted(task: usize, finished: usize) -> Failure {
     match finished {
         0 => Failure::new(

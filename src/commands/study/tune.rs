@@ -1,4 +1,4 @@
-//! `xcscr study tune`: which settings are best.
+//! `xcscr study tune`: searches for the best settings.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -17,17 +17,17 @@ use crate::commands::interrupt::Interrupt;
 pub struct TuneArgs {
     #[command(flatten)]
     choice: ChoiceArgs,
-    /// Trials that the search may run in all, not counting those of the final.
+    /// Total number of trials of the search, without those of the final.
     #[arg(long, value_name = "N")]
     budget: usize,
-    /// The folder of the search.
+    /// Folder of the search.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Split each rung into this many tasks for a cluster, and stop when there are tasks to
-    /// run; run them with `study task`, then repeat this command.
+    /// Split each rung into this many tasks for a cluster, and stop when there are tasks to run.
+    /// Run them with `study task`, then repeat this command.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     tasks: Option<u32>,
-    /// Trials at a time; 0 for as many as there are cores.
+    /// Number of parallel trials; 0 for as many as there are cores.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     jobs: u16,
     /// Do not show progress.
@@ -35,7 +35,7 @@ pub struct TuneArgs {
     quiet: bool,
 }
 
-/// Goes on with a search, to its end unless a cluster is to run its tasks.
+/// Continues a search to its end, or until a cluster must run tasks.
 pub(super) fn run(args: &TuneArgs, out: &mut impl Write) -> Result<(), Failure> {
     let protocol = args.choice.protocol()?;
     super::say_warnings(&protocol);
@@ -60,7 +60,7 @@ pub(super) fn run(args: &TuneArgs, out: &mut impl Write) -> Result<(), Failure> 
 
 const INTERRUPTED: &str = "the search was interrupted; run the same command again to resume it";
 
-/// What a cluster is to run before the search goes on.
+/// Returns the failure that names the tasks to run on a cluster.
 fn to_run(planned: &PlannedStudy) -> Failure {
     let (folder, tasks) = (typed(planned.path()), planned.tasks());
     let message = format!(
@@ -71,12 +71,12 @@ fn to_run(planned: &PlannedStudy) -> Failure {
     Failure::new(Exit::Interrupted, message)
 }
 
-/// Prints how the search went, and what the finalists came to on fresh seeds.
+/// Prints the course of the search, and the results of the finalists on fresh seeds.
 fn show(found: &Found, out: &mut impl Write) -> Result<(), Failure> {
     for (i, rung) in found.rungs.iter().enumerate() {
         writeln!(
             out,
-            "rung {}, {} seeds more in each world",
+            "rung {}, {} more seeds in each world",
             i + 1,
             rung.seeds
         )?;
@@ -85,8 +85,8 @@ fn show(found: &Found, out: &mut impl Write) -> Result<(), Failure> {
     let Found { budget, spent, .. } = found;
     writeln!(
         out,
-        "episodes: the mean until the policy was optimal; trials that never were count with one more \
-         than they had. behind: behind the best with the same seeds, with its standard error.\n\
+        "episodes: the mean until the policy was optimal; trials in which it never was count as one \
+         more than they ran. behind: difference from the best with the same seeds, with its standard error.\n\
          The search took {spent} of {budget} trials. On fresh seeds:\n"
     )?;
     let folder = found.last.merge(&found.last.result())?;

@@ -1,9 +1,9 @@
 
-/// Sixteen beams, clockwise from north: the number of free cells that each goes through, at most seven. The
-/// beams between the eight directions go two cells along and one across.
+/// Writes sixteen beams, clockwise from north: the number of free cells that each beam crosses, at
+/// most seven. A beam between two of the eight directions goes two cells along and one across.
 fn set_ring(percept: &mut Percept, is_free: impl Fn(i32, i32) -> bool) {
     for beam in 0..16 {
-        // Of the directions beside the beam the one that is no diagonal, and the diagonal.
+        // Of the two directions next to the beam: first the straight one, then the diagonal.
         let along = CLOCKWISE[(beam / 2 + usize::from(beam % 4 == 3)) % 8];
         let diagonal = CLOCKWISE[(beam / 2 + usize::from(beam % 4 == 1)) % 8];
         let across = match beam % 2 {

@@ -1,5 +1,5 @@
 
-/// A percept, as `decide` takes it: bit i is bit i % 8 of byte i / 8.
+/// A percept in the form that `decide` takes: bit i is bit i % 8 of byte i / 8.
 pub type Percept = [u8; PERCEPT_BYTES];
 const EMPTY: Percept = [0; PERCEPT_BYTES];
 

@@ -1,9 +1,10 @@
 
-// From a pose to a percept. Lengths are in metres. Poses are in the map frame, whose x, y and yaw of the
-// grid's south-western corner are `ORIGIN_*`. Column 0 is in the west of the grid, row 0 in the north; north
-// is the y axis of the map frame, turned by the yaw of the origin.
+// Conversion from a pose to a percept. Lengths are in metres. Poses are in the map frame. The
+// constants `ORIGIN_*` are the x, y and yaw of the grid's south-western corner in the map frame.
+// Column 0 is in the west of the grid, row 0 in the north. North is the y axis of the map frame,
+// turned by the yaw of the origin.
 
-/// The largest whole number that is not above this one, within a billion.
+/// Returns the largest whole number that is not greater than `number`, limited to a billion.
 fn floor(number: f64) -> i32 {
     if number.is_nan() || number <= -1e9 {
         return -1_000_000_000;
@@ -19,14 +20,15 @@ fn grid_from_map(x_m: f64, y_m: f64) -> [f64; 2] {
     [x * ORIGIN_COSINE + y * ORIGIN_SINE, y * ORIGIN_COSINE - x * ORIGIN_SINE]
 }
 
-/// The cell that holds a point of the map frame: column and row; `None` outside of the grid.
+/// Returns the column and row of the cell that contains a point of the map frame; `None` outside of
+/// the grid.
 pub fn cell_from_pose(x_m: f64, y_m: f64) -> Option<(u16, u16)> {
     let [east, north] = grid_from_map(x_m, y_m).map(|at_m| floor(at_m / CELL_SIZE_M));
     let is_inside = (0..i32::from(COLUMNS)).contains(&east) && (0..i32::from(ROWS)).contains(&north);
     is_inside.then(|| (east as u16, ROWS - 1 - north as u16))
 }
 
-/// The middle of a cell in the map frame: x and y in metres.
+/// Returns the centre of a cell in the map frame: x and y in metres.
 pub fn pose_of_cell(column: u16, row: u16) -> (f64, f64) {
     let east_m = (f64::from(column) + 0.5) * CELL_SIZE_M;
     let north_m = (f64::from(ROWS) - f64::from(row) - 0.5) * CELL_SIZE_M;
@@ -39,16 +41,16 @@ pub fn pose_of_cell(column: u16, row: u16) -> (f64, f64) {
 /// The state of a cell.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CellState {
-    /// A robot can stand there.
+    /// Free; a robot can stand there.
     Free,
     /// Occupied.
     Wall,
-    /// A robot can stand there, and wants to.
+    /// A goal; a robot can stand there.
     Goal,
 }
 
-/// Returns the state of the cell so many cells to the east and to the north of a robot in the cell
-/// (column, row); outside of the grid are walls.
+/// Returns the state of the cell at an offset to the east and to the north of a robot in the cell
+/// (column, row). Everything outside of the grid is a wall.
 fn state_at(
     look_up: &impl Fn(u16, u16) -> CellState,
     [column, row]: [u16; 2],
@@ -66,14 +68,15 @@ fn state_at(
     }
 }
 
-/// Writes a number into so many bits of a percept, the highest first.
+/// Writes a number into `bits` bits of a percept, the highest first.
 fn set_number(percept: &mut Percept, first: usize, bits: usize, number: u16) {
     for bit in (0..bits).filter(|bit| number >> (bits - 1 - bit) & 1 == 1) {
         set(percept, first + bit);
     }
 }
 
-/// A percept of which only column and row are written, behind the bits of the cells around, if it has them.
+/// Returns a percept with only the column and the row. They follow the bits of the surrounding
+/// cells, if the percept has these.
 fn percept_in(column: u16, row: u16) -> Percept {
     let mut percept = EMPTY;
     set_number(&mut percept, RING_BITS, COLUMN_BITS, column);
@@ -81,11 +84,11 @@ fn percept_in(column: u16, row: u16) -> Percept {
     percept
 }
 
-/// East and north of the eight directions, clockwise from north.
+/// East and north components of the eight directions, clockwise from north.
 const CLOCKWISE: [[i32; 2]; 8] = [[0, 1], [1, 1], [1, 0], [1, -1], [0, -1], [-1, -1], [-1, 0], [-1, 1]];
 
-/// The percept of a robot in the middle of a cell; `look_up` returns the state of a cell (column, row) of
-/// the grid.
+/// Returns the percept of a robot in the middle of a cell. `look_up` returns the state of a cell
+/// (column, row) of the grid.
 pub fn percept_from_map(column: u16, row: u16, look_up: impl Fn(u16, u16) -> CellState) -> Percept {
     let mut percept = percept_in(column, row);
     set_ring_from_map(&mut percept, |east, north| state_at(&look_up, [column, row], east, north));

@@ -1,19 +1,19 @@
-//! From a pose to a percept, in exported source code: the grid in the map frame, the robot's figures, and
-//! percepts from a map or from a scan.
+//! Exported source code that converts a pose to a percept: the grid in the map frame, the robot's
+//! dimensions, and percepts from a map or from a scan.
 //!
-//! What is the same in every export lies beside this file as source code of its language. It is placed
-//! behind constants that come from the plan.
+//! The parts that are the same in every export are files of source code in this folder. They are
+//! placed after constants that come from the plan.
 
 use std::fmt::Write;
 
 use super::Provenance;
 use crate::sensor::Sensor;
 
-/// A robot that a scan follows may stand so many cells from where the scan began: it moves by one, and its
-/// estimate may jump by another.
+/// The most cells between the robot and the cell in which its scan began: it moves by one cell, and
+/// its estimate may jump by another.
 const MOVES: usize = 2;
 
-/// The code that is the same in every export of a language.
+/// The code that is the same in every export to a language.
 struct Code {
     frame: &'static str,
     neighbours: &'static str,
@@ -59,7 +59,7 @@ const PYTHON: Code = Code {
 };
 
 impl Code {
-    /// The parts that a sensor needs.
+    /// Returns the parts that a sensor needs.
     fn of(&self, sensor: Sensor) -> String {
         let ring: &[&str] = match sensor {
             Sensor::Neighbours | Sensor::Position | Sensor::NeighboursPosition => {
@@ -74,7 +74,7 @@ impl Code {
     }
 }
 
-/// How far from its beginning a scan knows something, in cells; `None` of percepts that no scan shows.
+/// Returns how many cells in each direction a scan stores; `None` for percepts that no scan shows.
 fn reach(sensor: Sensor) -> Option<usize> {
     let looked_at = match sensor {
         Sensor::Neighbours | Sensor::Position | Sensor::NeighboursPosition => return None,
@@ -85,17 +85,17 @@ fn reach(sensor: Sensor) -> Option<usize> {
     Some(looked_at + MOVES)
 }
 
-/// The form in which the policy takes percepts.
+/// The representation of percepts that the policy takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {
     /// Bytes; in Python a string of 0 and 1.
     Bytes,
-    /// A number of 16 bits.
+    /// A 16-bit number.
     Number,
 }
 
 impl Form {
-    /// As C code.
+    /// Returns the declarations in C.
     fn c99(self) -> &'static str {
         match self {
             Self::Bytes => {
@@ -109,7 +109,7 @@ impl Form {
         }
     }
 
-    /// As Rust code.
+    /// Returns the declarations in Rust.
     fn rust(self) -> &'static str {
         match self {
             Self::Bytes => include_str!("bytes.rs"),
@@ -122,15 +122,15 @@ impl Form {
 #[derive(Debug, Clone, Copy)]
 enum Value {
     Real(f64),
-    /// A whole number, and its type in Rust.
+    /// An integer, and its type in Rust.
     Whole(usize, &'static str),
     Flag(bool),
 }
 
-/// A constant: its name, its value, and what it is.
+/// A constant: its name, its value and its description.
 type Constant = (&'static str, Value, &'static str);
 
-/// All constants of an export.
+/// Returns all constants of an export.
 fn constants(provenance: &Provenance) -> Vec<Constant> {
     use Value::{Flag, Real, Whole};
     let (maze, sensor) = (provenance.maze(), provenance.sensor());
@@ -149,7 +149,7 @@ fn constants(provenance: &Provenance) -> Vec<Constant> {
             Whole(maze.height().into(), "u16"),
             "cells from north to south",
         ),
-        ("WRAPS", Flag(maze.wraps()), "do the edges join?"),
+        ("WRAPS", Flag(maze.wraps()), "whether the edges join"),
         (
             "ORIGIN_X_M",
             Real(corner.x_m),
@@ -181,17 +181,17 @@ fn constants(provenance: &Provenance) -> Vec<Constant> {
             (
                 "WHEEL_BASE_M",
                 Real(robot.wheel_base_m),
-                "distance between its wheels, m",
+                "distance between the wheels, m",
             ),
             (
                 "MAX_SPEED_MPS",
                 Real(robot.max_speed_mps),
-                "its largest speed, m/s",
+                "maximum speed of the robot, m/s",
             ),
             (
                 "MAX_TURN_RADPS",
                 Real(robot.max_turn_radps),
-                "its largest turn rate, rad/s",
+                "maximum turn rate of the robot, rad/s",
             ),
         ]);
     }
@@ -214,7 +214,7 @@ fn constants(provenance: &Provenance) -> Vec<Constant> {
             (
                 "SCAN_REACH",
                 Whole(reach, "i32"),
-                "cells that a scan looks at, each way",
+                "cells that a scan covers in each direction",
             ),
             (
                 "SCAN_NEAREST_M",
@@ -224,14 +224,14 @@ fn constants(provenance: &Provenance) -> Vec<Constant> {
             (
                 "SCAN_LOST_RANGE_M",
                 Real(lost_m),
-                "how far a beam that does not come back is followed, m",
+                "assumed range of a beam that does not come back, m",
             ),
         ]);
     }
     all
 }
 
-/// The section of a C99 header.
+/// Returns the section of a C99 header.
 pub(super) fn c99(provenance: &Provenance, form: Form) -> String {
     let mut text = String::from("\n/* The world, the robot and the percept. */\n");
     for (name, value, what) in constants(provenance) {
@@ -246,7 +246,7 @@ pub(super) fn c99(provenance: &Provenance, form: Form) -> String {
     text + form.c99() + &C.of(provenance.sensor())
 }
 
-/// The section of a Rust module.
+/// Returns the section of a Rust module.
 pub(super) fn rust(provenance: &Provenance, form: Form) -> String {
     let mut text = String::from("\n// The world, the robot and the percept.\n");
     for (name, value, what) in constants(provenance) {
@@ -260,7 +260,7 @@ pub(super) fn rust(provenance: &Provenance, form: Form) -> String {
     text + form.rust() + &RUST.of(provenance.sensor())
 }
 
-/// The section of a Python module that imports `math`.
+/// Returns the section of a Python module. The module must import `math`.
 pub(super) fn python(provenance: &Provenance, form: Form) -> String {
     let mut text = String::from("\n\n# The world, the robot and the percept.\n");
     let form = (

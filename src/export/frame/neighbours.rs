@@ -1,5 +1,5 @@
 
-/// The cells around the robot, clockwise from north: free 00, wall 01, goal 11.
+/// Writes the states of the surrounding cells, clockwise from north: free 00, wall 01, goal 11.
 fn set_ring_from_map(percept: &mut Percept, state: impl Fn(i32, i32) -> CellState) {
     for (at, [east, north]) in CLOCKWISE.into_iter().enumerate().take(RING_BITS / 2) {
         let state = state(east, north);

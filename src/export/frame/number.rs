@@ -1,5 +1,5 @@
 
-/// A percept, as a tracker takes it: the first sixteen bits, the first one lowest.
+/// A percept in the form that a tracker takes: the first sixteen bits, the first one lowest.
 pub type Percept = u16;
 const EMPTY: Percept = 0;
 

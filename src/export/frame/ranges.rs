@@ -1,6 +1,6 @@
 
-/// For each main direction, clockwise from north: is it free for one cell, for two, for three, and is the
-/// diagonal cell free that follows clockwise?
+/// Writes four bits for each main direction, clockwise from north. The first three are set if one,
+/// two and three cells are free. The fourth is set if the next diagonal cell, clockwise, is free.
 fn set_ring(percept: &mut Percept, is_free: impl Fn(i32, i32) -> bool) {
     for quarter in 0..4 {
         let free = free_cells(&is_free, &[CLOCKWISE[2 * quarter]], 3);

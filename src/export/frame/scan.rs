@@ -5,21 +5,23 @@ const FREE: i32 = 30;
 /// Evidence of a beam that came back, and of a beam that did not.
 const HIT: i32 = 20;
 const LOST: i32 = 7;
-/// Cells of less than 1 m shrink the two lengths below in proportion.
+/// In cells smaller than 1 m, the two lengths below are reduced in proportion.
 const SCALE: f64 = if CELL_SIZE_M < 1.0 { CELL_SIZE_M } else { 1.0 };
-/// A beam gives no evidence about a cell in which it travels less than this, in metres, plus a share of its range.
+/// The least distance that a beam must travel in a cell to give evidence about it: metres, plus a
+/// share of its range.
 const GRAZE_M: f64 = 0.15 * SCALE;
 const GRAZE_SHARE: f64 = 0.02;
-/// A beam that ends more than this from every line of the grid, in metres, is an outlier.
+/// A beam is an outlier if its end is farther than this from every line of the grid, in metres.
 const STRAY_M: f64 = 0.2 * SCALE;
-/// From this range in metres on, nothing came back.
+/// Ranges of this many metres or more mean that nothing came back.
 const MOST_M: f64 = 1e4;
 
-/// A percept from a scan. Begin at the estimated pose, add the beams one by one, and take the percept.
+/// A percept from a scan. Begin at the estimated pose, add the beams one by one, and read the
+/// percept.
 ///
-/// Begin a new scan with each action. If the robot moves during the scan, call `move_to` with the pose of each
-/// beam before adding the beam, and at the end with the pose at which the robot stands. Walls lie on the lines
-/// of the grid. A cell with too little evidence counts as a wall.
+/// Begin a new scan with each action. If the robot moves during the scan, call `move_to` with the
+/// pose of each beam before adding the beam, and at the end with the final pose of the robot. Walls
+/// are on the lines of the grid. A cell with too little evidence counts as a wall.
 #[derive(Clone)]
 pub struct Scan {
     /// The pose of the next beams in the grid frame: metres, cosine and sine of the heading.
@@ -115,7 +117,7 @@ impl Scan {
         percept
     }
 
-    /// Returns where the evidence about a cell is stored, if the scan stores it.
+    /// Returns the index of the evidence about a cell, if the scan stores it.
     fn index(&self, column: i32, row: i32) -> Option<[usize; 2]> {
         let index = [column - self.middle[0], row - self.middle[1]].map(|at| (at + SCAN_REACH) as usize);
         index.iter().all(|&at| at < SIDE).then_some(index)
@@ -130,9 +132,9 @@ impl Scan {
 struct Axis {
     cell: i32,
     step: i32,
-    /// Distance along the ray to the next cell.
+    /// Distance along the ray to the next cell boundary.
     next: f64,
-    /// Distance along the ray between two crossings.
+    /// Distance along the ray between two cell boundaries.
     every: f64,
 }
 

@@ -1,5 +1,6 @@
 
-/// Counts the cells that a beam goes through until it meets a wall, with these steps in turn.
+/// Counts the free cells that a beam crosses until it meets a wall. The beam repeats the given
+/// steps.
 fn free_cells(is_free: &impl Fn(i32, i32) -> bool, strides: &[[i32; 2]], most: usize) -> usize {
     let mut at = [0, 0];
     let passes = |stride: &&[i32; 2]| {

@@ -1,17 +1,17 @@
-//! What a rule demands, as an expression of a programming language.
+//! Formats the condition of a rule as an expression of a programming language.
 
 use crate::agent::{Demand, Part, demands};
 use xcs::Condition;
 
-/// How a language writes it.
+/// The syntax of a language.
 pub struct Language {
-    /// Before the name of a part.
+    /// The prefix of the name of a part.
     pub of: &'static str,
-    /// Between demands.
+    /// The operator between demands.
     pub and: &'static str,
 }
 
-/// The demands of a condition; `None` if it demands nothing.
+/// Returns the demands of a condition as an expression; `None` if the condition matches everything.
 pub fn expression(condition: &Condition, language: &Language) -> Option<String> {
     let terms: Vec<String> = demands(condition)
         .into_iter()
@@ -33,8 +33,8 @@ fn name(part: Part) -> &'static str {
         Part::Percept => "percept",
         Part::X => "x",
         Part::Y => "y",
-        Part::Chart => "map",
-        Part::Eaten => "collected",
+        Part::Map => "map",
+        Part::Collected => "collected",
         Part::Last => "last",
         Part::Before => "before",
     }

@@ -6,45 +6,46 @@ use crate::agent::{Map, pomdp::GOAL};
 use crate::export::quantised::{ExportError, MOST_STATES};
 use xcs::Action;
 
-/// The maps of a map with at most [`MOST_STATES`] states.
+/// The maps of a learner, with at most [`MOST_STATES`] states.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapTable {
-    /// The state in which all episodes begin, if that is known.
+    /// The state in which all episodes begin, if it is known.
     pub begin: Option<u16>,
-    /// The probability that another action than the chosen one is executed, each with the same chance.
+    /// The probability that another action is executed than the chosen one. The other actions are
+    /// equally likely.
     pub slip: f64,
-    /// The probability that a cell is misread.
+    /// The probability that a cell is observed wrongly.
     #[serde(rename = "observation_error")]
     pub observation_error: f64,
-    /// Does the tracker not look at whether the robot bumped?
+    /// True if the tracker ignores collisions.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub unfelt: bool,
     states: Vec<State>,
 }
 
-/// A state: a place, and what was found before.
+/// A state: a cell of a map, and the rewards collected so far.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct State {
-    /// What is perceived.
+    /// The percept in this state.
     pub percept: u16,
     /// Cells to the east of the goal.
     pub x: i16,
-    /// Cells to the north of it.
+    /// Cells to the north of the goal.
     pub y: i16,
     /// The number of the map.
     #[serde(rename = "map")]
     pub map: u8,
-    /// As bits: which rewards of the map were found.
+    /// A bit mask of the rewards of the map that were collected.
     pub collected: u8,
-    /// By action: the state that it leads to; none for the goal.
+    /// The next state for each action; `None` for the goal.
     pub next: Vec<Option<u16>>,
 }
 
 impl MapTable {
-    /// The maps of a map.
+    /// Converts a learner's maps to a table.
     ///
     /// # Errors
-    /// When it has no states, or too many.
+    /// When there are no states, or too many.
     pub fn new(map: &Map) -> Result<Self, ExportError> {
         match map.pomdp.states() {
             0 => return Err(ExportError::Empty),
@@ -62,34 +63,34 @@ impl MapTable {
         })
     }
 
-    /// How many rewards the maps know.
+    /// Returns the number of rewards on the maps.
     pub fn rewards(&self) -> u32 {
         let found = self.states.iter().map(|state| state.collected.count_ones());
         found.max().unwrap_or(0)
     }
 
-    /// All states.
+    /// Returns all states.
     pub fn states(&self) -> &[State] {
         &self.states
     }
 
-    /// What they take as constants, and what a tracker does that has so many bytes beside its beliefs,
-    /// as lines for a comment.
+    /// Returns the memory that the constants and a tracker take, as lines for a comment. `beside`
+    /// is the number of bytes of the tracker apart from its beliefs.
     pub fn costs(&self, actions: usize, beside: usize) -> String {
         let (states, state) = (self.states.len(), 2 * actions + 6);
         let (weight, kind) = match self.is_exact() {
-            true => (2, "whole numbers"),
+            true => (2, "integers"),
             false => (8, "doubles"),
         };
         let tracker = (2 * states * weight + beside).next_multiple_of(weight.max(4));
         format!(
-            "It takes {states} states of {state} bytes, together {} bytes of constants, and {tracker} bytes of \
+            "The policy takes {states} states of {state} bytes, together {} bytes of constants, and {tracker} bytes of \
              memory\nfor a tracker. Beliefs are {kind}. No allocation, no recursion, no libm.\n",
             states * state
         )
     }
 
-    /// Are moves exact and percepts right? Then beliefs are whole numbers.
+    /// Returns true if moves and percepts are exact. Beliefs are then integers.
     pub fn is_exact(&self) -> bool {
         self.slip == 0.0 && self.observation_error == 0.0
     }
@@ -111,14 +112,14 @@ impl State {
         }
     }
 
-    /// The states that the actions lead to as a list, with this for the goal.
+    /// Returns the list of next states, with `goal` for the goal.
     pub fn successors(&self, goal: &str) -> String {
         let next: Vec<String> = self.next.iter().map(|&next| named(next, goal)).collect();
         next.join(", ")
     }
 }
 
-/// A state, or the name of none.
+/// Formats a state, or `none` if there is none.
 pub fn named(state: Option<u16>, none: &str) -> String {
     state.map_or(none.to_owned(), |state| state.to_string())
 }

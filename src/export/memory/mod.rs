@@ -1,4 +1,4 @@
-//! Rules with a memory: the maps that they go by as a table, and a tracker of where the robot is.
+//! Exports rules with a map: the maps as a table, and a tracker that localises the robot on them.
 
 pub(super) mod c99;
 mod maps;

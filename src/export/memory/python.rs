@@ -1,4 +1,4 @@
-//! The policy with its maps as a Python module.
+//! Exports the policy with its maps as a Python module.
 
 use std::fmt::Write;
 
@@ -11,25 +11,25 @@ use crate::export::comments::PYTHON as COMMENTS;
 use crate::export::python::names;
 use crate::export::{Provenance, QuantisedPolicy, WeightedRule};
 
-/// How Python writes demands.
+/// Python syntax for conditions.
 const PYTHON: Language = Language {
     of: "",
     and: " and ",
 };
 
-/// How to use it.
+/// Usage in Python.
 const CALLS: Calls = Calls {
-    begin: "make a Tracker()",
+    begin: "create a Tracker()",
     step: "action = tracker.perceive(percept, bumped, rewarded)",
     percept: " as a number, see BITS",
     none: " None:\ntake ",
 };
 
-/// What is the same in every module.
+/// The part that is the same in every module.
 const TRACKER: &str = r#"
 
 def decide(context):
-    """The action for a context, the first of equals; None where no rule matches."""
+    """Returns the action for a context, the first of equals; None if no rule matches."""
     sums = [[0, 0] for _ in ACTIONS]
     for action, weight, value in votes(*context):
         sums[action][0] += value * weight
@@ -42,24 +42,24 @@ def decide(context):
 
 
 def found_in(state):
-    """How many rewards were found."""
+    """Returns the number of rewards collected in a state."""
     return bin(STATES[state][4]).count("1")
 
 
-def letter(percept, at):
-    """One of the eight cells around the robot. A goal that is not barred, 1, means nothing: most cells
-    are free, 0."""
-    letter = percept >> at & 3
-    return 0 if letter == 1 else letter
+def cell_state(percept, at):
+    """Returns the state of one of the eight surrounding cells. The value 1 is not a cell state. It counts
+    as 0 (free), because most cells are free."""
+    state = percept >> at & 3
+    return 0 if state == 1 else state
 
 
 def differences(a, b):
-    """In how many of these cells two percepts differ."""
-    return sum(letter(a, at) != letter(b, at) for at in range(0, 16, 2))
+    """Returns in how many of these cells two percepts differ."""
+    return sum(cell_state(a, at) != cell_state(b, at) for at in range(0, 16, 2))
 
 
 def total(weights):
-    """Their sum, added up one by one: sum() rounds otherwise in newer versions of Python."""
+    """Returns the sum, added one by one: sum() rounds differently in newer versions of Python."""
     total = 0.0
     for weight in weights:
         total += weight
@@ -67,7 +67,7 @@ def total(weights):
 
 
 def settled(weights):
-    """Weights by state, without the negligible, that add up to 1."""
+    """Returns the weights without negligible ones, normalised to a sum of 1."""
     least = {NEGLIGIBLE} * total(weights[state] for state in sorted(weights))
     kept = [(state, weights[state]) for state in sorted(weights) if weights[state] > least]
     whole = total(weight for _, weight in kept)
@@ -75,7 +75,7 @@ def settled(weights):
 
 
 class Tracker:
-    """What is remembered of an episode."""
+    """The state of an episode."""
 
     def __init__(self):
         self.belief = {} if BEGIN is None else {BEGIN: 1.0}  # the probability of each state
@@ -85,31 +85,31 @@ class Tracker:
         self.found = 0
 
     def perceive(self, percept, bumped=False, rewarded=False):
-        """The action for what is perceived now, and what came of the action before it."""
+        """Returns the action for a percept. bumped and rewarded describe the result of the last action."""
         if self.action is not None:
             self.before = self.last
             self.last = 1 | self.action << 1 | self.percept << 4
         percept &= 0xFFFF
         if OBSERVATION_ERROR > 0.0:
-            self.locate_doubtingly(percept, bool(bumped), bool(rewarded))
+            self.locate_noisy(percept, bool(bumped), bool(rewarded))
         else:
             self.locate(percept, bool(rewarded))
         self.action = decide(self.context())
         return self.action
 
     def likeliest(self):
-        """The likeliest state, the first of several; None if nothing is believed."""
+        """Returns the likeliest state, the first of several; None if the belief is empty."""
         return max(self.belief, key=self.belief.get, default=None)
 
     def context(self):
-        """What rules look at: the percept; of the likeliest state the cells to the east and to the north
-        of the goal, the number of the map, as bits the rewards found; the last two steps."""
+        """Returns the input of the rules: the percept; of the likeliest state the cells to the east and to
+        the north of the goal, the number of the map and the bit mask of rewards; the last two steps."""
         likeliest = self.likeliest()
         place = (0, 0, 0, 0) if likeliest is None else STATES[likeliest][1:5]
         return (self.percept, *place, self.last, self.before)
 
     def moves(self):
-        """From, to and weight of all that may come of the last action."""
+        """Yields each possible transition after the last action: from, to and weight."""
         for state, weight in self.belief.items():
             after = STATES[state][5]
             yield state, after[self.action], weight * (1.0 - SLIP)
@@ -119,7 +119,7 @@ class Tracker:
                         yield state, to, weight * (SLIP / (len(ACTIONS) - 1))
 
     def follow(self, fits):
-        """What is believed after the last action, if from and to fit."""
+        """Returns the belief after the last action, from the transitions that fit."""
         weights = {}
         for state, to, weight in self.moves():
             if to is not None and fits(state, to):
@@ -127,7 +127,7 @@ class Tracker:
         return settled(weights)
 
     def locate(self, percept, rewarded):
-        """Where the robot may be if percepts are right."""
+        """Updates the belief with an exact percept."""
         self.percept = percept
 
         def looks(state, found):
@@ -137,7 +137,7 @@ class Tracker:
             if self.belief and all(looks(state, self.found) for state in self.belief):
                 return
         else:
-            # A reward that was not predicted, or did not come, still tells where the robot is.
+            # A reward that was not predicted, or did not come, still gives evidence about the state.
             for found in (self.found + rewarded, self.found + (not rewarded)):
                 belief = self.follow(lambda _, to: looks(to, found))
                 if belief:
@@ -152,9 +152,10 @@ class Tracker:
         least = min(strange.values(), default=0)
         self.belief = settled({state: 1.0 for state in strange if strange[state] == least})
 
-    def locate_doubtingly(self, percept, bumped, rewarded):
-        """Where the robot may be if percepts may have errors: all states weighed by what was expected, and
-        by how much of what is perceived would be wrong there. With a small probability it is anywhere."""
+    def locate_noisy(self, percept, bumped, rewarded):
+        """Updates the belief with a percept that may have errors. Each state is weighted by its prediction
+        and by the number of observation errors that it implies. With a small probability the robot is in
+        any state."""
         if self.action is None:
             expected, mislocalised = self.belief, {BEGUN_ELSEWHERE}
         else:
@@ -174,12 +175,12 @@ class Tracker:
         self.percept = percept if likeliest is None else STATES[likeliest][0]
 "#;
 
-/// The module.
+/// Returns the module.
 pub fn text(quantised: &QuantisedPolicy, maps: &MapTable, provenance: &Provenance) -> String {
     let mut text = COMMENTS.head(quantised, provenance);
     text.push_str(&COMMENTS.of(&usage(&CALLS, maps)));
     text.push_str(
-        "\nimport math\n\n# What each bit of a percept says when it is 1, the lowest first.\n",
+        "\nimport math\n\n# The meaning of each bit of a percept when it is 1, the lowest first.\n",
     );
     text.push_str(&names(quantised, PERCEPT_BITS, provenance));
     text.push('\n');
@@ -199,14 +200,14 @@ pub fn text(quantised: &QuantisedPolicy, maps: &MapTable, provenance: &Provenanc
     text
 }
 
-/// The maps.
+/// Returns the maps.
 fn states(maps: &MapTable) -> String {
     let begin = named(maps.begin, "None");
     let mut text = format!(
-        "# How likely another action is executed instead, how likely a cell is observed wrongly, and how many rewards the map knows.\n\
-         SLIP = {:?}\nMISREAD = {:?}\nREWARDS = {}\n\n# The state in which all episodes begin, if there is one.\n\
+        "# The probabilities that another action is executed and that a cell is observed wrongly, and the number of rewards.\n\
+         SLIP = {:?}\nOBSERVATION_ERROR = {:?}\nREWARDS = {}\n\n# The state in which all episodes begin, if there is one.\n\
          BEGIN = {begin}\n\n# States: the percept, cells to the east and to the north of the goal, the number \
-         of the map (each is\n# drawn around one goal), as bits the rewards found, and by action the next \
+         of the map (each is\n# drawn around one goal), the bit mask of rewards, and by action the next \
          state (None: the goal).\nSTATES = [\n",
         maps.slip,
         maps.observation_error,
@@ -231,7 +232,7 @@ fn states(maps: &MapTable) -> String {
     text
 }
 
-/// The rules as statements.
+/// Returns the rules as statements.
 fn rules(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = String::from(
         "\n\ndef votes(percept, x, y, map, collected, last, before):\n    \

@@ -1,4 +1,4 @@
-//! Builds a highlights recording: segment after segment, with captions.
+//! Builds a highlights recording segment by segment, with captions.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -20,37 +20,39 @@ use crate::record::write::log_file::LogFile;
 use crate::record::write::sink::Packing;
 use crate::world::Maze;
 
-/// What came of a segment stands for so long after it.
+/// The result of a segment is shown for this time after the segment.
 const PAUSE_NS: u64 = 2_000_000_000;
-/// In a pause the robot is shown where it is so often; no viewer lets it glide to the next start.
+/// The interval of poses in a pause. Frequent poses keep viewers from interpolating to the next
+/// start.
 const HOLD_NS: u64 = 500_000_000;
-/// The last hold is so long before the pause ends.
+/// The time from the last repeated pose to the end of the pause.
 const INSTANT_NS: u64 = 1_000_000;
-/// For how long the last drive may be shown.
+/// The maximum duration of the last drive.
 const DRIVE_NS: u64 = 20_000_000_000;
 
-/// The most messages of one topic that are shown of an episode: 100 a second where it is shown for
-/// 20 s, more often than viewers draw. Of longer episodes every second one is shown, or every third,
-/// and so on, so that the size of the highlights recording does not depend on the number of steps.
-pub(super) const MOST_SHOWN: u64 = 2_000;
+/// The maximum number of messages per topic that are shown of an episode: 100 a second if the
+/// episode is shown for 20 s, which is more than viewers draw. Of longer episodes, every second or every
+/// third message is shown, and so on. The size of the highlights recording thus does not depend on
+/// the number of steps.
+pub(super) const MAX_SHOWN: u64 = 2_000;
 
-/// Builds a highlights recording, which is kept in memory as the packed bytes of its file.
+/// Builds a highlights recording in memory, as the packed bytes of its file.
 pub struct HighlightsBuilder<'a> {
     log: LogFile<Vec<u8>>,
     maze: &'a Maze,
     info: RunInfo,
     mode: RecordMode,
     senses: bool,
-    /// The learning curve of the whole run, as `/curve` has it.
+    /// The learning curve of the whole run, as a message of `/curve`.
     curve: Vec<u8>,
     heading: String,
     now_ns: u64,
-    /// Where each frame was last.
+    /// The last pose of each frame.
     frames: BTreeMap<String, FrameTransform>,
     is_begun: bool,
 }
 
-/// The fields of `/episode` that count here.
+/// The fields of `/episode` that are used here.
 #[derive(Deserialize)]
 struct Figures {
     outcome: String,
@@ -60,11 +62,11 @@ struct Figures {
 }
 
 impl<'a> HighlightsBuilder<'a> {
-    /// Begins a recording of episodes that were recorded in `mode`. The learning `curve` of the whole run is shown from the first
-    /// moment on. `senses` is true for a robot that estimates its pose.
+    /// Begins a recording of episodes that were recorded in `mode`. The learning `curve` of the
+    /// whole run is shown from the start. `senses` is true for a robot that estimates its pose.
     ///
     /// # Errors
-    /// None that has been seen: there is room in memory.
+    /// If the header cannot be encoded, which is not expected in memory.
     pub fn new(
         maze: &'a Maze,
         info: RunInfo,
@@ -72,9 +74,9 @@ impl<'a> HighlightsBuilder<'a> {
         curve: Vec<u8>,
         senses: bool,
     ) -> Result<Self, RecordError> {
-        let begun = begun(maze, &info, mode, senses);
+        let log = create_log(maze, &info, mode, senses);
         Ok(Self {
-            log: begun.map_err(unwritten)?,
+            log: log.map_err(write_error)?,
             maze,
             heading: info.heading(maze.name()),
             info,
@@ -87,10 +89,10 @@ impl<'a> HighlightsBuilder<'a> {
         })
     }
 
-    /// Shows an episode.
+    /// Adds an episode.
     ///
     /// # Errors
-    /// When its recording is damaged.
+    /// If its recording is damaged.
     pub fn segment(&mut self, segment: &Segment, episode: &Recording) -> Result<(), RecordError> {
         let figures = self.play(&segment.title(false), episode, segment.most_ns(), None)?;
         let arrows = match segment.changed {
@@ -102,10 +104,10 @@ impl<'a> HighlightsBuilder<'a> {
         self.close(&title, &format!("{}; {arrows}", result(&figures)))
     }
 
-    /// Shows what was learned: an episode that neither learns nor explores.
+    /// Adds the drive of the learned policy: an episode without learning and exploration.
     ///
     /// # Errors
-    /// When its recording is damaged.
+    /// If its recording is damaged.
     pub fn drive(&mut self, episodes: u32, drive: &Recording) -> Result<(), RecordError> {
         let title = format!("After {episodes} episodes: greedy, exploration off");
         let figures = self.play(&title, drive, DRIVE_NS, Some(episodes))?;
@@ -120,9 +122,9 @@ impl<'a> HighlightsBuilder<'a> {
     /// Returns the recording as the bytes of a file.
     ///
     /// # Errors
-    /// None that has been seen: there is room in memory.
+    /// If the index cannot be encoded, which is not expected in memory.
     pub fn finish(self) -> Result<Vec<u8>, RecordError> {
-        self.log.finish().map_err(unwritten)
+        self.log.finish().map_err(write_error)
     }
 
     /// Returns the topics of the recording.
@@ -130,30 +132,30 @@ impl<'a> HighlightsBuilder<'a> {
         Topic::of_episode(self.senses, false)
     }
 
-    /// How its episodes were recorded.
+    /// Returns the mode in which the episodes were recorded.
     pub(super) fn mode(&self) -> RecordMode {
         self.mode
     }
 
-    /// The facts of the run.
+    /// Returns the facts of the run.
     pub(super) fn info(&self) -> &RunInfo {
         &self.info
     }
 
-    /// World, method and seed.
+    /// Returns world, method, arena, sensor and seed.
     pub(super) fn heading(&self) -> &str {
         &self.heading
     }
 
-    /// The maze of the run.
+    /// Returns the maze of the run.
     pub(super) fn maze(&self) -> &Maze {
         self.maze
     }
 
-    /// Holds the shorter of two recordings until it is as long as the other.
+    /// Extends the shorter of two recordings with its last poses to the length of the other.
     ///
     /// # Errors
-    /// None that has been seen: there is room in memory.
+    /// If a message cannot be encoded, which is not expected in memory.
     pub fn catch_up(&mut self, other: &mut Self) -> Result<(), RecordError> {
         let end_ns = self.now_ns.max(other.now_ns);
         for highlights in [self, other] {
@@ -164,7 +166,7 @@ impl<'a> HighlightsBuilder<'a> {
         Ok(())
     }
 
-    /// Copies an episode, under another number if one is given, and returns its figures.
+    /// Copies an episode and returns its figures. A `number` replaces the episode's own number.
     fn play(
         &mut self,
         title: &str,
@@ -188,7 +190,7 @@ impl<'a> HighlightsBuilder<'a> {
             speed if speed > 1.05 => format!("shown {speed:.1} times as fast"),
             _ => String::new(),
         };
-        self.say(title, &remark)?;
+        self.show_caption(title, &remark)?;
         let damaged = |fault: String| episode.damaged(fault);
         let mut figures = Err(damaged("it has no /episode".to_owned()));
         let mut numbers = [0; Topic::ALL.len()];
@@ -217,7 +219,8 @@ impl<'a> HighlightsBuilder<'a> {
         figures
     }
 
-    /// Is a topic of an episode copied? Captions and the curve are the recording's own, and the maze is written once.
+    /// Returns true if a topic of an episode is copied. Captions and the curve are the recording's
+    /// own, and the maze is written once.
     fn wants(&self, topic: Topic) -> bool {
         match topic {
             Topic::Caption | Topic::Curve => false,
@@ -226,7 +229,7 @@ impl<'a> HighlightsBuilder<'a> {
         }
     }
 
-    /// Remembers where each frame is.
+    /// Stores the pose of each frame.
     fn follow(&mut self, data: &[u8]) -> Result<(), String> {
         let message: FrameTransforms = decoded(data)?;
         let named = message.transforms.into_iter();
@@ -235,15 +238,15 @@ impl<'a> HighlightsBuilder<'a> {
         Ok(())
     }
 
-    /// Says what came of a segment, while nothing moves.
+    /// Shows the result of a segment while nothing moves.
     fn close(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
-        self.say(title, remark)?;
+        self.show_caption(title, remark)?;
         let line = log::segment(&format!("{title}: {remark}"), self.now_ns);
         self.write(self.now_ns, Topic::Log, &encoded(&line))?;
         self.hold_until(self.now_ns + PAUSE_NS)
     }
 
-    /// Shows all frames where they were, until a moment.
+    /// Repeats the last poses of all frames until a time.
     fn hold_until(&mut self, end_ns: u64) -> Result<(), RecordError> {
         let begin_ns = self.now_ns;
         let holds = (0..).map(|n| begin_ns + n * HOLD_NS);
@@ -256,7 +259,7 @@ impl<'a> HighlightsBuilder<'a> {
         Ok(())
     }
 
-    /// Shows all frames where they were.
+    /// Repeats the last poses of all frames once.
     fn hold(&mut self, time_ns: u64) -> Result<(), RecordError> {
         let stay = |frame: &FrameTransform| FrameTransform {
             timestamp: Some(timestamp(time_ns)),
@@ -268,7 +271,7 @@ impl<'a> HighlightsBuilder<'a> {
         self.write(time_ns, Topic::Transforms, &encoded(&message))
     }
 
-    fn say(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
+    fn show_caption(&mut self, title: &str, remark: &str) -> Result<(), RecordError> {
         let caption = Caption {
             title: title.to_owned(),
             remark: remark.to_owned(),
@@ -280,12 +283,12 @@ impl<'a> HighlightsBuilder<'a> {
 
     fn write(&mut self, time_ns: u64, topic: Topic, data: &[u8]) -> Result<(), RecordError> {
         let written = self.log.message(topic, time_ns, data);
-        written.map_err(unwritten)
+        written.map_err(write_error)
     }
 }
 
-/// A file with all that comes before the first message.
-fn begun(
+/// Creates a file with everything that precedes the first message.
+fn create_log(
     maze: &Maze,
     info: &RunInfo,
     mode: RecordMode,
@@ -303,11 +306,11 @@ fn begun(
     Ok(log)
 }
 
-/// How long a recorded episode is.
+/// The duration and the size of a recorded episode.
 struct Length {
     from_ns: u64,
     to_ns: u64,
-    /// By [`Topic`]: its messages.
+    /// The number of messages by [`Topic`].
     messages: [u64; Topic::ALL.len()],
 }
 
@@ -330,15 +333,16 @@ impl Length {
         })
     }
 
-    /// Is message `number` of a topic, from 1, shown? The first and the last one always are.
+    /// Returns true if message `number` of a topic, from 1, is shown. The first and the last one
+    /// always are.
     fn shows(&self, topic: Topic, number: u64) -> bool {
         let all = self.messages[topic as usize];
-        let every = all.div_ceil(MOST_SHOWN).max(1);
+        let every = all.div_ceil(MAX_SHOWN).max(1);
         (number - 1).is_multiple_of(every) || number == all
     }
 }
 
-/// What an episode came to, in words.
+/// Returns the result of an episode as text.
 fn result(figures: &Figures) -> String {
     let how = match figures.outcome.as_str() {
         "goal" => "reached the goal",
@@ -348,7 +352,7 @@ fn result(figures: &Figures) -> String {
     format!("{how} after {steps} steps, {hits} collisions")
 }
 
-pub(super) fn unwritten(cause: McapError) -> RecordError {
+pub(super) fn write_error(cause: McapError) -> RecordError {
     RecordError::Write {
         path: PathBuf::from(RecordingKind::Highlights.file_name()),
         cause: cause.to_string(),

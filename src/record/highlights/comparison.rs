@@ -1,5 +1,5 @@
-//! The highlights of two runs side by side, in one recording: topics and frames of the first below `/a`, those of
-//! the second below `/b`.
+//! The highlights of two runs side by side in one recording. The topics and frames of the first run
+//! are below `/a`, and those of the second below `/b`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,7 +8,7 @@ use foxglove::messages::{FrameTransforms, SceneUpdate};
 use mcap::McapResult;
 use mcap::records::{MessageHeader, Metadata};
 
-use super::builder::{HighlightsBuilder, unwritten};
+use super::builder::{HighlightsBuilder, write_error};
 use super::retime::{decoded, encoded};
 use crate::record::error::RecordError;
 use crate::record::info::RecordingKind;
@@ -24,35 +24,35 @@ pub struct Comparison {
     pub bytes: Vec<u8>,
     /// A layout that shows both sides.
     pub layout: String,
-    /// World, method and seed of each side.
+    /// World, method, arena, sensor and seed of each side.
     pub headings: [String; 2],
 }
 
-/// Puts the highlights of two runs side by side.
+/// Combines the highlights of two runs side by side.
 ///
 /// # Errors
-/// None that has been seen: both can be read, and there is room in memory.
+/// If a recording cannot be read back or written, which is not expected in memory.
 pub fn compare_highlights(
     highlights: [HighlightsBuilder<'_>; 2],
 ) -> Result<Comparison, RecordError> {
     let [a, b] = &highlights;
     let layout = layout::of_comparison([a.maze(), b.maze()], [a.heading(), b.heading()]);
     let headings = [a.heading(), b.heading()].map(str::to_owned);
-    let (mut out, channels) = begun(&highlights, &layout).map_err(unwritten)?;
+    let (mut out, channels) = create(&highlights, &layout).map_err(write_error)?;
     let [a, b] = highlights.map(read_again);
     merge(&[a?, b?], &mut out, &channels)?;
     Ok(Comparison {
-        bytes: sink::finish(out).map_err(unwritten)?,
+        bytes: sink::finish(out).map_err(write_error)?,
         layout,
         headings,
     })
 }
 
-/// The channel of each side's topics.
+/// The channels by side and topic.
 type Channels = BTreeMap<(usize, usize), u16>;
 
-/// A file with all that comes before the first message.
-fn begun(
+/// Creates a file with everything that precedes the first message.
+fn create(
     highlights: &[HighlightsBuilder<'_>; 2],
     layout: &str,
 ) -> McapResult<(Sink<Vec<u8>>, Channels)> {
@@ -72,7 +72,8 @@ fn begun(
     Ok((out, channels))
 }
 
-/// A highlights recording, read from its packed bytes, so that its messages never lie in memory all at once.
+/// Reads a highlights recording from its packed bytes, so that its messages are never in memory all
+/// at once.
 fn read_again(highlights: HighlightsBuilder<'_>) -> Result<Recording, RecordError> {
     Recording::from_bytes(
         Path::new(&RecordingKind::Highlights.file_name()),
@@ -80,7 +81,7 @@ fn read_again(highlights: HighlightsBuilder<'_>) -> Result<Recording, RecordErro
     )
 }
 
-/// Writes the messages of both sides in the order of time, those of the first side first.
+/// Writes the messages of both sides in order of time; on ties the first side comes first.
 fn merge(
     sides: &[Recording; 2],
     out: &mut Sink<Vec<u8>>,
@@ -104,7 +105,7 @@ fn merge(
     }
 }
 
-/// Writes a message of a side. Highlights have no beams, which one run may have recorded.
+/// Writes a message of a side. Beams, which one run may have recorded, are not part of highlights.
 fn put(
     out: &mut Sink<Vec<u8>>,
     channels: &Channels,
@@ -124,10 +125,10 @@ fn put(
     };
     let data = below(SIDES[side], topic, &message.data);
     out.write_to_known_channel(&header, &data)
-        .map_err(unwritten)
+        .map_err(write_error)
 }
 
-/// The facts of both runs, those of each below the name of its side.
+/// Writes the facts of both runs, each below the name of its side.
 fn introduce(
     out: &mut Sink<Vec<u8>>,
     highlights: &[HighlightsBuilder<'_>; 2],
@@ -170,7 +171,7 @@ fn attach(out: &mut Sink<Vec<u8>>, name: &str, text: &str) -> McapResult<()> {
     })
 }
 
-/// The message with frames of the side's own; what is in no frame stays as it is.
+/// Returns the message with the side's own frame names. Messages without frames are unchanged.
 fn below(side: &str, topic: Topic, data: &[u8]) -> Vec<u8> {
     let put = |frame: &mut String| *frame = format!("{side}/{frame}");
     let moved = match topic.message() {
@@ -190,6 +191,6 @@ fn below(side: &str, topic: Topic, data: &[u8]) -> Vec<u8> {
             return data.to_vec();
         }
     };
-    // A highlights recording holds only what could be decoded.
+    // Does not fail: a highlights recording only contains messages that could be decoded.
     moved.unwrap_or_else(|_| data.to_vec())
 }

@@ -1,5 +1,5 @@
-//! The highlights recording of a run: its turning points and a drive of the learned policy, in less than two minutes, on a
-//! clock of its own. Also the highlights of two runs, side by side.
+//! The highlights recording of a run: its turning points and a drive of the learned policy in less
+//! than two minutes, on its own clock. It can also show two runs side by side.
 
 mod builder;
 mod comparison;

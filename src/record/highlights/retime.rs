@@ -7,38 +7,38 @@ use foxglove::{Decode, Encode};
 
 use crate::record::topics::{Message, Topic, timestamp};
 
-/// Poses of a frame are at least so far apart on the clock of the highlights recording.
+/// The minimum time between two poses of a frame on the clock of the highlights recording.
 const POSE_PERIOD_NS: u64 = 50_000_000;
 
-/// A stretch of time that is moved and made shorter.
+/// The mapping of a time span to a shorter or equal span of the highlights recording.
 #[derive(Debug, Clone, Copy)]
 pub struct Tempo {
-    /// When the stretch begins on its own clock.
+    /// The start on the original clock.
     pub from_ns: u64,
-    /// How long it is there.
+    /// The original duration.
     pub length_ns: u64,
-    /// When it begins in the highlights recording.
+    /// The start in the highlights recording.
     pub begin_ns: u64,
-    /// How long it is there; at most as long as it was.
+    /// The duration in the highlights recording; at most the original duration.
     pub shown_ns: u64,
-    /// The number of the episode in the highlights recording, if it is another one there.
+    /// The episode number in the highlights recording, if it differs from the original.
     pub episode: Option<u32>,
 }
 
 impl Tempo {
-    /// A moment of the stretch on the clock of the highlights recording.
+    /// Converts a time to the clock of the highlights recording.
     pub fn at(&self, time_ns: u64) -> u64 {
         let since = u128::from(time_ns.saturating_sub(self.from_ns).min(self.length_ns));
         let shown = since * u128::from(self.shown_ns) / u128::from(self.length_ns.max(1));
         self.begin_ns + shown as u64
     }
 
-    /// How many times as fast it is shown.
+    /// Returns the speed-up factor.
     pub fn speed(&self) -> f64 {
         self.length_ns as f64 / self.shown_ns.max(1) as f64
     }
 
-    /// When it ends in the highlights recording.
+    /// Returns the end in the highlights recording.
     pub fn end_ns(&self) -> u64 {
         self.begin_ns + self.shown_ns
     }
@@ -51,7 +51,7 @@ impl Tempo {
     }
 }
 
-/// The same message at another time; `Err` says what is wrong with it.
+/// Returns the message at its new time; `Err` describes its fault.
 pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, String> {
     match topic.message() {
         Message::Frames => Ok(encoded(&frames(data, tempo)?)),
@@ -82,7 +82,7 @@ pub fn retimed(topic: Topic, data: &[u8], tempo: &Tempo) -> Result<Vec<u8>, Stri
     }
 }
 
-/// The same JSON message of another episode.
+/// Returns a JSON message with another episode number.
 fn renumbered(data: &[u8], episode: u32) -> serde_json::Result<Vec<u8>> {
     let mut fields: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(data)?;
     if let Some(number) = fields.get_mut("episode") {
@@ -91,7 +91,7 @@ fn renumbered(data: &[u8], episode: u32) -> serde_json::Result<Vec<u8>> {
     serde_json::to_vec(&fields)
 }
 
-/// The frames of a message, without poses that lie too close together.
+/// Returns the frames of a message without poses that are too close in time.
 fn frames(data: &[u8], tempo: &Tempo) -> Result<FrameTransforms, String> {
     let mut message: FrameTransforms = decoded(data)?;
     let mut last: BTreeMap<String, usize> = BTreeMap::new();
@@ -119,12 +119,12 @@ fn time_ns(frame: &FrameTransform) -> u64 {
     u64::from(stamp.sec()) * 1_000_000_000 + u64::from(stamp.nsec())
 }
 
-/// The message that these bytes are; `Err` says what is wrong with them.
+/// Decodes a message; `Err` describes the fault.
 pub fn decoded<M: Decode>(data: &[u8]) -> Result<M, String> {
     M::decode(data).map_err(|fault| fault.to_string())
 }
 
-/// The bytes of a message.
+/// Encodes a message.
 pub fn encoded(message: &impl Encode) -> Vec<u8> {
     let mut bytes = Vec::new();
     message
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stretch_is_moved_and_made_shorter_and_keeps_its_order() {
+    fn a_time_span_is_moved_and_shortened_and_keeps_its_order() {
         let tempo = Tempo {
             from_ns: 100,
             length_ns: 40,

@@ -1,4 +1,4 @@
-//! Chooses the episodes of a highlights recording.
+//! Selects the episodes of a highlights recording.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,10 +10,10 @@ use serde::Deserialize;
 use crate::record::error::RecordError;
 use crate::record::read::reader::{Message, Recording};
 use crate::record::topics::Topic;
-use crate::record::topics::policy::DART_CORNERS;
+use crate::record::topics::policy::ARROW_CORNERS;
 
-/// How many episodes are shown because the policy changed most in them.
-const MOST_CHANGES: usize = 3;
+/// The number of episodes that are shown because they changed the policy most.
+const MAX_CHANGES: usize = 3;
 
 /// Why an episode is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,12 +30,13 @@ pub struct Segment {
     /// The episode's number, from 1.
     pub episode: u32,
     reasons: Vec<Reason>,
-    /// Arrows of the policy that it changed.
+    /// The number of policy arrows that the episode changed.
     pub changed: usize,
 }
 
 impl Segment {
-    /// What is seen. That a policy is optimal is said once it is: it becomes so at the episode's end.
+    /// Returns the title. The policy becomes optimal at the episode's end, so the title says so
+    /// only if `is_over`.
     pub fn title(&self, is_over: bool) -> String {
         let is_alone = self.reasons.len() == 1;
         let reasons = self.reasons.iter().filter_map(|reason| match reason {
@@ -49,7 +50,7 @@ impl Segment {
         format!("Episode {}: {}", self.episode, reasons.join(", "))
     }
 
-    /// For how long it may be shown, in nanoseconds.
+    /// Returns the maximum duration in the recording, in nanoseconds.
     pub fn most_ns(&self) -> u64 {
         const SECOND_NS: u64 = 1_000_000_000;
         match self.reasons[0] {
@@ -59,7 +60,7 @@ impl Segment {
     }
 }
 
-/// What an episode came to.
+/// The result of an episode.
 struct Ended {
     episode: u32,
     goal: bool,
@@ -67,7 +68,7 @@ struct Ended {
     changed: usize,
 }
 
-/// The fields of `/episode` that count here.
+/// The fields of `/episode` that are used here.
 #[derive(Deserialize)]
 struct Figures {
     episode: u32,
@@ -75,10 +76,10 @@ struct Figures {
     optimal: bool,
 }
 
-/// The turning points of a run by its `run.mcap`, in their order.
+/// Returns the turning points of a run from its `run.mcap`, in order of time.
 ///
 /// # Errors
-/// When the recording is damaged.
+/// If the recording is damaged.
 pub fn segments(run: &Recording) -> Result<Vec<Segment>, RecordError> {
     let mut ended = Vec::new();
     let mut policy = Policy::default();
@@ -94,7 +95,7 @@ pub fn segments(run: &Recording) -> Result<Vec<Segment>, RecordError> {
                         episode: figures.episode,
                         goal: figures.outcome == "goal",
                         optimal: figures.optimal,
-                        // A policy that stays as it is is not shown again.
+                        // An unchanged policy is not written again, so the count is reset here.
                         changed: std::mem::take(&mut policy.changed),
                     });
                 }
@@ -105,7 +106,7 @@ pub fn segments(run: &Recording) -> Result<Vec<Segment>, RecordError> {
     Ok(chosen(&ended))
 }
 
-/// The arrows that were drawn last, and how many of them are new.
+/// The last drawn arrows, and the number of new ones.
 #[derive(Default)]
 struct Policy {
     arrows: BTreeSet<[u64; 4]>,
@@ -116,8 +117,8 @@ impl Policy {
     fn see(&mut self, run: &Recording, message: &Message) -> Result<(), RecordError> {
         let scene = SceneUpdate::decode(message.data.as_slice())
             .map_err(|fault| run.damaged(fault.to_string()))?;
-        let painted = scene.entities.iter().flat_map(|entity| &entity.triangles);
-        let arrows = painted.flat_map(|list| list.points.chunks_exact(DART_CORNERS));
+        let lists = scene.entities.iter().flat_map(|entity| &entity.triangles);
+        let arrows = lists.flat_map(|list| list.points.chunks_exact(ARROW_CORNERS));
         let arrows: BTreeSet<_> = arrows.map(corner_bits).collect();
         let only_in = |a: &BTreeSet<_>, b| a.difference(b).count();
         self.changed = only_in(&arrows, &self.arrows).max(only_in(&self.arrows, &arrows));
@@ -126,9 +127,9 @@ impl Policy {
     }
 }
 
-/// Where an arrow is, and where it points: its tip and its left corner.
-fn corner_bits(dart: &[Point3]) -> [u64; 4] {
-    let (tip, left) = (dart[0], dart[1]);
+/// Identifies an arrow's position and direction by its tip and its left corner.
+fn corner_bits(arrow: &[Point3]) -> [u64; 4] {
+    let (tip, left) = (arrow[0], arrow[1]);
     [tip.x, tip.y, left.x, left.y].map(f64::to_bits)
 }
 
@@ -145,7 +146,7 @@ fn chosen(ended: &[Ended]) -> Vec<Segment> {
     let mut changes: Vec<&Ended> = ended.iter().filter(|one| one.changed > 0).collect();
     changes.retain(|one| !reasons.contains_key(&one.episode));
     changes.sort_by_key(|one| (Reverse(one.changed), one.episode));
-    for one in changes.into_iter().take(MOST_CHANGES) {
+    for one in changes.into_iter().take(MAX_CHANGES) {
         reasons.insert(one.episode, vec![Reason::GreatChange]);
     }
     let segment = |one: &Ended| {
@@ -162,7 +163,7 @@ fn chosen(ended: &[Ended]) -> Vec<Segment> {
 mod tests {
     use super::*;
 
-    /// Titles of the segments of episodes with these goals, optima and changes.
+    /// Returns the titles of the segments of episodes with these goals, optima and changes.
     fn titles(episodes: &[(bool, bool, usize)]) -> Vec<String> {
         let numbered = (1..).zip(episodes);
         let ended: Vec<Ended> = numbered
@@ -178,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn the_turning_points_come_in_the_order_of_time_and_each_episode_once() {
+    fn turning_points_are_in_order_of_time_and_each_episode_occurs_once() {
         let run = [
             (false, false, 9),
             (false, false, 3),
@@ -201,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_called_optimal_before_it_is() {
+    fn no_title_mentions_an_optimal_policy_too_early() {
         let title = |reasons: &[Reason], is_over| {
             let segment = Segment {
                 episode: 3,
@@ -220,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn one_episode_can_be_all_of_it_and_nothing_is_claimed_that_never_was() {
+    fn one_episode_can_have_all_reasons_and_missing_events_are_not_mentioned() {
         assert_eq!(
             titles(&[(true, true, 4)]),
             ["Episode 1: how it begins, the goal for the first time, the first optimal policy"]

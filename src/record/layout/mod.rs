@@ -1,4 +1,4 @@
-//! Layouts for Foxglove and Lichtblick, which lie beside this file, fitted to a maze.
+//! Layouts for Foxglove and Lichtblick, from the JSON files in this folder, fitted to a maze.
 
 use serde_json::{Value, json};
 
@@ -11,30 +11,30 @@ const EPISODE: &str = include_str!("episode.json");
 const RUN: &str = include_str!("run.json");
 const COMPARISON: &str = include_str!("comparison.json");
 
-/// What the sides of a comparison are called.
+/// The names of the sides of a comparison.
 pub(crate) const SIDES: [&str; 2] = ["a", "b"];
 
-/// In mazes with more columns or rows than this the arrows of all cells are mere texture: only who
-/// follows the robot sees them. The floor's colours and the greedy way say as much from afar.
+/// In mazes with more columns or rows than this, single arrows are visible only to the camera that
+/// follows the robot. From afar, the colours of the floor and the greedy path show the same.
 const FINE: u16 = 24;
-/// Mazes with more columns or rows than this have a second camera, which follows the robot ...
+/// Mazes with more columns or rows than this have a second camera, which follows the robot.
 const NEAR: u16 = 12;
-/// ... from so many cells away.
+/// The distance of the second camera, in cells.
 const FOLLOW: f64 = 9.0;
-/// Beside it, the first camera is so many times as far away.
+/// The factor by which the first camera is moved away if there is a second one.
 const BESIDE: f64 = 1.25;
 
-/// The layout for the files of single episodes, as compact JSON.
+/// Returns the layout for the files of single episodes, as compact JSON.
 pub fn of_episode(maze: &Maze) -> String {
     fitted(EPISODE, maze)
 }
 
-/// The layout for `run.mcap`, as compact JSON.
+/// Returns the layout for `run.mcap`, as compact JSON.
 pub fn of_run(maze: &Maze) -> String {
     fitted(RUN, maze)
 }
 
-/// The layout for a comparison of two runs, as compact JSON, from their mazes and headings.
+/// Returns the layout for a comparison of two runs with these mazes and headings, as compact JSON.
 pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
     let mut layout: Value =
         serde_json::from_str(COMPARISON).expect("the layouts beside this file are JSON");
@@ -52,7 +52,7 @@ pub(crate) fn of_comparison(mazes: [&Maze; 2], headings: [&str; 2]) -> String {
     layout.to_string()
 }
 
-/// Looks at the maze's middle from where all of it is seen, and has a curve for each action.
+/// Aims the cameras so that the whole maze is visible, and adds a curve for each action.
 fn fitted(layout: &str, maze: &Maze) -> String {
     let mut layout: Value =
         serde_json::from_str(layout).expect("the layouts beside this file are JSON");
@@ -73,21 +73,21 @@ fn fitted(layout: &str, maze: &Maze) -> String {
     layout.to_string()
 }
 
-/// Adds a camera that follows the robot, beside the one that shows the whole maze.
+/// Adds a camera that follows the robot, next to the one that shows the whole maze.
 fn follow(layout: &mut Value, maze: &Maze) {
     let mut panel = layout["configById"]["3D!main"].clone();
     panel["followTf"] = json!("robot");
     panel["followMode"] = json!("follow-position");
     panel["cameraState"]["distance"] = json!(FOLLOW * maze.cell_size_m());
     panel["cameraState"]["targetOffset"] = json!([0, 0, 0]);
-    // Its letters are made to be read from where the whole maze is seen.
+    // The size of its letters fits the view of the whole maze.
     panel["topics"]["/scene/rule"]["visible"] = json!(false);
     panel["topics"]["/scene/policy"]["visible"] = json!(true);
     for key in ["foxglovePanelTitle", "lichtblickPanelTitle"] {
         panel[key] = json!("Around the robot");
     }
     layout["configById"]["3D!follow"] = panel;
-    // Beside it, there is less room for the whole maze.
+    // There is less room for the whole maze next to the second panel.
     let whole = &mut layout["configById"]["3D!main"]["cameraState"]["distance"];
     *whole = json!(whole.as_f64().map(|distance| (BESIDE * distance).ceil()));
     let left = &mut layout["layout"]["first"]["first"];
@@ -99,15 +99,15 @@ fn follow(layout: &mut Value, maze: &Maze) {
     });
 }
 
-/// Puts the camera where a panel a little wider than high shows the whole maze and its caption.
+/// Places the camera so that a panel slightly wider than high shows the whole maze and its caption.
 fn aim(camera: &mut Value, maze: &Maze) {
     let unit = maze.cell_size_m();
     let (wide, high) = (
         f64::from(maze.width()) * unit,
         f64::from(maze.height()) * unit + caption::height_m(maze) + legend::height_m(maze),
     );
-    // Half the field of view is 22.5 degrees, of which the maze fills nine tenths: K is the tangent.
-    // The camera is tilted by 30 degrees, with C and S as cosine and sine, and looks at the point
+    // Half the field of view is 22.5 degrees, and the maze fills nine tenths of it: K is the
+    // tangent. The camera is tilted by 30 degrees, with cosine C and sine S. It looks at the point
     // from which the legend at the southern edge and the caption appear equally far.
     const K: f64 = 0.375;
     const C: f64 = 0.866;
@@ -122,7 +122,7 @@ fn aim(camera: &mut Value, maze: &Maze) {
     camera["far"] = json!((20.0 * distance).ceil());
 }
 
-/// The paths, of which those of actions become one for each action of the maze.
+/// Returns the paths, with one for each action of the maze in place of the paths of actions.
 fn with_each_action(paths: &Value, maze: &Maze) -> Value {
     let paths = paths.as_array().into_iter().flatten();
     let field = |path: &Value| {
@@ -139,7 +139,7 @@ fn with_each_action(paths: &Value, maze: &Maze) -> Value {
     all.into()
 }
 
-/// A path for the value of each action.
+/// Returns a path for the value of each action.
 fn value_paths(maze: &Maze, values: &str) -> Vec<Value> {
     const COLORS: [&str; 8] = [
         "#4e98e2", "#f5774d", "#5cd6a9", "#a395e2", "#f7df71", "#61cbff", "#cad660", "#8a8f99",
@@ -159,12 +159,12 @@ fn value_paths(maze: &Maze, values: &str) -> Vec<Value> {
         .collect()
 }
 
-/// Something in a recording that a layout shows.
+/// A topic or field of a recording that a layout shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MessagePath {
     /// The topic.
     pub topic: String,
-    /// The field of its messages, if it is not all of them.
+    /// The field of its messages; `None` for whole messages.
     pub field: Option<String>,
 }
 
@@ -177,7 +177,7 @@ impl std::fmt::Display for MessagePath {
     }
 }
 
-/// Everything that the panels of a layout show; nothing for what is no layout.
+/// Returns everything that the panels of a layout show; empty for an invalid layout.
 pub fn paths(layout: &[u8]) -> Vec<MessagePath> {
     let layout = json_tree(layout).unwrap_or_default();
     let panels = layout["configById"].as_object();

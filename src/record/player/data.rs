@@ -1,4 +1,4 @@
-//! What a page knows of a recording: its messages, by topic, with the time of each in seconds.
+//! The data of a page: the messages of a recording by topic, each with its time in seconds.
 
 use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate};
 use serde::Serialize;
@@ -18,50 +18,50 @@ use xcs::Action;
 /// A JSON message with its time as the field `t`.
 pub type Timed = Map<String, Value>;
 
-/// All that the page shows. Lists are in order of their times.
+/// All data that the page shows. Lists are in order of time.
 #[derive(Debug, Serialize)]
 pub struct Data {
     heading: String,
-    /// What the last episode came to.
+    /// The result of the last episode.
     result: String,
-    /// The length, in seconds.
+    /// The duration, in seconds.
     pub end: f64,
     pub world: World,
     /// The names of the actions.
     pub actions: Vec<String>,
     robot_radius_m: f64,
-    /// Of best actions far from the goal, near it, and that lead to no goal, as CSS writes them.
+    /// CSS colours of best actions: far from the goal, near it, and leading to no goal.
     arrow_colours: [String; 3],
-    /// Of cells that are perceived as free and as a wall, and of lidar beams.
+    /// CSS colours of cells perceived as free and as a wall, and of lidar beams.
     percept_colours: [String; 3],
-    /// Time, x, y and heading in the map frame: seconds, metres, radians.
+    /// Time, x, y and heading in the map frame, in seconds, metres and radians.
     pub poses: Vec<[f64; 4]>,
-    /// The same of the estimated pose, seen from the robot.
+    /// Time, x, y and heading of the estimated pose, relative to the robot.
     mistakes: Vec<[f64; 4]>,
     pub estimates: Vec<Timed>,
     pub decisions: Vec<Timed>,
     pub episodes: Vec<Timed>,
-    /// Those of `episodes` that are the beginning of one.
+    /// The entries of `episodes` at the start of an episode.
     pub begins: Vec<Timed>,
     contacts: Vec<Timed>,
     curve: Value,
     pub captions: Vec<Timed>,
-    /// The captions with another title than the one before.
+    /// The captions whose title differs from the previous one.
     segments: Vec<Timed>,
     scenes: Scenes,
-    /// The middle of the cell of each step, as poses, and the steps.
+    /// The steps, and for each step the middle of its cell as a pose.
     #[serde(skip)]
     cells: Vec<[f64; 4]>,
     #[serde(skip)]
     steps: Vec<Timed>,
     #[serde(skip)]
     from_ns: Option<u64>,
-    /// What the names of frames and, after a slash, of topics begin with: the side of a comparison.
+    /// The prefix of frame names and, after a slash, of topics: the side of a comparison.
     #[serde(skip)]
     below: String,
 }
 
-/// The maze from above.
+/// The maze as seen from above.
 #[derive(Debug, Serialize)]
 pub struct World {
     pub width: u16,
@@ -100,7 +100,8 @@ impl World {
         }
     }
 
-    /// The column and the row, from the north, of a pose in the map frame; `None` beyond the edge.
+    /// Returns the column and the row, from the north, of a pose in the map frame; `None` outside
+    /// the maze.
     pub fn cell(&self, pose: &[f64; 4]) -> Option<(usize, usize)> {
         let [x_m, y_m, yaw_rad] = self.origin;
         let (east, north) = (pose[1] - x_m, pose[2] - y_m);
@@ -114,7 +115,7 @@ impl World {
 }
 
 impl Data {
-    /// Reads a recording of a run, of an episode, or of highlights; of a comparison, one side.
+    /// Reads a recording of a run, an episode or highlights, or one side of a comparison.
     pub fn of(recording: &Recording, side: Option<&str>) -> Result<Self, RecordError> {
         let damaged = |cause: String| recording.damaged(cause);
         let below = side.map_or_else(String::new, |side| format!("{side}/"));
@@ -161,7 +162,7 @@ impl Data {
         }
     }
 
-    /// World, method, arena, sensor and seed.
+    /// Returns world, method, arena, sensor and seed.
     pub fn heading(&self) -> &str {
         &self.heading
     }
@@ -193,19 +194,19 @@ impl Data {
         Ok(())
     }
 
-    /// The topic of a message; `None` if the page does not show it or it belongs to the other side.
+    /// Returns the topic of a message; `None` if the topic is unknown or belongs to the other side.
     fn topic(&self, message: &Message) -> Option<Topic> {
         let below = message.topic().strip_prefix('/')?;
         Topic::named(&format!("/{}", below.strip_prefix(&self.below)?))
     }
 
-    /// Seconds since the first message.
+    /// Returns the time since the first message, in seconds.
     fn seconds(&mut self, time_ns: u64) -> f64 {
         let from_ns = *self.from_ns.get_or_insert(time_ns);
         thousandths(time_ns.saturating_sub(from_ns) as f64 / 1e9)
     }
 
-    /// Takes down the poses of the robot, and those that it estimates.
+    /// Stores the robot's poses and its estimated poses.
     fn follow(&mut self, message: &FrameTransforms) {
         for frame in &message.transforms {
             let pose = self.pose(frame);
@@ -227,7 +228,7 @@ impl Data {
         [self.seconds(time_ns), at.x, at.y, yaw_rad].map(thousandths)
     }
 
-    /// The robot is as wide as the widest part of its picture.
+    /// Sets the robot's radius to that of its widest part.
     fn measure(&mut self, robot: &SceneUpdate) {
         let parts = robot.entities.iter().flat_map(|one| &one.cylinders);
         let widths = parts.filter_map(|part| Some(part.size?.x / 2.0));
@@ -237,7 +238,8 @@ impl Data {
         }
     }
 
-    /// Recordings of whole runs have neither poses nor reasons: there, a step stands for both.
+    /// Adds a step. In recordings of whole runs, which have no poses and reasons, steps replace
+    /// both.
     fn step(&mut self, t: f64, message: &Message, maze: &Maze) -> Result<(), String> {
         let mut step = timed(t, message)?;
         let number = |key: &str| u16::try_from(step.get(key)?.as_u64()?).ok();
@@ -245,7 +247,8 @@ impl Data {
             let at = maze.centre_m(Cell { col, row });
             self.cells.push([t, at.x, at.y, 0.0].map(thousandths));
         }
-        // A reason has each action's value as a share of what the goal pays. People compare the values themselves.
+        // The values of a reason are shares of the goal's reward. Readers compare the values
+        // themselves.
         let values = step.remove("values").unwrap_or(Value::Null);
         let number = |step: &Timed| [step.get("episode").cloned(), step.get("step").cloned()];
         let decision = self.decisions.last_mut();
@@ -254,9 +257,9 @@ impl Data {
         } else {
             step.insert("values".to_owned(), values);
         }
-        // A step has the bits of the rule, and a reason its words.
+        // A step has the bits of the rule, and a reason has its text.
         step.remove("rule");
-        // Of the steps that are left a reason knows the percentage, and a step the share.
+        // Converts the share of remaining steps to a percentage, as in a reason.
         if let Some(left) = step.get_mut("left") {
             *left = json!((100.0 * left.as_f64().unwrap_or(0.0)).round());
         }
@@ -264,7 +267,7 @@ impl Data {
         Ok(())
     }
 
-    /// The learning curve, of a recording that has the ends of all episodes instead.
+    /// Returns the learning curve from the ends of all episodes, for recordings without one.
     fn curve_of_episodes(&self) -> Value {
         let ends = self.episodes.iter();
         let ends = ends.filter_map(|end| Some((end.get("episode")?, end.get("steps")?)));
@@ -272,7 +275,7 @@ impl Data {
         json!({ "episode": episode, "steps": steps })
     }
 
-    /// Derives what depends on the whole recording.
+    /// Computes the fields that depend on the whole recording.
     fn complete(&mut self) {
         if self.poses.is_empty() {
             self.poses = std::mem::take(&mut self.cells);
@@ -295,12 +298,12 @@ impl Data {
     }
 }
 
-/// A colour as CSS writes it.
+/// Formats a colour for CSS.
 fn css(rgb: u32) -> String {
     format!("#{rgb:06x}")
 }
 
-/// A JSON message with its time, and without the bits of the percept.
+/// Returns a JSON message with its time, and without the bits of the percept.
 fn timed(t: f64, message: &Message) -> Result<Timed, String> {
     let mut fields: Timed = serde_json::from_slice(&message.data).map_err(|e| e.to_string())?;
     fields.insert("t".to_owned(), json!(t));
@@ -308,7 +311,7 @@ fn timed(t: f64, message: &Message) -> Result<Timed, String> {
     Ok(fields)
 }
 
-/// The words of a caption; `None` of one without.
+/// Returns the text of a caption; `None` without a title.
 fn caption(t: f64, scene: &SceneUpdate) -> Option<Timed> {
     let Caption { title, remark, .. } = Caption::read(scene);
     let fields = [
@@ -320,7 +323,7 @@ fn caption(t: f64, scene: &SceneUpdate) -> Option<Timed> {
     (!title.is_empty()).then(|| fields.into_iter().collect())
 }
 
-/// World, method, arena, sensor and seed, as the metadata of this name say.
+/// Returns world, method, arena, sensor and seed from the metadata of this name.
 fn heading(recording: &Recording, name: &str) -> String {
     let entry = |key: &str| recording.metadata(name)?.get(key).cloned();
     let words = ["world", "method", "arena", "sensor"].map(|key| entry(key).unwrap_or_default());
@@ -331,7 +334,7 @@ fn heading(recording: &Recording, name: &str) -> String {
     )
 }
 
-/// What an episode came to, and whether the policy is optimal.
+/// Returns the result of an episode and the length of the shortest path as text.
 fn result(episode: &Timed) -> String {
     let number = |key: &str| episode.get(key).and_then(Value::as_u64);
     let how = match episode.get("outcome").and_then(Value::as_str) {

@@ -1,9 +1,10 @@
-//! A recording as one HTML page that plays it: no network, no other file.
+//! A recording as a single HTML page that plays it without network access or other files.
 //!
-//! A comparison is a page with the pages of both runs in frames, which play and pause together.
+//! The page of a comparison has the pages of both runs in frames, which play and pause together.
 //!
-//! The page holds what the recording's messages say, as JSON (`data.rs`), and a script that draws it. The script's
-//! functions without a page are in `timeline.js`, and `timeline.test.mjs` tests them with Node.
+//! A page contains the recording's messages as JSON (`data.rs`) and a script that draws them. The
+//! script's functions that need no page are in `timeline.js`, and `timeline.test.mjs` tests them
+//! with Node.
 
 mod data;
 mod shapes;
@@ -21,10 +22,11 @@ const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = concat!(include_str!("timeline.js"), "\n", include_str!("player.js"));
 
-/// Returns a recording as an HTML page that plays it in a browser. A comparison plays both runs side by side.
+/// Returns a recording as an HTML page that plays it in a browser. A comparison plays both runs
+/// side by side.
 ///
 /// # Errors
-/// [`RecordError::Damaged`] when messages cannot be decoded or the world is missing.
+/// [`RecordError::Damaged`] if messages cannot be decoded or the world is missing.
 pub fn page(recording: &Recording) -> Result<String, RecordError> {
     if recording.extent() != Some(RecordingKind::Comparison) {
         return Ok(page_of(&Data::of(recording, None)?));
@@ -40,7 +42,7 @@ pub fn page(recording: &Recording) -> Result<String, RecordError> {
     Ok(filled(COMPARISON, &parts))
 }
 
-/// The page of one run.
+/// Returns the page of one run.
 fn page_of(data: &Data) -> String {
     let json = serde_json::to_string(data).expect("the data have text keys and finite numbers");
     let parts = [
@@ -52,7 +54,7 @@ fn page_of(data: &Data) -> String {
     filled(PAGE, &parts)
 }
 
-/// Replaces placeholders in one pass, so that nothing in a value is taken for another placeholder.
+/// Replaces placeholders in one pass, so that no part of a value is mistaken for a placeholder.
 fn filled(template: &str, parts: &[(&str, String)]) -> String {
     let mut page = String::new();
     let mut rest = template;
@@ -68,7 +70,7 @@ fn filled(template: &str, parts: &[(&str, String)]) -> String {
     page
 }
 
-/// JSON that cannot end the element in which it stands: no `<` is left in it.
+/// Escapes every `<`, so that the JSON cannot end the element that contains it.
 fn inert(json: &str) -> String {
     json.replace('<', "\\u003c")
 }

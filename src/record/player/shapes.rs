@@ -1,4 +1,4 @@
-//! Scenes from above: the triangles and lines of a scene in the plane of the floor.
+//! Scenes seen from above: triangles and lines in the plane of the floor.
 
 use foxglove::messages::{
     Color, LinePrimitive, Point3, Pose, SceneUpdate, TriangleListPrimitive, line_primitive,
@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use crate::record::topics::WORLD;
 
-/// What stands on a topic from a moment on.
+/// The scene of a topic from a time on.
 #[derive(Debug, Serialize)]
 pub struct Scene {
-    /// When, in seconds.
+    /// The start time, in seconds.
     pub t: f64,
     shapes: Vec<Shape>,
 }
@@ -19,16 +19,17 @@ pub struct Scene {
 #[derive(Debug, PartialEq, Serialize)]
 struct Shape {
     kind: &'static str,
-    /// As CSS writes it, with the opacity.
+    /// The CSS colour with opacity.
     colour: String,
-    /// Of lines, in metres; 0 for as thin as can be.
+    /// The width of lines, in metres; 0 for the thinnest possible line.
     width: f64,
-    /// x and y of each corner, or of both ends of each segment, in metres of the grid frame.
+    /// x and y of each corner, or of both ends of each segment, in metres in the grid frame.
     points: Vec<f64>,
 }
 
 impl Scene {
-    /// What a scene draws in the grid frame; entities of other frames move with the robot, and are left out.
+    /// Converts the entities in the grid frame. Entities of other frames move with the robot, and
+    /// are omitted.
     pub fn of(t: f64, scene: &SceneUpdate) -> Self {
         let entities = scene.entities.iter();
         let drawn = entities.filter(|entity| entity.frame_id == WORLD);
@@ -76,7 +77,8 @@ fn lines(line: &LinePrimitive) -> Shape {
     }
 }
 
-/// The points that the indices name, or all of them if there are none. Indices of no point are left out.
+/// Returns the points selected by the indices, or all points without indices. Invalid indices are
+/// omitted.
 fn indexed(points: &[Point3], indices: &[u32]) -> Vec<Point3> {
     match indices {
         [] => points.to_vec(),
@@ -89,14 +91,14 @@ fn indexed(points: &[Point3], indices: &[u32]) -> Vec<Point3> {
     }
 }
 
-/// x and y of points, to the millimetre. Poses of our scenes only move.
+/// Returns x and y of points, rounded to millimetres. Poses of our scenes are translations only.
 fn flat(points: &[Point3], pose: Option<&Pose>) -> Vec<f64> {
     let by = pose.and_then(|pose| pose.position).unwrap_or_default();
     let both = points.iter().flat_map(|at| [at.x + by.x, at.y + by.y]);
     both.map(thousandths).collect()
 }
 
-/// A number with three decimals.
+/// Rounds a number to three decimals.
 pub fn thousandths(number: f64) -> f64 {
     (number * 1000.0).round() / 1000.0 + 0.0
 }

@@ -1,4 +1,4 @@
-//! A recording as text, for a terminal: the maze with the robot, and its decision in words, at any moment.
+//! A recording as text for a terminal: the maze with the robot and its decision, at any time.
 
 use serde_json::Value;
 
@@ -6,9 +6,9 @@ use super::data::{Data, Timed};
 use crate::record::reader::Recording;
 use crate::record::{RecordError, RecordingKind};
 
-/// Lines of a frame beside the maze: the caption above, and below the decision in five lines and the time.
+/// The number of lines without the maze: the caption, five lines of the decision, and the time.
 const WORDS: usize = 7;
-/// The robot, by the eighth of a turn that it heads to, from east to the left.
+/// The robot's glyph by heading, in eighths of a turn, from east to the left.
 const HEADINGS: [char; 8] = ['▶', '◥', '▲', '◤', '◀', '◣', '▼', '◢'];
 
 /// Plays a recording as text.
@@ -21,7 +21,8 @@ impl TextPlayer {
     /// Reads a recording of a run, of an episode, or of highlights.
     ///
     /// # Errors
-    /// [`RecordError::Damaged`] when messages cannot be decoded, the world is missing, or it shows two runs.
+    /// [`RecordError::Damaged`] if messages cannot be decoded, the world is missing, or the
+    /// recording shows two runs.
     pub fn of(recording: &Recording) -> Result<Self, RecordError> {
         if recording.extent() == Some(RecordingKind::Comparison) {
             let cause = "it compares two runs; give a recording of one of them";
@@ -31,18 +32,18 @@ impl TextPlayer {
         Ok(Self { data })
     }
 
-    /// The length, in seconds.
+    /// Returns the duration, in seconds.
     pub fn end_s(&self) -> f64 {
         self.data.end
     }
 
-    /// When the robot decided, in seconds, in order.
+    /// Returns the times of the robot's decisions, in seconds, in order.
     pub fn decisions_s(&self) -> Vec<f64> {
         self.data.decisions.iter().map(time_s).collect()
     }
 
-    /// What holds at a time in seconds, in at most this many columns and lines. A maze that is larger is cut around the
-    /// robot.
+    /// Returns the state at a time in seconds, in at most this many columns and lines. A larger
+    /// maze is cropped around the robot.
     pub fn frame(&self, t_s: f64, (columns, rows): (usize, usize)) -> String {
         let data = &self.data;
         let caption = last(&data.captions, t_s).map_or(data.heading(), |one| text(one, "title"));
@@ -54,7 +55,7 @@ impl TextPlayer {
         lines.join("\n")
     }
 
-    /// The maze, with the path since the episode began. A cell is two letters wide.
+    /// Returns the maze with the path since the start of the episode. A cell is two letters wide.
     fn maze(&self, t_s: f64, (columns, rows): (usize, usize)) -> Vec<String> {
         let world = &self.data.world;
         let mut cells: Vec<Vec<[char; 2]>> = world.rows.iter().map(|row| drawn(row)).collect();
@@ -89,7 +90,7 @@ impl TextPlayer {
         lines.collect()
     }
 
-    /// The decision in words, in five lines.
+    /// Returns the decision as text, in five lines.
     fn decision(&self, t_s: f64) -> [String; 5] {
         let data = &self.data;
         let begun_s = last(&data.begins, t_s).map_or(0.0, time_s);
@@ -134,7 +135,7 @@ impl TextPlayer {
     }
 }
 
-/// The cells of a row, two letters each.
+/// Returns the cells of a row, two letters each.
 fn drawn(row: &str) -> Vec<[char; 2]> {
     let cell = |sign| match sign {
         '#' => ['█', '█'],
@@ -144,7 +145,7 @@ fn drawn(row: &str) -> Vec<[char; 2]> {
     row.chars().map(cell).collect()
 }
 
-/// The last entry at or before a time.
+/// Returns the last entry at or before a time.
 fn last(entries: &[Timed], t_s: f64) -> Option<&Timed> {
     let after = entries.partition_point(|entry| time_s(entry) <= t_s);
     entries[..after].last()
@@ -168,7 +169,7 @@ fn estimate(estimate: &Timed) -> String {
     format!("estimate off by {position_cm:.1} cm, {heading_deg:.1}°{lost}")
 }
 
-/// A time as minutes and seconds.
+/// Formats a time as minutes and seconds.
 fn clock(t_s: f64) -> String {
     format!("{}:{:04.1}", (t_s / 60.0).floor(), t_s % 60.0)
 }

@@ -1,4 +1,4 @@
-//! What is wrong with a recording.
+//! Checks of recordings.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -14,22 +14,22 @@ use crate::record::topics::Topic;
 use crate::trial::Config;
 use crate::world::Maze;
 
-/// Gaps between messages with poses up to this long are normal: each shows two seconds of the way.
-const LONGEST_GAP_NS: u64 = 2_000_000_000;
-/// What every recording carries.
+/// The longest normal gap between messages with poses: each covers two seconds of the trajectory.
+const MAX_GAP_NS: u64 = 2_000_000_000;
+/// The attachments of every recording.
 const ATTACHED: [&str; 2] = ["world.json", "config.json"];
-/// What a recording of a whole run or of highlights carries in addition.
+/// The additional attachments of run and highlights recordings.
 const ATTACHED_TO_RUN: [&str; 1] = ["foxglove-layout.json"];
 
-/// The most faults that are listed: a small file can hold hundreds of thousands.
-const MOST_LISTED: usize = 1_000;
+/// The maximum number of listed faults: a small file can contain hundreds of thousands.
+const MAX_LISTED: usize = 1_000;
 
-/// Something that is wrong with a recording.
+/// A fault of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
-    /// What kind of fault it is.
+    /// The kind of the fault.
     pub kind: FindingKind,
-    /// What exactly was found, and where.
+    /// The fault and its position.
     pub what: String,
 }
 
@@ -37,21 +37,21 @@ pub struct Finding {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingKind {
-    /// It cannot be read: unfinished, no MCAP file, or a wrong checksum.
+    /// The file cannot be read: unfinished, not an MCAP file, or a wrong checksum.
     Unreadable,
-    /// The index at the end says something else than the file itself.
+    /// The index at the end contradicts the file.
     Index,
     /// An attachment or a metadata record is missing.
     Facts,
-    /// A topic or its schema is missing or another.
+    /// A topic or its schema is missing or different.
     Topic,
     /// A message does not fit its schema.
     Message,
-    /// Time runs backwards.
+    /// The messages are not in order of time.
     Order,
     /// The robot's pose is missing for a while.
     Gap,
-    /// The layout points at something that does not exist.
+    /// The layout refers to a topic or field that does not exist.
     Layout,
 }
 
@@ -61,15 +61,15 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Checks a file; an empty list means that it is sound.
+/// Checks a file. An empty list means that the file is valid.
 ///
 /// # Errors
-/// [`RecordError::Read`] when there is no such file. What is wrong *in* it is a finding.
+/// [`RecordError::Read`] if the file cannot be read. Faults inside the file are findings.
 pub fn check(path: &Path) -> Result<Vec<Finding>, RecordError> {
     match Recording::open(path) {
         Ok(recording) => Ok(recording.check()),
         Err(error @ RecordError::Read { .. }) => Err(error),
-        // This is the command that says more.
+        // Omits the error's advice to run this command.
         Err(RecordError::Damaged { cause, .. }) => Ok(vec![finding(
             FindingKind::Unreadable,
             format!("this recording is damaged: {cause}"),
@@ -79,7 +79,7 @@ pub fn check(path: &Path) -> Result<Vec<Finding>, RecordError> {
 }
 
 impl Recording {
-    /// Checks the recording; an empty list means that it is sound.
+    /// Checks the recording. An empty list means that the recording is valid.
     pub fn check(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
         check_facts(self, &mut findings);
@@ -110,16 +110,16 @@ fn check_facts(recording: &Recording, findings: &mut Vec<Finding>) {
     }
 }
 
-/// What is attached to such a recording.
-fn attachments(extent: Option<RecordingKind>) -> Vec<String> {
+/// Returns the names of the attachments of this kind of recording.
+fn attachments(kind: Option<RecordingKind>) -> Vec<String> {
     let below = |side: &str| ATTACHED.map(|name| format!("{side}{name}"));
-    let facts = match extent {
+    let facts = match kind {
         Some(RecordingKind::Comparison) => layout::SIDES
             .map(|side| below(&format!("{side}/")))
             .concat(),
         _ => below("").to_vec(),
     };
-    let of_run: &[&str] = match extent {
+    let of_run: &[&str] = match kind {
         Some(RecordingKind::Run | RecordingKind::Highlights | RecordingKind::Comparison) => {
             &ATTACHED_TO_RUN
         }
@@ -129,7 +129,7 @@ fn attachments(extent: Option<RecordingKind>) -> Vec<String> {
     facts.into_iter().chain(of_run).collect()
 }
 
-/// The topic without the side of a comparison that it belongs to.
+/// Returns the topic without the prefix of its side in a comparison.
 fn plain(topic: &str) -> &str {
     let sides = layout::SIDES.iter();
     let mut stripped = sides.filter_map(|side| topic.strip_prefix('/')?.strip_prefix(side));
@@ -138,10 +138,10 @@ fn plain(topic: &str) -> &str {
 }
 
 fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
-    // What does not say what it is may be an episode.
-    let extent = recording.extent().unwrap_or(RecordingKind::Episode(1));
-    if extent != RecordingKind::Comparison {
-        return check_side("", extent, recording, findings);
+    // A recording without a kind is checked as an episode.
+    let kind = recording.extent().unwrap_or(RecordingKind::Episode(1));
+    if kind != RecordingKind::Comparison {
+        return check_side("", kind, recording, findings);
     }
     for side in layout::SIDES {
         check_side(
@@ -153,8 +153,8 @@ fn check_topics(recording: &Recording, findings: &mut Vec<Finding>) {
     }
 }
 
-/// Does the robot estimate where it is, and are the beams of its lidar recorded? As the facts of a recording, or of a side of
-/// a comparison, say.
+/// Returns whether the robot estimates its pose, and whether its lidar beams are recorded. The
+/// source is the facts of the recording, or of a side of a comparison.
 fn sensing(side: &str, recording: &Recording) -> [bool; 2] {
     let side = side.trim_start_matches('/');
     let (config, facts) = match side {
@@ -170,23 +170,18 @@ fn sensing(side: &str, recording: &Recording) -> [bool; 2] {
     [config.is_some_and(|config| config.senses()), beams]
 }
 
-/// The topics of a recording, or of a side of a comparison.
-fn check_side(
-    side: &str,
-    extent: RecordingKind,
-    recording: &Recording,
-    findings: &mut Vec<Finding>,
-) {
+/// Checks the topics of a recording, or of a side of a comparison.
+fn check_side(side: &str, kind: RecordingKind, recording: &Recording, findings: &mut Vec<Finding>) {
     let present = recording.topics();
-    let expected = if extent == RecordingKind::Run {
+    let expected = if kind == RecordingKind::Run {
         Topic::of_run()
     } else {
         let [senses, beams] = sensing(side, recording);
-        Topic::of_episode(senses, beams && extent != RecordingKind::Highlights)
+        Topic::of_episode(senses, beams && kind != RecordingKind::Highlights)
     };
     for topic in expected {
         let name = format!("{side}{}", topic.name());
-        let schema = topic.schema(extent);
+        let schema = topic.schema(kind);
         let what = match present.iter().find(|found| found.name == name) {
             None => format!("the topic {name} is missing"),
             Some(found) if found.schema != schema.name => {
@@ -214,7 +209,7 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
                 return findings.push(finding(FindingKind::Unreadable, error.to_string()));
             }
         };
-        if findings.len() >= MOST_LISTED {
+        if findings.len() >= MAX_LISTED {
             let what = format!("there are more faults than these {}", findings.len());
             return findings.push(finding(FindingKind::Message, what));
         }
@@ -231,7 +226,7 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
         }
         if plain(topic) == Topic::Transforms.name() {
             let before = posed_ns.insert(topic.to_owned(), now_ns);
-            if let Some(before) = before.filter(|&before| now_ns > before + LONGEST_GAP_NS) {
+            if let Some(before) = before.filter(|&before| now_ns > before + MAX_GAP_NS) {
                 let what = format!("no pose on {topic} from {before} ns to {now_ns} ns");
                 findings.push(finding(FindingKind::Gap, what));
             }
@@ -240,7 +235,7 @@ fn check_messages(recording: &Recording, findings: &mut Vec<Finding>) {
     check_index(recording, &counts, findings);
 }
 
-/// What is wrong with a message, as far as its schema tells.
+/// Returns the first fault of a message against its schema.
 fn fault(message: &Message) -> Option<String> {
     match Topic::named(plain(message.topic())) {
         Some(topic) => topic.fault(&message.data),
@@ -251,7 +246,7 @@ fn fault(message: &Message) -> Option<String> {
     }
 }
 
-/// The index must count the messages that there are.
+/// Checks that the index counts the messages of the file.
 fn check_index(recording: &Recording, counts: &BTreeMap<String, u64>, findings: &mut Vec<Finding>) {
     for (name, claimed) in recording.claimed() {
         let found = counts.get(&name).copied().unwrap_or(0);
@@ -262,7 +257,7 @@ fn check_index(recording: &Recording, counts: &BTreeMap<String, u64>, findings: 
     }
     let chunks = &recording.summary().chunk_indexes;
     if chunks.is_empty() && counts.values().sum::<u64>() > 0 {
-        let what = "no chunk is indexed, so that a viewer finds no message";
+        let what = "no chunk is indexed, so viewers find no messages";
         findings.push(finding(FindingKind::Index, what.to_owned()));
     }
 }
@@ -290,7 +285,7 @@ fn check_layout(recording: &Recording, findings: &mut Vec<Finding>) {
     }
 }
 
-/// The layout that lies beside a recording, if its world can be read.
+/// Returns the layout for a recording, if its world can be read.
 fn layout_of(recording: &Recording) -> Option<Vec<u8>> {
     if let Some(attached) = recording.attachment("foxglove-layout.json") {
         return Some(attached.to_vec());
@@ -300,7 +295,7 @@ fn layout_of(recording: &Recording) -> Option<Vec<u8>> {
     Some(layout::of_episode(&maze).into_bytes())
 }
 
-/// The fields that a JSON schema has; none for other schemas.
+/// Returns the fields of a JSON schema; empty for other schemas.
 fn json_fields(schema: &[u8]) -> BTreeSet<String> {
     let schema = json_tree(schema).unwrap_or_default();
     let properties = schema["properties"].as_object();

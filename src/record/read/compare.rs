@@ -1,4 +1,4 @@
-//! Where two recordings begin to differ.
+//! Comparison of two recordings.
 
 use std::fmt;
 use std::path::Path;
@@ -11,15 +11,15 @@ use crate::record::error::RecordError;
 /// The first difference between two recordings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
-    /// When it shows, in nanoseconds of simulation time; 0 outside of messages.
+    /// The time of the difference, in nanoseconds of simulation time; 0 outside of messages.
     pub time_ns: u64,
-    /// The topic, or `attachment NAME`, `metadata`, `file` for what has none.
+    /// The topic, or `attachment NAME`, `metadata` or `file` outside of messages.
     pub topic: String,
-    /// The path of the field in a JSON message, `byte N` in any other.
+    /// The path of the field in a JSON message; `byte N` in other messages.
     pub field: String,
-    /// What the first recording has there.
+    /// The value in the first recording.
     pub first: String,
-    /// What the second has.
+    /// The value in the second recording.
     pub second: String,
 }
 
@@ -41,10 +41,10 @@ impl fmt::Display for Difference {
 }
 
 /// Compares two recordings: facts of the run first, then message by message, then the bytes.
-/// `None` when they are the same to the bit.
+/// Returns `None` if the bytes are identical.
 ///
 /// # Errors
-/// When either is no sound recording.
+/// If either recording is invalid.
 pub fn compare(first: &[u8], second: &[u8]) -> Result<Option<Difference>, RecordError> {
     if first == second {
         return Ok(None);
@@ -95,7 +95,7 @@ fn messages(a: &Recording, b: &Recording) -> Result<Option<Difference>, RecordEr
     }
 }
 
-/// One recording says something that the other does not, or at another time.
+/// Returns the difference if one recording lacks a message or has it at another time.
 fn missing(x: Option<&Message>, y: Option<&Message>) -> Difference {
     let show = |one: Option<&Message>| match one {
         Some(message) => format!("{} at {} ns", message.topic(), message.time_ns),
@@ -114,7 +114,7 @@ fn missing(x: Option<&Message>, y: Option<&Message>) -> Difference {
     }
 }
 
-/// Two messages on the same topic at the same time differ.
+/// Returns the difference between two messages on the same topic at the same time.
 fn within(x: &Message, y: &Message) -> Difference {
     let found = x.json().zip(y.json());
     let found = found.and_then(|(a, b)| field(&a, &b, String::new()));
@@ -130,7 +130,7 @@ fn within(x: &Message, y: &Message) -> Difference {
     }
 }
 
-/// The path of the first field that differs, with both values.
+/// Returns the path of the first field that differs, with both values.
 fn field(a: &Value, b: &Value, path: String) -> Option<(String, String, String)> {
     match (a, b) {
         (Value::Object(x), Value::Object(y)) => {

@@ -1,4 +1,4 @@
-//! Reading recordings: what is in them, whether it is whole, and whether two are the same.
+//! Reading, checking and comparing recordings.
 
 mod check;
 mod compare;

@@ -1,10 +1,10 @@
-//! One MCAP record, or one JSON text in it, whatever its bytes.
+//! Parsing of single MCAP records, safe for arbitrary bytes.
 
 use mcap::records::{Record, op};
 use mcap::{McapError, McapResult};
 
-/// Parses a record. The library takes for granted that an attachment is as long as its own
-/// lengths say, and panics on one that is not; here that is an error.
+/// Parses a record. The library assumes that an attachment is as long as its length fields say, and
+/// panics otherwise. This function returns an error instead.
 pub fn parse_record(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
     if opcode == op::ATTACHMENT && attachment_header(body).is_none() {
         return Err(McapError::BadAttachmentLength {
@@ -15,8 +15,8 @@ pub fn parse_record(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
     mcap::parse_record(opcode, body)
 }
 
-/// The bytes before an attachment's content: two times, two texts and a length. `None` if they
-/// leave no room for the checksum behind it.
+/// Returns the number of bytes before an attachment's content: two times, two texts and a length.
+/// Returns `None` if there is no room left for the checksum after the content.
 fn attachment_header(body: &[u8]) -> Option<usize> {
     let after_text = |at: usize| {
         let length = body.get(at..at.checked_add(4)?)?.try_into().ok()?;
@@ -32,8 +32,8 @@ mod tests {
 
     #[test]
     fn an_attachment_that_is_shorter_than_its_header_says_is_an_error() {
-        // Two times, an empty name, an empty media type, a length, and three of four bytes of
-        // checksum.
+        // Two times, an empty name, an empty media type, a length, and three of the four bytes of
+        // the checksum.
         let body = [0; 16 + 4 + 4 + 8 + 3];
         for length in 0..body.len() {
             let parsed = parse_record(op::ATTACHMENT, &body[..length]);

@@ -15,10 +15,10 @@ use crate::record::error::RecordError;
 use crate::record::info::{EVALUATION, KIND, RecordingKind};
 use crate::record::json::json_tree;
 
-/// The opcode and the length before each record.
+/// The number of bytes of the opcode and the length before each record.
 pub(in crate::record) const HEAD_BYTES: usize = 9;
 
-/// A recording in memory, whose checksums are right.
+/// A recording in memory with valid checksums.
 #[derive(Debug, Clone)]
 pub struct Recording {
     path: PathBuf,
@@ -26,23 +26,23 @@ pub struct Recording {
     summary: Summary,
     attachments: Vec<Attachment>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
-    /// Messages by their channel, as they were read.
+    /// The number of messages read by channel.
     counts: BTreeMap<u16, u64>,
 }
 
-/// A topic and what is said on it.
+/// A topic and its contents.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct TopicInfo {
     /// The topic's name.
     pub name: String,
-    /// The schema's name; empty when there is none.
+    /// The schema's name; empty without a schema.
     pub schema: String,
-    /// The text or descriptor that the schema consists of; left out where topics are listed.
+    /// The schema's text or descriptor; omitted where topics are listed.
     #[serde(skip)]
     pub schema_data: Vec<u8>,
     /// `json` or `protobuf`.
     pub encoding: String,
-    /// How many messages there are.
+    /// The number of messages.
     pub messages: u64,
 }
 
@@ -50,46 +50,46 @@ pub struct TopicInfo {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
     channel: Arc<mcap::Channel<'static>>,
-    /// When it was written, in nanoseconds of simulation time.
+    /// The log time, in nanoseconds of simulation time.
     pub time_ns: u64,
     /// The encoded message.
     pub data: Vec<u8>,
 }
 
 impl Message {
-    /// The topic on which it was sent.
+    /// Returns the topic of the message.
     pub fn topic(&self) -> &str {
         &self.channel.topic
     }
 
-    /// `json` or `protobuf`.
+    /// Returns the encoding: `json` or `protobuf`.
     pub fn encoding(&self) -> &str {
         &self.channel.message_encoding
     }
 
-    /// The message as JSON; `None` unless it is encoded so, and for what is larger than any message
-    /// of ours.
+    /// Parses the message as JSON. Returns `None` for other encodings, and for texts larger than
+    /// any message of ours.
     pub fn json(&self) -> Option<serde_json::Value> {
         (self.encoding() == "json").then(|| json_tree(&self.data))?
     }
 }
 
-/// A text that travels with a recording.
+/// A text attached to a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attachment {
-    /// Its name, like that of a file.
+    /// The attachment's file name.
     pub name: String,
-    /// Its media type.
+    /// The media type.
     pub media_type: String,
-    /// Its content.
+    /// The content.
     pub data: Vec<u8>,
 }
 
 impl Recording {
-    /// Reads a file and checks its checksums.
+    /// Reads a file and verifies its checksums.
     ///
     /// # Errors
-    /// [`RecordError::Read`] when there is no such file; otherwise as [`Self::from_bytes`].
+    /// [`RecordError::Read`] if the file cannot be read; otherwise as for [`Self::from_bytes`].
     pub fn open(path: &Path) -> Result<Self, RecordError> {
         let bytes = disk::read(path, disk::MOST_BYTES).map_err(|cause| RecordError::Read {
             path: path.to_owned(),
@@ -98,11 +98,12 @@ impl Recording {
         Self::from_bytes(path, bytes)
     }
 
-    /// Reads a recording that is in memory; messages about it call it `path`.
+    /// Reads a recording from memory. Error messages refer to the recording as `path`.
     ///
     /// # Errors
-    /// [`RecordError::Unfinished`] when the name ends in `.part`, [`RecordError::Damaged`] when
-    /// the bytes are no whole MCAP file or a checksum is wrong.
+    /// [`RecordError::Unfinished`] if the name ends with `.part`. [`RecordError::Foreign`] if the
+    /// bytes are not an MCAP file. [`RecordError::Damaged`] if the file is incomplete or a checksum
+    /// is wrong.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, RecordError> {
         if path
             .extension()
@@ -137,7 +138,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Reads every record, with all checksums; keeps attachments and metadata.
+    /// Reads every record, verifies all checksums, and stores attachments and metadata.
     fn scan(&mut self, bytes: &[u8]) -> McapResult<()> {
         let options = LinearReaderOptions::default()
             .with_check_finishes_after_end_magic(true)
@@ -180,7 +181,7 @@ impl Recording {
         }
     }
 
-    /// That it makes no sense, for this reason.
+    /// Returns the error that the recording is damaged, with this cause.
     pub(in crate::record) fn damaged(&self, cause: String) -> RecordError {
         RecordError::Damaged {
             path: self.path.clone(),
@@ -188,17 +189,17 @@ impl Recording {
         }
     }
 
-    /// The name under which it was opened.
+    /// Returns the name under which the recording was opened.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The whole file.
+    /// Returns the bytes of the whole file.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// The topics, in the order of their names.
+    /// Returns the topics in order of their names.
     pub fn topics(&self) -> Vec<TopicInfo> {
         let mut topics: Vec<TopicInfo> = Vec::new();
         let channels: BTreeMap<_, _> = self.summary.channels.iter().collect();
@@ -216,7 +217,7 @@ impl Recording {
         topics
     }
 
-    /// All messages in the order of the file, which is the order of time.
+    /// Returns all messages in the order of the file, which is the order of time.
     pub fn messages(&self) -> impl Iterator<Item = Result<Message, RecordError>> + '_ {
         let stream = MessageStream::new(&self.bytes);
         let (stream, failed) = match stream {
@@ -237,35 +238,35 @@ impl Recording {
         })
     }
 
-    /// What is attached, in the order of the file.
+    /// Returns the attachments in the order of the file.
     pub fn attachments(&self) -> &[Attachment] {
         &self.attachments
     }
 
-    /// What is attached under this name.
+    /// Returns the attachment with this name.
     pub fn attachment(&self, name: &str) -> Option<&[u8]> {
         let found = self.attachments.iter().find(|one| one.name == name);
         found.map(|one| one.data.as_slice())
     }
 
-    /// A metadata record, such as `run`.
+    /// Returns a metadata record, such as `run`.
     pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
         self.metadata.get(name)
     }
 
-    /// How much of its run it shows, if it says so.
+    /// Returns the kind of the recording, if its metadata has one.
     pub fn extent(&self) -> Option<RecordingKind> {
         let entry = self.metadata("run")?.get("episode")?;
         Some(RecordingKind::of_entry(entry))
     }
 
-    /// Does it show what was learned before, instead of learning?
+    /// Returns true if the recording shows an evaluation, in which nothing is learned.
     pub fn is_evaluation(&self) -> bool {
         let kind = self.metadata("run").and_then(|run| run.get(KIND));
         kind.is_some_and(|kind| kind == EVALUATION)
     }
 
-    /// How many messages the file's own index claims, by topic.
+    /// Returns the number of messages by topic, according to the file's own index.
     pub(super) fn claimed(&self) -> BTreeMap<String, u64> {
         let stats = self.summary.stats.as_ref();
         let channels: BTreeMap<_, _> = self.summary.channels.iter().collect();
@@ -278,19 +279,19 @@ impl Recording {
         claimed
     }
 
-    /// The file's own index.
+    /// Returns the file's own index.
     pub(crate) fn summary(&self) -> &Summary {
         &self.summary
     }
 }
 
-/// The longest record that is believed in a file of this many bytes: damaged lengths must not
-/// make a small file fill the memory. A record is there up to four times while it is copied.
+/// Returns the maximum accepted length of a record in a file of this many bytes: damaged lengths in
+/// a small file must not fill the memory. A record is copied up to four times.
 pub(in crate::record) fn longest_record(bytes: u64) -> usize {
     usize::try_from(disk::room_for(bytes) / 4).unwrap_or(usize::MAX)
 }
 
-/// Refuses a file that unpacks to much more than it holds, before any of it is unpacked.
+/// Rejects a file that unpacks to far more bytes than its size, before unpacking any of it.
 fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
     let most = disk::most_unpacked(bytes.len() as u64);
     let sizes = Records::of(bytes).filter_map(|(_, opcode, body)| unpacked_size(opcode, body));
@@ -306,27 +307,28 @@ fn check_unpacked(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
     }
 }
 
-/// What a chunk says that it unpacks to; `None` for other records. No more is ever unpacked.
+/// Returns the unpacked size stated by a chunk; `None` for other records. No more than this is ever
+/// unpacked.
 pub(in crate::record) fn unpacked_size(opcode: u8, body: &[u8]) -> Option<u64> {
-    // It stands behind the times of the first and the last message.
+    // The size follows the times of the first and the last message.
     let size = body.get(16..24).filter(|_| opcode == op::CHUNK)?;
     Some(u64::from_le_bytes(size.try_into().ok()?))
 }
 
-/// The whole records of a file, as they follow each other: place, opcode and body.
+/// The complete records of a file in sequence: position, opcode and body.
 pub(in crate::record) struct Records<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Records<'a> {
-    /// Those of a file that begins with the magic.
+    /// Iterates over a file that begins with the magic.
     pub fn of(bytes: &'a [u8]) -> Self {
         let at = MAGIC.len();
         Self { bytes, at }
     }
 
-    /// Where the next record begins.
+    /// Returns the position of the next record.
     pub fn at(&self) -> usize {
         self.at
     }

@@ -1,7 +1,7 @@
-//! Making a whole recording of what a killed run or a bad disk left.
+//! Recovery of complete recordings from the files of a killed run or a bad disk.
 
 mod recover;
-mod salvage;
+mod records;
 
+pub use records::Recovery;
 pub use recover::recover;
-pub use salvage::Recovery;

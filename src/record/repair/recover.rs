@@ -1,4 +1,4 @@
-//! A whole recording of what can still be read of a broken one.
+//! Recovery of a complete recording from a damaged file.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
@@ -6,17 +6,18 @@ use std::path::Path;
 
 use mcap::{MAGIC, McapError, McapResult};
 
-use super::salvage::{Recovery, salvage};
+use super::records::{Recovery, copy_records};
 use crate::disk;
 use crate::record::error::RecordError;
 use crate::record::read::reader::Recording;
 
-/// Copies all whole records of `input` into `output`, which is a whole recording then; it is read
-/// back before it gets its name. An `output` that exists is replaced only if `force` is set.
+/// Copies all complete records of `input` to a complete recording `output`. The recording is read
+/// back before it gets its name. An existing `output` is replaced only if `force` is set.
 ///
 /// # Errors
-/// [`RecordError::Read`], [`RecordError::Damaged`] when `input` is no MCAP file at all,
-/// [`RecordError::Create`] and [`RecordError::Recover`] for `output`.
+/// [`RecordError::Read`] if `input` cannot be read, [`RecordError::Foreign`] if it is not an MCAP
+/// file, and [`RecordError::Create`], [`RecordError::Recover`] or [`RecordError::Damaged`] for
+/// `output`.
 pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, RecordError> {
     let bytes = disk::read(input, disk::MOST_BYTES).map_err(|cause| RecordError::Read {
         path: input.to_owned(),
@@ -31,31 +32,32 @@ pub fn recover(input: &Path, output: &Path, force: bool) -> Result<Recovery, Rec
             path: input.to_owned(),
         });
     }
-    let aside = disk::aside(output).map_err(|cause| RecordError::Create {
+    let temporary = disk::aside(output).map_err(|cause| RecordError::Create {
         path: output.to_owned(),
         cause,
     })?;
-    let recovery = write(&bytes, aside.as_file()).map_err(|cause| write_error(output, &cause))?;
-    verify(aside.path(), &recovery)?;
-    disk::persist(aside, output, force).map_err(|cause| write_error(output, &cause.into()))?;
+    let recovery =
+        write(&bytes, temporary.as_file()).map_err(|cause| write_error(output, &cause))?;
+    verify(temporary.path(), &recovery)?;
+    disk::persist(temporary, output, force).map_err(|cause| write_error(output, &cause.into()))?;
     Ok(recovery)
 }
 
-/// Refuses to overwrite.
+/// Rejects an output file that must not be overwritten.
 fn refuse(input: &Path, output: &Path, force: bool) -> io::Result<()> {
     let same =
         fs::canonicalize(output).is_ok_and(|o| fs::canonicalize(input).is_ok_and(|i| i == o));
     match same {
         true => Err(io::Error::new(
             io::ErrorKind::AlreadyExists,
-            "it is the file to recover",
+            "the output is the file to recover",
         )),
         false => disk::require_free(output, force),
     }
 }
 
-fn write(bytes: &[u8], aside: &File) -> McapResult<Recovery> {
-    let (sink, recovery) = salvage(bytes, BufWriter::new(aside))?;
+fn write(bytes: &[u8], temporary: &File) -> McapResult<Recovery> {
+    let (sink, recovery) = copy_records(bytes, BufWriter::new(temporary))?;
     sink.into_inner().map_err(|e| e.into_error())?;
     Ok(recovery)
 }
@@ -70,7 +72,7 @@ fn write_error(path: &Path, cause: &McapError) -> RecordError {
     }
 }
 
-/// Is the new file what it should be?
+/// Checks that the new file can be read and has all recovered messages.
 fn verify(path: &Path, recovery: &Recovery) -> Result<(), RecordError> {
     let recording = Recording::open(path)?;
     let mut messages = 0;

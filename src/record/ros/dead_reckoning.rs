@@ -1,12 +1,12 @@
-//! Where a robot would believe to be that only counts what its wheels roll.
+//! Dead reckoning: the pose of a robot that only counts wheel rotation.
 
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
 
 use crate::arena::Sample;
 
-/// A pose that never jumps and drifts away from the true one (REP 105): the frame `odom`.
+/// The pose in the frame `odom`: it never jumps, but drifts away from the true pose (REP 105).
 pub struct DeadReckoning {
-    /// The distance between the wheels in metres; `None` of a robot that moves without wheels.
+    /// The distance between the wheels in metres; `None` for a robot without wheels.
     wheel_base_m: Option<f64>,
     pose: Isometry2<f64>,
     last: Option<Sample>,
@@ -14,18 +14,18 @@ pub struct DeadReckoning {
 
 /// A step of dead reckoning.
 pub struct Motion {
-    /// The robot in the frame in which dead reckoning began.
+    /// The robot's pose in the frame in which dead reckoning began.
     pub pose: Isometry2<f64>,
-    /// How it moved since the last moment, in its own frame ...
+    /// The odometry motion since the last sample, in the robot's own frame.
     pub moved: Isometry2<f64>,
-    /// ... how it really moved, ...
+    /// The true motion since the last sample, in the robot's own frame.
     pub truly_moved: Isometry2<f64>,
-    /// ... and for how long, in seconds.
+    /// The time since the last sample, in seconds.
     pub since_s: f64,
 }
 
 impl DeadReckoning {
-    /// At the origin of its own frame.
+    /// Starts at the origin of its own frame.
     pub fn new(wheel_base_m: Option<f64>) -> Self {
         Self {
             wheel_base_m,
@@ -34,12 +34,12 @@ impl DeadReckoning {
         }
     }
 
-    /// The robot is put somewhere else: that is no motion.
+    /// Forgets the last sample when the robot is placed somewhere else, which is not motion.
     pub fn put_down(&mut self) {
         self.last = None;
     }
 
-    /// Goes on to the next moment.
+    /// Advances to the next sample.
     pub fn step(&mut self, now: &Sample) -> Motion {
         let last = self.last.replace(*now).unwrap_or(*now);
         let truly_moved = last.robot_in_map.inverse() * now.robot_in_map;
@@ -58,15 +58,15 @@ impl DeadReckoning {
     }
 }
 
-/// The arc of a robot whose left and right wheel rolled from `from` to `to`.
+/// Returns the arc of a robot whose left and right wheel rolled from `from` to `to`, in metres.
 fn rolled(from: [f64; 2], to: [f64; 2], base_m: f64) -> Isometry2<f64> {
     let [left, right] = [to[0] - from[0], to[1] - from[1]];
-    let (way, half_rad) = ((left + right) / 2.0, (right - left) / base_m / 2.0);
+    let (distance, half_rad) = ((left + right) / 2.0, (right - left) / base_m / 2.0);
     let (sine, cosine) = libm::sincos(half_rad);
     let chord = if half_rad == 0.0 {
-        way
+        distance
     } else {
-        way * sine / half_rad
+        distance * sine / half_rad
     };
     let half = UnitComplex::new_unchecked(Complex::new(cosine, sine));
     Isometry2::from_parts(Translation2::new(chord * cosine, chord * sine), half * half)
@@ -86,13 +86,13 @@ mod tests {
     }
 
     #[test]
-    fn wheels_that_roll_alike_lead_straight_on_and_others_along_an_arc() {
+    fn equal_wheel_travel_gives_a_straight_line_and_other_travel_an_arc() {
         let mut reckoning = DeadReckoning::new(Some(0.5));
         reckoning.step(&sample(0, [0.0, 0.0]));
         let motion = reckoning.step(&sample(500_000_000, [1.0, 1.0]));
         assert_eq!(motion.pose.translation.vector.as_slice(), [1.0, 0.0]);
         assert_eq!(motion.since_s, 0.5);
-        // A quarter of a circle to the left, of radius 1, and back to where the robot was put down.
+        // A quarter circle of radius 1 to the left, then the robot is placed where it started.
         let travel = [1.0 + 0.75 * FRAC_PI_2, 1.0 + 1.25 * FRAC_PI_2];
         let pose = reckoning.step(&sample(1, travel)).pose;
         let missing = pose.translation.vector - nalgebra::Vector2::new(2.0, 1.0);

@@ -1,4 +1,4 @@
-//! Messages of ROS 2, field by field as its interface definitions have them.
+//! ROS 2 messages, with the fields of the interface definitions.
 
 use std::f64::consts::TAU;
 
@@ -9,15 +9,15 @@ use serde::ser::{SerializeTuple, Serializer};
 use crate::arena::LidarParams;
 use crate::world::Maze;
 
-/// The frames of REP 105: the world, where dead reckoning began, and the robot.
+/// The frames of REP 105: the world, the origin of dead reckoning, and the robot.
 pub const MAP: &str = "map";
 pub const ODOM: &str = "odom";
 pub const BASE: &str = "base_link";
-/// The lidar, in the middle of the robot.
+/// The lidar's frame, at the centre of the robot.
 pub const LASER: &str = "base_scan";
-/// Where the robot really is, which no robot knows.
+/// The robot's true pose, which the robot does not know.
 pub const TRUE_BASE: &str = "base_link_true";
-/// A cell of an occupancy grid that is occupied, in percent.
+/// The value of an occupied cell in an occupancy grid, in percent.
 const OCCUPIED: i8 = 100;
 
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -127,7 +127,7 @@ pub struct OccupancyGrid {
     data: Vec<i8>,
 }
 
-/// Row by row over x, y, z and the rotations about them.
+/// A 6x6 covariance in row-major order over x, y, z and the rotations about them.
 #[derive(Debug)]
 struct Covariance([f64; 36]);
 
@@ -142,13 +142,13 @@ impl Serialize for Covariance {
 }
 
 impl Covariance {
-    /// Of x, y and the heading; all else is 0 for a robot on a floor.
+    /// Returns the covariance of x, y and heading. All other entries are 0 for a robot on a floor.
     fn on_floor(of: &Matrix3<f64>) -> Self {
-        const PLACES: [usize; 3] = [0, 1, 5];
+        const INDICES: [usize; 3] = [0, 1, 5];
         let mut all = [0.0; 36];
-        for (row, &place) in PLACES.iter().enumerate() {
-            for (column, &other) in PLACES.iter().enumerate() {
-                all[6 * place + other] = of[(row, column)];
+        for (row, &index) in INDICES.iter().enumerate() {
+            for (column, &other) in INDICES.iter().enumerate() {
+                all[6 * index + other] = of[(row, column)];
             }
         }
         Self(all)
@@ -190,7 +190,7 @@ fn pose(pose: &Isometry2<f64>) -> Pose {
 }
 
 impl Transforms {
-    /// Where each frame is in its parent: parent, child and pose.
+    /// Creates the message from frames given as parent, child and the child's pose in the parent.
     pub fn new(time_ns: u64, frames: &[(&'static str, &'static str, Isometry2<f64>)]) -> Self {
         let frame =
             |(parent, child, at): &(&'static str, &'static str, Isometry2<f64>)| TransformStamped {
@@ -205,8 +205,8 @@ impl Transforms {
 }
 
 impl Odometry {
-    /// The pose of the frame `child` in its parent, and how it moved there in the last `since_s`
-    /// seconds, in its own frame. Covariances are 0, as of what is not known.
+    /// Creates the message from the pose of the frame `child` in its parent and its motion in the
+    /// last `since_s` seconds, in its own frame. Covariances are 0, which means unknown.
     pub fn new(
         time_ns: u64,
         [parent, child]: [&'static str; 2],
@@ -214,7 +214,7 @@ impl Odometry {
         (moved, since_s): (&Isometry2<f64>, f64),
     ) -> Self {
         let along = |[x, y, z]: [f64; 3]| Vector3 { x, y, z };
-        let per_second = |way: f64| if since_s > 0.0 { way / since_s } else { 0.0 };
+        let per_second = |change: f64| if since_s > 0.0 { change / since_s } else { 0.0 };
         let [x, y] = [moved.translation.x, moved.translation.y].map(per_second);
         Self {
             header: header(time_ns, parent),
@@ -233,7 +233,8 @@ impl Odometry {
 }
 
 impl EstimatedPose {
-    /// Where the robot estimates to be on the map, and the covariance of x, y and the heading.
+    /// Creates the message from the estimated pose in the map frame and the covariance of x, y and
+    /// heading.
     pub fn new(time_ns: u64, at: &Isometry2<f64>, covariance: &Matrix3<f64>) -> Self {
         Self {
             header: header(time_ns, MAP),
@@ -246,7 +247,7 @@ impl EstimatedPose {
 }
 
 impl LaserScan {
-    /// A whole turn of such a lidar, whose first beam went ahead at `time_ns`.
+    /// Creates a scan of a whole turn. The first beam pointed ahead at `time_ns`.
     pub fn new(time_ns: u64, lidar: &LidarParams, range_max_m: f64, ranges: Vec<f32>) -> Self {
         let beams = f64::from(lidar.beams);
         let (apart_rad, turn_s) = (TAU / beams, 1.0 / lidar.rate_hz);
@@ -267,7 +268,7 @@ impl LaserScan {
 }
 
 impl OccupancyGrid {
-    /// The walls of a maze, the southernmost row first.
+    /// Creates the grid of a maze's walls, the southernmost row first.
     pub fn new(time_ns: u64, maze: &Maze) -> Self {
         let rows = (0..maze.height()).rev();
         let cells = rows.flat_map(|row| (0..maze.width()).map(move |col| (col, row)));

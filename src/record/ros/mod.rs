@@ -1,7 +1,7 @@
-//! Recordings for ROS 2: messages in its own encoding, for `ros2 bag` and rviz.
+//! Recordings for ROS 2: CDR messages for `ros2 bag` and rviz.
 //!
-//! The frames are those of a real robot (REP 105): `map`, `odom` and `base_link`. Where the robot really
-//! is, which no robot knows, is told on `/ground_truth/odom` alone.
+//! The frames are those of a real robot (REP 105): `map`, `odom` and `base_link`. The true pose,
+//! which the robot does not know, is published on `/ground_truth/odom` only.
 
 mod dead_reckoning;
 mod messages;
@@ -27,13 +27,14 @@ use messages::{
 use schemas::{GRID, Interface, ODOMETRY, POSE, SCAN, TRANSFORMS};
 use turn::Turns;
 
-/// What precedes a message: its byte order, little-endian, and no options.
+/// The CDR encapsulation header: little-endian, no options.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
 
-/// The quality of service that the topic was offered with, as rosbag2 writes it up to version 8 of its
-/// metadata, in the numbers of rmw: the last messages, as many as `depth`, reliably, and for those who
-/// subscribe later only if it is transient-local (durability 1; 2 is volatile). No deadlines.
+/// The quality of service offered for a topic, as rosbag2 writes it up to metadata version 8, with
+/// the numbers of rmw. The topic keeps the last `depth` messages and delivers them reliably. Late
+/// subscribers get them only if the topic is transient-local (durability 1; 2 is volatile). There
+/// are no deadlines.
 macro_rules! qos {
     ($depth:literal, $durability:literal) => {
         concat!(
@@ -72,8 +73,8 @@ const TOPICS: [(&str, Interface, &str); 7] = [
 
 type Sink = Writer<Cursor<Vec<u8>>>;
 
-/// A file with its topics, and their channels.
-fn begun() -> McapResult<(Sink, [u16; TOPICS.len()])> {
+/// Creates a file with its topics. Returns the channel of each topic.
+fn create() -> McapResult<(Sink, [u16; TOPICS.len()])> {
     let mut writer = WriteOptions::new()
         .compression(Some(Compression::Zstd))
         .compression_threads(0)
@@ -89,69 +90,69 @@ fn begun() -> McapResult<(Sink, [u16; TOPICS.len()])> {
     Ok((writer, channels))
 }
 
-fn unwritten(cause: McapError) -> RecordError {
+fn write_error(cause: McapError) -> RecordError {
     RecordError::Write {
         path: "the recording for ROS 2".into(),
         cause: cause.to_string(),
     }
 }
 
-/// The robot, as far as a file for ROS 2 needs it.
+/// The robot's parameters that a ROS 2 file needs.
 #[derive(Debug, Clone)]
 pub struct RosRobot {
-    /// The distance between its wheels in metres; `None` where it moves without wheels.
+    /// The distance between its wheels in metres; `None` for a robot without wheels.
     pub wheel_base_m: Option<f64>,
     /// Its lidar.
     pub lidar: LidarParams,
-    /// As far as the lidar sees, in metres.
+    /// The maximum range of the lidar, in metres.
     pub range_max_m: f64,
 }
 
-/// Watches episodes and writes what a ROS 2 robot would have recorded.
+/// Observes episodes and writes the messages that a ROS 2 robot would have recorded.
 pub struct RosBag {
     writer: Sink,
     channels: [u16; TOPICS.len()],
-    /// Only this episode, or all.
+    /// The number of the only episode to record; `None` records all.
     only: Option<u32>,
     odometry: DeadReckoning,
     turns: Turns,
-    /// Messages that are to be put in the order of time: when, topic and bytes.
-    waiting: Vec<(u64, Topic, Vec<u8>)>,
-    /// When the last message was written.
+    /// Buffered messages, to be sorted by time: time, topic and bytes.
+    pending: Vec<(u64, Topic, Vec<u8>)>,
+    /// The time of the last message written.
     now_ns: u64,
     is_begun: bool,
     fault: Option<McapError>,
 }
 
 impl RosBag {
-    /// A bag of one episode, counted from 1, or of all.
+    /// Creates a bag of one episode, counted from 1, or of all episodes.
     ///
     /// # Errors
-    /// When the head cannot be encoded.
+    /// If the file's header cannot be encoded.
     pub fn new(only: Option<u32>, robot: RosRobot) -> Result<Self, RecordError> {
-        let (writer, channels) = begun().map_err(unwritten)?;
+        let (writer, channels) = create().map_err(write_error)?;
         Ok(Self {
             writer,
             channels,
             only,
             odometry: DeadReckoning::new(robot.wheel_base_m),
             turns: Turns::new(robot.lidar, robot.range_max_m),
-            waiting: Vec::new(),
+            pending: Vec::new(),
             now_ns: 0,
             is_begun: false,
             fault: None,
         })
     }
 
-    /// The whole file.
+    /// Finishes the file and returns its bytes.
     ///
     /// # Errors
-    /// The first fault on the way.
+    /// The first error that occurred while writing.
     pub fn finish(mut self) -> Result<Vec<u8>, RecordError> {
         if let Some(fault) = self.fault {
-            return Err(unwritten(fault));
+            return Err(write_error(fault));
         }
-        self.writer.finish().map_err(unwritten)?;
+        self.writer.finish().map_err(write_error)?;
         Ok(self.writer.into_inner().into_inner())
     }
 
@@ -159,17 +160,17 @@ impl RosBag {
         self.fault.is_none() && self.only.is_none_or(|only| only == episode)
     }
 
-    fn tell(&mut self, topic: Topic, time_ns: u64, message: &impl Serialize) {
+    fn queue(&mut self, topic: Topic, time_ns: u64, message: &impl Serialize) {
         let body = cdr_encoding::to_vec::<_, LittleEndian>(message)
             .expect("the messages hold nothing that the encoding lacks");
         let message = [&ENCAPSULATION[..], &body].concat();
-        self.waiting.push((time_ns, topic, message));
+        self.pending.push((time_ns, topic, message));
     }
 
-    /// Writes what waits, in the order of time.
+    /// Writes the buffered messages in order of time.
     fn write(&mut self) -> McapResult<()> {
-        self.waiting.sort_by_key(|(time_ns, ..)| *time_ns);
-        for (time_ns, topic, message) in self.waiting.drain(..) {
+        self.pending.sort_by_key(|(time_ns, ..)| *time_ns);
+        for (time_ns, topic, message) in self.pending.drain(..) {
             self.now_ns = self.now_ns.max(time_ns);
             let header = MessageHeader {
                 channel_id: self.channels[topic as usize],
@@ -182,19 +183,19 @@ impl RosBag {
         Ok(())
     }
 
-    /// What never changes: the walls, and where the lidar is on the robot.
-    fn introduce(&mut self, view: &View<'_>) {
+    /// Writes the static messages: the walls, and the lidar's pose on the robot.
+    fn queue_static(&mut self, view: &View<'_>) {
         let time_ns = view.trace.first().map_or(0, |sample| sample.time_ns);
         let mount = Transforms::new(time_ns, &[(BASE, LASER, Isometry2::identity())]);
-        self.tell(Topic::TfStatic, time_ns, &mount);
-        self.tell(Topic::Map, time_ns, &OccupancyGrid::new(time_ns, view.maze));
+        self.queue(Topic::TfStatic, time_ns, &mount);
+        self.queue(Topic::Map, time_ns, &OccupancyGrid::new(time_ns, view.maze));
     }
 
-    /// What happened in a view, from the moment `first` of its path.
+    /// Adds the messages of a view, from sample `first` of its trace on.
     fn follow(&mut self, view: &View<'_>, first: usize) {
         for beam in view.sensed.iter().flat_map(|sensed| sensed.beams) {
             if let Some(scan) = self.turns.beam(beam) {
-                self.tell(Topic::Scan, beam.time_ns, &scan);
+                self.queue(Topic::Scan, beam.time_ns, &scan);
             }
         }
         for (at, sample) in view.trace.iter().enumerate().skip(first) {
@@ -209,17 +210,17 @@ impl RosBag {
         let in_map = estimate.map_or(truth, |estimate| estimate.robot_in_map);
         let correction = in_map * motion.pose.inverse();
         let frames = [(MAP, ODOM, correction), (ODOM, BASE, motion.pose)];
-        self.tell(Topic::Tf, time_ns, &Transforms::new(time_ns, &frames));
+        self.queue(Topic::Tf, time_ns, &Transforms::new(time_ns, &frames));
         let moved = (&motion.moved, motion.since_s);
         let odometry = Odometry::new(time_ns, [ODOM, BASE], &motion.pose, moved);
-        self.tell(Topic::Odom, time_ns, &odometry);
+        self.queue(Topic::Odom, time_ns, &odometry);
         if let Some(Estimate { covariance, .. }) = estimate {
             let pose = EstimatedPose::new(time_ns, &in_map, covariance);
-            self.tell(Topic::Pose, time_ns, &pose);
+            self.queue(Topic::Pose, time_ns, &pose);
         }
         let moved = (&motion.truly_moved, motion.since_s);
         let truth = Odometry::new(time_ns, [MAP, TRUE_BASE], &truth, moved);
-        self.tell(Topic::GroundTruth, time_ns, &truth);
+        self.queue(Topic::GroundTruth, time_ns, &truth);
     }
 }
 
@@ -230,7 +231,7 @@ impl Observer for RosBag {
         }
         self.odometry.put_down();
         if !self.is_begun {
-            self.introduce(view);
+            self.queue_static(view);
             self.is_begun = true;
         }
         self.follow(view, 0);
@@ -239,18 +240,19 @@ impl Observer for RosBag {
 
     fn stepped(&mut self, step: &Step<'_>) {
         if self.wants(step.episode) {
-            // The path of a move begins where the last one ended.
+            // The first sample of a move is the last sample of the previous one.
             self.follow(&step.view, 1);
             self.fault = self.write().err();
         }
     }
 
     fn ended(&mut self, episode: &Episode, _: &Learned<'_>) -> ControlFlow<()> {
-        // The lidar turns on while the robot is put somewhere else: that is another turn.
+        // The lidar keeps turning while the robot is placed somewhere else; a new turn begins
+        // there.
         if let Some(scan) = self.turns.end()
             && self.fault.is_none()
         {
-            self.tell(Topic::Scan, self.now_ns, &scan);
+            self.queue(Topic::Scan, self.now_ns, &scan);
             self.fault = self.write().err();
         }
         match self.fault.is_some() || self.only == Some(episode.episode) {

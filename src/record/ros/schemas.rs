@@ -1,5 +1,5 @@
-//! The interface definitions of the messages, in the form `ros2msg` of MCAP: each followed by those
-//! that it names.
+//! The interface definitions of the messages, in MCAP's `ros2msg` form: each definition is followed
+//! by the definitions it refers to.
 
 /// A message type and its definition.
 #[derive(Debug, Clone, Copy)]

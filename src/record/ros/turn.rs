@@ -6,7 +6,7 @@ use super::messages::LaserScan;
 use crate::arena::{Beam, LidarParams};
 use crate::record::topics::scan::angle;
 
-/// Gathers beams until the lidar has turned round.
+/// Collects beams into turns.
 pub struct Turns {
     lidar: LidarParams,
     range_max_m: f64,
@@ -19,8 +19,8 @@ struct Turn {
     begin_ns: u64,
     /// The number of its last beam.
     last: usize,
-    /// The ranges by beam number, counted from straight ahead. By REP 117 infinity means that nothing came
-    /// back, and minus infinity that something is too near. NaN means that no beam was sent.
+    /// The ranges by beam number, counted from straight ahead. Infinity means no echo, and minus
+    /// infinity an echo that is too near (REP 117). NaN means that no beam was sent.
     ranges: Vec<f32>,
 }
 
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
     use nalgebra::{Complex, UnitComplex};
 
-    /// Turns of a lidar with four beams, five times a second: a beam every 50 ms.
+    /// Returns the turns of a lidar with four beams, five times a second: a beam every 50 ms.
     fn turns() -> Turns {
         let lidar = LidarParams {
             beams: 4,
@@ -105,7 +105,7 @@ mod tests {
     fn a_turn_ends_with_its_last_beam_and_missing_beams_are_not_a_number() {
         let mut turns = turns();
         let mut sent = |number, range_m| ranges(turns.beam(&beam(number, range_m)));
-        // The first turn begins in the middle; of the second the last beam is lost.
+        // The first turn begins in the middle; the last beam of the second is missing.
         assert_eq!(sent(2, Some(1.5)), None);
         assert_eq!(sent(3, None).unwrap(), ["NaN", "NaN", "1.5", "inf"]);
         let too_near = Some(f64::NEG_INFINITY);

@@ -2,19 +2,19 @@
 
 use std::ops::Range;
 
-/// What a request wants of a file.
+/// The bytes of a file that a request asks for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Wanted {
-    /// All of it, also when the header makes no sense or names several ranges.
+    /// The whole file; also for invalid headers and several ranges.
     All,
-    /// These bytes; never empty.
+    /// A non-empty range of bytes.
     Part(Range<u64>),
-    /// Bytes that do not exist.
+    /// Bytes outside the file.
     Nothing,
 }
 
 impl Wanted {
-    /// Reads a header such as `bytes=0-99`, `bytes=100-` or `bytes=-8`.
+    /// Parses a header such as `bytes=0-99`, `bytes=100-` or `bytes=-8`.
     pub fn of(header: Option<&str>, size: u64) -> Self {
         let range = header.and_then(|text| text.trim().strip_prefix("bytes="));
         let Some((first, last)) = range.and_then(|range| range.split_once('-')) else {
@@ -51,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_beyond_the_end_has_nothing() {
+    fn a_range_beyond_the_end_is_empty() {
         for text in ["bytes=10-", "bytes=10-12", "bytes=-0"] {
             assert_eq!(Wanted::of(Some(text), 10), Wanted::Nothing, "{text}");
         }
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_not_a_range() {
+    fn invalid_headers_ask_for_the_whole_file() {
         for text in [
             "",
             "bytes",

@@ -1,4 +1,4 @@
-//! Connections: how many there are at a time, and how long each may be silent.
+//! Connections: their maximum number, and their timeouts.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -7,23 +7,23 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Connections at a time: what a few browsers open, and few enough for `ulimit -n 64` when each
-/// takes a socket and a file.
-const MOST_GUESTS: usize = 24;
-/// How long a connection may take nothing of what is sent.
+/// The maximum number of connections. It suffices for a few browsers, and is low enough for `ulimit
+/// -n 64` if each connection takes a socket and a file.
+const MAX_CONNECTIONS: usize = 24;
+/// The time after which writing to a blocked connection fails.
 const STALL_TIME: Duration = Duration::from_secs(30);
-/// A connection that did nothing for so long gives way to a new one when all places are taken.
+/// When all slots are taken, a connection that was idle for this long is closed for a new one.
 const IDLE_TIME: Duration = Duration::from_secs(1);
-/// How long, and how much, is read and thrown away at the end: closing a connection with unread
-/// bytes would take the answer back.
-const FAREWELL_TIME: Duration = Duration::from_secs(1);
-const MOST_FAREWELL: u64 = 64 * 1024;
+/// The maximum time and number of bytes to read and discard at the end. Closing a connection with
+/// unread bytes would discard the answer.
+const SHUTDOWN_TIME: Duration = Duration::from_secs(1);
+const MAX_DISCARDED_BYTES: u64 = 64 * 1024;
 
-/// Who is connected.
+/// The open connections.
 #[derive(Debug, Default)]
-pub struct Room(Mutex<Vec<Arc<Slot>>>);
+pub struct Slots(Mutex<Vec<Arc<Slot>>>);
 
-/// A connection, and when something last went over it.
+/// A connection, and the time of its last activity.
 #[derive(Debug)]
 struct Slot {
     stream: TcpStream,
@@ -41,40 +41,40 @@ impl Slot {
     }
 }
 
-impl Room {
-    fn seats(&self) -> std::sync::MutexGuard<'_, Vec<Arc<Slot>>> {
+impl Slots {
+    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<Arc<Slot>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A seat for a new connection. When all are taken, whoever has been idle for longest gives
-    /// way, so that silent connections keep nobody out; `None` when nobody is idle.
+    /// Returns a slot for a new connection. If all slots are taken, the connection that was idle
+    /// for longest is closed. Fails if none is idle for [`IDLE_TIME`].
     fn slot(&self, stream: TcpStream) -> Result<Arc<Slot>, TcpStream> {
-        let mut seats = self.seats();
-        if seats.len() >= MOST_GUESTS {
-            let idlest = (0..seats.len()).max_by_key(|&at| seats[at].idle());
-            let idlest = idlest.filter(|&at| seats[at].idle() >= IDLE_TIME);
+        let mut slots = self.lock();
+        if slots.len() >= MAX_CONNECTIONS {
+            let idlest = (0..slots.len()).max_by_key(|&at| slots[at].idle());
+            let idlest = idlest.filter(|&at| slots[at].idle() >= IDLE_TIME);
             let Some(idlest) = idlest else {
                 return Err(stream);
             };
-            let _ = seats.remove(idlest).stream.shutdown(Shutdown::Both);
+            let _ = slots.remove(idlest).stream.shutdown(Shutdown::Both);
         }
         let active = Mutex::new(Instant::now());
         let slot = Arc::new(Slot { stream, active });
-        seats.push(Arc::clone(&slot));
+        slots.push(Arc::clone(&slot));
         Ok(slot)
     }
 }
 
-/// A connection that was let in. Writing to it fails when nothing is taken for too long.
+/// An accepted connection. Writing fails if the other side reads nothing for too long.
 #[derive(Debug)]
 pub struct Connection {
     slot: Arc<Slot>,
-    room: Arc<Room>,
+    slots: Arc<Slots>,
 }
 
 impl Connection {
-    /// Lets a connection in; gives it back when there is no place.
-    pub fn enter(stream: TcpStream, room: &Arc<Room>) -> Result<Self, TcpStream> {
+    /// Accepts a connection; returns the stream if there is no slot.
+    pub fn accept(stream: TcpStream, slots: &Arc<Slots>) -> Result<Self, TcpStream> {
         let grace_period = Some(STALL_TIME);
         let prepared = stream
             .set_nodelay(true)
@@ -82,12 +82,12 @@ impl Connection {
         if prepared.is_err() {
             return Err(stream);
         }
-        let room = Arc::clone(room);
-        let slot = room.slot(stream)?;
-        Ok(Self { slot, room })
+        let slots = Arc::clone(slots);
+        let slot = slots.slot(stream)?;
+        Ok(Self { slot, slots })
     }
 
-    /// Reads what comes next; fails with [`ErrorKind::TimedOut`] when nothing does until then.
+    /// Reads the next bytes; fails with [`ErrorKind::TimedOut`] if nothing arrives before `until`.
     pub fn read_until(&mut self, piece: &mut [u8], until: Instant) -> io::Result<usize> {
         let left = until.saturating_duration_since(Instant::now());
         if left.is_zero() {
@@ -97,20 +97,20 @@ impl Connection {
         (&self.slot.stream).read(piece)
     }
 
-    /// Sends all of it.
+    /// Sends all bytes.
     ///
     /// # Errors
-    /// When the connection has gone, or takes nothing for too long.
-    pub fn say(&mut self, bytes: &[u8]) -> io::Result<()> {
+    /// If the connection is closed, or the other side reads nothing for too long.
+    pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         (&self.slot.stream).write_all(bytes)?;
         self.slot.touch();
         Ok(())
     }
 
-    /// Passes everything on between the connection and another connection, until either has enough.
+    /// Forwards all data between this connection and another one, until either ends.
     ///
     /// # Errors
-    /// When no thread can be started.
+    /// If no thread can be started.
     #[cfg(feature = "live")]
     pub fn connect(&mut self, other: &TcpStream) -> io::Result<()> {
         self.slot.stream.set_read_timeout(None)?;
@@ -124,13 +124,13 @@ impl Connection {
         })
     }
 
-    /// Says that nothing more comes, and waits a moment until the connection has understood.
-    pub fn take_leave(&mut self) -> io::Result<()> {
+    /// Shuts down writing, and waits until the other side has read the answer.
+    pub fn shut_down(&mut self) -> io::Result<()> {
         self.slot.stream.shutdown(Shutdown::Write)?;
-        let until = Instant::now() + FAREWELL_TIME;
+        let until = Instant::now() + SHUTDOWN_TIME;
         let mut piece = [0; 4096];
         let mut read = 0;
-        while read < MOST_FAREWELL {
+        while read < MAX_DISCARDED_BYTES {
             match self.read_until(&mut piece, until)? {
                 0 => break,
                 bytes => read += bytes as u64,
@@ -142,13 +142,13 @@ impl Connection {
 
 impl Drop for Connection {
     fn drop(&mut self) {
-        let mut seats = self.room.seats();
-        seats.retain(|slot| !Arc::ptr_eq(slot, &self.slot));
+        let mut slots = self.slots.lock();
+        slots.retain(|slot| !Arc::ptr_eq(slot, &self.slot));
     }
 }
 
 #[cfg(feature = "live")]
-/// Copies until the end, then ends both connections.
+/// Copies until the end, then closes both connections.
 fn pass_on(mut from: &TcpStream, mut to: &TcpStream, slot: &Slot) {
     let mut piece = [0; 16 * 1024];
     while let Ok(bytes @ 1..) = from.read(&mut piece) {

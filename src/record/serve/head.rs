@@ -1,21 +1,21 @@
-//! What a request says: its head, held to bounds, and the page that it comes from.
+//! The head of an HTTP request, with size and time limits, and the origin of a page.
 
 use std::time::{Duration, Instant};
 
 use super::connection::Connection;
 
-/// Bytes of a head: method, address and headers.
-const MOST_HEAD: usize = 8 * 1024;
-/// Headers of a request.
-const MOST_HEADERS: usize = 64;
-/// How long a head may take.
+/// The maximum size of a head, in bytes: method, address and headers.
+const MAX_HEAD_BYTES: usize = 8 * 1024;
+/// The maximum number of headers.
+const MAX_HEADERS: usize = 64;
+/// The maximum time to receive a head.
 const HEAD_TIME: Duration = Duration::from_secs(5);
 
 /// The origin of a web page: scheme, host and port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin(pub(super) String);
 
-/// A text that is no origin.
+/// A text that is not a valid origin.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("must be scheme and host, without a path, such as https://viewer.example")]
 pub struct NoOrigin;
@@ -37,25 +37,25 @@ impl std::str::FromStr for Origin {
     }
 }
 
-/// What matters of the head of a request.
+/// The relevant parts of a request's head.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Head {
-    /// Such as `GET`.
+    /// The method, such as `GET`.
     pub method: String,
-    /// The address, from its path on.
+    /// The address, starting with its path.
     pub target: String,
-    /// The page that asks, if a browser says so.
+    /// The origin of the requesting page, if a browser sends it.
     pub origin: Option<String>,
-    /// The bytes that are wanted.
+    /// The `Range` header.
     pub range: Option<String>,
-    /// What was received: the head, and perhaps more.
+    /// The received bytes: the head, and perhaps more.
     pub received: Vec<u8>,
-    /// The machine that is asked, in small letters.
+    /// The `Host` header, in lower case.
     pub host: Option<String>,
 }
 
 impl Head {
-    /// Reads a head, or the status that says why there is none.
+    /// Reads a head. The error is an HTTP status.
     pub fn read(connection: &mut Connection) -> Result<Self, u16> {
         let until = Instant::now() + HEAD_TIME;
         let mut received = Vec::new();
@@ -64,10 +64,10 @@ impl Head {
             if let Some(head) = Self::parse(&received)? {
                 return Ok(head);
             }
-            if received.len() >= MOST_HEAD {
+            if received.len() >= MAX_HEAD_BYTES {
                 return Err(431);
             }
-            let room = piece.len().min(MOST_HEAD - received.len());
+            let room = piece.len().min(MAX_HEAD_BYTES - received.len());
             let read = connection.read_until(&mut piece[..room], until);
             match read.map_err(|_| 408_u16)? {
                 0 => return Err(400),
@@ -76,9 +76,9 @@ impl Head {
         }
     }
 
-    /// The head in these bytes; `None` while it is incomplete.
+    /// Parses the head; `None` while it is incomplete.
     fn parse(received: &[u8]) -> Result<Option<Self>, u16> {
-        let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
+        let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
         let mut request = httparse::Request::new(&mut headers);
         let parsed = request.parse(received).map_err(|fault| match fault {
             httparse::Error::TooManyHeaders => 431_u16,

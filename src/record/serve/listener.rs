@@ -1,9 +1,9 @@
-//! Who may talk to a server on this machine, how much, and for how long.
+//! A server's access control and limits for requests on this machine.
 //!
-//! Any page that a browser shows can send requests to this machine, and any program can open
-//! connections. So every request is held to bounds before it is looked at, and refused unless it
-//! names this machine as its host (or a page could have its own name resolve to this machine) and,
-//! where a browser sends it for a page, comes from one that was allowed.
+//! Any web page in a browser can send requests to this machine, and any program can open
+//! connections. Every request is therefore limited in size and time. It is rejected unless its host
+//! is this machine; otherwise a page could have its own name resolve to this machine. If a browser
+//! sends an origin, the origin must be allowed.
 
 use std::io::{self, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -13,21 +13,21 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 pub use super::connection::Connection;
-use super::connection::Room;
+use super::connection::Slots;
 pub use super::head::{Head, Origin};
 
-/// The sites of the viewers.
+/// The origins of the viewers.
 pub const VIEWERS: [&str; 2] = [
     "https://app.foxglove.dev",
     "https://lichtblick-suite.github.io",
 ];
-/// What viewers on the desktop, whose pages are files, say they are.
+/// The origin of desktop viewers, whose pages are files.
 const DESKTOP: &str = "file://";
 
-/// How long to wait after connections could not be accepted, such as for want of descriptors.
-const RECOVERY: Duration = Duration::from_millis(100);
+/// The delay after connections could not be accepted, for example because no descriptor was free.
+const RETRY_DELAY: Duration = Duration::from_millis(100);
 
-/// A listener on the loopback interface that lets in only requests within its bounds.
+/// A listener on the loopback interface that accepts only allowed requests within the limits.
 #[derive(Debug)]
 pub struct Listener {
     listener: TcpListener,
@@ -36,11 +36,11 @@ pub struct Listener {
 }
 
 impl Listener {
-    /// Listens on a port of 127.0.0.1; 0 takes any that is free. Pages of the [viewers](VIEWERS)
-    /// are allowed.
+    /// Listens on a port of 127.0.0.1; 0 selects a free one. Pages of the [viewers](VIEWERS) are
+    /// allowed.
     ///
     /// # Errors
-    /// When the port is taken or forbidden.
+    /// If the port is taken or forbidden.
     pub fn bind(port: u16) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         Ok(Self {
@@ -54,7 +54,7 @@ impl Listener {
         })
     }
 
-    /// The port on which it listens.
+    /// Returns the port of the listener.
     pub fn port(&self) -> u16 {
         self.port
     }
@@ -64,18 +64,18 @@ impl Listener {
         self.origins.push(origin.0.clone());
     }
 
-    /// Lets connection in on threads of their own, until the [`Opened`] gate is dropped. `host` answers
-    /// a request whose head was accepted; all others are refused before.
+    /// Accepts connections on separate threads, until the [`Opened`] listener is dropped. `host`
+    /// answers requests whose head was accepted; all others are rejected.
     ///
     /// # Errors
-    /// When no thread can be started.
+    /// If no thread can be started.
     pub fn open<H>(self, host: H) -> io::Result<Opened>
     where
         H: Fn(&Head, &mut Connection) -> io::Result<()> + Send + Sync + 'static,
     {
         let closing = Arc::new(AtomicBool::new(false));
-        let (port, told) = (self.port, Arc::clone(&closing));
-        let thread = thread::Builder::new().spawn(move || self.accept(&Arc::new(host), &told))?;
+        let (port, stop) = (self.port, Arc::clone(&closing));
+        let thread = thread::Builder::new().spawn(move || self.accept(&Arc::new(host), &stop))?;
         Ok(Opened {
             port,
             closing,
@@ -87,25 +87,25 @@ impl Listener {
     where
         H: Fn(&Head, &mut Connection) -> io::Result<()> + Send + Sync + 'static,
     {
-        let room = Arc::new(Room::default());
+        let slots = Arc::new(Slots::default());
         let listener = Arc::new(self);
         while !closing.load(Ordering::Relaxed) {
             let Ok((stream, _)) = listener.listener.accept() else {
-                thread::sleep(RECOVERY);
+                thread::sleep(RETRY_DELAY);
                 continue;
             };
-            let mut connection = match Connection::enter(stream, &room) {
+            let mut connection = match Connection::accept(stream, &slots) {
                 Ok(connection) => connection,
                 Err(mut stream) => {
-                    // Fits into the buffer of any connection, so it waits for nobody.
+                    // The response fits into the buffer of any connection, so this does not block.
                     let _ = stream.write_all(&refusal(503));
                     continue;
                 }
             };
             let (listener, host) = (Arc::clone(&listener), Arc::clone(host));
-            // When no thread can be started, the connection is dropped, and with it the connection.
+            // If no thread can be started, the connection is dropped.
             let _ = thread::Builder::new().spawn(move || {
-                // A connection that breaks off is nobody's fault.
+                // Errors of a broken connection are ignored.
                 let _ = listener.receive(&mut connection, &*host);
             });
         }
@@ -117,12 +117,12 @@ impl Listener {
     {
         match Head::read(connection).and_then(|head| self.check(head)) {
             Ok(head) => host(&head, connection)?,
-            Err(status) => connection.say(&refusal(status))?,
+            Err(status) => connection.send(&refusal(status))?,
         }
-        connection.take_leave()
+        connection.shut_down()
     }
 
-    /// The head, if it may come in; or else the status that says why not.
+    /// Returns the head if the request is allowed. The error is an HTTP status.
     fn check(&self, head: Head) -> Result<Head, u16> {
         let hosts = [
             format!("127.0.0.1:{}", self.port),
@@ -140,7 +140,7 @@ impl Listener {
     }
 }
 
-/// A gate that lets connection in until it is dropped.
+/// A running listener that accepts connections until it is dropped.
 #[derive(Debug)]
 pub struct Opened {
     port: u16,
@@ -150,7 +150,7 @@ pub struct Opened {
 
 #[cfg(feature = "live")]
 impl Opened {
-    /// The port on which it listens.
+    /// Returns the port of the listener.
     pub fn port(&self) -> u16 {
         self.port
     }
@@ -159,7 +159,7 @@ impl Opened {
 impl Drop for Opened {
     fn drop(&mut self) {
         self.closing.store(true, Ordering::Relaxed);
-        // It waits for a connection, so it is given one.
+        // `accept` blocks until there is a connection, so open one.
         let _ = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port));
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -167,13 +167,13 @@ impl Drop for Opened {
     }
 }
 
-/// An answer that says no, and nothing else.
+/// Returns a response with an error status and no body.
 fn refusal(status: u16) -> Vec<u8> {
     let head = status_line(status);
     format!("{head}Content-Length: 0\r\nConnection: close\r\n\r\n").into_bytes()
 }
 
-/// The first line of an answer.
+/// Returns the first line of a response.
 pub fn status_line(status: u16) -> String {
     let reason = match status {
         200 => "OK",
@@ -194,8 +194,8 @@ pub fn status_line(status: u16) -> String {
     format!("HTTP/1.1 {status} {reason}\r\n")
 }
 
-/// A loopback address of one's own, which no page can guess; where the system has but one
-/// (macOS), only the port is.
+/// Returns a random loopback address, which no page can guess. On systems with a single loopback
+/// address (macOS), only the port is random.
 #[cfg(feature = "live")]
 pub fn hidden_host() -> io::Result<Ipv4Addr> {
     let [a, b, c, ..] = getrandom::u64()?.to_le_bytes();

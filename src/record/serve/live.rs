@@ -1,4 +1,4 @@
-//! The same messages as in a recording, streamed to a viewer on this machine.
+//! Streams the messages of a recording to a viewer on this machine.
 
 use std::io::Write;
 use std::net::{SocketAddr, TcpStream};
@@ -17,48 +17,49 @@ use super::listener::{Listener, Opened, Origin, hidden_host};
 use crate::record::info::RecordingKind;
 use crate::record::topics::Topic;
 
-/// Messages that may wait for a slow viewer; the oldest are dropped, so that nobody waits for it.
+/// The maximum number of messages queued for a slow viewer. The oldest are dropped, so that a slow
+/// viewer blocks nothing.
 const BACKLOG: usize = 16 * 1024;
-/// How often viewers are told the time: they must not drop messages to hear it.
+/// The interval of clock messages. It is long enough that they do not displace other messages.
 const CLOCK_PERIOD: Duration = Duration::from_millis(10);
-/// How long the last messages may take to their viewers.
-const FAREWELL: Duration = Duration::from_millis(300);
+/// The maximum time to deliver the last messages to viewers.
+const DRAIN_TIME: Duration = Duration::from_millis(300);
 
 /// A stream that viewers can join at any time.
 ///
-/// The server of the foxglove crate lets in every page and any number of connections, so it listens
-/// where no page can find it, and viewers come to it through a [`Listener`].
+/// The server of the foxglove crate accepts every page and any number of connections. It therefore
+/// listens at an address that no page can find, and viewers connect through a [`Listener`].
 ///
-/// Every message is complete in itself, so whoever comes late is given the last one of each topic
-/// and sees the whole picture.
+/// Every message is complete in itself. A new viewer gets the last message of each topic and thus
+/// the whole picture.
 pub struct Stream {
     server: WebSocketServerHandle,
     listener: Opened,
-    /// Server and channels only borrow it: without it nobody hears of the channels.
+    /// Server and channels only borrow the context. Without it, the channels are not announced.
     _context: Arc<Context>,
-    memory: Arc<Memory>,
-    told_time: Option<Instant>,
+    broadcast: Arc<Broadcast>,
+    clock_sent: Option<Instant>,
 }
 
 impl Stream {
-    /// Listens on a port of 127.0.0.1; 0 takes any that is free. Pages of the viewers are let in,
-    /// and those of `origins`.
+    /// Listens on a port of 127.0.0.1; 0 selects a free one. Pages of the viewers and of `origins`
+    /// are allowed.
     ///
     /// # Errors
-    /// When the port is taken or forbidden.
+    /// If the port is taken or forbidden.
     pub fn open(port: u16, origins: &[Origin]) -> Result<Self, FoxgloveError> {
-        // First, because a port that is taken is the likeliest fault.
+        // Bind first, because a port that is taken is the most likely error.
         let mut listener = Listener::bind(port)?;
         origins.iter().for_each(|origin| listener.allow(origin));
         let host = hidden_host()?;
         let context = Context::new();
-        let memory = Arc::new(Memory::new(&context)?);
+        let broadcast = Arc::new(Broadcast::new(&context)?);
         let server = WebSocketServer::new()
             .name("xcscr")
             .bind(host.to_string(), 0)
             .capabilities([Capability::Time])
             .message_backlog_size(BACKLOG)
-            .listener(Arc::clone(&memory) as Arc<dyn ServerListener>)
+            .listener(Arc::clone(&broadcast) as Arc<dyn ServerListener>)
             .context(&context)
             .start_blocking()?;
         let inner = SocketAddr::from((host, server.port()));
@@ -71,57 +72,60 @@ impl Stream {
             server,
             listener,
             _context: context,
-            memory,
-            told_time: None,
+            broadcast,
+            clock_sent: None,
         })
     }
 
-    /// Where viewers find it, such as `ws://127.0.0.1:8765`.
+    /// Returns the address for viewers, such as `ws://127.0.0.1:8765`.
     pub fn url(&self) -> String {
         format!("ws://127.0.0.1:{}", self.listener.port())
     }
 
-    /// Did anyone connect who has not gone?
+    /// Returns true if a viewer is connected.
     pub fn has_viewers(&self) -> bool {
         self.server.client_count() > 0
     }
 
-    /// Does anyone listen to a topic?
+    /// Returns true if a viewer is subscribed to a topic.
     pub fn is_watched(&self) -> bool {
-        self.memory.subscriptions.load(Ordering::Relaxed) > 0
+        self.broadcast.subscriptions.load(Ordering::Relaxed) > 0
     }
 
-    /// Sends a message; never waits for a viewer. `time_ns` is simulation time in nanoseconds.
+    /// Sends a message without waiting for viewers. `time_ns` is simulation time in nanoseconds.
     pub fn send(&mut self, topic: Topic, time_ns: u64, data: &[u8]) {
-        if self.told_time.is_none_or(|at| at.elapsed() >= CLOCK_PERIOD) {
+        if self
+            .clock_sent
+            .is_none_or(|at| at.elapsed() >= CLOCK_PERIOD)
+        {
             self.server.broadcast_time(time_ns);
-            self.told_time = Some(Instant::now());
+            self.clock_sent = Some(Instant::now());
         }
-        self.memory.send(topic, time_ns, data);
+        self.broadcast.send(topic, time_ns, data);
     }
 }
 
 impl Drop for Stream {
-    /// The server ends with the program, and what is still in its queues is lost.
+    /// Gives the queued messages time: the server ends with the program, and its queues are lost.
     fn drop(&mut self) {
         if self.is_watched() {
-            thread::sleep(FAREWELL);
+            thread::sleep(DRAIN_TIME);
         }
     }
 }
 
 /// A message and its time in nanoseconds.
-type Said = Option<(u64, Vec<u8>)>;
+type LastMessage = Option<(u64, Vec<u8>)>;
 
-/// The channels, and the last message of each for those who come late.
-struct Memory {
+/// The channels, and the last message of each for viewers that join later.
+struct Broadcast {
     channels: Vec<Arc<RawChannel>>,
-    /// By [`Topic`].
-    last: Mutex<Vec<Said>>,
+    /// The last messages by [`Topic`].
+    last: Mutex<Vec<LastMessage>>,
     subscriptions: AtomicUsize,
 }
 
-impl Memory {
+impl Broadcast {
     fn new(context: &Arc<Context>) -> Result<Self, FoxgloveError> {
         let channels = Topic::ALL.iter().map(|topic| {
             ChannelBuilder::new(topic.name())
@@ -137,12 +141,12 @@ impl Memory {
         })
     }
 
-    fn last(&self) -> MutexGuard<'_, Vec<Said>> {
+    fn last(&self) -> MutexGuard<'_, Vec<LastMessage>> {
         self.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn send(&self, topic: Topic, time_ns: u64, data: &[u8]) {
-        // Locked until it is sent, so that nobody is given it before and after.
+        // Locked until the message is sent, so that a new subscriber does not get it twice.
         let mut last = self.last();
         let (time, message) = last[topic as usize].get_or_insert_default();
         *time = time_ns;
@@ -153,7 +157,7 @@ impl Memory {
     }
 }
 
-impl ServerListener for Memory {
+impl ServerListener for Broadcast {
     fn on_subscribe(&self, client: Client, channel: ChannelView) {
         self.subscriptions.fetch_add(1, Ordering::Relaxed);
         let last = self.last();

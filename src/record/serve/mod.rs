@@ -1,4 +1,4 @@
-//! Handing recordings to viewers: finished files over HTTP, and a run that is under way.
+//! Serving recordings to viewers: finished files over HTTP, and live streams of running runs.
 
 mod byte_range;
 mod listener;

@@ -1,4 +1,4 @@
-//! Serving recordings to a viewer in the browser, on this machine only.
+//! Serves recordings to a viewer in the browser, on this machine only.
 
 use std::fmt::Write as _;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
@@ -14,25 +14,25 @@ pub use super::listener::Origin;
 use super::listener::{Connection, Head, Listener, status_line};
 use crate::disk;
 
-/// How often the server looks whether it shall stop.
-const PATIENCE: Duration = Duration::from_millis(100);
-/// Bytes that are sent at once.
+/// The interval at which the server checks whether to stop.
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
+/// The size of the pieces that are sent, in bytes.
 const PIECE: usize = 64 * 1024;
-/// What every answer says: that nobody shall keep it, because the next run has the same names,
-/// and that pages get it only by asking as themselves, never as a picture or a script.
+/// The headers of every response. Responses must not be cached, because the next run uses the same
+/// names. Pages get them only by requests with their own origin, never as a picture or a script.
 const HEADERS: &str = "Accept-Ranges: bytes\r\n\
     Cache-Control: no-store\r\n\
     Connection: close\r\n\
     Cross-Origin-Resource-Policy: same-origin\r\n\
     Vary: Origin\r\n\
     X-Content-Type-Options: nosniff\r\n";
-/// What a page that is allowed is told besides.
+/// The additional headers of a response to an allowed page.
 const TO_PAGES: &str = "Access-Control-Allow-Methods: GET, HEAD, OPTIONS\r\n\
     Access-Control-Allow-Headers: *\r\n\
     Access-Control-Allow-Private-Network: true\r\n\
     Access-Control-Expose-Headers: Accept-Ranges, Content-Length, Content-Range\r\n";
 
-/// What lies behind an address.
+/// The content behind an address.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// A file.
@@ -41,9 +41,9 @@ pub enum Content {
     Text(String),
 }
 
-/// An HTTP server on the loopback interface that gives out what it was told to, and nothing else,
-/// to whoever knows the address: each begins with a word that nobody can guess. Pages in a browser
-/// are given it only if they are those of the viewers, or of origins that were allowed.
+/// An HTTP server on the loopback interface that serves the added contents and nothing else. Each
+/// address begins with a secret that cannot be guessed. Of web pages, only those of the viewers and
+/// of allowed origins can read the contents.
 ///
 /// ```no_run
 /// use xcscr::record::server::{Content, Server, foxglove_link};
@@ -56,16 +56,16 @@ pub enum Content {
 /// ```
 pub struct Server {
     listener: Listener,
-    /// The word that nobody can guess.
+    /// The part of each address that cannot be guessed.
     secret: String,
     contents: Contents,
 }
 
 impl Server {
-    /// Listens on a port of 127.0.0.1; 0 takes any that is free.
+    /// Listens on a port of 127.0.0.1; 0 selects a free one.
     ///
     /// # Errors
-    /// When the port is taken or forbidden, or the system has no random numbers.
+    /// If the port is taken or forbidden, or the system has no random numbers.
     pub fn bind(port: u16) -> io::Result<Self> {
         Ok(Self {
             listener: Listener::bind(port)?,
@@ -74,17 +74,17 @@ impl Server {
         })
     }
 
-    /// Where it listens, such as `http://127.0.0.1:8080`.
+    /// Returns the server's own origin, such as `http://127.0.0.1:8080`.
     pub fn origin(&self) -> String {
         format!("http://127.0.0.1:{}", self.listener.port())
     }
 
-    /// Allows the pages of one more origin to read what is given out.
+    /// Allows the pages of another origin to read the contents.
     pub fn allow(&mut self, origin: &Origin) {
         self.listener.allow(origin);
     }
 
-    /// Gives something out from now on; returns its address, which ends in `name`.
+    /// Serves a content from now on. Returns its address, which ends with `name`.
     pub fn add(&mut self, name: &str, content: Content) -> String {
         let contents = &mut self.contents.0;
         let path = format!("/{}/{}/{}", self.secret, contents.len(), escaped(name));
@@ -92,28 +92,28 @@ impl Server {
         format!("{}{path}", self.origin())
     }
 
-    /// Answers requests until `stopped` says so.
+    /// Answers requests until `stopped` returns true.
     ///
     /// # Errors
-    /// When there is no thread to answer them.
+    /// If no thread can be started.
     pub fn run(self, stopped: impl Fn() -> bool) -> io::Result<()> {
         let contents = Arc::new(self.contents);
         let _open = self
             .listener
             .open(move |head, connection| contents.answer(head, connection))?;
         while !stopped() {
-            thread::sleep(PATIENCE);
+            thread::sleep(POLL_INTERVAL);
         }
         Ok(())
     }
 }
 
-/// A link that opens recordings in Foxglove.
+/// Returns a link that opens recordings in Foxglove.
 pub fn foxglove_link(urls: &[String]) -> String {
     format!("https://app.foxglove.dev/~/view?{}", query(urls))
 }
 
-/// A link that opens recordings in Lichtblick, with a layout.
+/// Returns a link that opens recordings in Lichtblick with a layout.
 pub fn lichtblick_link(urls: &[String], layout: &str) -> String {
     let (query, layout) = (query(urls), escaped(layout));
     format!("https://lichtblick-suite.github.io/lichtblick/?{query}&layoutUrl={layout}")
@@ -124,19 +124,19 @@ fn query(urls: &[String]) -> String {
     format!("ds=remote-file{}", urls.collect::<String>())
 }
 
-/// All but the unreserved characters of RFC 3986.
+/// All characters but the unreserved ones of RFC 3986.
 const RESERVED: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'-')
     .remove(b'.')
     .remove(b'_')
     .remove(b'~');
 
-/// A text as part of an address.
+/// Escapes a text for use in an address.
 fn escaped(text: &str) -> PercentEncode<'_> {
     utf8_percent_encode(text, RESERVED)
 }
 
-/// Paths with what lies behind them.
+/// Paths and their contents.
 #[derive(Debug, Default)]
 struct Contents(Vec<(String, Content)>);
 
@@ -150,7 +150,7 @@ impl Contents {
     fn answer(&self, head: &Head, connection: &mut Connection) -> io::Result<()> {
         let answer = match (head.method.as_str(), self.at(&head.target)) {
             ("OPTIONS", _) => Answer::empty(204),
-            // The file may have gone since the server was started.
+            // The file may have been deleted since the server was started.
             ("GET" | "HEAD", Some(content)) => Answer::part(content, head.range.as_deref())
                 .unwrap_or_else(|cause| Answer::failure(&cause)),
             ("GET" | "HEAD", None) => Answer::empty(404),
@@ -160,7 +160,7 @@ impl Contents {
     }
 }
 
-/// An answer: its status, its own headers, and its body.
+/// A response: its status, its own headers, and its body.
 struct Answer {
     status: u16,
     headers: String,
@@ -177,7 +177,7 @@ impl Answer {
         }
     }
 
-    /// What became of content that cannot be read.
+    /// Creates the response for a content that cannot be read.
     fn failure(cause: &io::Error) -> Self {
         Self::empty(match cause.kind() {
             io::ErrorKind::NotFound => 404,
@@ -186,7 +186,7 @@ impl Answer {
         })
     }
 
-    /// The wanted bytes of some content.
+    /// Creates the response with the requested bytes of a content.
     fn part(content: &Content, range: Option<&str>) -> io::Result<Self> {
         let (mut reader, size, kind) = open(content)?;
         let (status, range, bytes) = match Wanted::of(range, size) {
@@ -217,7 +217,7 @@ impl Answer {
         if self.status != 204 {
             let _ = write!(text, "Content-Length: {}\r\n", self.body.limit());
         }
-        connection.say(format!("{text}\r\n").as_bytes())?;
+        connection.send(format!("{text}\r\n").as_bytes())?;
         if head.method == "HEAD" {
             return Ok(());
         }
@@ -225,7 +225,7 @@ impl Answer {
         loop {
             match self.body.read(&mut piece)? {
                 0 => return Ok(()),
-                bytes => connection.say(&piece[..bytes])?,
+                bytes => connection.send(&piece[..bytes])?,
             }
         }
     }
@@ -235,11 +235,11 @@ trait ReadSeek: Read + Seek + Send {}
 
 impl<T: Read + Seek + Send> ReadSeek for T {}
 
-/// The content, its size and its media type.
+/// Opens a content. Returns a reader, the size and the media type.
 fn open(content: &Content) -> io::Result<(Box<dyn ReadSeek>, u64, &'static str)> {
     match content {
         Content::File(path) => {
-            // It was no link when it was offered; what a link leads to was never offered.
+            // The path was not a link when it was added; a link target must not be served.
             disk::require_plain(path)?;
             let file = disk::open(path)?;
             let size = file.metadata()?.len();

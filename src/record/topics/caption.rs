@@ -1,4 +1,4 @@
-//! `/scene/caption`: what is shown, in words, north of the maze.
+//! `/scene/caption`: a caption north of the maze.
 
 use foxglove::messages::{SceneUpdate, TextPrimitive};
 
@@ -12,24 +12,24 @@ const REMARK: u32 = 0xf4b740;
 const HEADING: u32 = 0x9aa5b8;
 /// The height of a title as a share of the maze's longer side.
 const SIZE: f64 = 0.062;
-/// How wide a letter is, as a share of its height; text wider than this share of the maze is made
-/// smaller.
+/// The width of a letter, as a share of its height. Text wider than the share [`WIDEST`] of the
+/// maze is scaled down.
 const LETTER: f64 = 0.6;
 const WIDEST: f64 = 1.35;
 
-/// Three lines above each other.
+/// A caption of three lines.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::record) struct Caption {
-    /// What is seen.
+    /// What is shown.
     pub title: String,
-    /// What is remarkable about it.
+    /// A remark about it.
     pub remark: String,
-    /// World, method and seed.
+    /// World, method, arena, sensor and seed.
     pub heading: String,
 }
 
 impl Caption {
-    /// The caption as a scene.
+    /// Returns the caption as a scene.
     pub fn scene(&self, maze: &Maze, time_ns: u64) -> SceneUpdate {
         let mut lines = entity("caption", WORLD, time_ns);
         let all = [
@@ -44,7 +44,7 @@ impl Caption {
         update(vec![lines])
     }
 
-    /// Reads the lines of a caption's scene, which their colours tell apart.
+    /// Reads the lines from a caption's scene, which distinguishes them by colour.
     pub fn read(scene: &SceneUpdate) -> Self {
         let texts = || scene.entities.iter().flat_map(|entity| &entity.texts);
         let line = |rgb| {
@@ -59,12 +59,13 @@ impl Caption {
     }
 }
 
-/// How far a caption reaches north of the maze, in metres.
+/// Returns how far a caption extends north of the maze, in metres.
 pub(in crate::record) fn height_m(maze: &Maze) -> f64 {
     4.6 * title_height_m(maze) + clearance_m(maze)
 }
 
-/// How much farther north a caption begins than it would without words over a robot, in metres.
+/// Returns the extra distance, in metres, between caption and maze that the text over a robot
+/// needs.
 fn clearance_m(maze: &Maze) -> f64 {
     (rule::reach_m(maze) - 0.6 * title_height_m(maze)).max(0.0)
 }
@@ -73,8 +74,8 @@ fn title_height_m(maze: &Maze) -> f64 {
     SIZE * f64::from(maze.width().max(maze.height())) * maze.cell_size_m()
 }
 
-/// A line whose middle is `up` title heights north of where the caption begins, and whose letters have a share of
-/// that height.
+/// Creates a line whose middle is `up` title heights above the bottom of the caption. `share` is
+/// the letter height as a share of the title height.
 fn line(maze: &Maze, text: &str, up: f64, share: f64, rgb: u32) -> TextPrimitive {
     let (unit, title) = (maze.cell_size_m(), title_height_m(maze));
     let (wide, high) = (
@@ -98,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_caption_is_read_as_it_was_written_also_where_a_line_is_missing() {
+    fn a_caption_is_read_back_even_if_a_line_is_missing() {
         let world = br######"{ "rows": ["####", "#SG#", "####"] }"######;
         let maze = Maze::from_json(world, "m.json").unwrap();
         let mut caption = Caption {

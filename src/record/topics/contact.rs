@@ -1,4 +1,4 @@
-//! `/contact`: a hit, and its end.
+//! `/contact`: the start and the end of a wall contact.
 
 use serde::Serialize;
 
@@ -26,7 +26,7 @@ struct Hit {
 }
 
 impl ContactRecord {
-    /// The robot hit a wall.
+    /// Creates the record of a wall hit.
     pub fn hit(episode: u32, step: u32, contact: &Contact) -> Self {
         let (at, normal) = (contact.point_in_map, contact.normal_in_map);
         let hit = Hit {
@@ -44,7 +44,7 @@ impl ContactRecord {
         }
     }
 
-    /// The robot is clear of the walls again.
+    /// Creates the record of the end of a wall contact.
     pub fn clear(episode: u32, step: u32) -> Self {
         Self {
             episode,

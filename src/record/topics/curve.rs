@@ -1,12 +1,12 @@
-//! `/curve`: the learning curve up to here, so that a single episode's file can show it.
+//! `/curve`: the learning curve so far, so that the file of a single episode can show it.
 
 use serde::{Deserialize, Serialize};
 
 use super::schema::Object;
 use crate::episode::Episode;
 
-/// The most points of a curve; beyond them every second one is dropped.
-const MOST: usize = 512;
+/// The maximum number of points. When it is reached, every second point is dropped.
+const MAX_POINTS: usize = 512;
 
 /// Steps and collisions of the episodes so far.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -14,13 +14,13 @@ pub(in crate::record) struct Curve {
     episode: Vec<u32>,
     steps: Vec<u32>,
     collisions: Vec<u32>,
-    /// Every how many episodes a point stands for one.
+    /// The number of episodes per point.
     #[serde(skip)]
     stride: u32,
 }
 
 impl Curve {
-    /// The curve that was saved, whose stride shows in its first two points.
+    /// Restores a saved curve. The stride follows from its first two points.
     pub fn restored(mut self) -> Self {
         let stride = match self.episode[..] {
             [first, second, ..] => second.saturating_sub(first),
@@ -33,7 +33,7 @@ impl Curve {
     /// Adds an episode.
     pub fn push(&mut self, episode: &Episode) {
         self.stride = self.stride.max(1);
-        if self.episode.len() == MOST {
+        if self.episode.len() == MAX_POINTS {
             self.stride *= 2;
             for column in [&mut self.episode, &mut self.steps, &mut self.collisions] {
                 let mut at = 0..;

@@ -1,11 +1,11 @@
-//! The definitions of well-known messages, in as few bytes as say it.
+//! Compact definitions of the well-known protobuf messages.
 //!
-//! A recording carries each definition twice, once of them uncompressed, and an episode may have ten
-//! steps only: as the libraries have them, they would be a quarter of its file. Left out are fields
-//! that we never write, and what no reader needs: options, names for JSON, and what is the default
-//! anyway. What a message consists of is defined inside it: readers may put all definitions of a
-//! recording into one pool, in which a file must be the same whoever brings it, and a message must
-//! not be in two.
+//! A recording carries each definition twice, one of them uncompressed. The libraries' definitions
+//! would be a quarter of the file of an episode of ten steps. The compact ones omit the fields that
+//! we never write, and everything that readers do not need: options, JSON names and defaults. The
+//! parts of a message are defined inside the message. Readers may put all definitions of a
+//! recording into one pool. There a file must be the same for every schema, and a message must not
+//! be in two files.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -15,7 +15,7 @@ use prost::Message;
 use prost_types::field_descriptor_proto::Label;
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 
-/// Fields that are never written, by their message.
+/// Fields that are never written, by message.
 const UNUSED: [(&str, &str); 8] = [
     ("SceneUpdate", "deletions"),
     ("SceneEntity", "lifetime"),
@@ -26,15 +26,15 @@ const UNUSED: [(&str, &str); 8] = [
     ("Log", "file"),
     ("Log", "line"),
 ];
-/// Levels of a log that are never written.
-const UNSAID: [&str; 3] = ["DEBUG", "ERROR", "FATAL"];
-/// What the names of parts end with, and no reader looks for.
+/// Log levels that are never written.
+const UNUSED_LEVELS: [&str; 3] = ["DEBUG", "ERROR", "FATAL"];
+/// A suffix of part names that readers do not need.
 const PRIMITIVE: &str = "Primitive";
 const PACKAGE: &str = "foxglove";
-const OF_TIME: &str = "google.protobuf";
+const TIME_PACKAGE: &str = "google.protobuf";
 const TIME_FILE: &str = "google/protobuf/timestamp.proto";
 
-/// The same definition of the same messages in fewer bytes.
+/// Returns an equivalent definition in fewer bytes.
 pub(super) fn short(schema: &Schema) -> Schema {
     let whole = FileDescriptorSet::decode(&*schema.data)
         .expect("well-known schemas are sets of descriptors");
@@ -45,18 +45,18 @@ pub(super) fn short(schema: &Schema) -> Schema {
     roots
         .iter_mut()
         .for_each(|root| root.nested_type.extend(parts.iter().cloned()));
-    let mut time = messages(&whole, OF_TIME);
+    let mut time = messages(&whole, TIME_PACKAGE);
     time.retain(|message| message.name() == "Timestamp");
     let mut own = file(&format!("{name}.proto"), PACKAGE, roots);
     own.dependency = vec![TIME_FILE.to_owned()];
-    let file = vec![file(TIME_FILE, OF_TIME, time), own];
+    let file = vec![file(TIME_FILE, TIME_PACKAGE, time), own];
     Schema {
         data: Cow::Owned(FileDescriptorSet { file }.encode_to_vec()),
         ..schema.clone()
     }
 }
 
-/// The messages of a package, without what is not needed.
+/// Returns the messages of a package without the unused parts.
 fn messages(set: &FileDescriptorSet, package: &str) -> Vec<DescriptorProto> {
     let files = set.file.iter().filter(|file| file.package() == package);
     let mut found: Vec<_> = files.flat_map(|file| file.message_type.clone()).collect();
@@ -67,13 +67,14 @@ fn messages(set: &FileDescriptorSet, package: &str) -> Vec<DescriptorProto> {
         message.field.iter_mut().for_each(shorten);
         message.name = Some(name.replace(PRIMITIVE, ""));
         for one in &mut message.enum_type {
-            one.value.retain(|value| !UNSAID.contains(&value.name()));
+            one.value
+                .retain(|value| !UNUSED_LEVELS.contains(&value.name()));
         }
     }
     found
 }
 
-/// Leaves out of a field what follows from the rest.
+/// Removes redundant attributes from a field.
 fn shorten(field: &mut FieldDescriptorProto) {
     field.json_name = None;
     if field.label() == Label::Optional {
@@ -82,7 +83,7 @@ fn shorten(field: &mut FieldDescriptorProto) {
     if field.type_name.is_some() {
         field.r#type = None;
     }
-    // Names without a dot in front are looked up around the field first.
+    // Names without a leading dot are resolved relative to the field first.
     let own = field.type_name.as_deref();
     let own = own.and_then(|name| name.strip_prefix(".foxglove."));
     if let Some(own) = own.map(|name| name.replace(PRIMITIVE, "")) {
@@ -90,7 +91,7 @@ fn shorten(field: &mut FieldDescriptorProto) {
     }
 }
 
-/// Those of which `root` and its parts consist.
+/// Returns `root` and the messages that it consists of.
 fn used(mut all: Vec<DescriptorProto>, root: &str) -> Vec<DescriptorProto> {
     let (mut used, mut before) = (BTreeSet::from([root.to_owned()]), 0);
     while used.len() > before {
@@ -133,7 +134,7 @@ mod tests {
         all.into_iter().flatten().collect()
     }
 
-    /// All messages of a file, those inside others, too, by their full names.
+    /// Returns all messages of a file by full name, including nested ones.
     fn defined(file: &FileDescriptorProto) -> BTreeMap<String, DescriptorProto> {
         let mut left: Vec<(String, &DescriptorProto)> = file
             .message_type
@@ -168,7 +169,7 @@ mod tests {
         assert!(homes.len() > 20, "{homes:?}");
     }
 
-    /// Is there what a field inside the message `scope` names, there or further out?
+    /// Returns true if the type `part` is found from inside the message `scope` outwards.
     fn is_found(known: &BTreeMap<String, DescriptorProto>, scope: &str, part: &str) -> bool {
         let mut scope = Some(scope);
         while let Some(inner) = scope {
@@ -188,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn a_definition_has_all_that_it_names_and_all_of_them_two_thirds_of_the_bytes_at_most() {
+    fn short_definitions_are_complete_and_take_at_most_two_thirds_of_the_bytes() {
         let (mut all_now, mut all_before) = (0, 0);
         for schema in well_known() {
             let short = short(&schema);

@@ -1,4 +1,4 @@
-//! `/episode`: that an episode runs, at its start; its figures, at its end.
+//! `/episode`: at the start, that an episode runs; at the end, its figures.
 
 use serde::{Serialize, Serializer};
 
@@ -8,23 +8,23 @@ use crate::agent::Knowledge;
 use crate::episode::{Ending, Episode};
 use xcs::{Classifier, PredictionArray};
 
-/// What the policy would do now, seen from where the episode started.
+/// The policy at this time, evaluated from the episode's start.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(in crate::record) struct Outlook {
-    /// Is it globally optimal?
+    /// True if the policy is globally optimal.
     pub optimal: bool,
-    /// Its steps to a goal, if it gets there.
+    /// The number of steps to a goal, if the greedy policy reaches one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greedy_steps: Option<u32>,
-    /// The fewest steps that anyone needs.
+    /// The number of steps of the shortest path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shortest: Option<u32>,
-    /// The value of each action in the start cell; null: unknown.
+    /// The value of each action in the start cell; null if unknown.
     #[serde(serialize_with = "decimals")]
     pub start_values: PredictionArray,
 }
 
-/// Numbers as JSON messages carry them.
+/// Serializes values as the rounded numbers of JSON messages.
 pub(super) fn decimals<S: Serializer>(
     values: &PredictionArray,
     serializer: S,
@@ -54,11 +54,11 @@ pub(in crate::record) struct EpisodeRecord {
     outlook: Outlook,
 }
 
-/// What the rules of \[P\] are like; means over its micro-classifiers.
+/// Statistics of the rules of \[P\]; means over its micro-classifiers.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(in crate::record) struct Population {
     micro: u32,
-    /// Of no rules there is no mean, and no such field.
+    /// The mean is omitted for an empty population.
     #[serde(skip_serializing_if = "Option::is_none")]
     generality: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -66,7 +66,7 @@ pub(in crate::record) struct Population {
 }
 
 impl Population {
-    /// The figures of what was learned; `None` of a table.
+    /// Returns the statistics of the learned rules; `None` for a table.
     pub fn of(knowledge: &Knowledge) -> Option<Self> {
         let rules = knowledge.rules()?;
         let mean = |of: fn(&Classifier) -> f64| {
@@ -85,7 +85,7 @@ impl Population {
     }
 }
 
-/// Numbers of what an episode came to, and of what the greedy policy is.
+/// The numbers of episode outcomes, and of whether the greedy policy is optimal.
 const STATES: [(u8, &str); 3] = [(0, "running"), (1, "step limit"), (3, "goal")];
 const POLICIES: [(u8, &str); 2] = [(1, "not optimal"), (3, "optimal")];
 
@@ -119,7 +119,7 @@ impl EpisodeRecord {
     }
 }
 
-/// An episode is over.
+/// The message that an episode is over.
 #[derive(Debug, Serialize)]
 pub(in crate::record) struct Ended {
     episode: u32,
@@ -141,7 +141,7 @@ pub(super) fn schema_of_ended() -> Object {
         .number("learning_rate", "with which its end was learned")
 }
 
-/// An episode that runs; what its end will tell is left out.
+/// A running episode, without the figures that are known at its end only.
 #[derive(Debug, Serialize)]
 pub(in crate::record) struct Running {
     episode: u32,
@@ -152,7 +152,7 @@ pub(in crate::record) struct Running {
 }
 
 impl Running {
-    /// Episode `episode` begins, while the greedy policy is optimal or not.
+    /// Creates the message for the start of an episode.
     pub fn new(episode: u32, optimal: bool) -> Self {
         Self {
             episode,

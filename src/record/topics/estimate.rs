@@ -1,5 +1,5 @@
-//! `/estimate`, and in `/scene/percept`: where the robot believes to be, how sure it is, and how much
-//! it is mistaken.
+//! `/estimate`, and the estimate in `/scene/percept`: the estimated pose, its uncertainty and its
+//! error.
 
 use foxglove::messages::{CylinderPrimitive, Pose, Quaternion, SceneEntity};
 use nalgebra::{Complex, Matrix3, UnitComplex};
@@ -10,18 +10,19 @@ use super::schema::Object;
 use super::{decimal, rounded};
 use crate::arena::{Sample, Sensed};
 
-pub(super) const GHOST: u32 = 0x2f9ce0;
-/// The ellipse holds the true position in 99 of 100 moments, if the robot is as sure as it may be.
+pub(super) const MARKER: u32 = 0x2f9ce0;
+/// The ellipse contains the true position in 99 of 100 samples, if the covariance is consistent.
 const DEVIATIONS: f64 = 3.03;
-/// It is drawn so many times as large as it is, or nobody would see it; the layouts say so.
-const LARGER: f64 = 10.0;
+/// The ellipse is enlarged by this factor to be visible; the layouts say so.
+const ELLIPSE_SCALE: f64 = 10.0;
 const FLAT_M: f64 = 0.01;
-/// The ghost is so many times as wide as the robot, so that its rim shows on all sides of the robot
-/// where that is not mistaken; the ellipse lies above the robot, so many of its radii high.
+/// The estimated-pose marker is wider than the robot by this factor, so that its rim is visible all
+/// around a robot without an error. The ellipse is drawn above the robot, at [`ABOVE`] times the
+/// robot's radius.
 const RIM: f64 = 1.2;
 const ABOVE: f64 = 1.1;
 
-/// What the robot believes at the end of a reset or an action.
+/// The estimate at the end of a reset or an action.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(in crate::record) struct EstimateRecord {
     episode: u32,
@@ -41,7 +42,8 @@ pub(in crate::record) struct EstimateRecord {
 }
 
 impl EstimateRecord {
-    /// Compares what the robot believes last with what is true; `None` when it is told its pose.
+    /// Compares the last estimate with the true pose. Returns `None` if the robot is given its true
+    /// pose.
     pub fn new(episode: u32, step: u32, sensed: &Sensed<'_>, truth: &Sample) -> Option<Self> {
         let estimate = sensed.estimates.last()?;
         let (error_m, error_rad) = estimate.error(&truth.robot_in_map);
@@ -92,7 +94,8 @@ pub(super) fn schema() -> Object {
         )
 }
 
-/// An ellipse around the believed position, ten times as large as it is, and a ghost of the robot where it believes to be.
+/// Creates an ellipse around the estimated position, ten times enlarged, and a marker of the
+/// estimated pose.
 pub(in crate::record) fn entities(
     sensed: &Sensed<'_>,
     radius_m: f64,
@@ -116,13 +119,13 @@ pub(in crate::record) fn entities(
                     }),
                 }),
                 size: Some(vector(
-                    drawn(2.0 * DEVIATIONS * LARGER * long),
-                    drawn(2.0 * DEVIATIONS * LARGER * short),
+                    drawn(2.0 * DEVIATIONS * ELLIPSE_SCALE * long),
+                    drawn(2.0 * DEVIATIONS * ELLIPSE_SCALE * short),
                     FLAT_M,
                 )),
                 bottom_scale: 1.0,
                 top_scale: 1.0,
-                color: color(GHOST, 0.9),
+                color: color(MARKER, 0.9),
             }
         })
         .into_iter()
@@ -133,23 +136,24 @@ pub(in crate::record) fn entities(
         size: Some(vector(2.0 * RIM * radius_m, 2.0 * RIM * radius_m, FLAT_M)),
         bottom_scale: 1.0,
         top_scale: rounded(1.0),
-        color: color(GHOST, 0.6),
+        color: color(MARKER, 0.6),
     }];
     [ellipse, estimated_pose]
 }
 
-/// A number as finely as anyone sees it in the picture.
+/// Rounds a number to the precision that is visible in the picture.
 fn drawn(number: f64) -> f64 {
     (number * 128.0).round() / 128.0 + 0.0
 }
 
-/// The deviations along the long and the short axis of the position's ellipse, and the direction
-/// of the long one: the eigenvalues of a matrix of two rows, without trigonometry.
+/// Returns the standard deviations along the long and the short axis of the position's ellipse, and
+/// the direction of the long axis. They follow from the eigenvalues of a 2x2 matrix, without
+/// trigonometry.
 fn axes(covariance: &Matrix3<f64>) -> (f64, f64, UnitComplex<f64>) {
     let (xx, yy, xy) = (covariance[(0, 0)], covariance[(1, 1)], covariance[(0, 1)]);
     let (middle, half) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
     let apart = (half * half + xy * xy).sqrt();
-    // Of the two forms of the eigenvector, the one that does not cancel.
+    // Of the two forms of the eigenvector, use the one without cancellation.
     let long = match half >= 0.0 {
         true => Complex::new(half + apart, xy),
         false => Complex::new(xy, apart - half),
@@ -171,7 +175,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_axes_of_an_ellipse_are_those_that_made_it() {
+    fn axes_recovers_the_axes_of_an_ellipse() {
         for (degrees, long, short) in [
             (0.0_f64, 0.3, 0.1),
             (30.0, 0.2, 0.05),

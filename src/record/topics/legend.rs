@@ -1,4 +1,4 @@
-//! What the colours of a scene mean, in words of these colours south of the maze.
+//! The legend of a scene's colours, south of the maze.
 
 use foxglove::messages::{SceneEntity, TextPrimitive};
 
@@ -9,23 +9,23 @@ use crate::sensor::Sensor;
 use crate::world::Maze;
 
 const WORDS: u32 = 0xcfd8e8;
-/// So many letters fill a row, which is so many times as wide as the maze.
+/// The number of letters per row, and the width of a row as a multiple of the maze's width.
 const LETTERS: f64 = 56.0;
 const WIDE: f64 = 1.1;
-/// How wide a letter is, and how far rows are apart, as shares of a letter's height.
+/// The width of a letter and the row spacing, as multiples of a letter's height.
 const LETTER: f64 = 0.55;
 const ROW: f64 = 2.0;
-/// Words lie on a grid so fine, in cells: such places take few bytes.
+/// The grid that words are aligned to, in cells. Such coordinates take few bytes.
 const GRID: f64 = 1.0 / 8.0;
-/// Rows that there can be.
+/// The maximum number of rows.
 const ROWS: f64 = 2.0;
-/// Glyphs between two words.
+/// The number of spaces between two entries.
 const GAP: usize = 2;
 
-/// Words, and their colour.
+/// A text and its colour.
 type Entry = (&'static str, u32);
 
-/// What the arrows and the path mean.
+/// Creates the legend of the arrows and the path.
 pub(super) fn of_policy(maze: &Maze, time_ns: u64) -> SceneEntity {
     let [far, _, near] = SCALE;
     let entries = [
@@ -39,7 +39,8 @@ pub(super) fn of_policy(maze: &Maze, time_ns: u64) -> SceneEntity {
     row(maze, "legend", 0, &entries, time_ns)
 }
 
-/// What is drawn around the robot means; `senses`: is it not told where it is?
+/// Creates the legend of the overlays around the robot. `senses` is true if the robot estimates its
+/// pose.
 pub(in crate::record) fn of_robot(
     maze: &Maze,
     sensor: Sensor,
@@ -51,13 +52,13 @@ pub(in crate::record) fn of_robot(
     let frames = frames
         .into_iter()
         .filter(|_| sensor.begins_with_neighbours());
-    let believed = senses.then_some(("estimate", estimate::GHOST));
+    let believed = senses.then_some(("estimate", estimate::MARKER));
     let beams = (senses && beams).then_some(("lidar", rays::BEAM));
     let entries: Vec<Entry> = frames.chain(believed).chain(beams).collect();
     row(maze, "robot-legend", 1, &entries, time_ns)
 }
 
-/// How far a legend reaches south of the maze, in metres.
+/// Returns how far a legend extends south of the maze, in metres.
 pub(in crate::record) fn height_m(maze: &Maze) -> f64 {
     (ROWS + 0.25) * ROW * letter_m(maze)
 }
@@ -66,7 +67,7 @@ fn letter_m(maze: &Maze) -> f64 {
     WIDE * f64::from(maze.width()) * maze.cell_size_m() / (LETTER * LETTERS)
 }
 
-/// Row `number` of the legend, in the middle below the maze.
+/// Creates row `number` of the legend, centred below the maze.
 fn row(maze: &Maze, id: &str, number: u32, entries: &[Entry], time_ns: u64) -> SceneEntity {
     let high = letter_m(maze);
     let middle = f64::from(maze.width()) * maze.cell_size_m() / 2.0;

@@ -1,4 +1,4 @@
-//! `/log`: what happened, in words.
+//! `/log`: events as text.
 
 use foxglove::messages::{Log, log::Level};
 
@@ -6,7 +6,7 @@ use super::scene::timestamp;
 use crate::arena::Outcome;
 use crate::episode::{Ending, Episode, Step};
 
-/// An episode begins.
+/// Logs the start of an episode.
 pub(in crate::record) fn began(episode: u32, time_ns: u64) -> Log {
     line(
         time_ns,
@@ -16,12 +16,12 @@ pub(in crate::record) fn began(episode: u32, time_ns: u64) -> Log {
     )
 }
 
-/// A segment of the highlights ends.
+/// Logs the end of a segment of the highlights.
 pub(in crate::record) fn segment(text: &str, time_ns: u64) -> Log {
     line(time_ns, Level::Info, "highlights", text.to_owned())
 }
 
-/// A collision; `None` if the step had none.
+/// Logs a collision; `None` if the step had none.
 pub(in crate::record) fn collision(step: &Step<'_>, time_ns: u64) -> Option<Log> {
     let Outcome::Collided { impulse_ns } = step.outcome else {
         return None;
@@ -33,7 +33,7 @@ pub(in crate::record) fn collision(step: &Step<'_>, time_ns: u64) -> Option<Log>
     Some(line(time_ns, Level::Warning, "arena", text))
 }
 
-/// An episode is over.
+/// Logs the end of an episode.
 pub(in crate::record) fn ended(episode: &Episode, time_ns: u64) -> Log {
     let how = match episode.ending {
         Ending::Goal => "reached the goal",
@@ -44,7 +44,7 @@ pub(in crate::record) fn ended(episode: &Episode, time_ns: u64) -> Log {
     line(time_ns, Level::Info, "episode", text)
 }
 
-/// The policy became globally optimal, or is no longer.
+/// Logs that the policy became or ceased to be globally optimal.
 pub(in crate::record) fn optimal(is_optimal: bool, time_ns: u64) -> Log {
     let text = if is_optimal {
         "the greedy policy is globally optimal now"

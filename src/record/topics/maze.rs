@@ -1,4 +1,4 @@
-//! `/scene/maze`: floor and where it is slippery, walls, start, goals and auxiliary rewards.
+//! `/scene/maze`: floor, slippery cells, walls, start, goals and auxiliary rewards.
 
 use foxglove::messages::{
     CubePrimitive, LinePrimitive, SceneEntity, SceneUpdate, TextPrimitive, line_primitive,
@@ -21,14 +21,14 @@ const INK: u32 = 0x1d2430;
 const NUMBER: u32 = 0xcfd8e8;
 /// Mazes with more columns or rows than this have no numbers on their border.
 const NUMBERED: u16 = 64;
-/// Up to so many columns and rows, each has a number of its own. In larger mazes there are fewer
-/// numbers, but as large ones for who sees the whole maze.
+/// Up to this many columns and rows, each of them is numbered. Larger mazes have fewer and larger
+/// numbers, which are legible when the whole maze is in view.
 const ALL_NUMBERED: u16 = 12;
 
-/// How high letters and numbers are, in cells, where all cells have a number.
+/// The height of letters and numbers, in cells, where every row and column is numbered.
 const LETTER: f64 = 0.22;
 
-/// The maze as a scene; one that is vast without its walls.
+/// Creates the scene of the maze. Very large mazes are drawn without walls.
 pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
     let mut lines = entity("floor", WORLD, time_ns);
     lines.cubes = vec![floor(maze)];
@@ -45,7 +45,7 @@ pub(in crate::record) fn scene(maze: &Maze, time_ns: u64) -> SceneUpdate {
     update(vec![lines, walls, tiles(maze, time_ns), legend])
 }
 
-/// A slab whose top is at height 0.
+/// Creates a slab whose top is at height 0.
 fn floor(maze: &Maze) -> CubePrimitive {
     let unit = maze.cell_size_m();
     let (x, y) = (
@@ -60,7 +60,7 @@ fn floor(maze: &Maze) -> CubePrimitive {
     )
 }
 
-/// The cells whose floor is unusual.
+/// Returns the cells with unusual friction.
 fn slippery(maze: &Maze) -> impl Iterator<Item = CubePrimitive> + '_ {
     let shown = (maze.has_floor() && !maze.is_vast()).then(|| maze.free_cells());
     let unusual = shown.into_iter().flatten();
@@ -72,7 +72,7 @@ fn slippery(maze: &Maze) -> impl Iterator<Item = CubePrimitive> + '_ {
     })
 }
 
-/// The borders of the cells.
+/// Returns the borders of the cells.
 fn floor_lines(maze: &Maze) -> LinePrimitive {
     let unit = maze.cell_size_m();
     let (x, y) = (
@@ -93,13 +93,13 @@ fn floor_lines(maze: &Maze) -> LinePrimitive {
     }
 }
 
-/// The walls of a row: a block, a quarter of a cell high, for those that stand side by side.
+/// Returns the walls of a row, a quarter of a cell high. Adjacent walls form one block.
 fn blocks(maze: &Maze, row: u16) -> Vec<CubePrimitive> {
     let columns: Vec<u16> = (0..maze.width())
         .filter(|&col| maze.is_wall(Cell { col, row }))
         .collect();
-    let stretches = columns.chunk_by(|west, east| west + 1 == *east);
-    stretches.map(|stretch| block(maze, row, stretch)).collect()
+    let segments = columns.chunk_by(|west, east| west + 1 == *east);
+    segments.map(|segment| block(maze, row, segment)).collect()
 }
 
 fn block(maze: &Maze, row: u16, columns: &[u16]) -> CubePrimitive {
@@ -113,7 +113,7 @@ fn block(maze: &Maze, row: u16, columns: &[u16]) -> CubePrimitive {
     )
 }
 
-/// Start, goals and cells that pay by themselves, with their names.
+/// Creates the labelled tiles of the start, the goals and the auxiliary rewards.
 fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
     let mut tiles = entity("tiles", WORLD, time_ns);
     let start = maze.start().map(|cell| (cell, START, "START"));
@@ -127,39 +127,45 @@ fn tiles(maze: &Maze, time_ns: u64) -> SceneEntity {
             .cubes
             .push(cube(place(at.x, at.y, 0.006 * unit), size, color(rgb, 1.0)));
         let north = place(at.x, at.y + 0.3125 * unit, 0.02 * unit);
-        let letter = LETTER * larger(maze) * unit;
+        let letter = LETTER * enlargement(maze) * unit;
         tiles.texts.push(words(north, letter, INK, name));
     }
     tiles
 }
 
-/// So many times as large must letters be in a large maze, for who sees the whole of it.
-fn larger(maze: &Maze) -> f64 {
+/// Returns the factor by which letters are enlarged in a large maze, so that they are legible when
+/// the whole maze is in view.
+fn enlargement(maze: &Maze) -> f64 {
     let longest = maze.width().max(maze.height());
     (f64::from(longest) / f64::from(ALL_NUMBERED)).max(1.0)
 }
 
-/// The numbers of columns and rows, on the walls along the northern and the western border.
+/// Creates the numbers of columns and rows, on the walls along the northern and western border.
 fn numbers(maze: &Maze) -> Vec<TextPrimitive> {
     let longest = maze.width().max(maze.height());
     if longest > NUMBERED {
         return Vec::new();
     }
     let unit = maze.cell_size_m();
-    let larger = larger(maze);
-    // As far apart as they are larger: at every column, every second, every fifth, every tenth.
-    let rarely = [1, 2, 5, 10].into_iter().find(|&n| n as f64 >= larger);
-    let rarely: usize = rarely.unwrap_or(10);
+    let enlargement = enlargement(maze);
+    // The spacing follows the enlargement: every column, every second, every fifth, or every tenth.
+    let interval = [1, 2, 5, 10].into_iter().find(|&n| n as f64 >= enlargement);
+    let interval: usize = interval.unwrap_or(10);
     let north = (0..maze.width()).map(|col| (Cell { col, row: 0 }, col));
     let west = (0..maze.height()).map(|row| (Cell { col: 0, row }, row));
-    let (north, west) = (north.step_by(rarely), west.step_by(rarely).skip(1));
+    let (north, west) = (north.step_by(interval), west.step_by(interval).skip(1));
     north
         .chain(west)
         .filter(|&(cell, _)| maze.is_wall(cell))
         .map(|(cell, number)| {
             let at = maze.centre_in_grid(cell);
             let top = place(at.x, at.y, 0.26 * unit);
-            words(top, LETTER * larger * unit, NUMBER, &number.to_string())
+            words(
+                top,
+                LETTER * enlargement * unit,
+                NUMBER,
+                &number.to_string(),
+            )
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! The topics of a recording: one file, one message type and one schema per topic.
 //!
-//! After a seek a viewer is given only the last message of each topic. So what changes at
-//! different times has topics of its own, and every message is complete in itself.
+//! After a seek, a viewer gets only the last message of each topic. Data that changes at different
+//! times therefore has separate topics, and every message is complete in itself.
 
 pub(super) mod caption;
 pub(super) mod contact;
@@ -40,149 +40,149 @@ use schema::Object;
 /// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
 pub enum Topic {
-    /// `/tf`: where the robot is, as many poses as it takes, up to two seconds in each message.
+    /// `/tf`: the robot's pose; each message has the poses of up to two seconds.
     Transforms,
     /// `/scene/maze`: floor, walls, start and goals, once.
     Maze,
-    /// `/scene/robot`: what the robot looks like, once; `/tf` moves it.
+    /// `/scene/robot`: the robot's body, once; `/tf` moves it.
     Robot,
     /// `/scene/policy`: the best actions of each cell, as they are learned.
     Policy,
-    /// `/values`: the greatest value of each cell as colour on the floor, as it is learned.
+    /// `/values`: the greatest value of each cell as the colour of the floor, as it is learned.
     Values,
-    /// `/scene/trail`: the way that the robot took in this episode, after each step.
+    /// `/scene/trail`: the robot's trajectory in this episode, after each step.
     Trail,
-    /// `/contact`: a hit, and its end.
+    /// `/contact`: the start and the end of a wall contact.
     Contact,
-    /// `/step`: a step, at the moment at which its outcome is known.
+    /// `/step`: a step, at the time when its outcome is known.
     Step,
     /// `/episode`: the figures of an episode, at its end.
     Episode,
-    /// `/curve`: the learning curve up to here.
+    /// `/curve`: the learning curve so far.
     Curve,
-    /// `/log`: what happened, in words.
+    /// `/log`: events as text.
     Log,
-    /// `/scene/caption`: what is shown, in words.
+    /// `/scene/caption`: the caption.
     Caption,
-    /// `/rule`: why an action is taken, at the moment of its decision.
+    /// `/rule`: why an action was selected, at the time of the decision.
     Rule,
-    /// `/scene/rule`: the same over the robot.
+    /// `/scene/rule`: the content of `/rule` as text above the robot.
     RuleText,
-    /// `/scene/percept`: what the robot perceives of the cells around it, and where one that only
-    /// senses believes to be, when it decides.
+    /// `/scene/percept`: the cell states that the robot perceives, and the estimated pose if the
+    /// robot estimates its pose, at each decision.
     Percept,
-    /// `/scene/values`: what cells are worth as columns, when an episode was learned.
+    /// `/scene/values`: the cell values as columns, after each learned episode.
     Landscape,
-    /// `/estimate`: where a robot that only senses believes to be, and how much it is mistaken.
+    /// `/estimate`: the pose estimate and its error, if the robot estimates its pose.
     Estimate,
-    /// `/scan`: what the beams of the lidar measured, if they are recorded.
+    /// `/scan`: the measurements of the lidar beams, if they are recorded.
     Scan,
-    /// `/ended`: the number of an episode that is over. Viewers that plot figures by episode want
-    /// the number on another topic than the figures.
+    /// `/ended`: the number of a finished episode. Viewers that plot figures by episode need the
+    /// number on a separate topic.
     Ended,
 }
 
-/// Which recordings have a topic.
+/// The recordings that have a topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
-    /// That of the run and those of episodes: what happens once per step or more rarely.
+enum Scope {
+    /// The recordings of the run and of episodes: events that happen at most once per step.
     Both,
-    /// Only that of the run.
+    /// The recording of the run only.
     Run,
-    /// Only those of episodes.
+    /// The recordings of episodes only.
     Episode,
-    /// Those of episodes, if the robot senses where it is.
+    /// The recordings of episodes, if the robot estimates its pose.
     Sensed,
-    /// The same, if the beams of its lidar are recorded.
+    /// As [`Sensed`](Self::Sensed), if the lidar beams are recorded.
     Beams,
 }
 
-/// What the messages of a topic are: a well-known message as protobuf, or one of our own as JSON.
+/// The message type of a topic: a well-known message as protobuf, or one of our own as JSON.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Message {
     Frames,
     Scene,
     Scan,
     Log,
-    /// Its fields.
+    /// A message of our own, with its fields.
     Own(fn() -> Object),
 }
 
 impl Topic {
-    /// Every topic, in the order of their declaration.
+    /// All topics, in the order of declaration.
     pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// The topic's name in the file, which files have it, and what it consists of.
-    fn entry(self) -> (&'static str, Place, Message) {
+    /// Returns the topic's name in the file, the recordings that have it, and its message type.
+    fn entry(self) -> (&'static str, Scope, Message) {
         match self {
-            Self::Transforms => ("/tf", Place::Episode, Message::Frames),
-            Self::Maze => ("/scene/maze", Place::Both, Message::Scene),
-            Self::Robot => ("/scene/robot", Place::Episode, Message::Scene),
-            Self::Policy => ("/scene/policy", Place::Both, Message::Scene),
-            Self::Values => ("/values", Place::Both, Message::Scene),
-            Self::Trail => ("/scene/trail", Place::Both, Message::Scene),
-            Self::Contact => ("/contact", Place::Episode, Message::Own(contact::schema)),
-            Self::Step => ("/step", Place::Both, Message::Own(step::schema)),
-            Self::Episode => ("/episode", Place::Both, Message::Own(episode::schema)),
-            Self::Curve => ("/curve", Place::Episode, Message::Own(curve::schema)),
-            Self::Log => ("/log", Place::Both, Message::Log),
-            Self::Caption => ("/scene/caption", Place::Both, Message::Scene),
-            Self::Rule => ("/rule", Place::Episode, Message::Own(rule::schema)),
-            Self::RuleText => ("/scene/rule", Place::Episode, Message::Scene),
-            Self::Percept => ("/scene/percept", Place::Episode, Message::Scene),
-            Self::Landscape => ("/scene/values", Place::Both, Message::Scene),
-            Self::Estimate => ("/estimate", Place::Sensed, Message::Own(estimate::schema)),
-            Self::Scan => ("/scan", Place::Beams, Message::Scan),
-            Self::Ended => ("/ended", Place::Run, Message::Own(episode::schema_of_ended)),
+            Self::Transforms => ("/tf", Scope::Episode, Message::Frames),
+            Self::Maze => ("/scene/maze", Scope::Both, Message::Scene),
+            Self::Robot => ("/scene/robot", Scope::Episode, Message::Scene),
+            Self::Policy => ("/scene/policy", Scope::Both, Message::Scene),
+            Self::Values => ("/values", Scope::Both, Message::Scene),
+            Self::Trail => ("/scene/trail", Scope::Both, Message::Scene),
+            Self::Contact => ("/contact", Scope::Episode, Message::Own(contact::schema)),
+            Self::Step => ("/step", Scope::Both, Message::Own(step::schema)),
+            Self::Episode => ("/episode", Scope::Both, Message::Own(episode::schema)),
+            Self::Curve => ("/curve", Scope::Episode, Message::Own(curve::schema)),
+            Self::Log => ("/log", Scope::Both, Message::Log),
+            Self::Caption => ("/scene/caption", Scope::Both, Message::Scene),
+            Self::Rule => ("/rule", Scope::Episode, Message::Own(rule::schema)),
+            Self::RuleText => ("/scene/rule", Scope::Episode, Message::Scene),
+            Self::Percept => ("/scene/percept", Scope::Episode, Message::Scene),
+            Self::Landscape => ("/scene/values", Scope::Both, Message::Scene),
+            Self::Estimate => ("/estimate", Scope::Sensed, Message::Own(estimate::schema)),
+            Self::Scan => ("/scan", Scope::Beams, Message::Scan),
+            Self::Ended => ("/ended", Scope::Run, Message::Own(episode::schema_of_ended)),
         }
     }
 
-    /// The topic's name in the file.
+    /// Returns the topic's name in the file.
     pub fn name(self) -> &'static str {
         self.entry().0
     }
 
-    /// The topic of this name.
+    /// Returns the topic of this name.
     pub fn named(name: &str) -> Option<Self> {
         let mut all = Self::ALL.iter().copied();
         all.find(|topic| topic.name() == name)
     }
 
-    /// The topics of an episode's file; more when the robot senses where it is, and when the beams
-    /// of its lidar are recorded.
+    /// Returns the topics of an episode's file. `senses` adds those of a robot that estimates its
+    /// pose, and `beams` those of recorded lidar beams.
     pub fn of_episode(senses: bool, beams: bool) -> Vec<Self> {
-        Self::at(|place| match place {
-            Place::Both | Place::Episode => true,
-            Place::Sensed => senses,
-            Place::Beams => senses && beams,
-            Place::Run => false,
+        Self::at(|scope| match scope {
+            Scope::Both | Scope::Episode => true,
+            Scope::Sensed => senses,
+            Scope::Beams => senses && beams,
+            Scope::Run => false,
         })
     }
 
-    /// The topics of `run.mcap`.
+    /// Returns the topics of `run.mcap`.
     pub fn of_run() -> Vec<Self> {
-        Self::at(|place| matches!(place, Place::Both | Place::Run))
+        Self::at(|scope| matches!(scope, Scope::Both | Scope::Run))
     }
 
-    /// What its messages are.
+    /// Returns the type of the topic's messages.
     pub(super) fn message(self) -> Message {
         self.entry().2
     }
 
-    /// Does only a robot that senses have it? Layouts show it nevertheless: viewers leave out what a
-    /// recording lacks.
+    /// Returns true if only robots that estimate their pose have the topic. Layouts show it
+    /// nevertheless: viewers omit topics that a recording lacks.
     pub fn is_of_senses(self) -> bool {
-        matches!(self.entry().1, Place::Sensed | Place::Beams)
+        matches!(self.entry().1, Scope::Sensed | Scope::Beams)
     }
 
-    fn at(has: impl Fn(Place) -> bool) -> Vec<Self> {
+    fn at(has: impl Fn(Scope) -> bool) -> Vec<Self> {
         let all = Self::ALL.iter().copied();
         all.filter(|topic| has(topic.entry().1)).collect()
     }
 
-    /// The schema of the topic's messages in such a recording. Those of our own tell what each
-    /// field means in the recording of a run and in its highlights, and only its type in that of an
-    /// episode, of which there are many.
+    /// Returns the schema of the topic's messages in recordings of this kind. Schemas of our own
+    /// messages explain each field in run and highlights recordings. In the many episode recordings
+    /// they only give its type.
     pub(super) fn schema(self, of: RecordingKind) -> &'static Schema {
         static SCHEMAS: LazyLock<[Vec<Schema>; 2]> = LazyLock::new(|| {
             [false, true].map(|explained| {
@@ -205,11 +205,11 @@ impl Topic {
         descriptor::short(&well_known.expect("well-known messages have a schema"))
     }
 
-    /// What is wrong with a message, as far as the topic's schema tells.
+    /// Returns the first fault of a message against the topic's schema.
     pub(super) fn fault(self, data: &[u8]) -> Option<String> {
         fn undecodable<M: Decode>(data: &[u8]) -> Option<String> {
             let fault = M::decode(data).err()?;
-            Some(format!("is not what its schema says: {fault}"))
+            Some(format!("does not match its schema: {fault}"))
         }
         match self.message() {
             Message::Frames => undecodable::<FrameTransforms>(data),
@@ -220,7 +220,7 @@ impl Topic {
         }
     }
 
-    /// How the topic's messages are encoded: `json` or `protobuf`.
+    /// Returns the encoding of the topic's messages: `json` or `protobuf`.
     pub(super) fn message_encoding(self) -> &'static str {
         match self.schema(RecordingKind::Run).encoding.as_str() {
             "jsonschema" => "json",
@@ -229,12 +229,12 @@ impl Topic {
     }
 }
 
-/// A number as protobuf messages carry it: a multiple of 2^-12, so that files shrink by a third.
+/// Rounds a number for protobuf messages to a multiple of 2^-12, which makes files a third smaller.
 fn rounded(number: f64) -> f64 {
     (number * 4096.0).round() / 4096.0 + 0.0
 }
 
-/// A number as JSON messages carry it: three decimals, which is short to read.
+/// Rounds a number for JSON messages to three decimals, for legibility.
 fn decimal(number: f64) -> f64 {
     (number * 1000.0).round() / 1000.0 + 0.0
 }

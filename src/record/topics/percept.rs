@@ -1,5 +1,5 @@
-//! `/scene/percept`: what the robot perceives of the eight cells around it, as frames around them, and
-//! where it believes to be.
+//! `/scene/percept`: the perceived-cells overlay, with a frame around each of the eight
+//! neighbouring cells, and the estimated pose.
 
 use foxglove::messages::{LinePrimitive, Point3, SceneEntity, SceneUpdate, line_primitive};
 use nalgebra::{Point2, Vector2};
@@ -10,16 +10,17 @@ use crate::sensor::Sensor;
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
 
-/// Colours of cells that are perceived as free, as a wall and as the goal.
+/// Colours of cells perceived as free, as a wall and as the goal.
 pub(in crate::record) const KINDS: [u32; 3] = [0x0a6fc2, 0xff8c1a, 0x22e06a];
-/// How far a frame is from the middle of its cell, in cells (a fraction that takes few bytes), and how
-/// high, above all walls.
+/// The distance of a frame from the middle of its cell, in cells (a fraction that takes few bytes),
+/// and its height above all walls.
 const HALF: f64 = 27.0 / 64.0;
 const HEIGHT: f64 = 0.28;
-/// How thick its lines are, in cells.
+/// The thickness of its lines, in cells.
 const THICK: f64 = 0.045;
 
-/// The frames around the cell in which the robot decides; none if it perceives no cells around.
+/// Creates the frames around the robot's cell. The result is empty if the sensor does not perceive
+/// neighbouring cells.
 pub(in crate::record) fn perceived_cells(
     sensor: Sensor,
     maze: &Maze,
@@ -39,7 +40,7 @@ pub(in crate::record) fn perceived_cells(
     perceived_cells
 }
 
-/// What the robot perceives and believes.
+/// Creates the scene of the perceived cells and the estimated pose.
 pub(in crate::record) fn scene(
     perceived_cells: SceneEntity,
     belief: &[SceneEntity],
@@ -49,8 +50,8 @@ pub(in crate::record) fn scene(
     update(entities)
 }
 
-/// The corners of the frames of all cells of a kind, four for each, seen from the robot's cell: so
-/// those of a cell are the same wherever the robot is, and compress well.
+/// Returns the corners of the frames of all cells of a kind, four for each. They are relative to
+/// the robot's cell: they are the same for every position and compress well.
 fn corners(maze: &Maze, percept: &Percept, kind: usize) -> Vec<Point3> {
     let unit = maze.cell_size_m();
     let around = Direction::CLOCKWISE.iter().enumerate();
@@ -66,7 +67,7 @@ fn corners(maze: &Maze, percept: &Percept, kind: usize) -> Vec<Point3> {
     framed.collect()
 }
 
-/// What the bits of cell `number` say: free, wall or goal, as an index into their colours.
+/// Decodes the bits of cell `number` as free, wall or goal, as an index into their colours.
 fn perceived(percept: &Percept, number: usize) -> usize {
     match (percept.bit(2 * number), percept.bit(2 * number + 1)) {
         (true, _) => 2,
@@ -75,7 +76,7 @@ fn perceived(percept: &Percept, number: usize) -> usize {
     }
 }
 
-/// Frames with these corners around a cell.
+/// Creates the frames with these corners around a cell.
 fn frames_of(maze: &Maze, cell: Cell, rgb: u32, corners: Vec<Point3>) -> LinePrimitive {
     let (at, unit) = (maze.centre_in_grid(cell), maze.cell_size_m());
     let edges = [0, 1, 1, 2, 2, 3, 3, 0];

@@ -1,7 +1,7 @@
-//! `/scene/policy`: the best actions of each cell, coloured by how near the goal is along the policy. The colour only
-//! gets darker along a path to the goal.
+//! `/scene/policy`: the best actions of each cell, coloured by the distance to the goal along the
+//! policy. The colour only gets darker along a path to the goal.
 //!
-//! `/scene/values`: the ranks of the cells' values as columns, a landscape that a viewer can switch on.
+//! `/scene/values`: the ranks of the cells' values as columns, a landscape that viewers can show.
 
 use std::collections::BTreeMap;
 
@@ -14,27 +14,27 @@ use crate::episode::PolicyMap;
 use crate::picture::{NO_GOAL, SCALE};
 use crate::world::{Cell, Direction, Maze};
 
-/// Shares are told apart in so many steps, each a list of triangles in one colour.
+/// The number of colour levels. Each level is a list of triangles in one colour.
 const SHADES: f64 = 8.0;
-/// An arrow is a dart on the floor, on which the robot drives. Its corners, ahead and to the left of
-/// a cell's middle: tip, left, notch, right.
-const DART: [[f64; 2]; DART_CORNERS] = [[15.0, 0.0], [4.0, 6.0], [7.0, 0.0], [4.0, -6.0]];
-/// The corners are given in so many parts of a cell: such fractions take few bytes.
+/// An arrow is painted on the floor, on which the robot drives. Its corners, ahead and to the left
+/// of a cell's middle: tip, left, notch, right.
+const ARROW: [[f64; 2]; ARROW_CORNERS] = [[15.0, 0.0], [4.0, 6.0], [7.0, 0.0], [4.0, -6.0]];
+/// The corners are multiples of this fraction of a cell, which take few bytes.
 const PARTS: f64 = 32.0;
-/// Points of an arrow, of which the first is its tip.
-pub(in crate::record) const DART_CORNERS: usize = 4;
-/// The two triangles of a dart, by its corners.
+/// The number of corners of an arrow. The first one is its tip.
+pub(in crate::record) const ARROW_CORNERS: usize = 4;
+/// The two triangles of an arrow, by corner.
 const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
-/// How high the floor's paint lies, in cells.
+/// The height of the paint above the floor, in cells.
 const PAINT: f64 = 0.02;
-/// The greatest height of a column, in cells, and how wide it is.
+/// The maximum height of a column and its width, in cells.
 const COLUMN: [f64; 2] = [1.2, 0.6875];
 
-/// A cell that has arrows, their shade, and which actions are best, as bits.
+/// A cell with arrows, their shade, and its best actions as bits.
 pub(in crate::record) type Mark = (Cell, u8, u8);
 
-/// What decides how the arrows look. All are the same when these are, which is known in a fraction
-/// of the time that the arrows take.
+/// Returns everything that determines how the arrows look. Comparing these marks takes a fraction
+/// of the time that creating the arrows takes.
 pub(in crate::record) fn marks(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<Mark> {
     let near = policy
         .into_iter()
@@ -47,12 +47,12 @@ pub(in crate::record) fn marks(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<M
     marks.filter(|(.., bits)| *bits != 0).collect()
 }
 
-/// A dart for each best action of each cell that knows one; several on ties.
-pub(in crate::record) fn painted(
+/// Creates an arrow for each best action of each cell with known values; several on ties.
+pub(in crate::record) fn arrows(
     policy: Option<&PolicyMap>,
     maze: &Maze,
 ) -> Vec<TriangleListPrimitive> {
-    let mut darts: BTreeMap<u8, Vec<Point3>> = BTreeMap::new();
+    let mut arrows: BTreeMap<u8, Vec<Point3>> = BTreeMap::new();
     let near = policy
         .into_iter()
         .flat_map(|p| p.cells().zip(p.nearness(maze)));
@@ -60,24 +60,24 @@ pub(in crate::record) fn painted(
         let best = values.best_actions();
         let mut best = best.filter_map(|action| maze.direction(action)).peekable();
         if best.peek().is_some() {
-            let corners = darts.entry(shade(near)).or_default();
-            corners.extend(best.flat_map(|direction| dart(maze, *cell, direction)));
+            let corners = arrows.entry(shade(near)).or_default();
+            corners.extend(best.flat_map(|direction| arrow(maze, *cell, direction)));
         }
     }
-    let darts = darts.into_iter();
-    darts
+    let arrows = arrows.into_iter();
+    arrows
         .map(|(shade, corners)| triangles(maze, shade, corners))
         .collect()
 }
 
-/// These arrows on the floor; none while nothing is known.
-pub(in crate::record) fn scene(painted: Vec<TriangleListPrimitive>, time_ns: u64) -> SceneUpdate {
+/// Creates the scene of these arrows; empty if no value is known.
+pub(in crate::record) fn scene(arrows: Vec<TriangleListPrimitive>, time_ns: u64) -> SceneUpdate {
     let mut policy = entity("policy", WORLD, time_ns);
-    policy.triangles = painted;
+    policy.triangles = arrows;
     update(vec![policy])
 }
 
-/// A column for each cell that knows what it is worth, as high as that ranks among all cells.
+/// Creates a column for each cell with a known value. Its height is the rank of the value.
 pub(in crate::record) fn columns(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<CubePrimitive> {
     let unit = maze.cell_size_m();
     let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
@@ -93,49 +93,51 @@ pub(in crate::record) fn columns(policy: Option<&PolicyMap>, maze: &Maze) -> Vec
     columns.collect()
 }
 
-/// How high a column of this rank is, in cells: in sixteenths, which take few bytes.
+/// Returns the height of a column of this rank, in cells, rounded to sixteenths, which take few
+/// bytes.
 fn height(rank: f64) -> f64 {
     (16.0 * COLUMN[0] * (0.05 + rank)).round() / 16.0
 }
 
-/// These columns as a scene.
+/// Creates the scene of these columns.
 pub(in crate::record) fn landscape(columns: &[CubePrimitive], time_ns: u64) -> SceneUpdate {
     let mut landscape = entity("landscape", WORLD, time_ns);
     landscape.cubes = columns.to_vec();
     update(vec![landscape])
 }
 
-/// The corners of an arrow from the middle of a cell to its border.
-fn dart(maze: &Maze, cell: Cell, direction: Direction) -> [Point3; DART_CORNERS] {
+/// Returns the corners of an arrow from the middle of a cell to its border.
+fn arrow(maze: &Maze, cell: Cell, direction: Direction) -> [Point3; ARROW_CORNERS] {
     let (unit, at) = (maze.cell_size_m(), maze.centre_in_grid(cell));
     let (east, south) = direction.offset();
     let ahead = Vector2::new(f64::from(east), f64::from(-south)).normalize();
     let left = Vector2::new(-ahead.y, ahead.x);
-    DART.map(|[forth, aside]| {
-        let corner: Point2<f64> = at + (ahead * forth + left * aside) * (unit / PARTS);
+    ARROW.map(|[forward, sideways]| {
+        let corner: Point2<f64> = at + (ahead * forward + left * sideways) * (unit / PARTS);
         point(corner, 0.0)
     })
 }
 
 fn triangles(maze: &Maze, shade: u8, corners: Vec<Point3>) -> TriangleListPrimitive {
-    let darts = 0..corners.len() as u32 / 4;
+    let arrows = 0..corners.len() as u32 / 4;
     TriangleListPrimitive {
         pose: place(0.0, 0.0, PAINT * maze.cell_size_m()),
         points: corners,
         color: colour(shade, 1.0),
         colors: Vec::new(),
-        indices: darts
-            .flat_map(|dart| TRIANGLES.map(|corner| 4 * dart + corner))
+        indices: arrows
+            .flat_map(|arrow| TRIANGLES.map(|corner| 4 * arrow + corner))
             .collect(),
     }
 }
 
-/// The step of a share from 0 (far) to 1 (near), and one beyond these where there is none.
+/// Returns the level of a share from 0 (far) to 1 (near), and one beyond the levels if there is
+/// none.
 fn shade(share: Option<f64>) -> u8 {
     share.map_or(SHADES as u8 + 1, |share| (share * SHADES).round() as u8)
 }
 
-/// The colour of a step.
+/// Returns the colour of a level.
 pub(super) fn colour(shade: u8, opacity: f64) -> Option<Color> {
     if f64::from(shade) > SHADES {
         return color(NO_GOAL, opacity);

@@ -1,4 +1,4 @@
-//! In `/scene/percept`: the last turn of the lidar as rays, from where the robot stood to what they hit.
+//! The lidar rays in `/scene/percept`: the last turn, from the robot to the hit points.
 
 use std::f64::consts::TAU;
 
@@ -9,19 +9,19 @@ use super::scan::angle;
 use super::scene::{WORLD, color, entity, place, point};
 use crate::arena::{Beam, View};
 
-/// The colour of a beam, also of its end in `/scan` as the layouts have it.
+/// The colour of a beam, and of its end in `/scan` in the layouts.
 pub(in crate::record) const BEAM: u32 = 0xc23ee8;
 const OPACITY: f64 = 0.75;
-/// How high the rays lie, in cells.
+/// The height of the rays, in cells.
 const HEIGHT: f64 = 0.2;
-/// Their ends lie on a grid so fine, in cells.
+/// The grid that the ends of rays are aligned to, in cells.
 const GRID: f64 = 1.0 / 64.0;
 
-/// The rays of the last turn before the robot decides; none of a robot that is told its pose.
+/// Creates the rays of the last turn before the decision; `None` if the robot is given its pose.
 pub(in crate::record) fn rays(view: &View<'_>) -> Option<SceneEntity> {
     let (maze, beams) = (view.maze, view.sensed?.beams);
     let (at, unit) = (maze.centre_in_grid(view.cell), maze.cell_size_m());
-    // Seen from the cell, so that they are alike wherever it is, and compress well.
+    // Coordinates relative to the cell are alike in all cells and compress well.
     let on_grid = |there: Point2<f64>| {
         let steps = ((there - at) / (GRID * unit)).map(f64::round);
         point(Point2::from(steps * (GRID * unit)), 0.0)
@@ -52,7 +52,7 @@ pub(in crate::record) fn rays(view: &View<'_>) -> Option<SceneEntity> {
     Some(rays)
 }
 
-/// The beams of the last full turn, or all if there are fewer.
+/// Returns the beams of the last full turn, or all if there are fewer.
 fn last_turn(beams: &[Beam]) -> &[Beam] {
     let [.., before, last] = beams else {
         return beams;
@@ -62,7 +62,8 @@ fn last_turn(beams: &[Beam]) -> &[Beam] {
     &beams[beams.len().saturating_sub(in_a_turn.max(1))..]
 }
 
-/// Where a beam began and what it hit, in the grid frame; `None` without a measured range.
+/// Returns the origin and the hit point of a beam, in the grid frame; `None` without a measured
+/// range.
 fn ray(view: &View<'_>, beam: &Beam) -> Option<(Point2<f64>, Point2<f64>)> {
     let after = view
         .trace
@@ -78,7 +79,7 @@ fn ray(view: &View<'_>, beam: &Beam) -> Option<(Point2<f64>, Point2<f64>)> {
     Some((from, within(from, to, size)))
 }
 
-/// The end of a ray, or where it leaves the maze, whose sides in metres these are: a range can be wrong by much.
+/// Clips a ray to the maze, whose side lengths are in metres: a range can be far too long.
 fn within(from: Point2<f64>, to: Point2<f64>, size: [f64; 2]) -> Point2<f64> {
     let ahead = to - from;
     let share = |axis: usize| {

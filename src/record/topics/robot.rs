@@ -1,4 +1,4 @@
-//! `/scene/robot`: what the robot looks like; `/tf` moves it.
+//! `/scene/robot`: the robot's body; `/tf` moves it.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -13,8 +13,8 @@ const DOME: u32 = 0x2b303b;
 const TYRE: u32 = 0x15181e;
 const NOSE: u32 = 0xffffff;
 
-/// A disc as wide as the robot is, two wheels, a dome, and an arrow that shows ahead; and a legend
-/// of what is drawn around it.
+/// Creates a disc as wide as the robot, two wheels, a dome and an arrow that points ahead, and the
+/// legend of the overlays around the robot.
 pub(in crate::record) fn scene(
     robot: &RobotShape,
     legend: SceneEntity,
@@ -37,7 +37,7 @@ pub(in crate::record) fn scene(
     update(vec![body, legend])
 }
 
-/// A part of the arrow that shows ahead: from where to where, how high, and how wide at both ends.
+/// Creates a part of the arrow that points ahead: its ends, its height, and its width at both ends.
 fn ahead([from, to]: [f64; 2], high: f64, [wide, narrow]: [f64; 2]) -> CylinderPrimitive {
     // A quarter turn about y lays the cylinder's axis along x.
     let quarter = rounded(FRAC_1_SQRT_2);
@@ -57,7 +57,7 @@ fn ahead([from, to]: [f64; 2], high: f64, [wide, narrow]: [f64; 2]) -> CylinderP
     }
 }
 
-/// A round slice from height `bottom` upwards, whose top is scaled.
+/// Creates a round slice from height `bottom` upwards, with a scaled top.
 fn disc(radius: f64, bottom: f64, high: f64, top_scale: f64, rgb: u32) -> CylinderPrimitive {
     CylinderPrimitive {
         pose: place(0.0, 0.0, bottom + high / 2.0),
@@ -68,7 +68,7 @@ fn disc(radius: f64, bottom: f64, high: f64, top_scale: f64, rgb: u32) -> Cylind
     }
 }
 
-/// A wheel to the left or the right; `side` is a share of the wheel base.
+/// Creates a wheel on the left or the right; `side` is a share of the wheel base.
 fn wheel(robot: &RobotShape, side: f64) -> CylinderPrimitive {
     let radius = robot.wheel_radius_m();
     // A quarter turn about x lays the cylinder's axis along y.

@@ -1,4 +1,4 @@
-//! `/rule` and `/scene/rule`: why an action is taken, in words, from the moment of its decision on.
+//! `/rule` and `/scene/rule`: why an action was selected, as text, from the decision on.
 
 use foxglove::messages::{SceneUpdate, TextPrimitive};
 use serde::Serialize;
@@ -13,20 +13,21 @@ use crate::trial::words_of_memory;
 use crate::world::Maze;
 use xcs::{Action, Condition, Percept};
 
-/// Colours of what rules or a table chose, and of what explores.
+/// Colours of actions selected by rules or a table, and of exploratory ones.
 const CHOSEN: u32 = 0xffffff;
 const EXPLORED: u32 = 0xf4b740;
-/// Glyphs of a line over the robot, and how many lines of demands may stand there.
+/// The number of letters per line above the robot, and the maximum number of lines with demands.
 const LETTERS: usize = 26;
 const LINES: usize = 2;
-/// How high a letter is, as a share of a cell and of the longer side of a maze: the larger holds.
+/// The letter height, as a share of a cell and of the longer side of the maze; the larger one
+/// applies.
 const LETTER: [f64; 2] = [0.23, 0.028];
-/// How high the lowest line stands over the floor, and the next one over a line, in letters.
+/// The height of the lowest line above the floor and the line spacing, in letters.
 const FIRST: f64 = 3.6;
 const NEXT: f64 = 2.5;
-/// The share of its height that something upright has for the camera, which looks down steeply.
+/// The visible share of an upright object's height, because the camera looks down steeply.
 const SEEN_UPRIGHT: f64 = 0.9;
-/// Numbers of the directions.
+/// The numbers of the directions.
 const HEADINGS: [(u8, &str); 8] = [
     (0, "north"),
     (1, "east"),
@@ -38,7 +39,7 @@ const HEADINGS: [(u8, &str); 8] = [
     (7, "north-west"),
 ];
 
-/// Why an action is taken.
+/// Why an action was selected.
 #[derive(Debug, Serialize)]
 pub(in crate::record) struct RuleRecord {
     episode: u32,
@@ -61,7 +62,7 @@ pub(in crate::record) struct RuleRecord {
 }
 
 impl RuleRecord {
-    /// The reasons of a step; `sensor` is how the robot perceives, `goal` what a goal pays.
+    /// Creates the record of a step; `goal` is the reward for reaching a goal.
     pub fn new(step: &Step<'_>, sensor: Sensor, goal: f64) -> Self {
         let maze = step.view.maze;
         let action = maze.action_name(step.action);
@@ -87,37 +88,38 @@ impl RuleRecord {
         }
     }
 
-    /// The same over the robot, to be read from anywhere.
+    /// Creates the scene with the reasons as text above the robot, legible from everywhere.
     pub fn scene(&self, maze: &Maze, time_ns: u64) -> SceneUpdate {
         let height = letter_m(maze);
         let rgb = if self.explored { EXPLORED } else { CHOSEN };
-        let lines = in_short(&self.because).into_iter().rev();
+        let lines = abbreviated(&self.because).into_iter().rev();
         let lines = [self.choice.clone()].into_iter().chain(lines);
         let mut words = entity("rule", ROBOT, time_ns);
-        // The camera looks down steeply: what stands upright is a little lower for it.
+        // The camera looks down steeply, so upright text appears a little lower.
         let upwards = (0..).map(|line| (FIRST + NEXT * f64::from(line)) * height);
         words.texts = lines
             .zip(upwards)
-            .map(|(line, up)| over(up, height, rgb, &line))
+            .map(|(line, up)| text_above(up, height, rgb, &line))
             .collect();
         update(vec![words])
     }
 }
 
-/// How far the words over a robot in the northernmost free cells reach north of the maze, as the camera sees them, in metres.
+/// Returns how far the text above a robot in the northernmost free cells extends north of the maze
+/// in the camera's view, in metres.
 pub(super) fn reach_m(maze: &Maze) -> f64 {
     let top = (FIRST + NEXT * LINES as f64 + 0.5) * letter_m(maze);
     (SEEN_UPRIGHT * top - 1.5 * maze.cell_size_m()).max(0.0)
 }
 
-/// The height of a letter, in metres.
+/// Returns the height of a letter, in metres.
 fn letter_m(maze: &Maze) -> f64 {
     let side = f64::from(maze.width().max(maze.height())) * maze.cell_size_m();
     (LETTER[0] * maze.cell_size_m()).max(LETTER[1] * side)
 }
 
-/// As many demands as fit over the robot, line by line; those that say the least come last.
-fn in_short(because: &str) -> Vec<String> {
+/// Returns as many demands as fit above the robot, line by line. The least informative come last.
+fn abbreviated(because: &str) -> Vec<String> {
     let demands = because.split(", ");
     let (weak, strong): (Vec<&str>, _) = demands.partition(|demand| demand.ends_with("no goal"));
     let mut lines = vec![String::new()];
@@ -139,16 +141,16 @@ fn in_short(because: &str) -> Vec<String> {
     lines
 }
 
-/// What decided: the condition of a rule in words, or who did without one.
+/// Returns the condition of the deciding rule as text, or the name of the decision source.
 fn because(step: &Step<'_>, sensor: Sensor) -> String {
     let condition = step.fired();
     condition.map_or_else(
-        || who(step.chooser).to_owned(),
+        || source_name(step.chooser).to_owned(),
         |condition| demands(step, &condition, sensor),
     )
 }
 
-fn who(chooser: Chooser) -> &'static str {
+fn source_name(chooser: Chooser) -> &'static str {
     match chooser {
         Chooser::Rules => "rules",
         Chooser::Table => "table",
@@ -157,7 +159,8 @@ fn who(chooser: Chooser) -> &'static str {
     }
 }
 
-/// What a condition demands; of one on more than the percept also of the memory.
+/// Returns the demands of a condition as text, including those on the map if the condition has
+/// them.
 fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
     let (maze, allele) = (step.view.maze, |at| condition.allele(at));
     match condition.width() == step.percept.width() {
@@ -166,7 +169,7 @@ fn demands(step: &Step<'_>, condition: &Condition, sensor: Sensor) -> String {
     }
 }
 
-/// An action and its value.
+/// Returns an action and its value as text.
 fn value(step: &Step<'_>, action: Action) -> String {
     let name = step.view.maze.action_name(action);
     let value = step
@@ -178,13 +181,13 @@ fn value(step: &Step<'_>, action: Action) -> String {
     value.map_or_else(|| name.clone(), |value| format!("{name}, value {value:.0}"))
 }
 
-/// The share of the step-threshold that is left when the step is decided.
+/// Returns the percentage of the step-threshold that is left when the step is decided.
 fn left_percent(step: &Step<'_>) -> u32 {
     let most = f64::from(step.method.step_threshold().max(1));
     (100.0 * (1.0 - f64::from(step.step - 1).min(most) / most)).round() as u32
 }
 
-/// The value of each action, as a share of what a goal pays.
+/// Returns the value of each action, in percent of the reward for a goal.
 fn value_percent(step: &Step<'_>, goal: f64) -> Vec<Option<f64>> {
     let all = if goal > 0.0 { goal } else { 100.0 };
     let values = step.values.as_slice().iter();
@@ -197,7 +200,7 @@ fn tenths(number: f64) -> f64 {
     (10.0 * number).round() / 10.0 + 0.0
 }
 
-/// The error, and how many of the rules that match advocate the action.
+/// Returns the error, and how many of the matching rules advocate the action.
 fn support(step: &Step<'_>) -> String {
     let credit = &step.credit;
     match credit.match_set {
@@ -209,7 +212,7 @@ fn support(step: &Step<'_>) -> String {
     }
 }
 
-/// The best of the actions that were not taken.
+/// Returns the best of the actions that were not taken.
 fn runner_up(step: &Step<'_>) -> Option<Action> {
     let known = Action::all(step.values.as_slice().len()).zip(step.values.as_slice());
     let others = known.filter_map(|(action, values)| Some((action, (*values)?)));
@@ -218,8 +221,8 @@ fn runner_up(step: &Step<'_>) -> Option<Action> {
     best.map(|(action, _)| action)
 }
 
-/// Words above the robot's middle.
-fn over(up: f64, height: f64, rgb: u32, text: &str) -> TextPrimitive {
+/// Creates a text above the robot's middle.
+fn text_above(up: f64, height: f64, rgb: u32, text: &str) -> TextPrimitive {
     TextPrimitive {
         pose: place(0.0, 0.0, up),
         billboard: true,
@@ -251,18 +254,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_stands_over_the_robot_is_short_and_begins_with_what_says_most() {
+    fn text_above_the_robot_is_short_and_begins_with_the_most_informative_demand() {
         assert_eq!(
-            in_short("north no goal, east free"),
+            abbreviated("north no goal, east free"),
             ["east free, north no goal"]
         );
-        assert_eq!(in_short("explores by chance"), ["explores by chance"]);
+        assert_eq!(abbreviated("explores by chance"), ["explores by chance"]);
         let long =
             "north wall, north-east wall, east free, south-east free, south-west wall, west wall";
         let wanted = [
             "north wall, north-east wall",
             "east free, south-east free, ...",
         ];
-        assert_eq!(in_short(long), wanted);
+        assert_eq!(abbreviated(long), wanted);
     }
 }

@@ -1,4 +1,4 @@
-//! `/scan`: what the beams of the lidar measured.
+//! `/scan`: the measurements of the lidar beams.
 
 use std::f64::consts::TAU;
 
@@ -8,11 +8,11 @@ use super::rounded;
 use super::scene::{ROBOT, place, timestamp};
 use crate::arena::{Beam, Sensed, View};
 
-/// The scans of a move, oldest first, each with the time of its first beam.
+/// Returns the scans of a move, oldest first, each with the time of its first beam.
 ///
-/// One scan has the beams of one physics step: a whole turn of the lidar takes so long that a robot
-/// which turns meanwhile would smear it. While it looks round before an episode it stands still:
-/// that is one scan, at the time when the episode begins.
+/// One scan has the beams of one physics step. A whole turn takes so long that the motion of a
+/// turning robot would distort it. The robot stands still while it looks around before an episode:
+/// those beams form one scan, with the start time of the episode.
 pub(in crate::record) fn scans(view: &View<'_>, is_begin: bool) -> Vec<(u64, LaserScan)> {
     let Some(Sensed { beams, .. }) = view.sensed else {
         return Vec::new();
@@ -32,7 +32,7 @@ pub(in crate::record) fn scans(view: &View<'_>, is_begin: bool) -> Vec<(u64, Las
     of_step.collect()
 }
 
-/// A scan of some neighbouring beams, as from `time_ns`; `None` of no beams.
+/// Creates a scan of neighbouring beams at `time_ns`; `None` without beams.
 fn scan(beams: &[Beam], time_ns: u64) -> Option<(u64, LaserScan)> {
     let [first, ..] = beams else {
         return None;
@@ -52,12 +52,13 @@ fn scan(beams: &[Beam], time_ns: u64) -> Option<(u64, LaserScan)> {
     Some((time_ns, message))
 }
 
-/// The range as ROS has it (REP 117): infinity when nothing came back, minus infinity when something is too near.
+/// Returns the range in the ROS convention (REP 117): infinity without an echo, minus infinity if
+/// the echo is too near.
 fn range(beam: &Beam) -> f64 {
     beam.range_m.map_or(f64::INFINITY, rounded)
 }
 
-/// The angle of a rotation in radians, from 0 to a full turn.
+/// Returns the angle of a rotation in radians, from 0 to a full turn.
 pub(in crate::record) fn angle(rotation: nalgebra::UnitComplex<f64>) -> f64 {
     let angle_rad = libm::atan2(rotation.im, rotation.re);
     if angle_rad < 0.0 {
@@ -72,7 +73,7 @@ mod tests {
     use super::*;
     use nalgebra::{Complex, UnitComplex};
 
-    /// Beam `number` of eight in a turn.
+    /// Returns beam `number` of eight in a turn.
     fn beam(number: u32, range_m: Option<f64>) -> Beam {
         let (sine, cosine) = libm::sincos(f64::from(number) * TAU / 8.0);
         Beam {

@@ -8,24 +8,24 @@ use nalgebra::{Point2, UnitComplex};
 
 use super::rounded;
 
-/// The grid frame, in which everything that does not move is drawn: origin in the south-western corner, x east,
-/// y north, z up.
+/// The grid frame, in which all static objects are drawn: origin in the south-western corner, x
+/// east, y north, z up.
 pub(in crate::record) const WORLD: &str = "world";
-/// The map frame, of worlds that have an `origin`; in other worlds the grid frame takes its place.
+/// The map frame of worlds with an `origin`. Other worlds use the grid frame in its place.
 pub(super) const MAP: &str = "map";
 /// The robot's frame: origin on the floor below its middle, x ahead, y to the left.
 pub(in crate::record) const ROBOT: &str = "robot";
-/// The same frame where the robot believes it to be, seen from where it is.
+/// The robot's frame at its estimated pose, relative to its true pose.
 pub(in crate::record) const ESTIMATE: &str = "estimate";
 
-/// A time of the simulation clock.
+/// Converts a time of the simulation clock.
 pub(in crate::record) fn timestamp(time_ns: u64) -> Timestamp {
     const SECOND: u64 = 1_000_000_000;
     let sec = u32::try_from(time_ns / SECOND).unwrap_or(u32::MAX);
     Timestamp::new(sec, (time_ns % SECOND) as u32)
 }
 
-/// The colour `0xRRGGBB` with an opacity from 0 to 1.
+/// Returns the colour `0xRRGGBB` with an opacity from 0 to 1.
 pub(super) fn color(rgb: u32, opacity: f64) -> Option<Color> {
     let part = |shift: u32| rounded(f64::from(rgb >> shift & 0xff) / 255.0);
     Some(Color {
@@ -52,7 +52,7 @@ pub(super) fn point(at: Point2<f64>, z: f64) -> Point3 {
     }
 }
 
-/// A rotation about z by the angle that `heading` stands for, without any trigonometry.
+/// Returns the rotation about z by the angle of `heading`, without trigonometry.
 pub(super) fn heading(heading: UnitComplex<f64>) -> Quaternion {
     let half = |cos: f64| ((1.0 + cos) / 2.0).max(0.0).sqrt();
     Quaternion {
@@ -63,7 +63,7 @@ pub(super) fn heading(heading: UnitComplex<f64>) -> Quaternion {
     }
 }
 
-/// A place, with the axes of the frame.
+/// Returns a pose at a position, with the axes of the frame.
 pub(super) fn place(x: f64, y: f64, z: f64) -> Option<Pose> {
     Some(Pose {
         position: Some(vector(x, y, z)),
@@ -82,7 +82,7 @@ pub(super) fn cube(pose: Option<Pose>, size: Vector3, color: Option<Color>) -> C
     }
 }
 
-/// Words that lie on the floor, to be read from the south.
+/// Creates text that lies on the floor and reads from the south.
 pub(super) fn words(pose: Option<Pose>, height: f64, rgb: u32, text: &str) -> TextPrimitive {
     TextPrimitive {
         pose,
@@ -94,7 +94,7 @@ pub(super) fn words(pose: Option<Pose>, height: f64, rgb: u32, text: &str) -> Te
     }
 }
 
-/// An entity without anything in it yet.
+/// Creates an empty entity.
 pub(super) fn entity(id: &str, frame: &str, time_ns: u64) -> SceneEntity {
     SceneEntity {
         timestamp: Some(timestamp(time_ns)),
@@ -105,7 +105,7 @@ pub(super) fn entity(id: &str, frame: &str, time_ns: u64) -> SceneEntity {
     }
 }
 
-/// A message that replaces these entities and leaves no other on its topic.
+/// Creates a message that replaces all entities of its topic.
 pub(super) fn update(entities: Vec<SceneEntity>) -> SceneUpdate {
     SceneUpdate {
         deletions: Vec::new(),

@@ -1,5 +1,5 @@
-//! JSON schemas, as viewers read them: flat objects, each field with its type, and on demand with its
-//! meaning and unit.
+//! JSON schemas in the form that viewers read: flat objects, each field with its type, and on
+//! demand with its meaning and unit.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::record::json::json_tree;
 
-/// Numbers, and the names that they stand for.
+/// Numbers and the names they stand for.
 type Names = &'static [(u8, &'static str)];
 
 /// The type of a field.
@@ -23,7 +23,8 @@ enum Kind {
 }
 
 impl Kind {
-    /// Can a field of this type have this value? An unknown number of a list is null.
+    /// Returns true if a field of this type can have this value. An unknown number in a list is
+    /// null.
     fn admits(self, value: &Value) -> bool {
         match self {
             Self::Bool => value.is_boolean(),
@@ -65,7 +66,7 @@ pub(in crate::record) struct Object {
 }
 
 impl Object {
-    /// A message without fields.
+    /// Creates a message without fields.
     pub fn new(name: &'static str) -> Self {
         let fields = Vec::new();
         Self { name, fields }
@@ -80,7 +81,7 @@ impl Object {
         self.with(field, Kind::Bool, meaning)
     }
 
-    /// A whole number from 0.
+    /// Adds a non-negative integer.
     pub fn count(self, field: &'static str, meaning: &'static str) -> Self {
         self.with(field, Kind::Count, meaning)
     }
@@ -97,33 +98,34 @@ impl Object {
         self.with(field, Kind::Text, meaning)
     }
 
-    /// A number that stands for a name. Viewers colour states by such numbers, in this order: blue,
-    /// orange, yellow, green, cyan, purple; words get colours that mean nothing.
+    /// Adds a number that stands for a name. Viewers colour states by such numbers, in this order:
+    /// blue, orange, yellow, green, cyan, purple. Colours of words carry no meaning.
     pub fn named(self, field: &'static str, names: Names, meaning: &'static str) -> Self {
         self.with(field, Kind::Named(names), meaning)
     }
 
-    /// What is wrong with a message: it must be an object, with no other fields, and of the right types.
+    /// Returns the first fault of a message: it must be an object with known fields of the right
+    /// types.
     pub fn fault(&self, data: &[u8]) -> Option<String> {
         let Some(message) = json_tree(data) else {
-            return Some("is not JSON, or larger than any message of ours".to_owned());
+            return Some("is not JSON, or too large for a message of xcscr".to_owned());
         };
         let Some(fields) = message.as_object() else {
-            return Some("is no JSON object".to_owned());
+            return Some("is not a JSON object".to_owned());
         };
         fields.iter().find_map(|(name, value)| {
             let known = self.fields.iter().find(|(field, ..)| field == name);
             match known {
                 None => Some(format!("has an unknown field `{name}`")),
                 Some((_, kind, _)) if !kind.admits(value) => Some(format!(
-                    "has a field `{name}` of another type than the schema says"
+                    "has a field `{name}` whose type differs from the schema"
                 )),
                 Some(_) => None,
             }
         })
     }
 
-    /// The schema; if `explained`, it tells what each field means.
+    /// Returns the schema; `explained` adds the meaning of each field.
     pub fn schema(&self, explained: bool) -> Schema {
         let field = |(field, kind, meaning): &(&str, Kind, &str)| {
             let kind = kind.text();

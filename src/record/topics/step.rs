@@ -1,4 +1,4 @@
-//! `/step`: a step, at the moment at which its outcome is known.
+//! `/step`: a step, at the time when its outcome is known.
 
 use serde::{Serialize, Serializer};
 
@@ -8,7 +8,7 @@ use crate::arena::Outcome;
 use crate::episode::Step;
 use xcs::{Percept, PredictionArray};
 
-/// What was perceived and chosen, and what came of it.
+/// The percept, the decision and the outcome of a step.
 #[derive(Debug, Serialize)]
 pub(in crate::record) struct StepRecord<'a> {
     episode: u32,
@@ -66,7 +66,7 @@ fn decimals<S: Serializer>(values: &&PredictionArray, serializer: S) -> Result<S
     episode::decimals(values, serializer)
 }
 
-/// Numbers and names of outcomes in files.
+/// The numbers and names of outcomes in files.
 const OUTCOMES: [(u8, &str); 5] = [
     (0, "moved"),
     (1, "collided"),
@@ -85,7 +85,7 @@ fn outcome(outcome: Outcome) -> (u8, &'static str) {
     }]
 }
 
-/// The share of the step-threshold that is left.
+/// Returns the share of the step-threshold that is left.
 fn left(step: &Step<'_>) -> f64 {
     let most = step.method.step_threshold().max(1);
     decimal(1.0 - f64::from(step.step.min(most)) / f64::from(most))

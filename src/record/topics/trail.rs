@@ -1,4 +1,4 @@
-//! `/scene/trail`: the way that the robot took in this episode, and where it hit a wall.
+//! `/scene/trail`: the robot's trajectory in this episode, and the wall hits.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -12,41 +12,41 @@ use crate::arena::{Contact, Sample, View};
 use crate::world::{Cell, Maze};
 
 pub(super) const HIT: u32 = 0xe0322f;
-/// Colours of the way from standing still to full speed ...
+/// The colours of the trajectory from standstill to full speed.
 const SPEEDS: [u32; 3] = [0x3a1d8a, 0xa82bd0, FASTEST];
 pub(super) const FASTEST: u32 = 0xff6bd6;
-/// ... which is so many cells a second.
+/// Full speed, in cells per second.
 const FAST: f64 = 1.3;
-/// Where it explored, the way is dashed: so long are a dash and a gap, in cells.
+/// Exploratory moves are dashed. The length of a dash and of a gap, in cells.
 const DASH: f64 = 0.12;
-/// So many pieces of the way are shown as they were driven. What came before them is shown as lines
-/// between the cells, whose number does not grow with the steps.
-const MOST_PIECES: usize = 640;
-/// Ends of pieces lie on a grid so fine, in cells: what nobody sees need not be stored.
+/// The number of pieces shown as they were driven. Earlier ones are shown as lines between cells,
+/// whose number does not grow with the steps.
+const MAX_PIECES: usize = 640;
+/// The grid that the ends of pieces are aligned to, in cells; finer detail is not visible.
 const GRID: f64 = 1.0 / 64.0;
-/// Pieces are joined where that moves their common end by so much at most, in cells.
-const OFF: f64 = 1.0 / 64.0;
-/// An impulse whose mark is as large as any, in N s: that of a robot at full speed.
+/// Pieces are joined if this moves their common end by at most this much, in cells.
+const MAX_OFFSET: f64 = 1.0 / 64.0;
+/// The impulse with the largest mark, in N s: that of a robot at full speed.
 const HARD_NS: f64 = 8.0;
-/// Marks of an episode; later hits are told by the other topics only.
-const MOST_HITS: usize = 64;
-/// Up to this many lines the trail is written after each step, above that more and more rarely:
-/// a long way must not fill the disk with copies of itself.
+/// The maximum number of marks per episode. Later hits are on the other topics only.
+const MAX_HITS: usize = 64;
+/// Up to this many lines the trail is written after each step, and above that less and less often.
+/// This keeps the copies of a long trail from filling the disk.
 const SHORT: usize = 128;
 
-/// The way so far.
+/// The trajectory so far.
 #[derive(Debug)]
 pub(in crate::record) struct Trail {
-    /// By cell index: the number of the point where the robot first stood in it.
+    /// By cell index: the number of the point where the robot first stood in the cell.
     visited: BTreeMap<usize, u32>,
     points: Vec<Point3>,
     /// The borders that were crossed, by cell index and direction.
     crossed: BTreeSet<usize>,
-    /// Two point numbers for each border.
+    /// Two point numbers for each crossed border.
     lines: Vec<u32>,
-    /// The way as it was driven: its speed, as an index into the colours, and both ends.
+    /// The trajectory as it was driven: its speed, as an index into the colours, and both ends.
     pieces: VecDeque<(usize, [Point3; 2])>,
-    /// Are there pieces that are no longer shown?
+    /// True if there are earlier pieces that are not shown.
     is_cut: bool,
     unit_m: f64,
     at: Option<Cell>,
@@ -71,15 +71,15 @@ impl Trail {
         }
     }
 
-    /// Starts anew where the robot stands.
+    /// Starts a new trail at the robot's position.
     pub fn restart(&mut self, view: &View<'_>) {
         *self = Self::new(view.maze);
         self.step(view, &[], false);
     }
 
-    /// Marks where the robot hit a wall, the larger the harder.
+    /// Marks a wall hit. Harder hits have larger marks.
     pub fn hit(&mut self, maze: &Maze, contact: &Contact) {
-        if self.hits.len() == MOST_HITS {
+        if self.hits.len() == MAX_HITS {
             return;
         }
         let at = maze.point_in_grid(contact.point_in_map);
@@ -94,14 +94,14 @@ impl Trail {
         });
     }
 
-    /// Goes on along these poses to where the robot stands.
+    /// Continues along these poses to the robot's position.
     pub fn step(&mut self, view: &View<'_>, poses: &[Sample], explored: bool) {
         self.steps += 1;
         self.drive(view.maze, poses, explored);
         let (from, to) = (self.at, view.cell);
         let number = self.visit(view);
         self.at = Some(to);
-        let Some(from) = from.filter(|&from| from != to && beside(from, to)) else {
+        let Some(from) = from.filter(|&from| from != to && are_adjacent(from, to)) else {
             return;
         };
         let Some(&before) = self.visited.get(&view.maze.index(from)) else {
@@ -113,7 +113,7 @@ impl Trail {
         }
     }
 
-    /// Adds the way between poses.
+    /// Adds the trajectory between poses.
     fn drive(&mut self, maze: &Maze, poses: &[Sample], explored: bool) {
         let mut driven_m = 0.0;
         for pair in poses.windows(2) {
@@ -133,19 +133,19 @@ impl Trail {
             };
             for [begin, end] in dashes(driven_m, length_m, dash_m) {
                 let ends = [begin, end].map(|at| from + (to - from) * (at / length_m));
-                self.lay(shade, ends);
+                self.add_piece(shade, ends);
             }
             driven_m += length_m;
         }
-        let surplus = self.pieces.len().saturating_sub(MOST_PIECES);
+        let surplus = self.pieces.len().saturating_sub(MAX_PIECES);
         self.is_cut |= surplus > 0;
         self.pieces.drain(..surplus);
     }
 
-    /// Adds a piece, or makes the last one longer if it leads there straight.
-    fn lay(&mut self, shade: usize, ends: [Point2<f64>; 2]) {
+    /// Adds a piece, or extends the last one if both form a straight line.
+    fn add_piece(&mut self, shade: usize, ends: [Point2<f64>; 2]) {
         let [from, to] = ends.map(|at| self.on_grid(at));
-        let off_m = OFF * self.unit_m;
+        let off_m = MAX_OFFSET * self.unit_m;
         match self.pieces.back_mut() {
             Some((before, [begin, end]))
                 if *before == shade && *end == from && is_between(&from, [begin, &to], off_m) =>
@@ -162,7 +162,7 @@ impl Trail {
         point(Point2::new(on_grid(at.x), on_grid(at.y)), 0.0)
     }
 
-    /// The number of a cell's point, which is made if this is the first visit.
+    /// Returns the number of a cell's point, and adds the point on the first visit.
     fn visit(&mut self, view: &View<'_>) -> u32 {
         let at = view.now().robot_in_map.translation.vector;
         let at = view.maze.point_in_grid(at.into());
@@ -173,13 +173,13 @@ impl Trail {
         })
     }
 
-    /// Should the trail be written after the last step?
+    /// Returns true if the trail should be written after the last step.
     pub fn is_due(&self) -> bool {
-        let rarely = (self.lines.len() / 2 / SHORT + 1).next_power_of_two();
-        self.steps.is_multiple_of(rarely)
+        let interval = (self.lines.len() / 2 / SHORT + 1).next_power_of_two();
+        self.steps.is_multiple_of(interval)
     }
 
-    /// The trail as a scene.
+    /// Returns the trail as a scene.
     pub fn scene(&self, time_ns: u64) -> SceneUpdate {
         let mut trail = entity("trail", WORLD, time_ns);
         if self.is_cut && !self.lines.is_empty() {
@@ -199,7 +199,7 @@ impl Trail {
         update(vec![trail, hits])
     }
 
-    /// Lines between pairs of points, so thick and so high above the floor, in cells.
+    /// Creates lines between pairs of points; thickness and height above the floor are in cells.
     fn line(
         &self,
         [thick, high]: [f64; 2],
@@ -219,7 +219,7 @@ impl Trail {
     }
 }
 
-/// Does a point lie on the way between two others, or so far beside it at most?
+/// Returns true if a point lies between two others, at most `off_m` beside the line.
 fn is_between(at: &Point3, [from, to]: [&Point3; 2], off_m: f64) -> bool {
     let whole = Vector2::new(to.x - from.x, to.y - from.y);
     let part = Vector2::new(at.x - from.x, at.y - from.y);
@@ -228,8 +228,8 @@ fn is_between(at: &Point3, [from, to]: [&Point3; 2], off_m: f64) -> bool {
     (0.0..=length_m).contains(&along_m) && part.perp(&whole).abs() <= off_m * length_m
 }
 
-/// Pieces as points with their colours, and two numbers of points for each; where a piece goes on
-/// from the one before, they share a point.
+/// Converts pieces to points with colours, and two point numbers for each piece. Consecutive pieces
+/// share a point.
 fn joined(
     pieces: impl Iterator<Item = (usize, [Point3; 2])>,
 ) -> (Vec<Point3>, Vec<Color>, Vec<u32>) {
@@ -248,7 +248,7 @@ fn joined(
     (points, colors, numbers)
 }
 
-/// The parts of a stretch of this length that are drawn, when so much was driven before it.
+/// Returns the drawn parts of a segment of this length that begins after `driven_m` metres.
 fn dashes(driven_m: f64, length_m: f64, dash_m: f64) -> Vec<[f64; 2]> {
     let mut parts = Vec::new();
     let mut number = (driven_m / dash_m).floor();
@@ -265,12 +265,12 @@ fn dashes(driven_m: f64, length_m: f64, dash_m: f64) -> Vec<[f64; 2]> {
     }
 }
 
-/// Do two cells touch? In a maze whose edges join they need not.
-fn beside(a: Cell, b: Cell) -> bool {
+/// Returns true if two cells touch. In a maze with joined edges, neighbours need not touch.
+fn are_adjacent(a: Cell, b: Cell) -> bool {
     a.col.abs_diff(b.col) <= 1 && a.row.abs_diff(b.row) <= 1
 }
 
-/// The number of the border (or corner) between two cells that touch, from either side.
+/// Returns the number of the border or corner between two touching cells, in either order.
 fn border(maze: &Maze, a: Cell, b: Cell) -> usize {
     let (first, second) = if (a.row, a.col) < (b.row, b.col) {
         (a, b)
@@ -294,16 +294,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_way_that_explores_is_dashed_evenly_and_any_other_is_whole() {
+    fn exploratory_moves_are_dashed_evenly_and_others_are_solid() {
         assert_eq!(dashes(0.5, 2.0, f64::MAX), [[0.0, 2.0]]);
         assert_eq!(dashes(0.0, 2.5, 0.5), [[0.0, 0.5], [1.0, 1.5], [2.0, 2.5]]);
-        // A dash goes on across two stretches.
+        // A dash continues across two segments.
         assert_eq!(dashes(0.25, 1.0, 0.5), [[0.0, 0.25], [0.75, 1.0]]);
         assert_eq!(dashes(0.75, 0.125, 0.5), [[0.0; 2]; 0]);
     }
 
     #[test]
-    fn pieces_that_follow_each_other_share_a_point_and_others_do_not() {
+    fn consecutive_pieces_share_a_point_and_others_do_not() {
         let at = |x: f64| point(Point2::new(x, 0.0), 0.0);
         let pieces = [(0, [0.0, 1.0]), (1, [1.0, 2.0]), (2, [4.0, 5.0])];
         let pieces = pieces.map(|(shade, ends)| (shade, ends.map(at)));
@@ -317,12 +317,12 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_between_two_others_if_the_way_leads_through_it() {
+    fn a_point_is_between_two_others_if_it_is_close_to_their_line() {
         let at = |x: f64, y: f64| point(Point2::new(x, y), 0.0);
         let between = |middle| is_between(&middle, [&at(0.0, 0.0), &at(4.0, 0.0)], 0.125);
         assert!(between(at(1.0, 0.0)) && between(at(3.0, -0.125)));
         assert!(!between(at(1.0, 0.25)) && !between(at(5.0, 0.0)) && !between(at(-1.0, 0.0)));
-        // Back to where it came from: no way is as short as that.
+        // A turn back to the start has length 0.
         assert!(!is_between(&at(1.0, 0.0), [&at(2.0, 0.0); 2], 0.125));
     }
 }

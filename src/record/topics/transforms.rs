@@ -1,11 +1,14 @@
-//! `/tf`: where the robot is.
+//! `/tf`: the robot's pose.
 //!
-//! Every message carries the whole tree of frames: the robot in the map frame, and below the robot how far a
-//! robot that senses is mistaken. Worlds with an `origin` have the grid frame, in which walls are drawn, as
-//! another frame in the map frame; in other worlds the two are one. Wheels that turn would double the size of
-//! a recording for something a few pixels wide. It also carries the poses of the next two seconds, each
-//! with its time: viewers draw the robot between them, so that it glides, and a message for each
-//! pose would cost a third of the file in headers and index alone.
+//! Every message carries the whole tree of frames: the robot in the map frame, and below the robot
+//! the error of a robot that estimates its pose. In worlds with an `origin`, the grid frame, in
+//! which walls are drawn, is a separate frame in the map frame. In other worlds the two are the
+//! same. Turning wheels are omitted: they would double the size of a recording and are only a few
+//! pixels wide.
+//!
+//! A message also carries the poses of the next two seconds, each with its time. Viewers
+//! interpolate between them, so that the robot moves smoothly. A message per pose would add a third
+//! of the file in headers and index.
 
 use foxglove::messages::{FrameTransform, FrameTransforms, Quaternion, Vector3};
 use nalgebra::Isometry2;
@@ -14,7 +17,7 @@ use super::scene::{ESTIMATE, MAP, ROBOT, WORLD, heading, timestamp};
 use crate::arena::{Estimate, Sample};
 use crate::world::{Maze, Origin};
 
-/// The message, kept from stretch to stretch so that nothing is allocated.
+/// The message, reused between segments to avoid allocations.
 #[derive(Debug, Default)]
 pub(in crate::record) struct Transforms {
     message: FrameTransforms,
@@ -23,7 +26,7 @@ pub(in crate::record) struct Transforms {
 }
 
 impl Transforms {
-    /// The frames of a robot in this maze.
+    /// Creates the frames of a robot in this maze.
     pub fn new(maze: &Maze) -> Self {
         Self {
             origin: (maze.origin() != Origin::default()).then(|| maze.origin()),
@@ -31,34 +34,34 @@ impl Transforms {
         }
     }
 
-    /// The frames as they were at the moments of some samples, oldest first.
+    /// Returns the frames at the times of some samples, oldest first.
     ///
-    /// Where a robot that senses believes to be, seen from where it is, is told for the first
-    /// moment only: that changes slowly, and all of them would double the message.
-    pub fn along(&mut self, stretch: &[Sample], belief: Option<&Estimate>) -> &FrameTransforms {
+    /// The estimated pose relative to the true pose is given for the first sample only. It changes
+    /// slowly, and all of them would double the message.
+    pub fn along(&mut self, segment: &[Sample], belief: Option<&Estimate>) -> &FrameTransforms {
         let root = if self.origin.is_some() { MAP } else { WORLD };
         let transforms = &mut self.message.transforms;
-        transforms.truncate(stretch.len());
-        transforms.resize_with(stretch.len(), FrameTransform::default);
-        for (frame, sample) in transforms.iter_mut().zip(stretch) {
+        transforms.truncate(segment.len());
+        transforms.resize_with(segment.len(), FrameTransform::default);
+        for (frame, sample) in transforms.iter_mut().zip(segment) {
             name(frame, root, ROBOT);
             put(frame, sample.time_ns, &sample.robot_in_map);
         }
-        if let Some((estimate, first)) = belief.zip(stretch.first()) {
+        if let Some((estimate, first)) = belief.zip(segment.first()) {
             let mut frame = FrameTransform::default();
             name(&mut frame, ROBOT, ESTIMATE);
             let mistake = first.robot_in_map.inv_mul(&estimate.robot_in_map);
             put(&mut frame, first.time_ns, &mistake);
             transforms.push(frame);
         }
-        if let Some((origin, first)) = self.origin.zip(stretch.first()) {
+        if let Some((origin, first)) = self.origin.zip(segment.first()) {
             transforms.push(grid_frame(origin, first.time_ns));
         }
         &self.message
     }
 }
 
-/// The grid frame in the map frame. It is not rounded: a whole map is drawn in it.
+/// Returns the grid frame in the map frame. It is not rounded because a whole map is drawn in it.
 fn grid_frame(origin: Origin, time_ns: u64) -> FrameTransform {
     let (sine, cosine) = libm::sincos(origin.yaw_rad / 2.0);
     FrameTransform {
@@ -78,7 +81,7 @@ fn grid_frame(origin: Origin, time_ns: u64) -> FrameTransform {
     }
 }
 
-/// Puts a frame to a pose at a time.
+/// Sets a frame's pose and time.
 fn put(frame: &mut FrameTransform, time_ns: u64, pose: &Isometry2<f64>) {
     let middle = pose.translation;
     frame.timestamp = Some(timestamp(time_ns));
@@ -95,8 +98,8 @@ fn put(frame: &mut FrameTransform, time_ns: u64, pose: &Isometry2<f64>) {
     });
 }
 
-/// A number as finely as anyone sees it in a viewer, a millimetre or a tenth of a degree: most of
-/// what a recording holds is poses.
+/// Rounds a number to the precision that is visible in a viewer, a millimetre or a tenth of a
+/// degree. Most of a recording is poses.
 fn seen(number: f64) -> f64 {
     (number * 1024.0).round() / 1024.0 + 0.0
 }
@@ -111,7 +114,7 @@ mod tests {
     use super::*;
     use nalgebra::Vector2;
 
-    /// The frames of a robot in a world with this key: parent, child and position of each.
+    /// Returns the frames of a robot in a world with this key: parent, child and position of each.
     fn frames(origin: &str) -> Vec<(String, String, [f64; 2])> {
         let text = format!(r######"{{ {origin} "rows": ["####", "#SG#", "####"] }}"######);
         let maze = Maze::from_json(text.as_bytes(), "m.json").unwrap();
@@ -131,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn the_robot_and_the_grid_are_in_the_map_frame_of_a_world_that_has_one() {
+    fn robot_and_grid_are_in_the_map_frame_if_the_world_has_one() {
         let robot = |parent: &str| (parent.to_owned(), ROBOT.to_owned(), [8.5, 2.5]);
         assert_eq!(frames(""), [robot(WORLD)]);
         let grid = (MAP.to_owned(), WORLD.to_owned(), [7.0, 2.0]);

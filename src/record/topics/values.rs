@@ -1,6 +1,7 @@
-//! `/values`: the greatest value of each cell as colour on the floor. In a large maze, whose arrows are
-//! too small for who sees the whole of it, the colours are those of the arrows, and the way that the
-//! greedy policy takes from the start is drawn.
+//! `/values`: the greatest value of each cell as the colour of the floor.
+//!
+//! In a large maze, arrows are too small when the whole maze is in view. There the floor has the
+//! colours of the arrows, and the greedy policy's path from the start is drawn.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,36 +16,36 @@ use super::{policy, rounded};
 use crate::episode::PolicyMap;
 use crate::world::{Cell, Maze};
 
-/// Red below 0, blue above; how much of it is mixed with the floor's colour tells the rank among all
-/// cells, so that cells far from the goal differ, too. What lets light through would be drawn over
+/// Red below 0, blue above. The share that is mixed into the floor's colour shows the rank among
+/// all cells, so that cells far from the goal differ, too. Transparent colours would be drawn over
 /// the columns of the landscape.
 const BAD: u32 = 0xf06a70;
 const GOOD: u32 = 0x5aa9ff;
-/// The shares of the least and of the greatest rank ...
+/// The shares of the least and of the greatest rank.
 const SHARES: [f64; 2] = [0.08, 0.78];
-/// ... between which so many steps are told apart, each a list of triangles in one colour.
+/// The number of levels between these shares. Each level is a list of triangles in one colour.
 const SHADES: f64 = 8.0;
-/// The corners of a cell, seen from its middle, and the two triangles between them.
+/// The corners of a cell relative to its middle, and the two triangles between them.
 const CORNERS: [[f64; 2]; 4] = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
 const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
 
 /// Mazes with more columns or rows than this are large.
 const LARGE: u16 = 12;
-/// The share of an arrow's colour that is mixed with that of the floor of a large maze.
+/// The share of an arrow's colour that is mixed into the floor's colour in a large maze.
 const FIELD: f64 = 0.45;
-/// The colour of the greedy way, how thick it is as a share of the longer side, and how high it lies,
-/// in cells.
-const WAY: u32 = 0x22304a;
+/// The colour of the greedy path, its thickness as a share of the longer side, and its height in
+/// cells.
+const PATH: u32 = 0x22304a;
 const THICK: f64 = 0.011;
 const HIGH: f64 = 0.016;
-/// How high the colours lie in a small and in a large maze, in cells: from afar, viewers cannot tell
-/// what lies so low from the floor.
+/// The height of the colours in a small and in a large maze, in cells. From afar, viewers cannot
+/// distinguish lower ones from the floor.
 const LIFT: [f64; 2] = [0.002, 0.01];
 
-/// How a cell is coloured: worth less than nothing or not, and the step of its share.
+/// The colour of a cell: whether its value is negative, and the level of its share.
 type Tint = (bool, u8);
 
-/// The cells whose value is known, and how they are coloured; none of a vast maze.
+/// Returns the cells with known values and their colours; empty for a very large maze.
 fn tints(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<(Cell, Tint)> {
     let policy = policy.filter(|_| !maze.is_vast());
     let ranked = policy.into_iter().flat_map(|p| p.cells().zip(p.ranks()));
@@ -56,40 +57,40 @@ fn tints(policy: Option<&PolicyMap>, maze: &Maze) -> Vec<(Cell, Tint)> {
     known.collect()
 }
 
-/// The floor as it is shown: the cells' colours, and in a large maze the cells of the greedy way.
+/// The floor as it is shown: the cells' colours, and in a large maze the cells of the greedy path.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::record) struct Floor {
     tints: Vec<(Cell, Tint)>,
-    way: Vec<Cell>,
+    path: Vec<Cell>,
 }
 
 impl Floor {
-    /// That of what was learned.
+    /// Returns the floor of a learned policy.
     pub fn of(policy: Option<&PolicyMap>, maze: &Maze) -> Self {
         let start = maze.start().filter(|_| is_large(maze) && !maze.is_vast());
-        let way = policy
+        let path = policy
             .zip(start)
             .map(|(policy, start)| policy.greedy_path(maze, start));
         Self {
             tints: tints(policy, maze),
-            way: way.map_or_else(Vec::new, once_each),
+            path: path.map_or_else(Vec::new, once_each),
         }
     }
 }
 
-/// Is it so large that arrows are too small for who sees the whole of it?
+/// Returns true if the maze is so large that arrows are too small when the whole maze is in view.
 pub(in crate::record) fn is_large(maze: &Maze) -> bool {
     maze.width().max(maze.height()) > LARGE
 }
 
-/// The cells up to the first that comes again: there the way goes in circles.
-fn once_each(way: Vec<Cell>) -> Vec<Cell> {
+/// Returns the cells up to the first repeated one, where the path begins to cycle.
+fn once_each(path: Vec<Cell>) -> Vec<Cell> {
     let mut seen = BTreeSet::new();
     let new = |cell: &Cell| seen.insert((cell.col, cell.row));
-    way.into_iter().take_while(new).collect()
+    path.into_iter().take_while(new).collect()
 }
 
-/// The coloured floor.
+/// Creates the scene of the coloured floor.
 pub(in crate::record) fn scene(shown: &Floor, maze: &Maze, time_ns: u64) -> SceneUpdate {
     let mut corners: BTreeMap<Tint, Vec<Point3>> = BTreeMap::new();
     for &(cell, tint) in &shown.tints {
@@ -102,14 +103,14 @@ pub(in crate::record) fn scene(shown: &Floor, maze: &Maze, time_ns: u64) -> Scen
     floor.triangles = corners
         .map(|(tint, corners)| squares(maze, tint, corners))
         .collect();
-    if let [_, _, ..] = shown.way[..] {
-        floor.lines.push(way(&shown.way, maze));
+    if let [_, _, ..] = shown.path[..] {
+        floor.lines.push(path_line(&shown.path, maze));
     }
     update(vec![floor])
 }
 
-/// A line through the middles of cells.
-fn way(cells: &[Cell], maze: &Maze) -> LinePrimitive {
+/// Creates a line through the middles of cells.
+fn path_line(cells: &[Cell], maze: &Maze) -> LinePrimitive {
     let unit = maze.cell_size_m();
     let side_m = f64::from(maze.width().max(maze.height())) * unit;
     let middles = cells
@@ -121,7 +122,7 @@ fn way(cells: &[Cell], maze: &Maze) -> LinePrimitive {
         thickness: rounded(THICK * side_m),
         scale_invariant: false,
         points: middles.collect(),
-        color: color(WAY, 1.0),
+        color: color(PATH, 1.0),
         ..LinePrimitive::default()
     }
 }
@@ -146,14 +147,14 @@ fn squares(maze: &Maze, (is_bad, shade): Tint, corners: Vec<Point3>) -> Triangle
     }
 }
 
-/// The floor's colour with the more of another in it, the greater the shade.
+/// Mixes another colour into the floor's colour, the more the greater the shade.
 fn of_share(rgb: u32, shade: u8) -> Color {
     let [least, greatest] = SHARES;
     let share = least + (greatest - least) * f64::from(shade) / SHADES;
     mixed(color(rgb, 1.0).unwrap_or_default(), share)
 }
 
-/// The floor's colour with some of that of an arrow of this rank in it.
+/// Mixes the colour of an arrow of this rank into the floor's colour.
 fn field(shade: u8) -> Color {
     mixed(policy::colour(shade, 1.0).unwrap_or_default(), FIELD)
 }

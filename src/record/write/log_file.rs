@@ -1,4 +1,4 @@
-//! One MCAP file that is being written.
+//! An MCAP file that is being written.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -14,17 +14,17 @@ use crate::record::error::RecordError;
 use crate::record::info::RecordingKind;
 use crate::record::topics::Topic;
 
-/// An MCAP stream with a fixed set of topics. The same calls give the same bytes.
+/// An MCAP stream with a fixed set of topics. The same calls produce the same bytes.
 pub struct LogFile<W: Write> {
     writer: Sink<W>,
-    /// By [`Topic`]: the channel, if this file has one.
+    /// The channel by [`Topic`], if this file has one.
     channels: [Option<u16>; Topic::ALL.len()],
-    /// Messages written so far.
+    /// The number of messages written so far.
     messages: u64,
 }
 
 impl<W: Write> LogFile<W> {
-    /// Begins a file; the topics must have been declared before the first message.
+    /// Begins a file. The topics must be declared before the first message.
     pub fn new(sink: W, packing: Packing) -> McapResult<Self> {
         let writer = sink::begin(sink, packing)?;
         Ok(Self {
@@ -34,8 +34,7 @@ impl<W: Write> LogFile<W> {
         })
     }
 
-    /// Declares the topics of such a recording, so that they exist even if nothing is ever said on
-    /// them.
+    /// Declares the topics of this kind of recording, so that they exist even without messages.
     pub fn declare(&mut self, of: RecordingKind, topics: &[Topic]) -> McapResult<()> {
         let mut topics = topics.iter();
         topics.try_for_each(|&topic| self.declare_one(of, topic))
@@ -69,7 +68,7 @@ impl<W: Write> LogFile<W> {
         self.writer.write_to_known_channel(&header, encoded)
     }
 
-    /// Messages written so far.
+    /// Returns the number of messages written so far.
     pub fn messages(&self) -> u64 {
         self.messages
     }
@@ -93,33 +92,33 @@ impl<W: Write> LogFile<W> {
         })
     }
 
-    /// Closes the chunk and hands everything to the system.
+    /// Closes the chunk and passes all data to the system.
     pub fn flush(&mut self) -> McapResult<()> {
         self.writer.flush()
     }
 
-    /// Writes the indexes and gives the sink back.
+    /// Writes the indexes and returns the sink.
     pub fn finish(self) -> McapResult<W> {
         sink::finish(self.writer)
     }
 }
 
-/// A [`LogFile`] on the disk, called `NAME.part` until it is finished.
+/// A [`LogFile`] on disk, called `NAME.part` until it is finished.
 pub struct OpenFile {
     log: LogFile<BufWriter<File>>,
-    /// The same file once more, to bring it to the disk while it is written.
+    /// A second handle of the same file, to sync the file while it is written.
     disk: File,
     path: PathBuf,
     part: PathBuf,
 }
 
 impl OpenFile {
-    /// Creates `folder/name.part`, in place of an older one.
+    /// Creates `folder/name.part` and replaces an older file.
     pub fn create(folder: &Path, name: &str) -> Result<Self, RecordError> {
         Self::create_as(folder, name, "part", Packing::Small)
     }
 
-    /// The same with another extension than `part`, and packed as asked.
+    /// Creates a file with another extension than `part` and this packing.
     pub fn create_as(
         folder: &Path,
         name: &str,
@@ -130,7 +129,7 @@ impl OpenFile {
         let part = folder.join(format!("{name}.{extension}"));
         let created = disk::create(&part).and_then(|file| Ok((file.try_clone()?, file)));
         let (disk, file) = created.map_err(|cause| match cause.kind() {
-            // The folder was there when the recorder began.
+            // The folder existed when the recorder began.
             io::ErrorKind::NotFound => write_error(&part, &McapError::Io(cause)),
             _ => RecordError::Create {
                 path: part.clone(),
@@ -146,13 +145,13 @@ impl OpenFile {
         })
     }
 
-    /// Brings to the disk what was flushed so far.
+    /// Syncs the flushed data to disk.
     pub fn sync(&self) -> Result<(), RecordError> {
         let synced = self.disk.sync_data();
         synced.map_err(|cause| write_error(&self.part, &McapError::Io(cause)))
     }
 
-    /// Takes the place of `folder/name.part`.
+    /// Replaces `folder/name.part` with this file.
     pub fn become_part(&mut self) -> Result<(), RecordError> {
         self.sync()?;
         let part = disk::part(&self.path);
@@ -162,12 +161,12 @@ impl OpenFile {
         Ok(())
     }
 
-    /// Messages written so far.
+    /// Returns the number of messages written so far.
     pub fn messages(&self) -> u64 {
         self.log.messages()
     }
 
-    /// Does something to the stream; an error names the file.
+    /// Applies an action to the stream; an error names the file.
     pub fn with(
         &mut self,
         act: impl FnOnce(&mut LogFile<BufWriter<File>>) -> McapResult<()>,
@@ -175,8 +174,8 @@ impl OpenFile {
         act(&mut self.log).map_err(|cause| write_error(&self.part, &cause))
     }
 
-    /// Finishes the file, brings it safely to the disk and gives it its name. Returns the path
-    /// and the size in bytes.
+    /// Finishes the file, syncs it to disk and gives it its name. Returns the path and the size in
+    /// bytes.
     pub fn finish(self) -> Result<(PathBuf, u64), RecordError> {
         let Self {
             log, path, part, ..
@@ -196,7 +195,7 @@ impl OpenFile {
         }
     }
 
-    /// Gives the file up.
+    /// Deletes the unfinished file.
     pub fn discard(self) -> Result<(), RecordError> {
         let Self { log, part, .. } = self;
         drop(log);
@@ -204,7 +203,7 @@ impl OpenFile {
     }
 }
 
-/// The library's own error says only that there was one; the system's, below it, says which.
+/// Converts an error of the library. Its own text does not contain the system's error.
 fn write_error(part: &Path, error: &McapError) -> RecordError {
     RecordError::Write {
         path: part.to_owned(),
@@ -220,7 +219,7 @@ mod tests {
     use super::*;
     use std::io;
 
-    /// Takes so many bytes and then no more.
+    /// A sink that accepts this many bytes and then fails.
     struct Full {
         room: usize,
     }

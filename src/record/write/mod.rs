@@ -1,4 +1,4 @@
-//! Writing recordings, while episodes are run.
+//! Writing of recordings while episodes run.
 
 pub(super) mod log_file;
 pub(super) mod outbox;
@@ -6,7 +6,7 @@ mod rebuild;
 mod recorder;
 pub(super) mod event_logger;
 pub(super) mod sink;
-mod way;
+mod trajectory;
 
 pub use outbox::Tap;
 pub use recorder::{RecordSummary, Recorder, RecorderMemory};

@@ -1,4 +1,4 @@
-//! The files that are open, and who is told what.
+//! The open files, and the distribution of messages to them.
 
 use foxglove::Encode;
 use serde::Serialize;
@@ -7,7 +7,7 @@ use super::log_file::OpenFile;
 use crate::record::error::RecordError;
 use crate::record::topics::Topic;
 
-/// Which of the open files a message is for.
+/// The open files that a message is written to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum For {
     /// The episode's file.
@@ -18,10 +18,11 @@ pub(super) enum For {
     Both,
 }
 
-/// Is told what the file of an episode is told: topic, time in nanoseconds, encoded message.
+/// A function that receives the messages of episode files: topic, time in nanoseconds, encoded
+/// message.
 pub type Tap = Box<dyn FnMut(Topic, u64, &[u8])>;
 
-/// The open files. Each takes the topics that it declared.
+/// The open files. Each file accepts the topics that it declared.
 #[derive(Default)]
 pub(super) struct Outbox {
     pub run: Option<OpenFile>,

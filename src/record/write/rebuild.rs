@@ -1,5 +1,5 @@
-//! An unfinished `run.mcap` written again: so that it can go on with the same bytes, or in fewer of
-//! them when it is whole.
+//! Copies of an unfinished `run.mcap`, either to continue it with the same bytes, or to pack it
+//! into fewer bytes when it is complete.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -19,13 +19,13 @@ use crate::record::topics::Topic;
 /// When the copy closes a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Chunks {
-    /// Where the source does.
+    /// At the same positions as the source.
     AsBefore,
-    /// When they are full.
+    /// When a chunk is full.
     Full,
 }
 
-/// Sends the first `messages` messages of `source` to `file`. Check sums are checked on the way.
+/// Copies the first `messages` messages of `source` to `file` and verifies the checksums.
 pub fn copy(
     source: &Path,
     messages: u64,
@@ -72,7 +72,7 @@ pub fn copy(
     copy.file.with(|log| log.flush())
 }
 
-/// What is copied, and how much of it is left.
+/// The state of a copy; `left` is the number of remaining messages.
 struct Copy<'a> {
     file: &'a mut OpenFile,
     chunks: Chunks,
@@ -94,7 +94,7 @@ impl Copy<'_> {
                 self.file
                     .with(|log| send(log, &self.topics, &header, &data))
             }
-            // These follow a chunk.
+            // Message indexes follow a chunk.
             Record::MessageIndex(_) if self.chunks == Chunks::AsBefore => {
                 self.file.with(|log| log.flush())
             }

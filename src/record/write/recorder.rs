@@ -1,4 +1,4 @@
-//! Which files there are, and when they are made, kept and given up.
+//! Creates, keeps and deletes the files of a recording.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -23,36 +23,38 @@ use crate::record::topics::Topic;
 use crate::record::topics::curve::Curve;
 use crate::world::Maze;
 
-/// Writes one MCAP file per episode, `ep-0001.mcap` and so on, and `run.mcap` with what happens
-/// once per step or more rarely. The same run gives the same bytes.
+/// Writes one MCAP file per episode, `ep-0001.mcap` and so on. `run.mcap` contains the events that
+/// happen at most once per step. The same run produces the same bytes.
 ///
-/// A file is called `NAME.mcap.part` until it is whole and safely on the disk. After the first
-/// error nothing more is written: [`Observer::ended`] then ends the trial, and
-/// [`finish`](Self::finish) gives the error out.
+/// A file is called `NAME.mcap.part` until it is complete and synced to disk. After the first error
+/// nothing more is written: [`Observer::ended`] then ends the trial, and [`finish`](Self::finish)
+/// returns the error.
 ///
 /// All files carry the run's facts: the attachments `world.json` and `config.json`, and the
-/// metadata record `run`. The layout is attached to `run.mcap` only: it was a tenth of what an
-/// episode took, no viewer looks for it there, and it lies beside the files. The rules, some hundred kilobytes that
-/// MCAP does not compress, are attached to `run.mcap` as they are at the end, and to the episode
-/// that [`RecordMode::Best`] keeps; those of any other episode come from running it again.
+/// metadata record `run`. The layout is next to the files, and attached to `run.mcap` only: it
+/// would be a tenth of an episode's file, where no viewer looks for it.
+///
+/// The rules take some hundred kilobytes, which MCAP does not compress. The final rules are
+/// attached to `run.mcap`, and the rules after the episode to the one that [`RecordMode::Best`]
+/// keeps. The rules of other episodes are obtained by repeating the run.
 pub struct Recorder {
     folder: PathBuf,
     info: RunInfo,
     mode: RecordMode,
     world: String,
-    /// Of the recordings of episodes, and of that of the run.
+    /// The layouts of episode recordings and of the run's recording.
     layouts: [String; 2],
     event_logger: EventLogger,
     outbox: Outbox,
     /// The episodes whose files are kept, with their sizes in bytes.
     kept: Vec<(u32, u64)>,
-    /// Steps of the episode that is the best so far.
+    /// The number of steps of the best episode so far.
     best: Option<u32>,
     clock_ns: u64,
     error: Option<RecordError>,
 }
 
-/// What a recorder keeps between two episodes, beside the files on the disk.
+/// A recorder's checkpoint between two episodes, in addition to the files on disk.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecorderMemory {
     mode: RecordMode,
@@ -65,7 +67,7 @@ pub struct RecorderMemory {
 }
 
 impl RecorderMemory {
-    /// Before anything was recorded.
+    /// Creates the checkpoint of a recorder that has not recorded anything.
     pub fn new(mode: RecordMode) -> Self {
         Self {
             mode,
@@ -78,21 +80,21 @@ impl RecorderMemory {
     }
 }
 
-/// What a recorder leaves behind.
+/// The files that a recorder has written.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RecordSummary {
     /// The recordings, episodes first, `run.mcap` last.
     pub files: Vec<PathBuf>,
-    /// Their sizes together, in bytes.
+    /// The total size in bytes.
     pub bytes: u64,
 }
 
 impl Recorder {
-    /// Makes `folder` if it is missing, lays both layouts into it and begins `run.mcap`; older
-    /// files of these names are replaced. With [`RecordMode::None`] it does nothing at all.
+    /// Creates `folder` if it is missing, writes both layouts and begins `run.mcap`. Older files of
+    /// these names are replaced. With [`RecordMode::None`] nothing is written.
     ///
     /// # Errors
-    /// [`RecordError::Create`] when the folder or a file in it cannot be made.
+    /// [`RecordError::Create`] if the folder or a file in it cannot be created.
     pub fn create(
         folder: &Path,
         maze: &Maze,
@@ -107,12 +109,12 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// Goes on where a recorder was of which this is the memory; `learned` is what the episodes
-    /// before taught. What `run.mcap.part` holds beyond them is given up, because the episodes
-    /// after them will be run again.
+    /// Continues from a recorder's checkpoint; `learned` is the policy learned in the earlier
+    /// episodes. Later messages of `run.mcap.part` are discarded, because their episodes will be
+    /// run again.
     ///
     /// # Errors
-    /// When `run.mcap.part` is missing, damaged or too short, or a file cannot be made.
+    /// If `run.mcap.part` is missing, damaged or too short, or a file cannot be created.
     pub fn resume(
         folder: &Path,
         maze: &Maze,
@@ -135,20 +137,20 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// `run.mcap.part` with its first `messages` messages only. When the run was stopped on its
-    /// last steps, it may have its final name already.
+    /// Rebuilds `run.mcap.part` with its first `messages` messages. If the run was stopped in its
+    /// last steps, the file may already have its final name.
     fn rebuilt_run(&self, messages: u64) -> Result<OpenFile, RecordError> {
         let whole = self.folder.join(RecordingKind::Run.file_name());
         let part = disk::part(&whole);
         let is_whole = whole.exists() && !part.exists();
         let source = if is_whole { whole } else { part };
-        // First, so that a recording that is missing leaves the folder as it is.
+        // Check this first, so that a missing recording leaves the folder unchanged.
         let opened = disk::open(&source).map(drop);
         opened.map_err(|cause| RecordError::Read {
             path: source.clone(),
             cause,
         })?;
-        // Aside, so that nothing is lost if this is stopped, too.
+        // Write a separate file, so that nothing is lost if this is stopped, too.
         let mut run = self.open_run("again", Packing::Quick)?;
         rebuild::copy(&source, messages, Chunks::AsBefore, &mut run)?;
         run.become_part()?;
@@ -171,23 +173,23 @@ impl Recorder {
         }
     }
 
-    /// Shows from the first moment what was learned elsewhere.
-    pub fn know(&mut self, method: &dyn Agent, maze: &Maze) {
-        self.event_logger.know(method, self.info.sensor, maze);
+    /// Shows a policy that was learned elsewhere from the start.
+    pub fn warm_start(&mut self, method: &dyn Agent, maze: &Maze) {
+        self.event_logger.warm_start(method, self.info.sensor, maze);
     }
 
-    /// Which episodes are kept.
+    /// Returns the recording mode.
     pub fn mode(&self) -> RecordMode {
         self.mode
     }
 
-    /// From now on also tells `tap` what the files of episodes are told, kept or not.
+    /// Also passes the messages of episode files to `tap` from now on, whether the files are kept
+    /// or not.
     pub fn tap(&mut self, tap: Tap) {
         self.outbox.tap = Some(tap);
     }
 
-    /// What is needed to go on after the last episode; brings the files of all episodes so far
-    /// safely to the disk.
+    /// Returns the checkpoint after the last episode, and syncs the recordings so far to disk.
     ///
     /// # Errors
     /// The first error of the whole recording.
@@ -207,10 +209,10 @@ impl Recorder {
         })
     }
 
-    /// Finishes `run.mcap` with the rules that `method` ended with.
+    /// Finishes `run.mcap` with the final rules of `method`.
     ///
     /// # Errors
-    /// The first error of the whole recording; unfinished files are kept as `.part`.
+    /// The first error of the whole recording. Unfinished files keep the extension `.part`.
     pub fn finish(mut self, method: &dyn Agent) -> Result<RecordSummary, RecordError> {
         if let Some(error) = self.error.take() {
             return Err(error);
@@ -234,8 +236,8 @@ impl Recorder {
         })
     }
 
-    /// Finishes `run.mcap` in fewer bytes. While it grew, each episode closed a chunk, so that it
-    /// was safe; now that it is whole, episodes that look alike share one.
+    /// Finishes `run.mcap` in fewer bytes. While the file grew, each episode closed a chunk to be
+    /// safe. In the complete file, similar episodes share a chunk.
     fn pack(&self, mut run: OpenFile, rules: &str) -> Result<(PathBuf, u64), RecordError> {
         run.with(|log| log.flush())?;
         let part = disk::part(&self.folder.join(RecordingKind::Run.file_name()));
@@ -247,7 +249,7 @@ impl Recorder {
         Ok(finished)
     }
 
-    /// Makes the folder and lays both layouts into it.
+    /// Creates the folder and writes both layouts.
     fn lay_out(&self) -> Result<(), RecordError> {
         fs::create_dir_all(&self.folder).map_err(|cause| RecordError::Create {
             path: self.folder.clone(),
@@ -272,18 +274,18 @@ impl Recorder {
     fn introduce(
         &self,
         mut file: OpenFile,
-        extent: RecordingKind,
+        kind: RecordingKind,
         topics: &[Topic],
     ) -> Result<OpenFile, RecordError> {
         file.with(|log| {
-            log.metadata("run", self.info.metadata(&self.world, self.mode, extent))?;
+            log.metadata("run", self.info.metadata(&self.world, self.mode, kind))?;
             log.attach("world.json", self.clock_ns, &self.info.world_json)?;
             log.attach("config.json", self.clock_ns, &self.info.config_json)?;
-            if extent == RecordingKind::Run {
+            if kind == RecordingKind::Run {
                 let [_, layout] = &self.layouts;
                 log.attach("foxglove-layout.json", self.clock_ns, layout)?;
             }
-            log.declare(extent, topics)
+            log.declare(kind, topics)
         })?;
         Ok(file)
     }
@@ -316,7 +318,7 @@ impl Recorder {
         }
     }
 
-    /// Finishes an episode's file or gives it up; drops the one that it replaces.
+    /// Finishes or deletes an episode's file, and deletes the file that it replaces.
     fn keep(
         &mut self,
         mut file: OpenFile,
@@ -345,7 +347,7 @@ impl Recorder {
             let path = self
                 .folder
                 .join(RecordingKind::Episode(episode).file_name());
-            // It is gone already when this episode is run for the second time.
+            // The file is already gone when this episode is repeated.
             disk::remove(&path).map_err(|cause| RecordError::Write {
                 path,
                 cause: cause.to_string(),
@@ -354,10 +356,10 @@ impl Recorder {
         Ok(())
     }
 
-    /// Does something unless there was an error before; keeps the first one.
+    /// Runs an action unless there was an error; stores the first error.
     fn attempt(&mut self, act: impl FnOnce(&mut Self) -> Result<(), RecordError>) {
-        let is_heard = self.mode != RecordMode::None || self.outbox.tap.is_some();
-        if self.error.is_none() && is_heard {
+        let has_receiver = self.mode != RecordMode::None || self.outbox.tap.is_some();
+        if self.error.is_none() && has_receiver {
             self.error = act(self).err();
         }
     }
@@ -381,7 +383,7 @@ impl Observer for Recorder {
     }
 }
 
-/// What a learner knows, as the text of `rules.json`.
+/// Returns the learner's knowledge as the text of `rules.json`.
 fn rules_json(method: &dyn Agent) -> String {
     serde_json::to_string(&method.knowledge()).expect("knowledge is plain data")
 }

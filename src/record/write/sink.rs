@@ -1,4 +1,4 @@
-//! MCAP streams as all our recordings are written.
+//! MCAP streams with the settings of all our recordings.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -10,15 +10,15 @@ use crate::disk;
 
 /// Uncompressed size at which a chunk is closed, in bytes.
 const CHUNK_BYTES: u64 = 512 * 1024;
-/// What the header says about who wrote the file.
+/// The library name in the header.
 const LIBRARY: &str = concat!("xcscr/", env!("CARGO_PKG_VERSION"));
 
-/// How much work is put into small files.
+/// The effort to produce small files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Packing {
-    /// Little: the file is written again when it is whole.
+    /// Low: the file will be written again when it is complete.
     Quick,
-    /// As much as pays.
+    /// As high as is worthwhile.
     Small,
 }
 
@@ -31,10 +31,10 @@ impl Packing {
     }
 }
 
-/// Is this a recording that some version of this program wrote?
+/// Returns true if the file is a recording written by any version of this program.
 ///
 /// # Errors
-/// When the file cannot be read.
+/// If the file cannot be read.
 pub fn is_ours(path: &Path) -> io::Result<bool> {
     let mut begin = Vec::new();
     disk::open(path)?.take(64).read_to_end(&mut begin)?;
@@ -43,7 +43,7 @@ pub fn is_ours(path: &Path) -> io::Result<bool> {
     Ok(begin.starts_with(MAGIC) && names_us)
 }
 
-/// A stream of MCAP records. The same calls give the same bytes.
+/// A stream of MCAP records. The same calls produce the same bytes.
 pub type Sink<W> = Writer<NoSeek<W>>;
 
 /// Begins a stream.
@@ -53,14 +53,14 @@ pub fn begin<W: Write>(out: W, packing: Packing) -> McapResult<Sink<W>> {
         .chunk_size(Some(CHUNK_BYTES))
         .compression(Some(Compression::Zstd))
         .compression_level(packing.level())
-        // Chunks that threads pack are other bytes.
+        // Compression threads would change the bytes.
         .compression_threads(0)
         .emit_summary_offsets(false)
         .disable_seeking(true);
     options.create(NoSeek::new(out))
 }
 
-/// Writes the index and gives the output back.
+/// Writes the index and returns the output.
 pub fn finish<W: Write>(mut stream: Sink<W>) -> McapResult<W> {
     stream.finish()?;
     Ok(stream.into_inner().into_inner())

@@ -1,11 +1,11 @@
-//! Learning curves: the mean steps of each episode over the trials of an arm.
+//! Learning curves: the mean number of steps in each episode over the trials of an arm.
 
 use serde::{Deserialize, Serialize};
 
 use super::summary::rounded;
 use crate::study::protocol::Arm;
 
-/// Standard errors to each side of a mean within which the true one lies in 95 of 100 cases.
+/// Half-width of a normal 95 % interval, in standard errors.
 const Z_95: f64 = 1.96;
 
 /// A row of the table of learning curves.
@@ -25,16 +25,16 @@ pub struct CurvePoint {
     pub high: f64,
 }
 
-/// Sums up the episodes of an arm, trial by trial.
+/// Accumulates the episodes of an arm, trial by trial.
 #[derive(Debug, Default)]
 pub struct CurveSums {
     trials: u64,
-    /// By episode: the sum of the steps, and of their squares.
+    /// For each episode: the sum of the steps, and the sum of their squares.
     sums: Vec<(u64, u128)>,
 }
 
 impl CurveSums {
-    /// Adds a trial, whose episodes took these steps.
+    /// Adds a trial with these steps per episode.
     pub fn add(&mut self, steps: impl Iterator<Item = u32>) {
         self.trials += 1;
         for (at, steps) in steps.enumerate() {
@@ -47,12 +47,12 @@ impl CurveSums {
         }
     }
 
-    /// The curve of an arm.
+    /// Returns the curve of an arm.
     pub fn points(&self, arm: &Arm) -> Vec<CurvePoint> {
         let n = self.trials as f64;
         let point = |(at, &(sum, squares)): (usize, &(u64, u128))| {
             let mean = sum as f64 / n;
-            // In whole numbers, so that nothing is lost where the steps hardly differ.
+            // In integers, to lose no precision where the steps hardly differ.
             let deviation = u128::from(self.trials) * squares - u128::from(sum) * u128::from(sum);
             let variance = deviation as f64 / (n * (n - 1.0).max(1.0));
             let margin = Z_95 * (variance / n).sqrt();
@@ -73,7 +73,8 @@ impl CurveSums {
     }
 }
 
-/// The curves of a table, one for each arm. `None` if the table is not that of these arms and so many episodes.
+/// Parses a table of learning curves, and returns one curve for each arm. `None` if the table does
+/// not match the arms and the number of episodes.
 pub fn curves(arms: &[Arm], episodes: u32, table: &[u8]) -> Option<Vec<Vec<CurvePoint>>> {
     let rows = csv::Reader::from_reader(table).into_deserialize();
     let points: Vec<CurvePoint> = rows.collect::<Result<_, _>>().ok()?;
@@ -104,7 +105,7 @@ mod tests {
 
     /// By hand: 4, 6 and 11 have the mean 7 and the sample variance 13; 1.96 times the root of 13/3 is 4.080.
     #[test]
-    fn a_mean_has_an_interval_of_its_standard_error() {
+    fn the_interval_of_a_mean_is_1_96_standard_errors_to_each_side() {
         let mut sums = CurveSums::default();
         for steps in [4, 6, 11] {
             sums.add([steps, 5].into_iter());
@@ -127,7 +128,7 @@ mod tests {
         let table = table.into_inner().unwrap();
         let arms = [arm.clone()];
         assert_eq!(curves(&arms, 2, &table), Some(vec![points]));
-        // Control: a table with another episode than the study has is none of this study.
+        // Control: a table with an episode that the study does not have is rejected.
         assert_eq!(curves(&arms, 1, &table), None);
     }
 }

@@ -1,4 +1,4 @@
-//! What the trials of a study amount to, by arm.
+//! Analysis of the trials of a study, by arm.
 
 pub(super) mod learning;
 pub(super) mod summary;

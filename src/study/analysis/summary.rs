@@ -1,4 +1,4 @@
-//! What the trials of each arm say together.
+//! The summary of the trials of each arm.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -19,9 +19,9 @@ use xcs::random::Stream;
 /// The finished trials of one arm.
 #[derive(Debug, Clone)]
 pub struct ArmRecords<'a> {
-    /// What they have in common.
+    /// The arm.
     pub arm: &'a Arm,
-    /// How many failed.
+    /// Number of failed trials.
     pub failed: usize,
     folder: &'a StudyFolder,
     trials: Range<usize>,
@@ -29,7 +29,7 @@ pub struct ArmRecords<'a> {
 }
 
 impl<'a> ArmRecords<'a> {
-    /// The finished trials of each arm of a study.
+    /// Returns the finished trials of each arm of a study.
     pub fn all(folder: &'a StudyFolder) -> Vec<Self> {
         let arms = folder.protocol().arms.iter().enumerate();
         arms.map(|(i, arm)| Self::new(folder, i, arm)).collect()
@@ -51,13 +51,13 @@ impl<'a> ArmRecords<'a> {
         }
     }
 
-    /// The figures of the trials that did not fail.
+    /// Returns the figures of the trials that did not fail.
     fn figures(&self) -> impl Iterator<Item = Figures> + '_ {
         let own = self.folder.records_of(self.trials.clone());
         own.filter_map(|record| record.result.ok())
     }
 
-    /// The trials that found a globally optimal policy.
+    /// Returns the proportion of trials that found a globally optimal policy.
     pub fn successes(&self) -> Proportion {
         Proportion {
             successes: self.first_episodes().len() as u64,
@@ -65,7 +65,7 @@ impl<'a> ArmRecords<'a> {
         }
     }
 
-    /// The first optimal episodes of those trials that had one.
+    /// Returns the first optimal episodes of the trials that have one.
     pub fn first_episodes(&self) -> Vec<f64> {
         let firsts = self
             .figures()
@@ -73,7 +73,8 @@ impl<'a> ArmRecords<'a> {
         firsts.map(f64::from).collect()
     }
 
-    /// Episodes until the policy was optimal; trials without one are censored at their end.
+    /// Returns the episodes until the policy was optimal. Trials that were never optimal are
+    /// censored at their end.
     pub fn lifetimes(&self) -> Vec<Lifetime> {
         let lifetime = |one: Figures| {
             let first = one.progress.first_optimal_episode;
@@ -85,8 +86,8 @@ impl<'a> ArmRecords<'a> {
         self.figures().map(lifetime).collect()
     }
 
-    /// The pairs of its trials with those of another arm that have the same seeds, counted by what `better` says of the
-    /// first in comparison with the second. Trials that failed are in no pair.
+    /// Pairs the trials of two arms with the same seeds, and counts the pairs by the result of
+    /// `better` for the first and the second. Failed trials are in no pair.
     pub fn pairs(&self, other: &Self, better: impl Fn(&Progress, &Progress) -> Ordering) -> Pairs {
         let mut pairs = Pairs::default();
         let [ours, theirs] =
@@ -104,7 +105,7 @@ impl<'a> ArmRecords<'a> {
         Some(records.next()?.result.ok()?.progress)
     }
 
-    /// Steps in the environment until the policy was optimal, or else until the end.
+    /// Returns the steps in the environment until the policy was optimal, or else until the end.
     fn env_steps(&self) -> Vec<f64> {
         let figures = self.figures().map(|one| one.progress);
         figures
@@ -112,8 +113,8 @@ impl<'a> ArmRecords<'a> {
             .collect()
     }
 
-    /// The interquartile mean of these steps with its bootstrap interval. Each arm begins the
-    /// stream of `seed` anew: its interval is the same whatever stands beside it.
+    /// Returns the interquartile mean of these steps with its bootstrap interval. Each arm restarts
+    /// the stream of `seed`, so its interval does not depend on the other arms.
     fn iqm_env_steps(&self, seed: u64) -> Option<Interval> {
         bootstrap_interval(
             &self.env_steps(),
@@ -121,7 +122,7 @@ impl<'a> ArmRecords<'a> {
         )
     }
 
-    /// Rules that are left of those of the retained trials.
+    /// Returns the number of rules after compaction for each retained trial.
     fn compacted_rules(&self) -> Vec<f64> {
         let retained = self.figures().filter(|one| one.progress.optimal);
         let counts = retained.filter_map(|one| one.compacted_rules);
@@ -132,15 +133,15 @@ impl<'a> ArmRecords<'a> {
         self.figures().filter_map(|one| one.greedy_steps)
     }
 
-    /// The rounded mean of a figure over the trials that have it; `None` if none has.
+    /// Returns the rounded mean of a figure over the trials that have it, or `None` if none has.
     fn mean_of(&self, figure: impl Fn(&Figures) -> Option<f64>) -> Option<f64> {
         let known: Vec<f64> = self.figures().filter_map(|one| figure(&one)).collect();
         let sum: f64 = known.iter().sum();
         (!known.is_empty()).then(|| rounded(sum / known.len() as f64))
     }
 
-    /// The trials whose policy reached a goal in every episode that it drove at the end; `None` if
-    /// none did drive.
+    /// Returns the proportion of trials whose policy reached a goal in every episode driven at the
+    /// end. `None` if no trial drove.
     fn driven_always(&self) -> Option<Proportion> {
         let driven: Vec<Driven> = self.figures().filter_map(|one| one.driven).collect();
         let always = driven.iter().filter(|one| one.goals == one.episodes);
@@ -150,13 +151,13 @@ impl<'a> ArmRecords<'a> {
         })
     }
 
-    /// The trials whose policy was optimal after the last episode.
+    /// Returns the number of trials whose policy was optimal after the last episode.
     pub fn retained(&self) -> u64 {
         let retained = self.figures().filter(|one| one.progress.optimal);
         retained.count() as u64
     }
 
-    /// Of the episodes after the first optimal one, the mean share that was optimal, too.
+    /// Returns the mean share of optimal episodes after the first optimal one.
     pub fn mean_share_after_first(&self) -> Option<f64> {
         let figures = self.figures();
         let shares = figures.filter_map(|one| one.progress.optimal_share_after_first());
@@ -164,7 +165,8 @@ impl<'a> ArmRecords<'a> {
         (count > 0).then(|| rounded(sum / f64::from(count)))
     }
 
-    /// Steps of all trials with some mistake, as a share of all steps; `None` without such steps.
+    /// Returns the steps with some mistake as a share of all steps of all trials. `None` if there
+    /// are none.
     fn share_of_steps(&self, mistakes: impl Fn(&Mistakes) -> u64) -> Option<f64> {
         let progress = || self.figures().map(|one| one.progress);
         let found: u64 = progress().map(|one| mistakes(&one.mistakes)).sum();
@@ -172,7 +174,7 @@ impl<'a> ArmRecords<'a> {
         (found > 0).then(|| rounded(found as f64 / steps.max(1) as f64))
     }
 
-    /// The rounded mean of a figure; `None` without trials.
+    /// Returns the rounded mean of a figure. `None` without trials.
     fn mean(&self, figure: impl Fn(&Figures) -> f64) -> Option<f64> {
         let sum: f64 = self.figures().map(|one| figure(&one)).sum();
         let trials = self.figures().count();
@@ -180,31 +182,31 @@ impl<'a> ArmRecords<'a> {
     }
 }
 
-/// The one whose policy became optimal is better.
+/// Orders trials by success: a trial whose policy became optimal is better.
 pub fn by_success(one: &Progress, other: &Progress) -> Ordering {
     let is_optimal = |progress: &Progress| progress.first_optimal_episode.is_some();
     is_optimal(one).cmp(&is_optimal(other))
 }
 
-/// The one whose policy became optimal after fewer steps is better; one that never did is worse than any that did.
+/// Orders trials by the steps until the policy became optimal: fewer is better, and never is worst.
 pub fn by_steps(one: &Progress, other: &Progress) -> Ordering {
     let steps = |progress: &Progress| progress.first_optimal_env_steps.unwrap_or(u64::MAX);
     steps(other).cmp(&steps(one))
 }
 
-/// A row of `summary.json`. Numbers are rounded to six decimals, so that they do not depend on
-/// the last digit of a machine's logarithm.
+/// A row of `summary.json`. Numbers are rounded to six decimals, because the last digits of
+/// logarithms differ between machines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ArmSummary {
     /// The world's name.
     pub world: String,
-    /// The reward method.
+    /// The learning method.
     pub method: String,
     /// The arena.
     pub arena: &'static str,
-    /// The percept.
+    /// The sensor.
     pub sensor: &'static str,
-    /// What the sweep sets; empty without one.
+    /// The settings of the sweep; empty without a sweep.
     pub variant: String,
     /// Finished trials that did not fail.
     pub trials: u64,
@@ -223,66 +225,64 @@ pub struct ArmSummary {
     pub p95_episode: Option<u32>,
     /// The median first optimal episode of the successful trials alone.
     pub median_episode_of_successes: Option<f64>,
-    /// Trials whose policy was optimal after the last episode, too.
+    /// Trials whose policy was also optimal after the last episode.
     pub retained: u64,
     /// Of the episodes after the first optimal one, the mean share after which the policy was
-    /// optimal, too, over the trials that have such episodes; `null` when none has.
+    /// optimal again. The mean is over the trials that have such episodes; `null` when none has.
     pub mean_optimal_share_after_first: Option<f64>,
-    /// Trials of which an executed episode was as short as a shortest path.
+    /// Trials with an executed episode as short as a shortest path.
     pub executed_optimal: u64,
-    /// Interquartile mean of the environment steps until the policy was optimal; trials without
-    /// one count with all their steps.
+    /// Interquartile mean of the environment steps until the policy was optimal. Trials that were
+    /// never optimal count with all their steps.
     pub iqm_env_steps: Option<f64>,
-    /// Its lower bootstrap 95 % limit.
+    /// Lower bootstrap 95 % limit of `iqm_env_steps`.
     pub iqm_env_steps_low: Option<f64>,
-    /// Its upper bootstrap 95 % limit.
+    /// Upper bootstrap 95 % limit of `iqm_env_steps`.
     pub iqm_env_steps_high: Option<f64>,
-    /// Mean steps of a trial; `null` when all failed, as the next two.
+    /// Mean steps per trial. `null` when all trials failed, like the next two.
     pub mean_steps: Option<f64>,
-    /// Mean collisions of a trial.
+    /// Mean collisions per trial.
     pub mean_collisions: Option<f64>,
-    /// Of all steps, the share before which the robot perceived something else than perfect senses
-    /// would have; not there where none did.
+    /// Share of all steps at which the percept had an observation error. Absent if no step had one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub observation_error_share: Option<f64>,
-    /// The share after which it believed to stand in another cell than it did.
+    /// Share of all steps after which the robot was mislocalised. Absent if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mislocalised_share: Option<f64>,
     /// Mean number of rules at the end.
     pub mean_rules: Option<f64>,
-    /// Mean steps of the greedy policy over all starts at the end, over all trials.
+    /// Mean over all trials of the greedy policy's mean steps from all starts, at the end.
     pub mean_greedy_steps: Option<f64>,
-    /// The same of the trial where they are most.
+    /// The largest of these values in any trial.
     pub most_greedy_steps: Option<f64>,
-    /// Mean of these steps as a multiple of what they are at best; `null` where that is not known.
+    /// Mean of the greedy steps as a multiple of the optimum; `null` where the optimum is unknown.
     pub mean_greedy_ratio: Option<f64>,
-    /// Of the episodes in which the greedy policy drove at the end, the share that reached a goal.
+    /// Share of the episodes driven by the greedy policy at the end that reached a goal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_goals: Option<f64>,
-    /// Trials of which every one of them did.
+    /// Trials in which all of these episodes reached a goal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_always: Option<u64>,
-    /// Lower 95 % limit of the share of these trials (Wilson).
+    /// Lower 95 % limit of the share of `driven_always` trials (Wilson).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_always_low: Option<f64>,
-    /// Upper 95 % limit of their share (Wilson).
+    /// Upper 95 % limit of the share of `driven_always` trials (Wilson).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_always_high: Option<f64>,
-    /// The share that did so in as few steps as possible.
+    /// Share of the driven episodes that reached a goal in the minimum number of steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_optimal: Option<f64>,
-    /// Mean steps of these episodes.
+    /// Mean steps of the driven episodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_steps: Option<f64>,
-    /// The median number of rules that are left of those of the retained trials when they are
-    /// compacted; `null` for tables.
+    /// Median number of rules of the retained trials after compaction; `null` for tables.
     pub median_compacted_rules: Option<f64>,
-    /// The most of them.
+    /// Maximum number of rules of a retained trial after compaction.
     pub most_compacted_rules: Option<usize>,
 }
 
 impl ArmSummary {
-    /// The summary of each arm of a study.
+    /// Returns the summary of each arm of a study.
     pub fn all(folder: &StudyFolder) -> Vec<Self> {
         let seed = folder.protocol().seed;
         let arms = ArmRecords::all(folder);
@@ -343,7 +343,7 @@ impl ArmSummary {
     }
 }
 
-/// To six decimals.
+/// Rounds to six decimals.
 pub fn rounded(number: f64) -> f64 {
     (number * 1e6).round() / 1e6
 }

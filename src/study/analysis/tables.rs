@@ -1,4 +1,4 @@
-//! `trials.csv` and `summary.json`: what other programs read.
+//! `trials.csv` and `summary.json`, for other programs.
 
 use serde::Serialize;
 
@@ -90,7 +90,7 @@ impl<'a> TrialRow<'a> {
     }
 }
 
-/// A message without what commands a terminal that prints the table: journals may come from elsewhere.
+/// Replaces control characters, which could control a terminal: journals may come from elsewhere.
 fn plain(message: &str) -> String {
     let letters = message.chars();
     letters
@@ -98,7 +98,7 @@ fn plain(message: &str) -> String {
         .collect()
 }
 
-/// All that `summary.json` holds.
+/// The contents of `summary.json`.
 #[derive(Debug, Serialize)]
 struct Summary<'a> {
     study: &'a str,
@@ -110,7 +110,7 @@ struct Summary<'a> {
 }
 
 impl StudyFolder {
-    /// The summary as a JSON document.
+    /// Returns the summary as a JSON document.
     pub fn summary_json(&self) -> String {
         let protocol = self.protocol();
         let summary = Summary {
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_in_the_table_commands_no_terminal() {
+    fn control_characters_in_a_message_are_replaced_in_the_table() {
         assert_eq!(plain("a \u{1b}[31mred\n\u{9b}2J ü"), "a  [31mred  2J ü");
     }
 }

@@ -1,9 +1,9 @@
-//! A study on many machines: its plan, its tasks, and the engine that runs them.
+//! A study on many machines: its plan, its tasks, and the cluster engine that runs them.
 //!
-//! Nothing is asked of the file system but that it shows what a process has written, at some time,
-//! in the order in which it was written, and that a new name is given to one process only. There
-//! are no locks, and no file is renamed or written by two: every attempt at a task has a journal
-//! of its own. What an attempt does not see yet it runs again, to the same result.
+//! Only two properties of the file system are required. The writes of a process become visible
+//! eventually, and in order. Only one process can create a file of a given name. There are no
+//! locks, no file is renamed, and no file has two writers: every attempt at a task has its own
+//! journal. An attempt repeats trials whose results are not visible yet, and gets the same results.
 
 mod planned;
 mod slurm;

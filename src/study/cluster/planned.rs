@@ -1,4 +1,4 @@
-//! The folder of a study that is run in tasks.
+//! The folder of a planned study, which is run in tasks.
 
 use std::ffi::OsString;
 use std::fs;
@@ -11,8 +11,8 @@ use serde_json::value::RawValue;
 use crate::disk;
 use crate::study::error::StudyError;
 use crate::study::protocol::{Protocol, id_of};
-use crate::study::runner::put_together;
-use crate::study::store::files::{TASKS, foreign, frozen, json, names, thawed};
+use crate::study::runner::write_merged;
+use crate::study::store::files::{TASKS, foreign, frozen, json, names, parse_frozen};
 use crate::study::store::folder::StudyFolder;
 use crate::study::store::journal::{self, Journal};
 use crate::study::store::{Shard, TrialRecord};
@@ -21,29 +21,29 @@ use xcs::bounds::within;
 
 /// The journals of all attempts at all tasks.
 const JOURNALS: &str = "journals";
-/// Where the whole study comes, unless somebody wants it elsewhere.
+/// The default folder of the merged study.
 const RESULT: &str = "result";
-/// More tasks than any engine takes at once.
+/// More tasks than any cluster engine accepts at once.
 const MOST_TASKS: usize = 100_000;
 
-/// What `tasks.json` holds.
+/// The contents of `tasks.json`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TasksFile {
     plan: String,
     tasks: usize,
-    /// Of the plan and the number of tasks.
+    /// The checksum of the plan and the number of tasks.
     checksum: String,
     study: Box<RawValue>,
 }
 
-/// Guards the number of tasks: the id of the study says nothing of it.
+/// Protects the number of tasks, which is not part of the study's id.
 fn checksum(plan: &str, tasks: usize) -> String {
     id_of(&format!("{plan} in {tasks} tasks"))
 }
 
-/// A study that is frozen and split into tasks, for as many machines as there are. Task `i` of `n`
-/// holds every `n`-th trial; `n` stands in the plan, and nowhere else.
+/// A frozen study that is split into tasks, for any number of machines. Task `i` of `n` has every
+/// `n`-th trial. `n` is stored in the plan, and nowhere else.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedStudy {
     path: PathBuf,
@@ -53,10 +53,10 @@ pub struct PlannedStudy {
 }
 
 impl PlannedStudy {
-    /// Splits a study into tasks, with a folder for them that is not made yet.
+    /// Splits a study into tasks. Does not create the folder.
     ///
     /// # Errors
-    /// When there are to be more tasks than trials.
+    /// When there are more tasks than trials.
     pub fn new(path: &Path, protocol: Protocol, tasks: usize) -> Result<Self, StudyError> {
         let most = MOST_TASKS.min(protocol.len());
         within("tasks", tasks, 1..=most).map_err(PlanError::from)?;
@@ -68,11 +68,13 @@ impl PlannedStudy {
         })
     }
 
-    /// The same study as in its folder, if it has one; without a number of tasks, as many as there.
+    /// Returns the study as planned in its folder, or a new one if the folder has none. Without
+    /// `tasks`, the number in the folder is used.
     ///
     /// # Errors
     /// [`StudyError::Foreign`], [`StudyError::OtherStudy`] or [`StudyError::OtherTasks`] when the
-    /// folder holds something else, [`StudyError::NoTasks`] when it is new and no number is given.
+    /// folder contains something else. [`StudyError::NoTasks`] when the folder is new and `tasks`
+    /// is `None`.
     pub fn in_folder(
         path: &Path,
         protocol: Protocol,
@@ -99,15 +101,15 @@ impl PlannedStudy {
         }
     }
 
-    /// Is there a study in tasks in this folder?
+    /// Returns true if the folder contains a planned study.
     pub fn is_in(path: &Path) -> bool {
         path.join(TASKS).is_file()
     }
 
-    /// Reads the folder of a study in tasks.
+    /// Reads the folder of a planned study.
     ///
     /// # Errors
-    /// When there is none in it, or a damaged one.
+    /// When the folder contains no planned study, or a damaged one.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let file = path.join(TASKS);
         let text = disk::read(&file, disk::MOST_BYTES).map_err(|cause| match cause.kind() {
@@ -116,7 +118,7 @@ impl PlannedStudy {
         })?;
         let read: TasksFile =
             serde_json::from_slice(&text).map_err(|fault| StudyError::damaged(&file, fault))?;
-        let protocol = thawed(&read.study, &read.plan);
+        let protocol = parse_frozen(&read.study, &read.plan);
         let protocol = protocol.map_err(|fault| StudyError::damaged(&file, fault))?;
         within("tasks", read.tasks, 1..=protocol.len())
             .map_err(|fault| StudyError::damaged(&file, fault))?;
@@ -132,11 +134,11 @@ impl PlannedStudy {
         })
     }
 
-    /// Makes the folder, unless it is there.
+    /// Creates the folder, unless it exists.
     ///
     /// # Errors
-    /// [`StudyError::Foreign`], [`StudyError::OtherStudy`] or [`StudyError::OtherTasks`] when there is
-    /// something else, or an error of the file system.
+    /// [`StudyError::Foreign`], [`StudyError::OtherStudy`] or [`StudyError::OtherTasks`] when the
+    /// folder contains something else, or an error of the file system.
     pub fn make(&self) -> Result<(), StudyError> {
         require_own(&self.path)?;
         let journals = self.journals();
@@ -148,7 +150,7 @@ impl PlannedStudy {
         Self::in_folder(&self.path, self.protocol.clone(), Some(self.tasks)).map(drop)
     }
 
-    /// Writes the plan, unless there is one.
+    /// Writes the plan, unless it exists.
     fn write(&self) -> Result<(), StudyError> {
         let (study, plan) = frozen(&self.protocol);
         let file = TasksFile {
@@ -166,32 +168,32 @@ impl PlannedStudy {
         }
     }
 
-    /// Where the folder is.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The frozen study.
+    /// Returns the frozen study.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
     }
 
-    /// The id of the frozen study.
+    /// Returns the id of the frozen study.
     pub fn plan(&self) -> &str {
         &self.plan
     }
 
-    /// Into how many tasks it is split.
+    /// Returns the number of tasks.
     pub fn tasks(&self) -> usize {
         self.tasks
     }
 
-    /// Where the whole study comes, unless somebody wants it elsewhere.
+    /// Returns the default folder of the merged study.
     pub fn result(&self) -> PathBuf {
         self.path.join(RESULT)
     }
 
-    /// The task of a trial, counted from 1.
+    /// Returns the task of a trial, counted from 1.
     pub(super) fn task_of(&self, trial: usize) -> usize {
         trial % self.tasks + 1
     }
@@ -200,13 +202,14 @@ impl PlannedStudy {
         self.path.join(JOURNALS)
     }
 
-    /// Begins a journal of its own for an attempt at a task.
+    /// Starts a new journal for an attempt at a task.
     pub(super) fn begin(&self, task: usize) -> Result<Journal, StudyError> {
         let folder = self.journals();
         let mut builder = tempfile::Builder::new();
         let prefix = format!("{task:05}-");
         builder.prefix(&prefix).rand_bytes(10);
-        // As readable as other files: a temporary file is otherwise for its owner alone.
+        // Temporary files are readable only by their owner; make this one as readable as other
+        // files.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let made = builder.tempfile_in(&folder);
@@ -217,8 +220,8 @@ impl PlannedStudy {
         Journal::begin(&path, file, &self.plan)
     }
 
-    /// Gives each finished trial to `each`, in no order, and again when several attempts finished it.
-    /// With a shard, of the attempts at its task alone.
+    /// Calls `each` with each finished trial, in no particular order. A trial that several attempts
+    /// finished is passed several times. With a shard, reads only the attempts at its task.
     pub(super) fn each_record(
         &self,
         shard: Option<Shard>,
@@ -236,14 +239,14 @@ impl PlannedStudy {
         Ok(())
     }
 
-    /// The journals of all attempts, each with its task, in the order of their names.
+    /// Returns the journals of all attempts with their tasks, sorted.
     pub(super) fn attempts(&self) -> Result<Vec<(usize, PathBuf)>, StudyError> {
         let folder = self.journals();
         let io = |cause| StudyError::io(&folder, cause);
         let mut found = Vec::new();
         for entry in folder.read_dir().map_err(io)? {
             let name = entry.map_err(io)?.file_name();
-            // What else lies there, such as the traces of a network file system, is none of ours.
+            // Ignore other files, such as those of a network file system.
             let task = name.to_str().and_then(|name| name.split_once('-'));
             match task.map(|(task, _)| task.parse()) {
                 Some(Ok(task)) if (1..=self.tasks).contains(&task) => {
@@ -256,16 +259,16 @@ impl PlannedStudy {
         Ok(found)
     }
 
-    /// Joins what all attempts finished, which must be the whole study, in the folder `out`.
+    /// Merges the results of all attempts, which must be the whole study, into the folder `out`.
     ///
     /// # Errors
     /// [`StudyError::Incomplete`], [`StudyError::Contradiction`] when two attempts disagree about a
     /// trial, or an error of a folder.
     pub fn merge(&self, out: &Path) -> Result<StudyFolder, StudyError> {
-        put_together(&self.gather()?, out)
+        write_merged(&self.gather()?, out)
     }
 
-    /// What all attempts finished.
+    /// Collects the results of all attempts.
     pub(in crate::study) fn gather(&self) -> Result<StudyFolder, StudyError> {
         let mut joined = StudyFolder::empty(&self.path, &self.protocol, &self.plan);
         self.each_record(None, &mut |path, record| {
@@ -276,17 +279,17 @@ impl PlannedStudy {
                 .map_err(|_| StudyError::Contradiction {
                     place: path.to_owned(),
                     trial,
-                    before: "a journal before it",
+                    before: "an earlier journal",
                 })
         })?;
         Ok(joined)
     }
 }
 
-/// A folder without a plan may hold what is made before the plan, and nothing else.
+/// A folder without a plan may contain files that are created before the plan, and nothing else.
 fn require_own(path: &Path) -> Result<(), StudyError> {
     let is_early = |name: &OsString| name == JOURNALS || disk::is_leftover_of(name, TASKS);
-    // The names come first: another process may be about to make the same plan, and more after it.
+    // List the names first: another process may be creating the same plan, and more files after it.
     match names(path)?.iter().all(is_early) || PlannedStudy::is_in(path) {
         true => Ok(()),
         false => Err(foreign(path)),

@@ -1,4 +1,4 @@
-//! Slurm: an array job of the tasks, and a job that merges them.
+//! Slurm: an array job that runs the tasks, and a job that merges them.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -13,68 +13,68 @@ use crate::study::error::StudyError;
 use crate::study::protocol::id_of;
 use crate::study::store::files::write_whole;
 
-/// Scripts and logs, below the folder of the study.
+/// The folder of scripts and logs, relative to the folder of the study.
 const FOLDER: &str = "slurm";
 const ARRAY: &str = "slurm/array.sh";
 const MERGE: &str = "slurm/merge.sh";
-/// Begins the last line of a script.
+/// The start of the last line of a script.
 const CHECKSUM: &str = "# Written by xcscr. Checksum of the lines above: ";
-/// More than the list of 100,000 tasks takes.
+/// Maximum size of a script, which is more than a list of 100,000 tasks needs.
 const MOST_SCRIPT_BYTES: u64 = 1 << 21;
-/// How long before the time limit a signal is wanted: what the program needs at most, and some room for
-/// a slow file system. Slurm may send it a minute earlier.
-const FAREWELL_SECS: u64 = 30;
+/// Time between the signal and the time limit: the longest shutdown of the program, plus a reserve
+/// for a slow file system. Slurm may send the signal a minute earlier.
+const SHUTDOWN_SECS: u64 = 30;
 
-/// How the tasks of a study are to be run by Slurm.
+/// Slurm settings for the tasks of a study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Slurm {
-    /// This program, as the machines of the cluster find it.
+    /// The path of this program on the machines of the cluster.
     pub program: PathBuf,
     /// The time limit of a task, in minutes.
     pub minutes: u64,
-    /// The partition; the cluster's own choice if `None`.
+    /// The partition. The cluster's default if `None`.
     pub partition: Option<String>,
-    /// Processors of a task, each of which runs a trial at a time; one if `None`.
+    /// Processors per task; each runs one trial at a time. One if `None`.
     pub cpus: Option<u32>,
-    /// The memory of a task in megabytes; the cluster's own choice if `None`.
+    /// The memory of a task in megabytes. The cluster's default if `None`.
     pub memory_mb: Option<u32>,
-    /// Tasks at a time; as many as the cluster likes if `None`.
+    /// Maximum number of tasks that run at a time. The cluster's limit if `None`.
     pub array_limit: Option<usize>,
 }
 
-/// What became of a task.
+/// The state of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TaskState {
     /// All its trials are finished.
     Complete,
-    /// It is running now.
+    /// The task is running.
     Running,
-    /// It waits for its turn.
+    /// The task is in the queue.
     Waiting,
-    /// It was begun, and ended before its last trial.
+    /// The task was started, and ended before its last trial.
     Failed,
-    /// It was never begun.
+    /// The task was never started.
     Missing,
 }
 
-/// A task that Slurm has in its queue.
+/// A task in Slurm's queue.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Queued {
     /// The task, counted from 1.
     pub task: usize,
     /// The number of the array job.
     pub job: String,
-    /// Is it running?
+    /// Whether the task is running.
     pub running: bool,
 }
 
 impl Slurm {
-    /// Was this study ever given to Slurm?
+    /// Returns true if this study was ever submitted to Slurm.
     pub fn knows(planned: &PlannedStudy) -> bool {
         planned.path().join(FOLDER).is_dir()
     }
 
-    /// Requires that Slurm's commands are here.
+    /// Checks that Slurm's commands are installed.
     ///
     /// # Errors
     /// [`StudyError::Engine`] when they are not.
@@ -87,10 +87,10 @@ impl Slurm {
         }
     }
 
-    /// The tasks of a study that are in the queue.
+    /// Returns the tasks of a study that are in the queue.
     ///
     /// # Errors
-    /// [`StudyError::Engine`] when the queue cannot be seen.
+    /// [`StudyError::Engine`] when the queue cannot be read.
     pub fn queue(planned: &PlannedStudy) -> Result<Vec<Queued>, StudyError> {
         let mut command = Command::new("squeue");
         let name = format!("--name={}", name(planned));
@@ -108,7 +108,7 @@ impl Slurm {
         Ok(listed.lines().filter_map(entry).collect())
     }
 
-    /// The scripts that run these tasks, and merge all: their names and texts.
+    /// Returns the names and texts of the scripts that run these tasks, and merge all results.
     pub fn scripts(&self, planned: &PlannedStudy, tasks: &[usize]) -> [(&'static str, String); 2] {
         [
             (ARRAY, signed(self.array_script(planned, tasks))),
@@ -116,8 +116,9 @@ impl Slurm {
         ]
     }
 
-    /// Writes the scripts for these tasks and submits them; the merge begins when all of them, and
-    /// those that are in the queue, are done. Gives the numbers of the array job and of the merge.
+    /// Writes the scripts for these tasks and submits them. The merge starts when all of these
+    /// tasks, and those in the queue, are finished. Returns the numbers of the array job and of the
+    /// merge job.
     ///
     /// # Errors
     /// [`StudyError::Altered`] when a script was changed by hand, [`StudyError::Engine`], or an error
@@ -150,7 +151,7 @@ impl Slurm {
     fn array_script(&self, planned: &PlannedStudy, tasks: &[usize]) -> String {
         let limit = self.array_limit.map(|limit| format!("%{limit}"));
         let array = Slurm::ranges(tasks) + &limit.unwrap_or_default();
-        let lead = FAREWELL_SECS.min(60 * self.minutes / 2);
+        let lead = SHUTDOWN_SECS.min(60 * self.minutes / 2);
         let mut own = vec![
             format!("--array={array}"),
             format!("--signal=B:USR1@{lead}"),
@@ -161,9 +162,9 @@ impl Slurm {
         let (program, count) = (disk::typed(&self.program), planned.tasks());
         format!(
             r#"{head}
-# A task of the {count} that this study is split into. Before the time limit, and when the machine is
-# needed, a signal comes: the program keeps what it finished, ends with code 75, and the task goes back
-# into the queue, unless somebody cancelled it.
+# Runs one of the {count} tasks of this study. Slurm sends a signal before the time limit, and when it
+# needs the machine. The program then keeps its finished trials and exits with code 75. The task goes
+# back into the queue, unless it was cancelled.
 {program} study task . "$SLURM_ARRAY_TASK_ID" --jobs "${{SLURM_CPUS_PER_TASK:-1}}" --quiet &
 task=$!
 trap 'stopped=yes; kill -TERM "$task"' USR1 TERM
@@ -190,7 +191,7 @@ exit "$code"
         format!("{head}\nexec {program} study merge .\n")
     }
 
-    /// The lines that Slurm reads.
+    /// Returns the shebang line and the `#SBATCH` lines.
     fn head(&self, name: &str, log: &str, own: &[String]) -> String {
         let days = self.minutes / (24 * 60);
         let (hours, minutes) = (self.minutes / 60 % 24, self.minutes % 60);
@@ -216,7 +217,7 @@ exit "$code"
 }
 
 impl Slurm {
-    /// How the scripts are submitted by hand.
+    /// Returns the shell commands that submit the scripts by hand.
     pub fn commands(planned: &PlannedStudy) -> String {
         let folder = disk::typed(planned.path());
         format!(
@@ -228,7 +229,7 @@ impl Slurm {
 }
 
 impl Survey {
-    /// What became of each task, given what is in the queue.
+    /// Returns the state of each task, given the tasks in the queue.
     pub fn states(&self, queue: &[Queued]) -> Vec<(usize, TaskState)> {
         let state = |one: &super::TaskSurvey| {
             let queued = queue.iter().find(|waiting| waiting.task == one.task);
@@ -247,7 +248,7 @@ impl Survey {
     }
 }
 
-/// A script with its checksum, by which it is known that nobody changed it.
+/// Appends a checksum to a script, to detect changes by hand.
 fn signed(script: String) -> String {
     let checksum = id_of(&script);
     format!("{script}{CHECKSUM}{checksum}\n")
@@ -257,7 +258,7 @@ fn signed(script: String) -> String {
 fn require_own(path: &Path) -> Result<(), StudyError> {
     let text = match disk::read_text(path, MOST_SCRIPT_BYTES) {
         Err(cause) if cause.kind() == ErrorKind::NotFound => return Ok(()),
-        // It is too large for a script of ours, or no text.
+        // The file is too large for a generated script, or is not text.
         Err(_) => String::new(),
         Ok(text) => text,
     };
@@ -268,7 +269,7 @@ fn require_own(path: &Path) -> Result<(), StudyError> {
     }
 }
 
-/// Refuses a link that leads out of the folder of the study.
+/// Refuses a symbolic link, which may point outside of the study's folder.
 fn require_folder(path: &Path) -> Result<(), StudyError> {
     match fs::symlink_metadata(path) {
         Ok(found) if found.is_symlink() => {
@@ -279,12 +280,12 @@ fn require_folder(path: &Path) -> Result<(), StudyError> {
     }
 }
 
-/// The jobs of a study are found in the queue by their name, and by their folder.
+/// Returns the job name. The jobs of a study are identified in the queue by name and folder.
 fn name(planned: &PlannedStudy) -> String {
     format!("xcscr-{}", planned.plan())
 }
 
-/// The merge comes after these tasks if they succeed, and after those in the queue anyway.
+/// The merge starts after these tasks succeed, and after the queued jobs end, successful or not.
 fn dependency(array: &str, queue: &[Queued]) -> String {
     let mut jobs: Vec<&str> = queue.iter().map(|waiting| waiting.job.as_str()).collect();
     jobs.sort_unstable();
@@ -293,13 +294,13 @@ fn dependency(array: &str, queue: &[Queued]) -> String {
     format!("--dependency=afterok:{array}{others}")
 }
 
-/// Submits a script in the folder of the study, and gives the number of its job.
+/// Submits a script in the folder of the study, and returns the number of its job.
 fn sbatch(planned: &PlannedStudy, script: &str, options: &[String]) -> Result<String, StudyError> {
     let mut command = Command::new("sbatch");
     command.current_dir(planned.path()).arg("--parsable");
     command.args(options).arg(script);
     let answer = answer(command)?;
-    // On a cluster of clusters, the name of the cluster comes behind the number.
+    // In a multi-cluster setup, the name of the cluster follows the number.
     let number = answer.trim().split(';').next().unwrap_or_default();
     Ok(number.to_owned())
 }
@@ -308,13 +309,13 @@ fn no_slurm(command: &str) -> StudyError {
     StudyError::Engine {
         command: command.to_owned(),
         fault:
-            "there is no Slurm here; run this on a login node of the cluster, or see the scripts \
+            "Slurm is not installed here; run this on a login node of the cluster, or print the scripts \
                 with `study submit --dry-run`"
                 .to_owned(),
     }
 }
 
-/// What a command says when it succeeds.
+/// Runs a command, and returns its standard output.
 fn answer(mut command: Command) -> Result<String, StudyError> {
     let name = command.get_program().to_string_lossy().into_owned();
     let fault = |fault: String| StudyError::Engine {
@@ -333,14 +334,14 @@ fn answer(mut command: Command) -> Result<String, StudyError> {
     }
 }
 
-/// A path as Slurm names it.
+/// Returns a path in the form in which Slurm lists it.
 fn absolute(path: &Path) -> Result<PathBuf, StudyError> {
     path.canonicalize()
         .map_err(|cause| StudyError::io(path, cause))
 }
 
 impl Slurm {
-    /// Ascending numbers as the list of an array job, such as `1-3,7`.
+    /// Formats ascending numbers as the list of an array job, such as `1-3,7`.
     pub fn ranges(numbers: &[usize]) -> String {
         let runs = numbers.chunk_by(|a, b| a + 1 == *b);
         let run = |run: &[usize]| match run {

@@ -1,10 +1,10 @@
-//! What is finished of a study in tasks.
+//! The progress of a planned study.
 
 use super::planned::PlannedStudy;
 use crate::study::error::StudyError;
 use crate::study::store::Shard;
 
-/// What is finished of a study in tasks, or of one of its tasks.
+/// The progress of a planned study, or of one of its tasks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     trials: usize,
@@ -13,22 +13,22 @@ pub struct Survey {
     tasks: Vec<TaskSurvey>,
 }
 
-/// What is finished of a task.
+/// The progress of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TaskSurvey {
     /// Its number, from 1.
     pub task: usize,
-    /// How many trials are to be run.
+    /// Number of missing trials.
     pub missing: usize,
-    /// How often it was begun.
+    /// Number of attempts.
     pub attempts: usize,
 }
 
 impl Survey {
-    /// Looks at all journals, or at those of one task.
+    /// Reads all journals, or those of one task.
     ///
     /// # Errors
-    /// When a journal is damaged, or cannot be read.
+    /// When a journal is damaged or cannot be read.
     pub(super) fn of(planned: &PlannedStudy, shard: Option<Shard>) -> Result<Self, StudyError> {
         let all = planned.protocol().len();
         let of_shard = |trial: &usize| shard.is_none_or(|shard| shard.holds(*trial));
@@ -51,32 +51,32 @@ impl Survey {
         })
     }
 
-    /// How many trials there are.
+    /// Returns the number of trials.
     pub fn trials(&self) -> usize {
         self.trials
     }
 
-    /// The trials that are to be run, in their order.
+    /// Returns the missing trials, in order.
     pub fn missing(&self) -> &[usize] {
         &self.missing
     }
 
-    /// The trials that failed, in their order.
+    /// Returns the failed trials, in order.
     pub fn failed(&self) -> &[usize] {
         &self.failed
     }
 
-    /// All tasks of the study, in their order.
+    /// Returns all tasks of the study, in order.
     pub fn tasks(&self) -> &[TaskSurvey] {
         &self.tasks
     }
 }
 
 impl PlannedStudy {
-    /// What is finished.
+    /// Returns the progress of the study.
     ///
     /// # Errors
-    /// When a journal is damaged, or cannot be read.
+    /// When a journal is damaged or cannot be read.
     pub fn survey(&self) -> Result<Survey, StudyError> {
         Survey::of(self, None)
     }

@@ -8,11 +8,11 @@ use crate::study::runner::{StudyWatcher, run_trials};
 use crate::study::store::Shard;
 
 impl PlannedStudy {
-    /// Runs what is missing of a task, counted from 1, on `jobs` threads (all cores when 0). Gives
-    /// what is finished of it, and how many trials were finished now.
+    /// Runs the missing trials of a task, counted from 1, on `jobs` threads (all cores when 0).
+    /// Returns the progress of the task, and the number of trials finished by this call.
     ///
     /// # Errors
-    /// When there is no such task, the program is not the one that made the plan, or the folder
+    /// When there is no such task, another version of the program made the plan, or the folder
     /// cannot be read or written.
     pub fn run_task(
         &self,
@@ -45,7 +45,7 @@ impl PlannedStudy {
         Ok((after, finished))
     }
 
-    /// Another version may come to other results, or know other settings.
+    /// Another version may compute other results, or have other settings.
     fn require_same_program(&self) -> Result<(), StudyError> {
         match self.protocol().version == env!("CARGO_PKG_VERSION") {
             true => Ok(()),

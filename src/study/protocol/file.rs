@@ -1,4 +1,4 @@
-//! Study files: what the user writes.
+//! Study files, which the user writes.
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -19,11 +19,11 @@ use crate::world::{Maze, Recipe};
 use crate::world::{bundled_world, bundled_worlds};
 use xcs::bounds::OutOfRange;
 
-/// What a study file says, before it is frozen into a [`Protocol`](super::Protocol).
+/// The contents of a study file, before they are frozen into a [`Protocol`](super::Protocol).
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyFile {
     pub(super) origin: String,
-    /// Where relative paths of worlds begin.
+    /// The base folder of relative paths of worlds.
     folder: PathBuf,
     pub(super) document: Document,
 }
@@ -34,53 +34,54 @@ pub struct StudyFile {
 pub(super) struct Document {
     pub name: String,
     pub worlds: Vec<String>,
-    /// Worlds in which trials learn beforehand, or [`NOTHING`]; each is tried.
+    /// Worlds in which trials learn beforehand, or [`NOTHING`]. The study runs each alternative.
     #[serde(default)]
     pub after: Vec<String>,
     pub methods: Vec<Method>,
     #[serde(default = "Document::grid")]
     pub arenas: Vec<ArenaKind>,
-    /// Unless given, what is usual in each arena.
+    /// The sensors. By default, the usual sensor of each arena.
     #[serde(default)]
     pub sensors: Option<Vec<Sensor>>,
     pub trials: usize,
     pub episodes: u32,
-    /// Episodes in which the policy of each finished trial is put to the test.
+    /// Number of episodes in which the policy of each finished trial is tested.
     #[serde(default)]
     pub drives: u32,
     #[serde(default = "Document::one")]
     pub seed: u64,
-    /// The robot profile of all trials: a bundled name or a path, which begins at the folder of this file.
+    /// The robot profile of all trials: a bundled name, or a path relative to the folder of this
+    /// file.
     #[serde(default)]
     pub robot: Option<String>,
     /// Settings of all trials.
     #[serde(default)]
     pub settings: Table,
-    /// Settings of all trials in a world, which win over those of all.
+    /// Settings of all trials in a world. They override `settings`.
     #[serde(default)]
     pub world_settings: BTreeMap<String, Table>,
-    /// The percepts in a world, instead of those of all worlds.
+    /// The sensors in a world. They replace `sensors`.
     #[serde(default)]
     pub world_sensors: BTreeMap<String, Vec<Sensor>>,
-    /// Settings of all trials of a method, which win over those of worlds.
+    /// Settings of all trials of a method. They override `world_settings`.
     #[serde(default)]
     pub method_settings: BTreeMap<String, Table>,
-    /// Settings, each with the list of its values: every combination is tried.
+    /// Settings, each with a list of values. The study runs every combination.
     #[serde(default)]
     pub sweep: Table,
-    /// Tables of settings, each of which is tried, with every combination of the swept ones.
+    /// Tables of settings. The study runs each table with every combination of the swept settings.
     #[serde(default)]
     pub variants: Vec<Table>,
-    /// How many of these combinations are tried, drawn at random, instead of all.
+    /// The number of combinations to run, drawn at random. All if `None`.
     #[serde(default)]
     pub sample: Option<usize>,
-    /// Switches that are turned off, one at a time, beside a variant with all of them as set; or settings
-    /// with the value that turns them off, `key=value`.
+    /// Switches that are turned off one at a time, in addition to a variant with none turned off.
+    /// Other settings are given with the value that turns them off, as `key=value`.
     #[serde(default)]
     pub without: Vec<String>,
 }
 
-/// In place of a world to learn in beforehand, and of a switch to turn off.
+/// Stands for no earlier world in `after`, and for no switch in `without`.
 pub const NOTHING: &str = "nothing";
 
 impl Document {
@@ -94,10 +95,10 @@ impl Document {
 }
 
 impl StudyFile {
-    /// A study that comes with the program, such as `paper`, or else a file.
+    /// Loads a shipped study, such as `paper`, or else a file.
     ///
     /// # Errors
-    /// When there is no such file, or it describes no study.
+    /// When there is no such file, or the file is not a valid study.
     pub fn load(name: &Path) -> Result<Self, StudyError> {
         if let Some(text) = name.to_str().and_then(shipped::study) {
             return Self::parse(text, &name.display().to_string(), Path::new(""));
@@ -116,13 +117,13 @@ impl StudyFile {
         Self::parse(&text, &name.display().to_string(), folder)
     }
 
-    /// Reads the text of a study file, which `origin` names in messages. Paths of worlds begin
-    /// at `folder`.
+    /// Parses the text of a study file. Messages name it by `origin`. Paths of worlds are relative
+    /// to `folder`.
     ///
     /// # Errors
-    /// When the text describes no study.
+    /// When the text is not a valid study.
     pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, StudyError> {
-        let fault = |fault: String| StudyError::file(origin, &in_words(&fault));
+        let fault = |fault: String| StudyError::file(origin, &readable(&fault));
         let table: Table = text
             .parse()
             .map_err(|e: toml::de::Error| fault(e.to_string()))?;
@@ -138,13 +139,13 @@ impl StudyFile {
         })
     }
 
-    /// The worlds: names of shipped or generated ones, or paths.
+    /// Loads the worlds, which are names of shipped or generated worlds, or paths.
     pub(super) fn worlds(&self) -> Result<Vec<Maze>, StudyError> {
         let names = self.document.worlds.iter();
         names.map(|name| self.world(name)).collect()
     }
 
-    /// The worlds in which trials learn beforehand; `None` for [`NOTHING`].
+    /// Loads the worlds in which trials learn beforehand; `None` for [`NOTHING`].
     pub(super) fn earlier_worlds(&self) -> Result<Vec<Option<Maze>>, StudyError> {
         let world = |name: &String| match name == NOTHING {
             true => Ok(None),
@@ -172,7 +173,7 @@ impl StudyFile {
         Ok(Maze::load(&self.folder.join(name))?)
     }
 
-    /// The default settings with those of the study's robot.
+    /// Returns the default settings, overridden by those of the study's robot.
     pub(super) fn robot_settings(&self) -> Result<Settings, StudyError> {
         let defaults = Settings::default();
         let Some(robot) = &self.document.robot else {
@@ -188,20 +189,20 @@ impl StudyFile {
         settings.map_err(|fault| StudyError::file(&self.origin, &fault.to_string()))
     }
 
-    /// The settings in one world.
+    /// Returns the settings of one world.
     pub(super) fn world_settings(&self, world: &str) -> Table {
         let settings = self.document.world_settings.get(world);
         settings.cloned().unwrap_or_default()
     }
 
-    /// The percepts in one world and arena.
+    /// Returns the sensors in one world and arena.
     pub(super) fn sensors(&self, world: &str, arena: ArenaKind) -> Vec<Sensor> {
         let own = self.document.world_sensors.get(world);
         let chosen = own.or(self.document.sensors.as_ref()).cloned();
         chosen.unwrap_or_else(|| vec![Sensor::usual_in(arena)])
     }
 
-    /// Refuses settings and percepts in worlds that are not those of the study.
+    /// Rejects settings and sensors of worlds that are not in the study.
     pub(super) fn check_worlds(&self, worlds: &[Maze]) -> Result<(), StudyError> {
         let Document {
             world_settings,
@@ -216,7 +217,7 @@ impl StudyFile {
         })
     }
 
-    /// The settings of one method, by its name.
+    /// Returns the settings of one method.
     pub(super) fn method_settings(&self, method: Method) -> Result<Table, StudyError> {
         let settings = &self.document.method_settings;
         let known = |name: &str| Method::ALL.iter().any(|method| method.name() == name);
@@ -228,7 +229,7 @@ impl StudyFile {
         Ok(settings.get(method.name()).cloned().unwrap_or_default())
     }
 
-    /// The swept settings in the order of their full names, each with its values.
+    /// Returns the swept settings and their values, sorted by full name.
     pub(super) fn sweep(&self) -> Result<Vec<(String, Vec<Value>)>, StudyError> {
         let mut entries = flatten(self.document.sweep.clone());
         entries.sort_by(|a, b| a.0.cmp(&b.0));
@@ -253,8 +254,9 @@ fn unknown_key(key: &str) -> String {
     }
 }
 
-/// The words of the TOML library, but of a name that is none of a closed set: there, the nearest one or else all of them.
-fn in_words(fault: &str) -> String {
+/// Returns the message of the TOML library. For an unknown variant, the message is replaced by one
+/// that suggests the most similar name, or lists all names.
+fn readable(fault: &str) -> String {
     let named = || {
         let (place, rest) = fault.split_once("unknown variant `")?;
         let (name, known) = rest.split_once("`, expected ")?;
@@ -285,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_key_is_answered_with_a_similar_one() {
+    fn the_error_for_an_unknown_key_suggests_a_similar_one() {
         let text = format!("{SMALL}episods = 4\n");
         assert_eq!(
             message(&text),
@@ -305,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_method_is_answered_with_a_similar_one_or_with_all_of_them() {
+    fn the_error_for_an_unknown_method_suggests_a_similar_one_or_lists_all() {
         let named = message(&SMALL.replace("\"xcs\"", "\"q-lerning\""));
         assert!(
             named.ends_with("there is no `q-lerning`: did you mean `q-learning`?"),
@@ -319,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_cannot_command_the_terminal() {
+    fn a_name_with_control_characters_is_rejected() {
         let text = SMALL.replace("\"s\"", r#""\u001b[31mred""#);
         assert!(message(&text).contains("a control character"));
     }

@@ -1,11 +1,11 @@
-//! From a study file to a frozen protocol.
+//! Freezes a study file into a protocol.
 
 use toml::Table;
 
 use super::file::{Document, NOTHING};
 use super::overrides::Overrides;
-use super::unread::{refuse_twins, refuse_unread};
-use super::variants::{product, told, variants};
+use super::unread::{refuse_duplicates, refuse_unread};
+use super::variants::{product, variants, with_entry};
 use super::{Arm, MOST_ARMS, MOST_GENERATED, MOST_WORLDS, Protocol, StudyFile, Variant};
 use crate::agent::Method;
 use crate::arena::ArenaKind;
@@ -43,7 +43,7 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
     }
 }
 
-/// Refuses too many worlds before any of them is made.
+/// Rejects too many worlds before any of them is created.
 fn check_worlds(file: &StudyFile) -> Result<(), StudyError> {
     let names = || file.document.worlds.iter().chain(&file.document.after);
     within("worlds", names().count(), 0..=MOST_WORLDS).map_err(PlanError::from)?;
@@ -53,7 +53,7 @@ fn check_worlds(file: &StudyFile) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Refuses a study of too many combinations; the sweep alone can make billions of them.
+/// Rejects a study with too many combinations. A sweep alone can have billions.
 fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
     let document = &file.document;
     let sensors = document.world_sensors.values().chain(&document.sensors);
@@ -74,11 +74,12 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
     if number <= MOST_ARMS {
         return Ok(());
     }
-    let fault = format!("it makes {number} combinations, but at most {MOST_ARMS} are possible");
+    let fault = format!("it has {number} combinations, but the maximum is {MOST_ARMS}");
     Err(StudyError::file(&file.origin, &fault))
 }
 
-/// Every combination, in the order of the file, worlds first; in each world after all but itself.
+/// Returns every combination, in the order of the file, worlds first. An arm's earlier world
+/// differs from its own.
 fn arms(
     file: &StudyFile,
     worlds: &[Maze],
@@ -94,7 +95,7 @@ fn arms(
         let base = settings(file, world, method, overrides)?;
         let afters = afters_of(file, method, afters)?;
         for ((table, variant), after) in product(&variants, &afters) {
-            let settings = lay_over(&base, &origin_of_variants(file), table)?;
+            let settings = override_with(&base, &origin_of_variants(file), table)?;
             let sensors = |&arena| {
                 file.sensors(world, arena)
                     .into_iter()
@@ -106,7 +107,7 @@ fn arms(
                     method,
                     arena,
                     sensor,
-                    variant: told_after(variant, &file.document, after),
+                    variant: with_after(variant, &file.document, after),
                     after: after.clone(),
                     settings: settings.clone(),
                     agent: None,
@@ -116,15 +117,16 @@ fn arms(
     }
     arms.retain(|arm| arm.after.as_ref() != Some(&arm.world));
     refuse_unread(file, overrides, &variants, &arms)?;
-    arms.retain(|arm| !arm.leaves_out_nothing());
-    // A sample is drawn for all methods together: what one of them does not read, another one does.
+    arms.retain(|arm| !arm.leaves_out_missing_part());
+    // A sample is drawn for all methods together: one method may ignore what another reads.
     if file.document.sample.is_none() {
-        refuse_twins(&file.origin, &arms)?;
+        refuse_duplicates(&file.origin, &arms)?;
     }
     Ok(arms)
 }
 
-/// The names of the worlds in which trials of a method learn beforehand; `None` for no such world.
+/// Returns the names of the worlds in which trials of a method learn beforehand; `None` for no
+/// world.
 fn afters_of(
     file: &StudyFile,
     method: Method,
@@ -136,7 +138,7 @@ fn afters_of(
     if !method.learns_rules() {
         let name = method.name();
         let fault = format!(
-            "the method `{name}` learns no rules, and `after` hands on rules: leave one of them out"
+            "the method `{name}` learns no rules, but `after` transfers rules: remove one of them"
         );
         return Err(StudyError::file(&file.origin, &fault));
     }
@@ -144,29 +146,30 @@ fn afters_of(
     Ok(afters.iter().map(name).collect())
 }
 
-/// The settings of a method in a world: default < robot < study < world < method < command line.
+/// Resolves the settings of a method in a world: default < robot < study < world < method < command
+/// line.
 fn settings(
     file: &StudyFile,
     world: &str,
     method: Method,
     overrides: &Overrides,
 ) -> Result<Settings, StudyError> {
-    let common = lay_over(
+    let common = override_with(
         &file.robot_settings()?,
         &file.origin,
         &file.document.settings,
     )?;
-    let there = lay_over(&common, &file.origin, &file.world_settings(world))?;
-    let own = lay_over(&there, &file.origin, &file.method_settings(method)?)?;
+    let there = override_with(&common, &file.origin, &file.world_settings(world))?;
+    let own = override_with(&there, &file.origin, &file.method_settings(method)?)?;
     Ok(Resolved::new(&own, &[], &overrides.sets)?.settings)
 }
 
-fn lay_over(base: &Settings, origin: &str, table: &Table) -> Result<Settings, StudyError> {
+fn override_with(base: &Settings, origin: &str, table: &Table) -> Result<Settings, StudyError> {
     let text = table.to_string();
     Ok(Resolved::new(base, &[(origin, &text)], &[])?.settings)
 }
 
-/// Where the settings of variants stand.
+/// Returns the origin of variant settings, for messages.
 fn origin_of_variants(file: &StudyFile) -> String {
     let StudyFile {
         origin, document, ..
@@ -177,11 +180,11 @@ fn origin_of_variants(file: &StudyFile) -> String {
     }
 }
 
-/// A variant that also tells where trials learn beforehand, if the study varies that.
-fn told_after(variant: &Variant, document: &Document, after: &Option<String>) -> Variant {
+/// Adds the earlier world to a variant, if the study varies it.
+fn with_after(variant: &Variant, document: &Document, after: &Option<String>) -> Variant {
     match document.after.is_empty() {
         true => variant.clone(),
-        false => told(variant, "after", after.as_deref().unwrap_or(NOTHING)),
+        false => with_entry(variant, "after", after.as_deref().unwrap_or(NOTHING)),
     }
 }
 
@@ -228,7 +231,7 @@ mod tests {
         let keys = ["xcs.beta", "xcs.mu", "xcs.chi", "xcs.delta", "xcs.alpha"];
         let lines = keys.map(|key| format!("\"{key}\" = [{values}]\n"));
         let fault = protocol(&format!("[sweep]\n{}", lines.concat()), &[]).unwrap_err();
-        let words = "it makes 40000000000 combinations, but at most 2500 are possible";
+        let words = "it has 40000000000 combinations, but the maximum is 2500";
         assert!(fault.to_string().contains(words), "{fault}");
     }
 
@@ -252,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn an_earlier_world_can_be_a_file_and_must_look_alike() {
+    fn an_earlier_world_can_be_a_file_and_must_have_the_same_percept_width() {
         let folder = tempfile::tempdir().unwrap();
         let world = include_str!("../../../worlds/maze4.json");
         std::fs::write(folder.path().join("w.json"), world).unwrap();
@@ -274,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_of_a_method_win_over_the_study_and_the_command_line_over_both() {
+    fn settings_of_a_method_override_the_study_and_the_command_line_overrides_both() {
         let text = "[settings]\n\"xcs.chi\" = 0.1\n\"xcs.mu\" = 0.1\n[method-settings.xcscr]\nxcs.chi = 0.3\nxcs.alpha = 0.3\n";
         let study = protocol(text, &["xcs.alpha=0.4"]).unwrap();
         let figures = |arm: usize| {
@@ -286,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_swept_setting_cannot_be_set_besides() {
+    fn a_swept_setting_cannot_also_be_set() {
         let fault = protocol("[sweep]\n\"xcs.beta\" = [0.1]\n", &["xcs.beta=1"]).unwrap_err();
         assert!(fault.to_string().contains("leave it out of --set"));
     }
@@ -302,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn the_id_tells_any_change_and_survives_a_round_trip() {
+    fn the_id_changes_with_any_change_and_survives_a_round_trip() {
         let study = protocol("", &[]).unwrap();
         let text = serde_json::to_string_pretty(&study).unwrap();
         let again: Protocol = serde_json::from_str(&text).unwrap();

@@ -1,4 +1,4 @@
-//! What a study is going to do, fixed before its first trial.
+//! The protocol of a study, which is fixed before its first trial.
 
 mod file;
 mod freeze;
@@ -18,7 +18,7 @@ pub(super) use file::NOTHING;
 pub use file::StudyFile;
 pub use keys::{STUDY_KEYS, StudyKey};
 pub use overrides::Overrides;
-pub(super) use unread::refuse_twins;
+pub(super) use unread::refuse_duplicates;
 
 use super::error::StudyError;
 use crate::agent::Method;
@@ -30,15 +30,16 @@ use crate::world::bundled_world;
 use xcs::bounds::{OutOfRange, within};
 use xcs::random::replicate_seed;
 
-/// More combinations than these fill the memory with settings before the first trial begins.
+/// Maximum number of arms. More would fill the memory with settings before the first trial.
 const MOST_ARMS: usize = 2_500;
-/// The most worlds; and the most cells in all of those that are generated, whose names are short.
+/// Maximum number of worlds, and of cells in all generated worlds. A short name can generate a
+/// large world.
 const MOST_WORLDS: usize = 1_000;
 const MOST_GENERATED: usize = 1 << 22;
-/// What is left to do is kept as a list.
+/// Maximum number of trials. The missing trials are kept as a list.
 const MOST_TRIALS: usize = 4_000_000;
 
-/// The values that a sweep gives to settings, by their full names.
+/// The values that a variant sets, by the full names of the settings.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Variant(pub BTreeMap<String, serde_json::Value>);
@@ -56,54 +57,55 @@ impl fmt::Display for Variant {
     }
 }
 
-/// One combination of all that a study varies, but the seed.
+/// One combination of everything that a study varies except the seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Arm {
     /// The world's name.
     pub world: String,
-    /// The reward method.
+    /// The learning method.
     pub method: Method,
     /// The arena.
     pub arena: ArenaKind,
-    /// The percept.
+    /// The sensor.
     pub sensor: Sensor,
-    /// What the sweep sets.
+    /// The settings of the variant.
     pub variant: Variant,
     /// The name of the world in which trials learn beforehand.
     pub after: Option<String>,
-    /// All settings, the sweep's among them.
+    /// All settings, including those of the variant.
     pub settings: Settings,
-    /// The name of an agent of one's own, which takes the place of the method.
+    /// The name of a custom agent, which replaces the method.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub agent: Option<String>,
 }
 
 impl Arm {
-    /// The name of the method, or of the agent in its place.
+    /// Returns the name of the method, or of the custom agent.
     pub fn method_name(&self) -> &str {
         self.agent.as_deref().unwrap_or(self.method.name())
     }
 
-    /// The method, if it is a built-in one.
+    /// Returns the method, or `None` for a custom agent.
     pub fn built_in(&self) -> Option<Method> {
         Some(self.method).filter(|_| self.agent.is_none())
     }
 
-    /// Do both differ in nothing but the method?
-    fn is_beside(&self, other: &Self) -> bool {
+    /// Returns true if the arms differ in nothing but the method.
+    fn differs_only_in_method(&self, other: &Self) -> bool {
         let place = |arm: &Self| (arm.arena, arm.sensor, arm.world.clone(), arm.after.clone());
         place(self) == place(other) && self.variant == other.variant
     }
 }
 
-/// A study with everything decided: each trial's plan follows from it.
+/// A study with all settings resolved. It determines the plan of each trial.
 ///
-/// Trials are numbered through: all of the first arm, then all of the second, and so on.
+/// Trials are numbered consecutively: all trials of the first arm, then all of the second, and so
+/// on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Protocol {
-    /// The version of this program; another one may give other results.
+    /// The version of this program. Another version may give other results.
     pub version: String,
     /// The study's name.
     pub name: String,
@@ -114,35 +116,35 @@ pub struct Protocol {
     /// Episodes per trial.
     pub episodes: u32,
     /// Episodes in which the greedy policy of each finished trial drives the trial's own robot,
-    /// without learning or exploring; 0 for none.
+    /// without learning or exploration. 0 for none.
     #[serde(default, skip_serializing_if = "is_none")]
     pub drives: u32,
-    /// The worlds, each with a name of its own.
+    /// The worlds, which have unique names.
     #[serde(serialize_with = "write_mazes", deserialize_with = "read_mazes")]
     pub worlds: Vec<Maze>,
     /// The worlds in which trials learn beforehand.
     #[serde(serialize_with = "write_mazes", deserialize_with = "read_mazes")]
     pub earlier: Vec<Maze>,
-    /// What is compared.
+    /// The arms that are compared.
     pub arms: Vec<Arm>,
 }
 
 impl Protocol {
-    /// Freezes a study file, with what the command line says otherwise.
+    /// Freezes a study file with the overrides of the command line.
     ///
     /// # Errors
-    /// When a world, a setting or a number is no good.
+    /// When a world, a setting or a number is invalid.
     pub fn new(file: &StudyFile, overrides: &Overrides) -> Result<Self, StudyError> {
         freeze::freeze(file, overrides)
     }
 
-    /// Adds an agent of one's own beside the methods, wherever there is one.
+    /// Adds a custom agent in every combination in which the study has a method.
     pub(super) fn add_agent(&mut self, name: &str) -> Result<(), StudyError> {
         let origin = self.name.clone();
         let refusal = |fault| Err(StudyError::File { origin, fault });
         if !is_agent_name(name) {
             return refusal(format!(
-                "`{name}` is no name for an agent: use 1 to 40 small letters, digits and hyphens"
+                "invalid agent name `{name}`: use 1 to 40 lower-case letters, digits and hyphens"
             ));
         }
         let is_taken = self.arms.iter().any(|arm| arm.method_name() == name);
@@ -151,8 +153,11 @@ impl Protocol {
         }
         for at in (0..self.arms.len()).rev() {
             let arm = &self.arms[at];
-            // After the last method of the same world, arena, sensor and variant.
-            if !self.arms[at + 1..].iter().any(|other| other.is_beside(arm)) {
+            // Insert after the last method of the same world, arena, sensor and variant.
+            if !self.arms[at + 1..]
+                .iter()
+                .any(|other| other.differs_only_in_method(arm))
+            {
                 let agent = Some(name.to_owned());
                 let own = Arm {
                     agent,
@@ -165,56 +170,57 @@ impl Protocol {
             .or_else(|fault| refusal(fault.to_string()))
     }
 
-    /// Tells this study from every other one: a checksum of all that is in it.
+    /// Returns the id of the study: a checksum of everything in the protocol.
     pub fn id(&self) -> String {
         id_of(&self.to_json())
     }
 
-    /// All that is in it, as a JSON document.
+    /// Returns the protocol as a JSON document.
     pub(super) fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).expect("plain data becomes JSON")
     }
 
-    /// The number of all trials.
+    /// Returns the number of all trials.
     pub fn len(&self) -> usize {
         self.arms.len() * self.trials
     }
 
-    /// Are there no trials?
+    /// Returns true if there are no trials.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The arm of a trial.
+    /// Returns the arm of a trial.
     pub fn arm(&self, trial: usize) -> &Arm {
         &self.arms[trial / self.trials]
     }
 
-    /// Which of the trials of its arm a trial is, counted from 1.
+    /// Returns the number of a trial within its arm, counted from 1.
     pub fn replicate(&self, trial: usize) -> usize {
         trial % self.trials + 1
     }
 
-    /// The seed of a trial: the same for the same replicate of every arm, so that comparisons
-    /// are paired.
+    /// Returns the seed of a trial. It is the same for the same replicate of every arm, so that
+    /// comparisons are paired.
     pub fn trial_seed(&self, trial: usize) -> u64 {
         replicate_seed(self.seed, self.replicate(trial) as u64)
     }
 
-    /// Is the world of this name the one that comes with the program?
-    pub(super) fn holds_shipped(&self, name: &str) -> bool {
+    /// Returns true if the world of this name is the shipped one.
+    pub(super) fn has_shipped(&self, name: &str) -> bool {
         let shipped = bundled_world(name);
         let shipped = shipped.and_then(|text| Maze::from_json(text.as_bytes(), name).ok());
         shipped.is_some() && shipped.as_ref() == named(&self.worlds, name)
     }
 
-    /// The world of a trial.
+    /// Returns the world of a trial.
     pub(super) fn maze(&self, trial: usize) -> &Maze {
         let maze = named(&self.worlds, &self.arm(trial).world);
         maze.expect("arms name worlds of their study")
     }
 
-    /// A plan of each arm, and of what comes before it: those of its first trials.
+    /// Returns the plan of the first trial of each arm, preceded by its earlier plan if there is
+    /// one.
     pub fn arm_plans(&self) -> impl Iterator<Item = Plan> + '_ {
         let firsts = (0..self.arms.len()).map(|arm| arm * self.trials);
         firsts.flat_map(|trial| {
@@ -223,7 +229,7 @@ impl Protocol {
         })
     }
 
-    /// All that is chosen for a trial, but its world; with what that decides filled in.
+    /// Returns the configuration of a trial, with the settings that depend on its world filled in.
     pub(super) fn config(&self, trial: usize) -> Config {
         let arm = self.arm(trial);
         Config {
@@ -238,8 +244,8 @@ impl Protocol {
         }
     }
 
-    /// The plan of a trial. Where it starts from what an [earlier trial](Self::earlier_plan) has
-    /// learned, that is still to be filled in.
+    /// Returns the plan of a trial. If the trial has an [earlier plan](Self::earlier_plan), the
+    /// caller adds the knowledge learned there.
     pub fn plan(&self, trial: usize) -> Plan {
         Plan {
             maze: self.maze(trial).clone(),
@@ -247,7 +253,7 @@ impl Protocol {
         }
     }
 
-    /// The plan of the trial that comes before a trial and learns for it, from the same seed.
+    /// Returns the plan of the trial that learns beforehand for a trial, from the same seed.
     pub fn earlier_plan(&self, trial: usize) -> Option<Plan> {
         let maze = named(&self.earlier, self.arm(trial).after.as_deref()?);
         let plan = Plan {
@@ -260,7 +266,7 @@ impl Protocol {
         Some(plan.settled())
     }
 
-    /// Does every arm name a world of the study, and is no setting out of range?
+    /// Checks that every arm names a world of the study, and that all settings are in range.
     pub(super) fn check(&self) -> Result<(), String> {
         let known = |arm: &Arm| {
             let earlier = |name: &String| named(&self.earlier, name).is_some();
@@ -269,13 +275,15 @@ impl Protocol {
         self.check_numbers().map_err(|fault| fault.to_string())?;
         self.check_names()?;
         if self.is_empty() || !self.arms.iter().all(known) {
-            return Err("it has no trials, or trials in worlds that it does not hold".to_owned());
+            return Err(
+                "it has no trials, or trials in worlds that it does not contain".to_owned(),
+            );
         }
         let mut firsts = (0..self.arms.len()).map(|arm| arm * self.trials);
         firsts.try_for_each(|trial| self.check_arm_of(trial))
     }
 
-    /// Are there no more trials than can be listed?
+    /// Checks that the numbers of the study are in range.
     fn check_numbers(&self) -> Result<(), OutOfRange> {
         within("trials", self.trials, 1..=1_000_000)?;
         within("episodes", self.episodes, 1..=1_000_000)?;
@@ -289,25 +297,25 @@ impl Protocol {
         within("trials of all combinations", self.len(), 0..=MOST_TRIALS)
     }
 
-    /// Names tell worlds apart, in tables and in protocols, and are printed to terminals.
+    /// Checks the names, which must be unique and are printed to terminals.
     fn check_names(&self) -> Result<(), String> {
         if self.name.contains(char::is_control) {
-            return Err("`name` holds a control character: leave it out".to_owned());
+            return Err("`name` contains a control character: remove it".to_owned());
         }
         let agents = self.arms.iter().filter_map(|arm| arm.agent.as_ref());
         if let Some(name) = agents.into_iter().find(|name| !is_agent_name(name)) {
-            return Err(format!("`{name}` is no name for an agent"));
+            return Err(format!("invalid agent name `{name}`"));
         }
         for worlds in [&self.worlds, &self.earlier] {
             let is_twin = |i: usize| named(&worlds[..i], worlds[i].name()).is_some();
             if let Some(twin) = (0..worlds.len()).find(|&i| is_twin(i)) {
-                return Err(format!("two worlds are called `{}`", worlds[twin].name()));
+                return Err(format!("two worlds are named `{}`", worlds[twin].name()));
             }
         }
         Ok(())
     }
 
-    /// Is no setting of an arm out of range, and do the robot and the earlier world fit?
+    /// Checks the settings of an arm, and that the robot and the earlier world fit.
     fn check_arm_of(&self, trial: usize) -> Result<(), String> {
         let plan = self.plan(trial);
         plan.check().map_err(|fault| fault.to_string())?;
@@ -333,7 +341,7 @@ impl Protocol {
     }
 }
 
-/// The names that agents of one's own may have: they stand in tables, pages and terminals.
+/// Returns true for a valid name of a custom agent. It is printed in tables, pages and terminals.
 fn is_agent_name(name: &str) -> bool {
     let is_plain = |letter: char| matches!(letter, 'a'..='z' | '0'..='9' | '-');
     (1..=40).contains(&name.len()) && name.chars().all(is_plain)
@@ -347,7 +355,7 @@ fn named<'a>(mazes: &'a [Maze], name: &str) -> Option<&'a Maze> {
     mazes.iter().find(|maze| maze.name() == name)
 }
 
-/// The id of the study with this text.
+/// Returns the id of the study with this text.
 pub(super) fn id_of(json: &str) -> String {
     format!("{:08x}", crc32fast::hash(json.as_bytes()))
 }

@@ -1,8 +1,8 @@
-//! What the command line changes in a study.
+//! Command-line overrides of a study file.
 
 use crate::arena::ArenaKind;
 
-/// What the command line says otherwise than the study file.
+/// The values on the command line, which override those of the study file.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
     /// Trials per arm.
@@ -11,8 +11,8 @@ pub struct Overrides {
     pub episodes: Option<u32>,
     /// Root seed of all trials.
     pub seed: Option<u64>,
-    /// The only arena.
+    /// The arena, which replaces the arenas of the study.
     pub arena: Option<ArenaKind>,
-    /// Settings, as `section.key=value`, which win over all others.
+    /// Settings as `section.key=value`, which override all others.
     pub sets: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! Studies that come with the program.
+//! Studies that are shipped with the program.
 
 /// The studies, by name.
 const STUDIES: [(&str, &str); 15] = [
@@ -22,12 +22,12 @@ const STUDIES: [(&str, &str); 15] = [
     ("coevolved", include_str!("presets/coevolved.toml")),
 ];
 
-/// The text of a study file that comes with the program.
+/// Returns the text of a shipped study file.
 pub fn study(name: &str) -> Option<&'static str> {
     find(&STUDIES, name)
 }
 
-/// The names of the studies that come with the program.
+/// Returns the names of the shipped studies.
 pub fn study_names() -> String {
     names(&STUDIES)
 }
@@ -51,7 +51,7 @@ mod tests {
     use crate::study::protocol::{Overrides, Protocol, StudyFile};
 
     #[test]
-    fn every_study_that_comes_with_the_program_can_be_planned() {
+    fn every_shipped_study_can_be_planned() {
         for (name, text) in STUDIES {
             let file = StudyFile::parse(text, name, Path::new("."));
             let protocol = file.and_then(|file| Protocol::new(&file, &Overrides::default()));

@@ -1,4 +1,4 @@
-//! Refuses settings of a study that have no effect, and trials that would be run twice.
+//! Rejects settings of a study that have no effect, and trials that would run twice.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use crate::study::error::StudyError;
 use crate::trial::{Scope, SettingOrigin, SettingsError, flatten};
 
 impl Arm {
-    /// What decides which settings count.
+    /// Returns the choices that determine which settings are read.
     fn scope(&self) -> Scope<'_> {
         Scope {
             method: Some(self.method),
@@ -22,22 +22,22 @@ impl Arm {
         }
     }
 
-    /// Does it leave out a part that its method does not have?
-    pub(super) fn leaves_out_nothing(&self) -> bool {
+    /// Returns true if the arm leaves out a part that its method does not have.
+    pub(super) fn leaves_out_missing_part(&self) -> bool {
         let part = self.variant.0.get("without").and_then(|part| part.as_str());
         let part = part.filter(|part| *part != NOTHING);
         part.is_some_and(|key| !self.scope().reads(key))
     }
 
-    /// Everything that its trials depend on, as text.
-    fn all_that_counts(&self) -> String {
+    /// Returns everything that the arm's trials depend on, as text.
+    fn effective_inputs(&self) -> String {
         let table = Table::try_from(&self.settings).expect("settings are plain data");
         let mut settings = flatten(table);
         settings.retain(|(key, _)| self.scope().reads(key));
         format!("{} {settings:?}", self.place())
     }
 
-    /// All but its settings.
+    /// Returns everything but the settings, as text.
     fn place(&self) -> String {
         let Self {
             world,
@@ -55,7 +55,7 @@ impl Arm {
         )
     }
 
-    /// What messages call it.
+    /// Returns the name of the arm in messages.
     fn name(&self) -> String {
         let words = [self.method_name(), self.arena.name(), self.sensor.name()];
         let name = format!("{} {} {}", self.world, words.join(" "), self.variant);
@@ -63,8 +63,8 @@ impl Arm {
     }
 }
 
-/// Refuses what the study file or the command line sets for arms none of which reads it, and a robot that
-/// no arm drives.
+/// Rejects settings in the study file or on the command line that none of their arms reads, and a
+/// robot that no arm uses.
 pub(super) fn refuse_unread(
     file: &StudyFile,
     overrides: &Overrides,
@@ -102,13 +102,13 @@ pub(super) fn refuse_unread(
     Ok(())
 }
 
-/// The full names of the settings in a table.
+/// Returns the full names of the settings in a table.
 fn names(table: &Table) -> Vec<String> {
     let flat = flatten(table.clone()).into_iter();
     flat.map(|(key, _)| key).collect()
 }
 
-/// Refuses the first of these settings that none of these arms reads.
+/// Rejects the first of these settings that none of these arms reads.
 fn refuse(keys: Vec<String>, origin: SettingOrigin, arms: &[&Arm]) -> Result<(), SettingsError> {
     let Some(first) = arms.first() else {
         return Ok(());
@@ -121,15 +121,15 @@ fn refuse(keys: Vec<String>, origin: SettingOrigin, arms: &[&Arm]) -> Result<(),
     })
 }
 
-/// Refuses arms that differ in nothing that their trials depend on, whose rows would be identical.
-pub(in crate::study) fn refuse_twins(origin: &str, arms: &[Arm]) -> Result<(), StudyError> {
+/// Rejects arms whose trials, and so whose rows, would be identical.
+pub(in crate::study) fn refuse_duplicates(origin: &str, arms: &[Arm]) -> Result<(), StudyError> {
     let mut places: HashMap<String, usize> = HashMap::new();
     for arm in arms {
         *places.entry(arm.place()).or_default() += 1;
     }
     let mut met: HashMap<String, &Arm> = HashMap::new();
     for arm in arms.iter().filter(|arm| places[&arm.place()] > 1) {
-        let Some(twin) = met.insert(arm.all_that_counts(), arm) else {
+        let Some(twin) = met.insert(arm.effective_inputs(), arm) else {
             continue;
         };
         let (mine, its) = (&arm.variant.0, &twin.variant.0);
@@ -138,7 +138,7 @@ pub(in crate::study) fn refuse_twins(origin: &str, arms: &[Arm]) -> Result<(), S
             format!(" (`{key}`: {})", arm.scope().why_unread(key))
         });
         let fault = format!(
-            "`{}` and `{}` would be the same trials{why}: leave out one, or make two studies of it",
+            "`{}` and `{}` would run the same trials{why}: remove one, or split the study in two",
             twin.name(),
             arm.name()
         );
@@ -175,7 +175,7 @@ mod tests {
     const BOTH: &str = "\"q-learning\", \"xcs\"";
 
     #[test]
-    fn what_no_arm_reads_is_refused_wherever_it_is_set() {
+    fn a_setting_that_no_arm_reads_is_rejected_wherever_it_is_set() {
         for (more, place) in [
             ("[settings]\n\"xcs.mu\" = 0.1\n", "s.toml, settings"),
             (
@@ -220,11 +220,11 @@ mod tests {
     }
 
     #[test]
-    fn a_sweep_that_an_arm_does_not_read_is_refused_with_the_arm() {
+    fn a_sweep_that_an_arm_does_not_read_is_rejected_with_the_arm() {
         let sweep = "[sweep]\n\"xcs.mu\" = [0.1, 0.2]\n";
         let message = refusal(BOTH, sweep, &[]);
         let arms = "`maze4 q-learning grid neighbours xcs.mu=0.1` and `maze4 q-learning grid neighbours xcs.mu=0.2` \
-            would be the same trials (`xcs.mu`: the method `q-learning` does not read it";
+            would run the same trials (`xcs.mu`: the method `q-learning` does not read it";
         assert!(message.contains(arms), "{message}");
         assert_eq!(protocol("\"xcs\"", sweep, &[]).unwrap().arms.len(), 2);
         let arenas = "arenas = [\"grid\", \"physics\"]\n[sweep]\n\"physics.noise\" = [0.0, 1.0]\n";
@@ -237,13 +237,13 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_is_run_but_not_tuned_with_twins() {
+    fn a_sample_with_duplicate_arms_is_run_but_not_tuned() {
         let sample = "sample = 2\n[sweep]\n\"xcs.mu\" = [0.1, 0.2]\n";
         let study = protocol(BOTH, sample, &[]).unwrap();
-        let fault = refuse_twins("s", &study.arms).unwrap_err().to_string();
-        assert!(fault.contains("would be the same trials"), "{fault}");
+        let fault = refuse_duplicates("s", &study.arms).unwrap_err().to_string();
+        assert!(fault.contains("would run the same trials"), "{fault}");
         let study = protocol("\"xcs\"", sample, &[]).unwrap();
-        refuse_twins("s", &study.arms).unwrap();
+        refuse_duplicates("s", &study.arms).unwrap();
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What a study varies: every combination of the swept settings, or some drawn at random.
+//! The variants of a study: every combination of the swept settings, or a random sample.
 
 use std::collections::BTreeSet;
 
@@ -11,20 +11,20 @@ use crate::study::error::StudyError;
 use crate::trial::{flatten, value_of};
 use xcs::random::Stream;
 
-/// The seed of [`drawn_combinations`]: the same for all seeds of trials, so that a study that is
-/// repeated with other seeds tries the same settings.
+/// The seed of [`drawn_combinations`]. It does not depend on the seed of the study, so that a
+/// repetition with another seed uses the same settings.
 const DRAW_SEED: u64 = 1;
-/// Its stream; trials draw from theirs under other seeds.
+/// The random stream. Trials use theirs with other seeds.
 const DRAW_STREAM: u64 = 8;
 
-/// Settings of a sweep, each with its values.
+/// Swept settings and their values.
 type Sweep = [(String, Vec<Value>)];
 
-/// A variant, with the settings that make it.
+/// A variant, with its settings as a table.
 pub(super) type Variation = (Table, Variant);
 
-/// All combinations of the swept values, of the listed tables, and of the switches to turn off; a single empty one when
-/// nothing is varied. Each with the settings that make it.
+/// Returns all combinations of the swept values, the listed tables, and the switches to turn off,
+/// with their settings. Returns a single empty variant when nothing is varied.
 pub(super) fn variants(
     file: &StudyFile,
     overrides: &Overrides,
@@ -44,18 +44,22 @@ pub(super) fn variants(
     }
     let mut with_switches = Vec::new();
     for variant in variants {
-        with_switches.push((variant.0.clone(), told(&variant.1, "without", NOTHING)));
+        with_switches.push((
+            variant.0.clone(),
+            with_entry(&variant.1, "without", NOTHING),
+        ));
         for (switch, off) in switches.iter().map(|part| switched_off(part)) {
             refuse_set(file, overrides, switch)?;
             refuse_swept(file, &variant.1, switch, "without")?;
             let (table, _) = varied(&variant, switch, &off);
-            with_switches.push((table, told(&variant.1, "without", switch)));
+            with_switches.push((table, with_entry(&variant.1, "without", switch)));
         }
     }
     Ok(with_switches)
 }
 
-/// The setting of a part that is left out, and its value then: `false`, unless another one stands behind it.
+/// Returns the setting of a part to leave out, and the value that turns it off. The value is
+/// `false` unless one follows `=`.
 fn switched_off(part: &str) -> (&str, Value) {
     match part.split_once('=') {
         None => (part, Value::Boolean(false)),
@@ -63,7 +67,7 @@ fn switched_off(part: &str) -> (&str, Value) {
     }
 }
 
-/// Every pair of one element each.
+/// Returns every pair of one element each.
 pub(super) fn product<'a, 'b, A, B>(
     first: &'a [A],
     second: &'b [B],
@@ -82,7 +86,7 @@ fn every_combination(sweep: &Sweep) -> Vec<Variation> {
     })
 }
 
-/// Each of the variants with the settings of each table that the file lists.
+/// Combines each of the variants with each table that the file lists.
 fn with_listed(
     file: &StudyFile,
     overrides: &Overrides,
@@ -104,7 +108,8 @@ fn with_listed(
     Ok(all)
 }
 
-/// So many different combinations, each with the same chance; all when there are no more.
+/// Draws `sample` different combinations, each with the same probability. Returns all combinations
+/// if there are no more than `sample`.
 fn drawn_combinations(sweep: &Sweep, sample: usize) -> Vec<Variation> {
     let sizes = sweep.iter().map(|(_, values)| values.len());
     if sizes.fold(1, usize::saturating_mul) <= sample {
@@ -126,7 +131,7 @@ fn drawn_combinations(sweep: &Sweep, sample: usize) -> Vec<Variation> {
     drawn
 }
 
-/// What is varied cannot be set on the command line besides.
+/// Rejects a varied setting that is also set on the command line.
 fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), StudyError> {
     let is_same = |set: &String| set.split('=').next().is_some_and(|k| k.trim() == key);
     if !overrides.sets.iter().any(is_same) {
@@ -136,7 +141,7 @@ fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), 
     Err(StudyError::file(&file.origin, &fault))
 }
 
-/// What is swept cannot be set by another key of the file, `besides`.
+/// Rejects a swept setting that another key of the file, `besides`, also sets.
 fn refuse_swept(
     file: &StudyFile,
     variant: &Variant,
@@ -151,7 +156,7 @@ fn refuse_swept(
     Err(StudyError::file(&file.origin, &fault))
 }
 
-/// A variant with one setting more.
+/// Returns a variant with one more setting.
 fn varied((table, variant): &Variation, key: &str, value: &Value) -> Variation {
     let (mut table, mut variant) = (table.clone(), variant.clone());
     table.insert(key.to_owned(), value.clone());
@@ -160,8 +165,8 @@ fn varied((table, variant): &Variation, key: &str, value: &Value) -> Variation {
     (table, variant)
 }
 
-/// A variant that tells one thing more.
-pub(super) fn told(variant: &Variant, name: &str, value: &str) -> Variant {
+/// Returns a variant with one more entry, which is not a setting.
+pub(super) fn with_entry(variant: &Variant, name: &str, value: &str) -> Variant {
     let mut variant = variant.clone();
     variant.0.insert(name.to_owned(), value.into());
     variant
@@ -195,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_of_more_than_there_are_is_every_combination() {
+    fn a_sample_larger_than_the_sweep_is_every_combination() {
         assert_eq!(
             drawn_combinations(&sweep(2), 9),
             every_combination(&sweep(2))

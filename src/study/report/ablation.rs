@@ -1,4 +1,4 @@
-//! What switches contribute that a study turns on and off.
+//! The contribution of the switches that a study turns on and off.
 
 use serde::Serialize;
 
@@ -8,27 +8,28 @@ use crate::study::analysis::summary::{ArmRecords, by_success, rounded};
 use crate::study::protocol::Arm;
 use crate::study::statistics::{Interval, Pairs, Proportion, holm};
 
-/// What one switch does in one world.
+/// The effect of one switch in one world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SwitchEffect {
     /// The world.
     pub world: String,
     /// Method, arena and sensor.
     pub setting: String,
-    /// The setting that is switched.
+    /// The name of the switch.
     pub switch: String,
-    /// The share of successes with it minus that without it, over all settings of the others.
+    /// Share of successes with the switch minus that without, over all states of the other
+    /// switches.
     pub main_effect: Interval,
-    /// The same with all others on.
+    /// The effect with all other switches on.
     pub last_added: Interval,
-    /// The same with all others off.
+    /// The effect with all other switches off.
     pub alone: Interval,
-    /// McNemar's exact p of `main_effect`, over pairs of trials that differ in nothing but the switch, after Holm's correction
-    /// over the switches.
+    /// McNemar's exact p of `main_effect`, after Holm's correction over the switches. The trials of
+    /// a pair differ in nothing but the switch.
     pub holm_p: f64,
 }
 
-/// The settings that take only the values true and false in a study, and both of them.
+/// Returns the varied settings that take both true and false in a study, and no other value.
 pub fn switches(arms: &[ArmRecords<'_>]) -> Vec<String> {
     let Some(first) = arms.first() else {
         return Vec::new();
@@ -41,15 +42,15 @@ pub fn switches(arms: &[ArmRecords<'_>]) -> Vec<String> {
         .collect()
 }
 
-/// Is the switch on in this arm?
+/// Returns the state of a switch in an arm, or `None` if the arm does not set it as a boolean.
 pub fn state(arm: &Arm, switch: &str) -> Option<bool> {
     arm.variant.0.get(switch)?.as_bool()
 }
 
-/// All that a study does not switch: the world, and method, arena and sensor.
+/// The world, and method, arena and sensor: everything but the switches.
 pub type Place = (String, String);
 
-/// Where the arms ran, in the order of the study.
+/// Returns the places of the arms, in the order of the study.
 pub fn places(arms: &[ArmRecords<'_>]) -> Vec<Place> {
     let mut places: Vec<Place> = Vec::new();
     for one in arms {
@@ -61,7 +62,7 @@ pub fn places(arms: &[ArmRecords<'_>]) -> Vec<Place> {
     places
 }
 
-/// Where an arm ran.
+/// Returns the place of an arm.
 pub fn place(arm: &Arm) -> Place {
     let (method, arena) = (arm.method_name(), arm.arena.name());
     (
@@ -71,7 +72,7 @@ pub fn place(arm: &Arm) -> Place {
 }
 
 impl SwitchEffect {
-    /// The effect of each switch in each place.
+    /// Returns the effect of each switch in each place.
     pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
         let switches = switches(arms);
         let in_place = |name: Place| {
@@ -109,7 +110,8 @@ impl SwitchEffect {
     }
 }
 
-/// The pairs of trials with the same seed and the same state of all other switches, with and without this one.
+/// Counts the pairs of trials with and without a switch. The trials of a pair have the same seed
+/// and the same state of all other switches.
 fn paired(arms: &[&ArmRecords<'_>], switch: &str) -> Pairs {
     let rest = |arm: &Arm| {
         let mut rest = arm.variant.clone();
@@ -155,7 +157,7 @@ fn difference(arms: &[&ArmRecords<'_>], switch: &str) -> Interval {
     }
 }
 
-/// The effects as a table, in percentage points.
+/// Formats the effects as a table, in percentage points.
 pub fn table(effects: &[SwitchEffect]) -> Table {
     let mut table = Table::new([
         "world",
@@ -189,7 +191,7 @@ pub fn table(effects: &[SwitchEffect]) -> Table {
     table.without_dull(|name| name == "setting")
 }
 
-/// What the effects mean, in a sentence for each place.
+/// Describes the effects in a sentence for each place.
 pub fn verdict(effects: &[SwitchEffect]) -> String {
     let sentence = |effects: &[SwitchEffect]| {
         let words = |one: &SwitchEffect| {
@@ -220,7 +222,7 @@ pub fn verdict(effects: &[SwitchEffect]) -> String {
     )
 }
 
-/// A setting without its section, in words.
+/// Returns the name of a setting in words, without its section.
 pub fn short(switch: &str) -> String {
     let name = switch.rsplit('.').next().unwrap_or(switch);
     name.replace('_', " ")

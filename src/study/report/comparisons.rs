@@ -1,4 +1,4 @@
-//! Which methods and variants differ, and which comparisons the data cannot decide.
+//! Statistical comparisons of methods and variants, and those that remain undecided.
 
 use serde::Serialize;
 
@@ -8,65 +8,66 @@ use crate::page::Table;
 use crate::study::analysis::summary::{ArmRecords, by_steps, by_success, rounded};
 use crate::study::protocol::{Arm, NOTHING};
 use crate::study::statistics::{
-    Interval, difference_to_be_found, holm, log_rank, share_to_be_found, trials_needed,
+    Interval, detectable_difference, detectable_share, holm, log_rank, trials_needed,
 };
 
-/// Errors of the first kind that are accepted.
+/// The accepted probability of a type I error.
 const ALPHA: f64 = 0.05;
 
-/// One method, or one way of learning, against another in one world.
+/// The comparison of one method, or variant, with another in one world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// The world.
     pub world: String,
-    /// Arena, sensor and what is varied otherwise.
+    /// Arena, sensor and the other varied settings.
     pub setting: String,
-    /// The first method, with its variant where variants are compared.
+    /// The first method, with its variant if variants are compared.
     pub method: String,
-    /// The method, or the variant, that it is compared with.
+    /// The second method, or variant.
     pub against: String,
-    /// How much larger the first one's share of successes is, with its 95 % interval.
+    /// Share of successes of the first minus that of the second, with its 95 % interval.
     pub difference: Interval,
     /// McNemar's exact p that the shares are equal, over the pairs of trials with the same seed.
     pub mcnemar_p: f64,
-    /// The same after Holm's correction over the worlds.
+    /// `mcnemar_p` after Holm's correction over the worlds.
     pub holm_p: f64,
-    /// The log-rank p that both find their first optimum equally soon, in episodes.
+    /// The log-rank p that both reach their first optimum equally soon, in episodes.
     pub log_rank_p: f64,
-    /// In how many pairs of trials with the same seed the first needed fewer steps to its first optimum. A trial without one
-    /// counts as later than any with one.
+    /// Number of pairs in which the first needed fewer steps to its first optimum. The trials of a
+    /// pair have the same seed. A trial without an optimum counts as later than any with one.
     pub sooner: u64,
-    /// In how many it needed more.
+    /// Number of pairs in which the first needed more steps.
     pub later: u64,
-    /// The sign test's exact p that each is as often sooner as the other, after Holm's correction over the worlds.
+    /// The sign test's exact p that either is sooner equally often, after Holm's correction over
+    /// the worlds.
     pub steps_holm_p: f64,
-    /// Trials of each that would tell such shares apart with a chance of 80 %.
+    /// Trials of each that would distinguish such shares with a power of 80 %.
     pub trials_needed: Option<u64>,
 }
 
-/// More combinations of swept values are a search, of which the best are shown, and not a question.
+/// Maximum number of swept combinations to compare. More are a search, of which the best are shown.
 const MOST_VALUES: usize = 24;
 
-/// More comparisons are not named one by one.
+/// Maximum number of comparisons to list one by one.
 const MOST_NAMED: usize = 4;
 
-/// The keys of a variant of which each value is compared with [`NOTHING`].
+/// The keys of a variant whose values are each compared with [`NOTHING`].
 const AGAINST_NOTHING: [&str; 2] = ["after", "without"];
 
 impl Comparison {
-    /// Can the data decide which has the larger share of successes?
+    /// Returns true if the data decide which has the larger share of successes.
     pub fn decides_share(&self) -> bool {
         self.holm_p < ALPHA
     }
 
-    /// Can the data decide which needs fewer steps to its first optimum?
+    /// Returns true if the data decide which needs fewer steps to its first optimum.
     pub fn decides_steps(&self) -> bool {
         self.steps_holm_p < ALPHA
     }
 
-    /// `xcscr-plus` (or else `xcscr`, or the last method) against each other method, and learning
-    /// `after` or `without` something against doing so after or without nothing, in each world; and each combination of swept
-    /// values against the first one.
+    /// Returns all comparisons in each world. `xcscr-plus` (or else `xcscr`, or the last method) is
+    /// compared with each other method. Each value of `after` or `without` is compared with
+    /// nothing. Each combination of swept values is compared with the first one.
     pub fn all(arms: &[ArmRecords<'_>]) -> Vec<Self> {
         let mut families: Vec<(String, Vec<Self>)> = Vec::new();
         for pair in pairs(arms) {
@@ -83,7 +84,7 @@ impl Comparison {
         families.into_iter().flat_map(corrected).collect()
     }
 
-    /// Comparisons that together answer one question.
+    /// Applies Holm's correction to comparisons that answer one question.
     fn corrected(mut members: Vec<Self>) -> Vec<Self> {
         let shares: Vec<f64> = members.iter().map(|one| one.mcnemar_p).collect();
         let steps: Vec<f64> = members.iter().map(|one| one.steps_holm_p).collect();
@@ -123,17 +124,17 @@ impl Comparison {
     }
 }
 
-/// Two arms that are to be compared.
+/// Two arms to compare.
 struct Pair<'a> {
     one: &'a ArmRecords<'a>,
     other: &'a ArmRecords<'a>,
-    /// What is compared, with what, and what they have in common.
+    /// The first, the second, and what they have in common.
     names: [String; 3],
-    /// Comparisons of one family answer one question together.
+    /// The comparisons of a family together answer one question.
     family: String,
 }
 
-/// All pairs of arms that are to be compared.
+/// Returns all pairs of arms to compare.
 fn pairs<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     let mut pairs = pairs_of_methods(arms);
     pairs.extend(pairs_without(arms));
@@ -141,16 +142,16 @@ fn pairs<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     pairs
 }
 
-/// The best method against each other one, in each world; a family has all worlds.
+/// Pairs the best method with each other one, in each world. A family spans all worlds.
 fn pairs_of_methods<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     let best = best_method(arms);
     let pair = |other: &'a ArmRecords<'a>| {
-        let is_rival = |one: &&ArmRecords<'_>| {
+        let is_best = |one: &&ArmRecords<'_>| {
             Some(one.arm.method_name()) == best
                 && one.arm.world == other.arm.world
                 && setting(one.arm, "") == setting(other.arm, "")
         };
-        let one = arms.iter().find(is_rival)?;
+        let one = arms.iter().find(is_best)?;
         let [ours, theirs] = [one, other].map(|records| records.arm.method_name().to_owned());
         let names = [ours, theirs, setting(one.arm, "")];
         let family = names.join(" ");
@@ -164,7 +165,7 @@ fn pairs_of_methods<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     arms.iter().filter_map(pair).collect()
 }
 
-/// Learning after something, or without a part, against doing so after or without nothing; a family has all worlds.
+/// Pairs each value of `after` or `without` with nothing. A family spans all worlds.
 fn pairs_without<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     let pair = |key: &str, one: &'a ArmRecords<'a>| {
         let value = value(one.arm, key).filter(|value| *value != NOTHING)?;
@@ -190,8 +191,9 @@ fn pairs_without<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
         .collect()
 }
 
-/// Each combination of swept values against the first one of its place and method; these are a family. There are none where
-/// only switches are swept, which have tests of their own, and none of large searches.
+/// Pairs each combination of swept values with the first one of its place and method, which
+/// together are a family. Returns none where only switches are swept, which have their own tests,
+/// and none for large searches.
 fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     let switches = ablation::switches(arms);
     let of_values = |arm: &Arm| {
@@ -202,11 +204,11 @@ fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     };
     let place = |arm: &Arm| (ablation::place(arm), arm.after.clone());
     let pair = |one: &'a ArmRecords<'a>| {
-        let mut beside = arms
+        let mut same_place = arms
             .iter()
             .filter(|other| place(other.arm) == place(one.arm));
-        let few = beside.clone().count() <= MOST_VALUES;
-        let other = beside
+        let few = same_place.clone().count() <= MOST_VALUES;
+        let other = same_place
             .next()
             .filter(|other| few && other.arm.variant != one.arm.variant)?;
         let ours = format!("{} {}", one.arm.method_name(), one.arm.variant);
@@ -226,7 +228,7 @@ fn pairs_of_values<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
         .collect()
 }
 
-/// The method that is compared with all others.
+/// Returns the method that is compared with all others.
 fn best_method<'a>(arms: &[ArmRecords<'a>]) -> Option<&'a str> {
     let methods: Vec<&str> = arms.iter().map(|one| one.arm.method_name()).collect();
     let ours = [Method::XcscrPlus, Method::Xcscr].map(Method::name);
@@ -242,7 +244,7 @@ fn value_is_nothing(arm: &Arm, key: &str) -> bool {
     value(arm, key) == Some(NOTHING)
 }
 
-/// Arena, sensor and all that is varied but `key`.
+/// Returns arena, sensor and the varied settings except `key`.
 fn setting(arm: &Arm, key: &str) -> String {
     let mut variant = arm.variant.clone();
     variant.0.remove(key);
@@ -251,7 +253,7 @@ fn setting(arm: &Arm, key: &str) -> String {
         .to_owned()
 }
 
-/// The comparisons as a table, with letters for the names of swept settings.
+/// Formats the comparisons as a table, with letters for the names of swept settings.
 pub fn table(comparisons: &[Comparison], letters: &[(String, String)]) -> Table {
     let mut table = Table::new([
         "world",
@@ -301,16 +303,15 @@ fn row(one: &Comparison, letters: &[(String, String)]) -> Vec<String> {
     ]
 }
 
-/// What the columns mean.
+/// The description of the columns.
 pub const LEGEND: &str = "Trials with the same seed are pairs. points: how much larger the share of \
     optimal trials is, with McNemar's exact p. log-rank p: that both find the first optimum equally \
-    soon, in episodes. sooner, later: in how many pairs the first needed fewer or more environment \
-    steps to its first optimum (a trial without one counts as later than any with one), with the p of \
-    the sign test. Holm: corrected over the worlds, or over the \
-    combinations of a sweep. trials needed: of each, to tell such shares apart \
-    with a chance of 80 %, if they were no pairs.";
+    soon, in episodes. sooner, later: the number of pairs in which the first needed fewer or more \
+    environment steps to its first optimum (a trial without one counts as later than any with one), \
+    with the p of the sign test. Holm: corrected over the worlds, or over the combinations of a sweep. \
+    trials needed: trials of each to distinguish such shares with a power of 80 %, without pairs.";
 
-/// How many comparisons are decided, in a sentence.
+/// Describes the number of decided comparisons in a sentence.
 pub fn decided(comparisons: &[Comparison]) -> String {
     let count =
         |decides: fn(&Comparison) -> bool| comparisons.iter().filter(|one| decides(one)).count();
@@ -326,7 +327,7 @@ pub fn decided(comparisons: &[Comparison]) -> String {
     )
 }
 
-/// Which comparisons the data cannot decide; nothing if there are none.
+/// Describes the comparisons that the data cannot decide, or returns `None` if there are none.
 pub fn undecided(comparisons: &[Comparison]) -> Option<String> {
     let open = comparisons
         .iter()
@@ -341,21 +342,21 @@ pub fn undecided(comparisons: &[Comparison]) -> Option<String> {
         let (some, all) = (words.len(), comparisons.len());
         let which = format!("{some} of the {all} comparisons in the table");
         return Some(format!(
-            "Neither the share of optimal trials nor the steps tell apart {which}."
+            "Neither the share of optimal trials nor the steps decide {which}."
         ));
     }
     (!words.is_empty()).then(|| {
         format!(
-            "Neither the share of optimal trials nor the steps tell apart: {}.",
+            "Neither the share of optimal trials nor the steps decide: {}.",
             words.join("; ")
         )
     })
 }
 
-/// Which differences so many trials of each find, and which they may overlook.
+/// Describes which differences `trials` trials of each detect, and which they may miss.
 pub fn power(trials: usize) -> String {
     let trials = trials as u64;
-    let share = difference_to_be_found(trials);
+    let share = detectable_difference(trials);
     let share = share.map_or(
         "no difference of the shares of optimal trials".to_owned(),
         |found| {
@@ -363,7 +364,7 @@ pub fn power(trials: usize) -> String {
             format!("a difference such as {low:.0} against {high:.0} % of optimal trials")
         },
     );
-    let sooner = share_to_be_found(trials);
+    let sooner = detectable_share(trials);
     let sooner = sooner.map_or("none in the steps".to_owned(), |found| {
         format!(
             "one in the steps if a method is sooner in {:.0} % of the pairs",
@@ -371,12 +372,12 @@ pub fn power(trials: usize) -> String {
         )
     });
     format!(
-        "{trials} trials of each find {share} four times in five, and {sooner}. Smaller differences \
-         are overlooked more often."
+        "{trials} trials of each detect {share} four times in five, and {sooner}. Smaller differences \
+         are missed more often."
     )
 }
 
-/// A p-value to four decimals.
+/// Formats a p-value with four decimals.
 pub fn p_value(p: f64) -> String {
     if p < 0.0001 {
         "< 0.0001".to_owned()
@@ -385,12 +386,12 @@ pub fn p_value(p: f64) -> String {
     }
 }
 
-/// A difference of shares in percentage points.
+/// Formats a difference of shares in percentage points.
 pub fn points(difference: f64) -> String {
     format!("{:+.0}", 100.0 * difference)
 }
 
-/// The interval of a difference in percentage points.
+/// Formats the interval of a difference in percentage points.
 pub fn points_range(difference: Interval) -> String {
     let (low, high) = (100.0 * difference.low, 100.0 * difference.high);
     format!("{low:+.1} to {high:+.1}")

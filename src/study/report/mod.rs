@@ -1,4 +1,4 @@
-//! What a study says, in words, tables and pictures.
+//! The report of a study, in words, tables and figures.
 
 pub(super) mod ablation;
 mod comparisons;
@@ -24,8 +24,8 @@ use super::protocol::Protocol;
 use super::report::figures::draw_figures;
 use super::store::folder::StudyFolder;
 
-/// The report of a study. As JSON, it holds all figures: what came out per arm, next to the paper's
-/// numbers, method against method, and what each switch contributes.
+/// The report of a study. As JSON, it contains all figures: the results per arm, the comparison
+/// with the paper, the comparisons of methods, and the contribution of each switch.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
     study: String,
@@ -34,18 +34,18 @@ pub struct Report {
     seed: u64,
     trials: usize,
     episodes: u32,
-    /// How many trials are not finished: then nothing is tested.
+    /// Number of unfinished trials. If there are any, nothing is tested.
     #[serde(skip_serializing_if = "is_zero")]
     missing: usize,
-    /// What came out, per arm.
+    /// The results per arm.
     arms: Vec<ArmSummary>,
-    /// Next to the paper's numbers.
+    /// The comparison with the paper's numbers.
     against_paper: Vec<AgainstPaper>,
     /// Swept settings, the nearest to the paper's numbers first.
     nearest: Vec<Nearness>,
-    /// Method against method.
+    /// The comparisons of methods.
     comparisons: Vec<Comparison>,
-    /// What each switch contributes.
+    /// The contribution of each switch.
     switches: Vec<SwitchEffect>,
     #[serde(skip)]
     results: Table,
@@ -66,8 +66,8 @@ fn is_zero(missing: &usize) -> bool {
 }
 
 impl Report {
-    /// The report of what is finished of a study. Of one that is not complete, it has the table
-    /// only: tests that are looked at again and again until they please would decide too often.
+    /// Creates the report of the finished trials of a study. An incomplete study has the table
+    /// only: tests that are repeated until they are significant have too many false positives.
     pub fn new(folder: &StudyFolder) -> Self {
         let missing = folder.missing().len();
         let mut tested = ArmRecords::all(folder);
@@ -109,25 +109,25 @@ impl Report {
     /// Draws the figures and writes `report.md` and `report.html` into the folder of the study.
     ///
     /// # Errors
-    /// When a figure cannot be drawn, or a file not be written.
+    /// When a figure cannot be drawn, or a file cannot be written.
     pub fn write(&mut self, folder: &StudyFolder) -> Result<(), StudyError> {
         self.pictures = draw_figures(folder, &self.arms)?;
         folder.write("report.md", self.markdown().as_bytes())?;
         folder.write("report.html", self.html().as_bytes())
     }
 
-    /// The report for a terminal.
+    /// Formats the report for a terminal.
     pub fn terminal(&self) -> String {
         page::terminal(&self.blocks())
     }
 
-    /// The report as Markdown; its figures are the files that [`Self::write`] draws.
+    /// Formats the report as Markdown. Its figures are the files written by [`Self::write`].
     pub fn markdown(&self) -> String {
         let blocks = page::markdown(&self.blocks());
         format!("# {}\n\n{blocks}", page::without_tags(&self.title()))
     }
 
-    /// The report as one page that needs no other file; with figures once they are drawn.
+    /// Formats the report as one self-contained page, with the figures if they are drawn.
     pub fn html(&self) -> String {
         page::html(&self.title(), &self.blocks())
     }
@@ -136,12 +136,12 @@ impl Report {
         format!("Study {}", self.study)
     }
 
-    /// The sections of a results section, in their order.
+    /// Returns the sections of the report, in order.
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = vec![
-            Block::Heading("What was asked".to_owned()),
+            Block::Heading("Question".to_owned()),
             Block::Text(self.question.clone()),
-            Block::Heading("What was run".to_owned()),
+            Block::Heading("Setup".to_owned()),
             Block::Text(self.introduction()),
         ];
         blocks.extend(self.readings.clone().map(Block::Table));
@@ -159,7 +159,7 @@ impl Report {
             blocks.extend(self.pictures.iter().cloned().map(Block::Picture));
         }
         self.add_tests(&mut blocks);
-        blocks.push(Block::Heading("What cannot be concluded".to_owned()));
+        blocks.push(Block::Heading("Limitations".to_owned()));
         blocks.extend(self.limits().into_iter().map(Block::Text));
         blocks
     }
@@ -178,8 +178,8 @@ impl Report {
         let so_far = match missing {
             0 => String::new(),
             _ => format!(
-                "The study is not finished: {missing} of {} trials are missing, the table holds \
-                 the others, and nothing is tested before all are there. ",
+                "The study is not finished: {missing} of {} trials are missing. The table has the \
+                 others, and the tests are left out. ",
                 trials * self.arms.len()
             ),
         };
@@ -204,7 +204,7 @@ impl Report {
     fn add_paper(&self, blocks: &mut Vec<Block>) {
         if !self.against_paper.is_empty() {
             blocks.extend([
-                Block::Subheading("Next to the paper".to_owned()),
+                Block::Subheading("Comparison with the paper".to_owned()),
                 Block::Table(paper::table(&self.against_paper)),
                 Block::Text(paper::verdict(&self.against_paper)),
             ]);
@@ -212,11 +212,11 @@ impl Report {
     }
 
     fn add_nearest(&self, blocks: &mut Vec<Block>) {
-        // A study of one method, such as an ablation, asks another question.
+        // A study of one method, such as an ablation, has another purpose.
         let is_search = |one: &Nearness| one.numbers.len() > 1 && self.nearest.len() > 1;
         if self.nearest.first().is_some_and(is_search) {
             blocks.extend([
-                Block::Subheading("Which settings come nearest to the paper".to_owned()),
+                Block::Subheading("Settings nearest to the paper".to_owned()),
                 Block::Table(nearest::table(&self.nearest)),
                 Block::Table(nearest::effects(&self.nearest)),
                 Block::Text(nearest::legend(&self.nearest)),
@@ -227,7 +227,7 @@ impl Report {
     fn add_comparisons(&self, blocks: &mut Vec<Block>) {
         if !self.comparisons.is_empty() {
             blocks.extend([
-                Block::Subheading("What the data can decide".to_owned()),
+                Block::Subheading("Pairwise comparisons".to_owned()),
                 Block::Table(comparisons::table(&self.comparisons, &self.letters)),
                 Block::Text(comparisons::LEGEND.to_owned()),
                 Block::Text(comparisons::decided(&self.comparisons)),
@@ -238,14 +238,14 @@ impl Report {
     fn add_switches(&self, blocks: &mut Vec<Block>) {
         if !self.switches.is_empty() {
             blocks.extend([
-                Block::Subheading("What each switch contributes".to_owned()),
+                Block::Subheading("Contribution of each switch".to_owned()),
                 Block::Table(ablation::table(&self.switches)),
                 Block::Text(ablation::verdict(&self.switches)),
             ]);
         }
     }
 
-    /// What the data leave open.
+    /// Describes what the data leave open.
     fn limits(&self) -> Vec<String> {
         let mut limits = vec![results::limits(&self.arms, self.episodes)];
         limits.extend(comparisons::undecided(&self.comparisons));

@@ -1,4 +1,4 @@
-//! Which settings of a sweep come nearest to the numbers of the paper.
+//! The settings of a sweep whose results are nearest to the numbers of the paper.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,24 +9,24 @@ use crate::page::Table;
 use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::{Protocol, Variant};
 
-/// How many settings are told.
+/// Number of combinations in the table.
 const BEST: usize = 10;
 
-/// One combination of swept settings next to the numbers of the paper.
+/// The distance of one combination of swept settings to the numbers of the paper.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nearness {
-    /// What the sweep sets.
+    /// The settings of the sweep.
     pub variant: Variant,
-    /// The sum of the squared standard scores of all numbers; by chance, about as many as there
-    /// are numbers.
+    /// The sum of the squared standard scores of all numbers. By chance, it is about the count of
+    /// numbers.
     pub distance: f64,
     /// By method, the successes in percent in each world, in the order of the study.
     pub numbers: Vec<(&'static str, Vec<u64>)>,
 }
 
 impl Nearness {
-    /// All combinations, the nearest first; nothing for a study that varies no setting, or whose
-    /// experiment the paper does not report.
+    /// Returns all combinations, the nearest first. Empty if the paper does not report the study's
+    /// experiment.
     pub fn all(arms: &[ArmRecords<'_>], protocol: &Protocol) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
         for (variant, row) in AgainstPaper::of_sweep(arms, protocol) {
@@ -59,14 +59,14 @@ impl Nearness {
         }
     }
 
-    /// The settings as a line for each, in the order of their names.
+    /// Returns the settings in a line, in the order of their names.
     fn settings(&self) -> String {
         let words = self.variant.to_string();
         words.replace(' ', ", ")
     }
 }
 
-/// The best combinations as a table.
+/// Formats the best combinations as a table.
 pub fn table(all: &[Nearness]) -> Table {
     let methods = all.first().map_or(&[][..], |one| &one.numbers);
     let columns = methods.iter().map(|(method, _)| (*method).to_owned());
@@ -86,7 +86,7 @@ pub fn table(all: &[Nearness]) -> Table {
     table
 }
 
-/// How far, on average, the combinations with each value of each setting are from the paper.
+/// Returns the mean and the least distance of the combinations with each value of each setting.
 pub fn effects(all: &[Nearness]) -> Table {
     let mut table = Table::new(["setting", "value", "combinations", "mean distance", "least"]);
     let keys: BTreeSet<&String> = all.iter().flat_map(|one| one.variant.0.keys()).collect();
@@ -112,12 +112,12 @@ pub fn effects(all: &[Nearness]) -> Table {
     table
 }
 
-/// What the tables mean.
+/// Describes the tables.
 pub fn legend(all: &[Nearness]) -> String {
     format!(
-        "{} combinations of settings were tried; the {} nearest to the paper stand above. distance: \
+        "{} combinations of settings were run; the table lists the {} nearest to the paper. distance: \
          the sum of the squared standard scores between the paper's numbers and these. The nearest \
-         of many is near in part by luck: run it again with another `--seed` before believing it.",
+         of many is near partly by chance: repeat it with another `--seed` to confirm it.",
         all.len(),
         all.len().min(BEST)
     )

@@ -1,4 +1,4 @@
-//! A study next to the numbers of the paper.
+//! Comparison of a study with the numbers of the paper.
 
 use serde::Serialize;
 
@@ -10,14 +10,13 @@ use crate::study::analysis::summary::{ArmRecords, rounded};
 use crate::study::protocol::{Arm, Protocol, Variant};
 use crate::study::statistics::{Proportion, fisher_exact, holm, quantile, trials_needed};
 
-/// The episodes before which the paper looks for successes, by world: `xcscr` mainly succeeds
-/// before them.
+/// The last episode of an early success in the paper, by world. `xcscr` mainly succeeds before it.
 const EARLY: [(&str, u32); 3] = [("maze4", 40), ("maze5", 70), ("maze6", 70)];
 
-/// The paper's episodes of a trial.
+/// Episodes per trial in the paper.
 const EPISODES: u32 = 180;
 
-/// The paper's successes of 100 trials, in the same worlds. It has one adapted method.
+/// The paper's successes of 100 trials, in the same worlds. The paper has one adapted method.
 const SUCCESSES: [(Method, [u64; 3]); 4] = [
     (Method::Xcs, [7, 2, 0]),
     (Method::AdaptedEven, [77, 29, 25]),
@@ -25,12 +24,12 @@ const SUCCESSES: [(Method, [u64; 3]); 4] = [
     (Method::Xcscr, [79, 54, 65]),
 ];
 
-/// An arm whose experiment the paper reports, too.
+/// An arm whose experiment the paper also reports.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AgainstPaper {
     /// The world.
     pub world: String,
-    /// The reward method.
+    /// The learning method.
     pub method: &'static str,
     /// The arena.
     pub arena: &'static str,
@@ -40,11 +39,11 @@ pub struct AgainstPaper {
     pub successes: u64,
     /// Trials here.
     pub trials: u64,
-    /// Fisher's exact p that both are the same.
+    /// Fisher's exact p that both shares are the same.
     pub fisher_p: f64,
-    /// The same after Holm's correction over all rows.
+    /// `fisher_p` after Holm's correction over all rows.
     pub holm_p: f64,
-    /// The difference in units of its own standard error.
+    /// The difference in units of its standard error.
     pub z: f64,
     /// The median first optimal episode of the successful trials.
     pub median_of_successes: Option<f64>,
@@ -55,8 +54,8 @@ pub struct AgainstPaper {
 }
 
 impl AgainstPaper {
-    /// All arms whose experiment the paper reports: in its mazes, with its percept and as many
-    /// episodes; none with swept settings.
+    /// Returns the arms whose experiment the paper reports: in its mazes, with its percept and
+    /// number of episodes, and without swept settings.
     pub fn all(arms: &[ArmRecords<'_>], protocol: &Protocol) -> Vec<Self> {
         let of_sweep = Self::of_sweep(arms, protocol).into_iter();
         let plain = of_sweep.filter(|(variant, _)| variant.0.is_empty());
@@ -68,11 +67,11 @@ impl AgainstPaper {
         rows
     }
 
-    /// The same with what is swept.
+    /// Like [`Self::all`], with swept settings and without Holm's correction.
     pub(super) fn of_sweep(arms: &[ArmRecords<'_>], protocol: &Protocol) -> Vec<(Variant, Self)> {
         let is_theirs = |one: &&ArmRecords<'_>| {
             let Arm { world, sensor, .. } = one.arm;
-            *sensor == Sensor::Neighbours && protocol.holds_shipped(world)
+            *sensor == Sensor::Neighbours && protocol.has_shipped(world)
         };
         match protocol.episodes {
             EPISODES => arms
@@ -118,22 +117,22 @@ impl AgainstPaper {
     }
 }
 
-/// What the paper reports: successes of 100 trials.
+/// Returns the paper's number of successes of 100 trials.
 fn successes(method: Method, world: &str) -> Option<u64> {
     let world = EARLY.iter().position(|(known, _)| *known == world)?;
     let row = SUCCESSES.iter().find(|(known, _)| *known == method);
     row.map(|(_, successes)| successes[world])
 }
 
-/// The difference of two shares in units of its standard error, with one success and one failure
-/// added to both together, so that it is finite.
+/// Returns the difference of two shares in units of its standard error. One success and one failure
+/// are added to the pooled counts, so that the result is finite.
 fn standard_score(a: Proportion, b: Proportion) -> f64 {
     let (n, m) = (a.trials.max(1) as f64, b.trials as f64);
     let pooled = (a.successes + b.successes + 1) as f64 / (n + m + 2.0);
     (a.share() - b.share()) / (pooled * (1.0 - pooled) * (1.0 / n + 1.0 / m)).sqrt()
 }
 
-/// The comparison as a table.
+/// Formats the comparison as a table.
 pub fn table(rows: &[AgainstPaper]) -> Table {
     let mut table = Table::new([
         "world",
@@ -173,7 +172,7 @@ pub fn table(rows: &[AgainstPaper]) -> Table {
     table.without_dull(|name| name == "arena")
 }
 
-/// How near the study is to the paper, in sentences.
+/// Describes the agreement of the study with the paper in sentences.
 pub fn verdict(rows: &[AgainstPaper]) -> String {
     let far: Vec<&AgainstPaper> = rows.iter().filter(|row| row.holm_p < 0.05).collect();
     let distance: f64 = rows.iter().map(|row| row.z * row.z).sum();
@@ -198,7 +197,7 @@ pub fn verdict(rows: &[AgainstPaper]) -> String {
     )
 }
 
-/// What a comparison with the paper leaves open.
+/// Describes what a comparison with the paper leaves open.
 pub fn limits(rows: &[AgainstPaper]) -> String {
     let near = rows.iter().filter(|row| row.holm_p >= 0.05).count();
     let of_100 = |successes| Proportion {
@@ -208,8 +207,8 @@ pub fn limits(rows: &[AgainstPaper]) -> String {
     let p = p_value(fisher_exact(of_100(79), of_100(77)));
     let needed = trials_needed(0.79, 0.77).unwrap_or(0);
     format!(
-        "That {near} of {} numbers are not told apart from the paper's does not make them the same: \
-         100 trials against 100 overlook differences of up to some 20 points one time in five. The \
+        "{near} of {} numbers do not differ significantly from the paper's. This does not make them the \
+         same: 100 trials against 100 miss differences of up to about 20 points one time in five. The \
          paper prints neither its seeds nor all of its settings; other settings may give the same \
          numbers. Its own 79 against 77 of 100 in Maze4 cannot be decided either: p = {p}; it would \
          take {needed} trials of each method.",

@@ -1,10 +1,10 @@
-//! What a study asks, in a sentence.
+//! The question of a study, in a sentence.
 
 use std::collections::BTreeSet;
 
 use crate::study::protocol::Arm;
 
-/// The question that the arms of a study answer.
+/// Returns the question that the arms of a study answer.
 pub fn question(arms: &[Arm]) -> String {
     let methods = listed(arms.iter().map(|arm| arm.method_name().to_owned()));
     let worlds = listed(arms.iter().map(|arm| arm.world.clone()));
@@ -19,7 +19,7 @@ pub fn question(arms: &[Arm]) -> String {
     let varied: Vec<String> = varied.iter().map(|key| format!("`{key}`")).collect();
     let varied = match varied.len() {
         0 => String::new(),
-        _ => format!(" And what does it change to vary {}?", enumerated(&varied)),
+        _ => format!(" What is the effect of varying {}?", enumerated(&varied)),
     };
     format!(
         "{which} {} {find} a globally optimal policy in {}, how soon, and {keep} it to the end?{varied}",
@@ -28,7 +28,7 @@ pub fn question(arms: &[Arm]) -> String {
     )
 }
 
-/// Each name once, in the order in which they come.
+/// Returns each name once, in the order of first occurrence.
 fn listed(names: impl Iterator<Item = String>) -> Vec<String> {
     let mut list = Vec::new();
     for name in names {

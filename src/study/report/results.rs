@@ -1,4 +1,4 @@
-//! What came out: a row for each arm.
+//! The table of results, with a row for each arm.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,7 +8,7 @@ use crate::page::Table;
 use crate::study::analysis::summary::ArmSummary;
 use crate::study::protocol::{Arm, Variant};
 
-/// What columns mean, by the name of one of them.
+/// Descriptions of columns, by the name of one of them.
 const LEGEND: [(&str, &str); 13] = [
     (
         "solved",
@@ -55,7 +55,7 @@ const LEGEND: [(&str, &str); 13] = [
     ),
 ];
 
-/// What the columns of a table of results mean.
+/// Describes the columns of a table of results.
 pub fn legend(table: &Table) -> String {
     let shown = LEGEND
         .iter()
@@ -64,7 +64,7 @@ pub fn legend(table: &Table) -> String {
     words.join(" ")
 }
 
-/// Glyphs for the settings of a sweep, in the order of their names.
+/// Assigns letters to the settings of a sweep, in the order of their names.
 pub fn letters(arms: &[Arm]) -> Vec<(String, String)> {
     let keys = arms.iter().flat_map(|arm| arm.variant.0.keys().cloned());
     let keys: BTreeSet<String> = keys.collect();
@@ -76,7 +76,7 @@ pub fn letters(arms: &[Arm]) -> Vec<(String, String)> {
     (0..).map(letter).zip(keys).collect()
 }
 
-/// What the letters mean; nothing without a sweep.
+/// Describes the letters, or returns `None` without a sweep.
 pub fn letters_legend(letters: &[(String, String)]) -> Option<String> {
     if let [(_, only)] = letters {
         return Some(format!("variant: the value of `{only}`."));
@@ -93,7 +93,7 @@ pub fn letters_legend(letters: &[(String, String)]) -> Option<String> {
     })
 }
 
-/// The values of a variant behind their letters.
+/// Formats the values of a variant with their letters.
 fn variant(variant: &Variant, letters: &[(String, String)]) -> String {
     if let [(_, only)] = letters {
         let value = variant.0.get(only);
@@ -110,7 +110,7 @@ fn variant(variant: &Variant, letters: &[(String, String)]) -> String {
     letters.iter().map(word).collect::<Vec<_>>().join(" ")
 }
 
-/// A table of all arms and their summaries. Columns that tell nothing apart are left out.
+/// Formats all arms and their summaries as a table. Constant columns are left out.
 pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
     let mut table = Table::new([
         "world",
@@ -199,32 +199,32 @@ fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
     ]
 }
 
-/// A mean without decimals.
+/// Formats a mean without decimals.
 fn whole(mean: Option<f64>) -> String {
     mean.map_or("–".to_owned(), |mean| format!("{mean:.0}"))
 }
 
-/// A share in thousandths.
+/// Formats a share in thousandths.
 fn per_mille(share: Option<f64>) -> String {
     share.map_or("–".to_owned(), |share| format!("{:.2} ‰", 1000.0 * share))
 }
 
-/// A share in percent.
+/// Formats a share in percent.
 pub fn percent(share: Option<f64>) -> String {
     share.map_or("–".to_owned(), |share| format!("{:.0} %", 100.0 * share))
 }
 
-/// Two shares as a range of percents.
+/// Formats two shares as a range in percent.
 pub fn percent_range(low: f64, high: f64) -> String {
     format!("{:.0}–{:.0} %", 100.0 * low, 100.0 * high)
 }
 
-/// What no table of these numbers can say.
+/// Describes what the numbers of the table cannot show.
 pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
     let failed: usize = arms.iter().map(|arm| arm.failed).sum();
     let failed = match failed {
         0 => String::new(),
-        _ => format!(" {failed} trials failed and are in no number: see `trials.csv`."),
+        _ => format!(" {failed} trials failed and are not counted: see `trials.csv`."),
     };
     let lost: u64 = arms.iter().map(|arm| arm.successes - arm.retained).sum();
     let found: u64 = arms.iter().map(|arm| arm.successes).sum();
@@ -237,11 +237,12 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
     };
     format!(
         "These numbers hold for these worlds, percepts and settings, and for {episodes} episodes. \
-         Trials that are not solved might be solved by more episodes.{retained}{failed}"
+         Trials that are not solved might be solved with more episodes.{retained}{failed}"
     )
 }
 
-/// Which method needs the fewest steps to the first optimum, and where; nothing for one method.
+/// Describes which method needs the fewest steps to the first optimum, and where. `None` for one
+/// method.
 pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
     let place = |arm: &ArmSummary| {
         (
@@ -254,7 +255,7 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
     let places: BTreeSet<_> = arms.iter().map(place).collect();
     let arenas: BTreeSet<_> = arms.iter().map(|arm| arm.arena).collect();
     let sensors: BTreeSet<_> = arms.iter().map(|arm| arm.sensor).collect();
-    // What all places have in common tells none of them apart.
+    // Leave out what all places have in common.
     let name = |arm: &ArmSummary| {
         let (arena, sensor) = (arm.arena, arm.sensor);
         let arena = if arenas.len() > 1 { arena } else { "" };
@@ -265,10 +266,10 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
     };
     let mut winners: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for there in &places {
-        let rivals: Vec<_> = arms.iter().filter(|arm| place(arm) == *there).collect();
-        if let Some((winner, is_clear)) = winner(&rivals) {
-            let doubt = if is_clear { "" } else { " ?" };
-            let words = format!("{}{doubt}", name(winner));
+        let competitors: Vec<_> = arms.iter().filter(|arm| place(arm) == *there).collect();
+        if let Some((winner, is_clear)) = winner(&competitors) {
+            let mark = if is_clear { "" } else { " ?" };
+            let words = format!("{}{mark}", name(winner));
             winners.entry(&winner.method).or_default().push(words);
         }
     }
@@ -279,27 +280,30 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
     let words: Vec<String> = words.collect();
     (!words.is_empty()).then(|| {
         format!(
-            "Most trials optimal and, of those with as many, the fewest steps to the first optimum: {}. A ? \
-             stands where the intervals of the best two overlap.",
+            "Method with the most optimal trials and, among equals, the fewest steps to the first optimum: {}. \
+             A ? marks overlapping intervals of the best two.",
             words.join("; ")
         )
     })
 }
 
-/// Which of some in one place has the fewest steps, and whether by more than chance may give; nothing where none has found
-/// an optimum. Only those compete that found it in the most trials: where a trial without an optimum is short, steps alone
-/// would favour who fails.
-fn winner<'a>(rivals: &[&'a ArmSummary]) -> Option<(&'a ArmSummary, bool)> {
+/// Returns the arm with the fewest steps in one place, and whether its lead is significant. `None`
+/// if no arm found an optimum. Only the arms with the most successes compete. Where trials without
+/// an optimum are short, steps alone would favour arms that fail.
+fn winner<'a>(competitors: &[&'a ArmSummary]) -> Option<(&'a ArmSummary, bool)> {
     let steps = |arm: &ArmSummary| arm.iqm_env_steps.unwrap_or(f64::INFINITY);
-    let most = rivals.iter().map(|arm| arm.successes).max()?;
-    if most == 0 || rivals.len() < 2 {
+    let most = competitors.iter().map(|arm| arm.successes).max()?;
+    if most == 0 || competitors.len() < 2 {
         return None;
     }
-    let mut ranked: Vec<_> = rivals.iter().filter(|arm| arm.successes == most).collect();
+    let mut ranked: Vec<_> = competitors
+        .iter()
+        .filter(|arm| arm.successes == most)
+        .collect();
     ranked.sort_by(|a, b| steps(a).total_cmp(&steps(b)));
     let first = *ranked[0];
     let Some(second) = ranked.get(1) else {
-        let rest = rivals.iter().filter(|arm| arm.successes < most);
+        let rest = competitors.iter().filter(|arm| arm.successes < most);
         let is_clear = rest.map(|arm| arm.wilson_high).fold(0.0, f64::max) < first.wilson_low;
         return Some((first, is_clear));
     };

@@ -1,4 +1,4 @@
-//! The settings of a study that are not the defaults.
+//! The non-default settings of a study.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ use crate::page;
 use crate::study::protocol::{Arm, Protocol};
 use crate::trial::{FROM_MAZE, STEP_THRESHOLD, Settings, flatten};
 
-/// Which settings differ from the defaults, and where, in sentences.
+/// Describes the settings that differ from the defaults, and where they differ, in sentences.
 pub fn sentences(protocol: &Protocol) -> String {
     let arms = &protocol.arms;
     let lists: Vec<Vec<String>> = (0..arms.len()).map(|arm| changed(protocol, arm)).collect();
@@ -35,12 +35,12 @@ fn words(scope: &str, items: &[&String]) -> String {
     let items = items.join(", ");
     match (scope.is_empty(), items.is_empty()) {
         (true, true) => "the defaults".to_owned(),
-        (true, false) => format!("the defaults, but {items}"),
+        (true, false) => format!("the defaults, except {items}"),
         (false, _) => format!("{scope}: {items}"),
     }
 }
 
-/// Where something holds that does in some of the arms; empty for all of them.
+/// Returns the methods, worlds or arms for which `holds` is true. Empty for all arms.
 fn scope(arms: &[Arm], holds: &[bool]) -> String {
     if holds.iter().all(|holds| *holds) {
         return String::new();
@@ -76,51 +76,57 @@ fn scope(arms: &[Arm], holds: &[bool]) -> String {
     format!("for {}", Vec::from_iter(places).join(", "))
 }
 
-/// Where the paper can be read in several ways, and the setting that says how.
+/// Passages of the paper that can be read in several ways, and the setting that selects the
+/// reading.
 const READINGS: [(&str, &str); 15] = [
     (
         "reward.xcs_payment",
-        "II-C: what standard XCS is paid in a step",
+        "II-C: payment of standard XCS in a step",
     ),
     (
         "reward.xcs_step_limit",
-        "II-C: what standard XCS makes of the step limit",
+        "II-C: handling of the step limit in standard XCS",
     ),
     ("reward.failure", "II-C, III-A: r_l of a failure"),
     (
         "reward.sharing",
-        "Eq. 8 or 9: how XCSCR shares the reward out",
+        "Eq. 8 or 9: distribution of the reward in XCSCR",
     ),
     ("reward.even_constant", "Eq. 8: c"),
     (
         "reward.stack_evolution",
-        "figure 1: when the GA runs in sets that wait in [R]",
+        "figure 1: time of the GA in sets that wait in [R]",
     ),
     (
         "reward.beta_collision",
-        "III-A, III-C: the rate at which collisions are learned",
+        "III-A, III-C: the learning rate of collisions",
     ),
     ("reward.beta_step_threshold", "Eq. 10: beta"),
     ("reward.theta_x", "Alg. 2: fires with 1 - theta_x"),
     ("xcs.value_over_match_set", "Eq. 6: the denominator"),
     ("xcs.action_set_subsumption", "IV-A: \"settings from Butz\""),
-    ("xcs.update_order", "Eq. 1 and 2: which of them comes first"),
+    ("xcs.update_order", "Eq. 1 and 2: their order"),
     (
         "xcs.subsumer_ties",
         "Butz and Wilson 2001: ties among subsumers",
     ),
-    ("xcs.ga_clock", "Butz and Wilson 2001: what t counts"),
+    ("xcs.ga_clock", "Butz and Wilson 2001: the unit of t"),
     ("reward.step_threshold", "III-D: the first step-threshold"),
 ];
 
-/// Which readings of the paper were used, if one of its methods took part.
+/// Returns a table of the selected readings, or `None` if no method of the paper took part.
 pub fn readings(protocol: &Protocol) -> Option<page::Table> {
     let arms = protocol.arms.iter().enumerate();
     let arms = arms.filter(|(_, arm)| arm.built_in().is_some_and(Method::is_of_paper));
     let settled = arms.map(|(number, _)| protocol.plan(number * protocol.trials).settled());
     let all: Vec<_> = settled.map(|plan| values(&plan.config.settings)).collect();
     let defaults = values(&Settings::default());
-    let mut table = page::Table::new(["where the paper is open", "setting", "here", "default"]);
+    let mut table = page::Table::new([
+        "ambiguous passage of the paper",
+        "setting",
+        "here",
+        "default",
+    ]);
     table.rows = READINGS
         .iter()
         .map(|(key, source)| {
@@ -144,7 +150,7 @@ fn shown(values: &BTreeMap<String, Value>, key: &str) -> String {
     text.trim_matches('"').to_owned()
 }
 
-/// The settings of an arm that are neither defaults nor swept, with what its maze decides.
+/// Returns the settings of an arm that are neither defaults nor swept, with those set by its maze.
 fn changed(protocol: &Protocol, number: usize) -> Vec<String> {
     let arm = &protocol.arms[number];
     let table = |settings: &Settings| -> Vec<(String, Value)> {
@@ -156,15 +162,15 @@ fn changed(protocol: &Protocol, number: usize) -> Vec<String> {
     let pairs = table(&settled.config.settings)
         .into_iter()
         .zip(table(&Settings::default()));
-    // Who set the step-threshold is told by its value.
-    let is_told = |key: &str| !is_varied(key) && key != FROM_MAZE;
+    // The value of the step-threshold is printed with its origin.
+    let is_listed = |key: &str| !is_varied(key) && key != FROM_MAZE;
     let origin = |key: &str, default| match settled.config.settings.reward.step_threshold_from_maze
     {
         true if key == STEP_THRESHOLD => "from the maze".to_owned(),
         _ => format!("default {default}"),
     };
     pairs
-        .filter(|((key, value), (_, default))| value != default && is_told(key))
+        .filter(|((key, value), (_, default))| value != default && is_listed(key))
         .map(|((key, value), (_, default))| {
             format!("`{key}` = {value} ({})", origin(&key, default))
         })
@@ -187,9 +193,9 @@ mod tests {
     }
 
     #[test]
-    fn a_step_threshold_is_told_with_who_decided_it() {
+    fn a_step_threshold_is_reported_with_its_origin() {
         let set = said("[settings]\n\"reward.step_threshold\" = 60\n");
-        let words = "Settings: the defaults, but `reward.step_threshold` = 60 (default 50).";
+        let words = "Settings: the defaults, except `reward.step_threshold` = 60 (default 50).";
         assert_eq!(set, words);
         let text = "name = \"s\"\nworlds = [\"maze4\", \"dfs-12-1\"]\nmethods = [\"xcs\"]\ntrials = 1\nepisodes = 1\n";
         let file = StudyFile::parse(text, "s.toml", Path::new("")).unwrap();
@@ -207,12 +213,12 @@ mod tests {
     }
 
     #[test]
-    fn settings_are_told_with_the_worlds_and_methods_that_have_them() {
+    fn settings_are_reported_with_their_worlds_and_methods() {
         assert_eq!(said(""), "Settings: the defaults.");
         let text = "[settings]\n\"xcs.mu\" = 0.1\n[world-settings.maze5]\n\"xcs.chi\" = 0.5\n[method-settings.xcs]\n\"xcs.beta\" = 0.3\n";
         let told = said(text);
         for words in [
-            "Settings: the defaults, but `xcs.mu` = 0.1 (default 0.04);",
+            "Settings: the defaults, except `xcs.mu` = 0.1 (default 0.04);",
             "; in maze5: `xcs.chi` = 0.5 (default 0.8)",
             "; for xcs: `xcs.beta` = 0.3 (default 0.2)",
         ] {

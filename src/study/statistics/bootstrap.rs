@@ -1,12 +1,13 @@
-//! Intervals by resampling.
+//! Bootstrap confidence intervals.
 
 use super::{Interval, iqm, quantile};
 use xcs::random::Stream;
 
-/// How often the numbers are drawn anew.
+/// Number of resamples.
 const RESAMPLES: usize = 2_000;
 
-/// The interquartile mean with its percentile bootstrap 95 % interval. `None` without numbers.
+/// Returns the interquartile mean with its percentile bootstrap 95 % interval. `None` without
+/// numbers.
 pub fn bootstrap_interval(numbers: &[f64], stream: &mut Stream) -> Option<Interval> {
     let value = iqm(numbers)?;
     let mut draws = Draws::of(numbers);
@@ -18,11 +19,11 @@ pub fn bootstrap_interval(numbers: &[f64], stream: &mut Stream) -> Option<Interv
     })
 }
 
-/// Numbers that are drawn from again and again. They are sorted once; a draw counts how often each of
-/// them comes, so that a million numbers need no sorting for each of the draws.
+/// Numbers to resample. They are sorted once, and a resample counts how often each number is drawn.
+/// This avoids sorting a million numbers for each resample.
 struct Draws {
     sorted: Vec<f64>,
-    /// Where each of the numbers stands among the sorted ones.
+    /// The index of each number in `sorted`.
     ranks: Vec<u32>,
     times: Vec<u32>,
 }
@@ -45,7 +46,7 @@ impl Draws {
         }
     }
 
-    /// The interquartile mean of as many numbers as there are, drawn with replacement.
+    /// Returns the interquartile mean of a resample of the same size, drawn with replacement.
     fn draw(&mut self, stream: &mut Stream) -> f64 {
         let count = self.sorted.len();
         self.times.fill(0);

@@ -1,20 +1,20 @@
-//! Are two shares different? And are several such differences real?
+//! Fisher's exact test for two proportions, and Holm's correction for several tests.
 
 use statrs::distribution::{Discrete, Hypergeometric};
 
 use super::Proportion;
 
-/// Two tables whose probabilities differ by less than this share are equally likely; rounding
-/// must not tell them apart.
+/// Relative tolerance on the probabilities of tables. Two tables that differ only by rounding are
+/// equally likely.
 const ALIKE: f64 = 1e-7;
 
-/// The two-sided p of Fisher's exact test that two shares are the same: the probability of all
-/// tables with the same margins that are no likelier than this one.
+/// Returns the two-sided p of Fisher's exact test that two proportions are the same: the total
+/// probability of all tables with the same margins that are not more likely than this one.
 pub fn fisher_exact(a: Proportion, b: Proportion) -> f64 {
     let successes = a.successes + b.successes;
     let tables = Hypergeometric::new(a.trials + b.trials, successes, a.trials)
         .expect("neither successes nor draws are more than there are trials");
-    // Logarithms, because the probabilities of large tables are too small for a number.
+    // Logarithms, because the probabilities of large tables underflow.
     let limit = tables.ln_pmf(a.successes) + ALIKE;
     let possible = successes.saturating_sub(b.trials)..=successes.min(a.trials);
     let unlikely = possible
@@ -23,7 +23,7 @@ pub fn fisher_exact(a: Proportion, b: Proportion) -> f64 {
     unlikely.map(f64::exp).sum::<f64>().clamp(0.0, 1.0)
 }
 
-/// Holm's correction (1979) for several tests that answer one question.
+/// Applies Holm's correction (1979) to several tests of one question.
 pub fn holm(ps: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..ps.len()).collect();
     order.sort_by(|&a, &b| ps[a].total_cmp(&ps[b]));
@@ -72,7 +72,7 @@ mod tests {
     ];
 
     #[test]
-    fn large_tables_are_told_apart_as_in_scipy() {
+    fn p_of_large_tables_as_in_scipy() {
         // scipy 1.17.1: fisher_exact([[a, 800 - a], [b, 800 - b]]).pvalue
         for (a, b, p) in LARGE {
             let of_800 = |successes| Proportion {

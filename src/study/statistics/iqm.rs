@@ -1,7 +1,7 @@
-//! Robust summaries of numbers.
+//! Robust summary statistics.
 
-/// The mean of the middle half: a quarter of the numbers is left out at either end, rounded down.
-/// `None` without numbers.
+/// Returns the interquartile mean: the mean without the lowest and the highest quarter of the
+/// numbers, rounded down. `None` without numbers.
 pub fn iqm(numbers: &[f64]) -> Option<f64> {
     let mut sorted = numbers.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -10,8 +10,7 @@ pub fn iqm(numbers: &[f64]) -> Option<f64> {
     (!middle.is_empty()).then(|| middle.iter().sum::<f64>() / middle.len() as f64)
 }
 
-/// The number below which the share `q` of the numbers lies, interpolated between neighbours.
-/// `None` without numbers.
+/// Returns the quantile `q`, interpolated linearly between neighbours. `None` without numbers.
 pub fn quantile(numbers: &[f64], q: f64) -> Option<f64> {
     let mut sorted = numbers.to_vec();
     sorted.sort_by(f64::total_cmp);

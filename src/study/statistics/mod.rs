@@ -1,6 +1,6 @@
-//! Statistics of finished trials; they know nothing of mazes or learners.
+//! Statistics of finished trials, independent of mazes and learners.
 //!
-//! All of them are deterministic: what resamples takes its own random stream.
+//! All functions are deterministic. Resampling takes a random stream as an argument.
 
 mod bootstrap;
 mod fisher;
@@ -12,14 +12,14 @@ mod survival;
 pub use bootstrap::bootstrap_interval;
 pub use fisher::{fisher_exact, holm};
 pub use iqm::{iqm, quantile};
-pub use paired::{Pairs, share_to_be_found};
-pub use proportion::{Proportion, difference_to_be_found, trials_needed};
+pub use paired::{Pairs, detectable_share};
+pub use proportion::{Proportion, detectable_difference, trials_needed};
 pub use survival::{Lifetime, Point, Survival, log_rank};
 
-/// The normal deviate that leaves 2.5 % on either side.
+/// The normal deviate with 2.5 % on either side.
 const Z_95: f64 = 1.959_963_984_540_054;
 
-/// An estimate between its lower and upper 95 % limit.
+/// An estimate with its lower and upper 95 % limits.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Interval {
     /// The estimate.

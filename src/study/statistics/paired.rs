@@ -1,4 +1,4 @@
-//! Pairs of trials with the same seed: in how many was which better?
+//! Paired comparison of trials with the same seed.
 
 use std::cmp::Ordering;
 
@@ -7,14 +7,14 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 use super::proportion::Z_80;
 use super::{Interval, Z_95};
 
-/// Pairs, counted by which of both was better. Pairs without a difference say nothing.
+/// Counts of pairs by which of the two was better. Pairs without a difference carry no information.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Pairs {
-    /// Those in which the first was better.
+    /// Pairs in which the first was better.
     pub better: u64,
-    /// Those in which the second was better.
+    /// Pairs in which the second was better.
     pub worse: u64,
-    /// Those without a difference.
+    /// Pairs without a difference.
     pub equal: u64,
 }
 
@@ -28,21 +28,22 @@ impl Pairs {
         } += 1;
     }
 
-    /// All pairs.
+    /// Returns the number of all pairs.
     pub fn count(self) -> u64 {
         self.better + self.worse + self.equal
     }
 
-    /// The exact two-sided p that each of both is as often better as the other: the sign test, which for outcomes that are
-    /// either good or bad is McNemar's (1947).
+    /// Returns the exact two-sided p that either of the two is better equally often: the sign test.
+    /// For binary outcomes this is McNemar's test (1947).
     pub fn p(self) -> f64 {
         let (fewer, different) = (self.better.min(self.worse), self.better + self.worse);
         let coin = Binomial::new(0.5, different).expect("one half is a probability");
         (2.0 * coin.cdf(fewer)).min(1.0)
     }
 
-    /// How much larger the share of good outcomes is in the first than in the second, with its 95 % interval, where a pair
-    /// differs when one of both is good: Wald's interval of paired differences with the correction of Agresti and Min (2005).
+    /// Returns the share of good outcomes in the first minus that in the second, with its 95 %
+    /// interval. A pair differs when exactly one of its outcomes is good. The interval is
+    /// Wald's for paired differences with the correction of Agresti and Min (2005).
     pub fn difference(self) -> Interval {
         let [better, worse] = [self.better, self.worse].map(|count| count as f64);
         let n = self.count().max(1) as f64;
@@ -59,9 +60,10 @@ impl Pairs {
     }
 }
 
-/// The smallest share of pairs, above one half, in which one has to be better so that so many pairs show it with a chance of
-/// 80 %, at 5 % error, by the normal approximation; `None` if no share is large enough.
-pub fn share_to_be_found(pairs: u64) -> Option<f64> {
+/// Returns the smallest share of pairs, above one half, that must be better so that `pairs` pairs
+/// detect it with a power of 80 %, at 5 % error, by the normal approximation. `None` if no share is
+/// large enough.
+pub fn detectable_share(pairs: u64) -> Option<f64> {
     let enough = |share: f64| {
         let root = (Z_95 * 0.5 + Z_80 * (share * (1.0 - share)).sqrt()) / (share - 0.5);
         root * root <= pairs as f64
@@ -105,8 +107,8 @@ mod tests {
         (300, 400, 1.784_763_144_856_244e-4),
     ];
 
-    /// By hand: half an observation in each cell makes 15.5 and 5.5 of 102; the difference is 0.098039, its standard error
-    /// the root of 21 - 100/102, by 102.
+    /// By hand: half an observation in each cell makes 15.5 and 5.5 of 102. The difference is
+    /// 0.098039. Its standard error is the root of 21 - 100/102, divided by 102.
     #[test]
     fn the_difference_of_pairs_with_the_interval_of_agresti_and_min() {
         let Interval { value, low, high } = pairs(15, 5, 80).difference();
@@ -125,9 +127,9 @@ mod tests {
 
     /// The exact power of the sign test, summed over all outcomes in Python, is 0.80 and 0.77.
     #[test]
-    fn a_share_of_pairs_that_is_found_four_times_in_five() {
-        assert_eq!(share_to_be_found(30), Some(0.75));
-        assert_eq!(share_to_be_found(100), Some(0.64));
-        assert_eq!(share_to_be_found(2), None);
+    fn a_share_of_pairs_that_is_detected_four_times_in_five() {
+        assert_eq!(detectable_share(30), Some(0.75));
+        assert_eq!(detectable_share(100), Some(0.64));
+        assert_eq!(detectable_share(2), None);
     }
 }

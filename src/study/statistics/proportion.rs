@@ -1,8 +1,8 @@
-//! Shares of successes.
+//! Proportions of successes.
 
 use super::{Interval, Z_95};
 
-/// So many successes in so many trials.
+/// A number of successes in a number of trials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Proportion {
     /// Trials that succeeded.
@@ -12,7 +12,7 @@ pub struct Proportion {
 }
 
 impl Proportion {
-    /// The share of successes; 0 without trials.
+    /// Returns the share of successes; 0 without trials.
     pub fn share(self) -> f64 {
         match self.trials {
             0 => 0.0,
@@ -20,7 +20,7 @@ impl Proportion {
         }
     }
 
-    /// Wilson's 95 % interval of the share (1927), without correction for continuity; 0 to 1
+    /// Returns Wilson's 95 % interval of the share (1927), without continuity correction; 0 to 1
     /// without trials.
     pub fn wilson(self) -> Interval {
         let value = self.share();
@@ -44,8 +44,8 @@ impl Proportion {
         }
     }
 
-    /// How much larger this share is than `other`, with Newcombe's 95 % interval (1998, method
-    /// 10), which comes from the two Wilson intervals.
+    /// Returns this share minus `other`, with Newcombe's 95 % interval (1998, method 10), which
+    /// combines the two Wilson intervals.
     pub fn difference(self, other: Self) -> Interval {
         let (a, b) = (self.wilson(), other.wilson());
         let value = a.value - b.value;
@@ -57,12 +57,12 @@ impl Proportion {
     }
 }
 
-/// The normal deviate below which 80 % lie.
+/// The 80 % quantile of the normal distribution.
 pub(super) const Z_80: f64 = 0.841_621_233_572_914_3;
 
-/// The trials per group with which Fisher's exact test tells two shares apart with a chance of
-/// 80 %, at 5 % error, by the formula of Casagrande, Pike and Smith (1978); `None` when they are
-/// equal.
+/// Returns the trials per group with which Fisher's exact test distinguishes two shares with a
+/// power of 80 %, at 5 % error. Uses the formula of Casagrande, Pike and Smith (1978). `None` when
+/// the shares are equal.
 pub fn trials_needed(a: f64, b: f64) -> Option<u64> {
     if a == b {
         return None;
@@ -76,9 +76,10 @@ pub fn trials_needed(a: f64, b: f64) -> Option<u64> {
     Some((uncorrected * correction * correction / 4.0).ceil() as u64)
 }
 
-/// The smallest difference of two shares around one half, in hundredths, that so many trials of each find with a chance of
-/// 80 % by [`trials_needed`]; `None` if not even 0 against 1 is found.
-pub fn difference_to_be_found(trials: u64) -> Option<f64> {
+/// Returns the smallest difference of two shares around one half, in hundredths, that `trials`
+/// trials per group detect with a power of 80 % by [`trials_needed`]. `None` if not even 0 against
+/// 1 is detected.
+pub fn detectable_difference(trials: u64) -> Option<f64> {
     let mut shares = (1..=50).map(|percent| f64::from(percent) / 100.0);
     let found = |half: &f64| trials_needed(0.5 - half, 0.5 + half).is_some_and(|n| n <= trials);
     shares.find(found).map(|half| 2.0 * half)
@@ -129,7 +130,7 @@ mod tests {
     ];
 
     #[test]
-    fn nothing_is_known_without_trials() {
+    fn the_interval_is_0_to_1_without_trials() {
         let none = Proportion {
             successes: 0,
             trials: 0,

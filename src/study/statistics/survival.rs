@@ -1,4 +1,4 @@
-//! Waiting times, some of which were cut off: Kaplan-Meier curves and the log-rank test.
+//! Censored waiting times: Kaplan-Meier curves and the log-rank test.
 
 use std::collections::BTreeMap;
 
@@ -6,19 +6,19 @@ use statrs::function::erf::erfc;
 
 use super::Z_95;
 
-/// How long something was waited for, and whether it came.
+/// A waiting time, possibly censored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lifetime {
-    /// The time of the event, or of the last look (censored).
+    /// The time of the event, or of the last observation (censored).
     pub time: u32,
-    /// Did the event come?
+    /// Whether the event happened.
     pub happened: bool,
 }
 
 /// A step of a survival curve: from `time` on, the share `value` still waits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// From when on.
+    /// The time at which the step begins.
     pub time: u32,
     /// The share that still waits.
     pub value: f64,
@@ -28,15 +28,15 @@ pub struct Point {
     pub high: f64,
 }
 
-/// Kaplan and Meier's (1958) estimate of the share that still waits.
+/// The Kaplan-Meier estimate (1958) of the share that still waits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survival {
     points: Vec<Point>,
 }
 
 impl Survival {
-    /// The curve of these waiting times. The limits are those of Greenwood's variance on the
-    /// log(-log) scale, which never leave \[0, 1\].
+    /// Computes the curve of these waiting times. The limits use Greenwood's variance on the
+    /// log(-log) scale, which keeps them within \[0, 1\].
     pub fn new(lifetimes: &[Lifetime]) -> Self {
         let mut points = vec![Point {
             time: 0,
@@ -45,11 +45,11 @@ impl Survival {
             high: 1.0,
         }];
         let (mut value, mut greenwood) = (1.0, 0.0);
-        for Moment {
+        for EventTime {
             time,
             waiting,
             events,
-        } in moments(lifetimes)
+        } in event_times(lifetimes)
         {
             value *= 1.0 - events / waiting;
             greenwood += events / (waiting * (waiting - events));
@@ -64,12 +64,13 @@ impl Survival {
         Self { points }
     }
 
-    /// The steps of the curve, beginning at time 0.
+    /// Returns the steps of the curve, beginning at time 0.
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// The first time at which at most the share `q` still waits; `None` if that never came.
+    /// Returns the first time at which at most the share `q` still waits, or `None` if there is
+    /// none.
     pub fn time_when_left(&self, q: f64) -> Option<u32> {
         // Products of fractions miss round numbers by a few units in the last place.
         let reached = |point: &&Point| point.value <= q + 1e-12;
@@ -85,22 +86,22 @@ fn limits(value: f64, greenwood: f64) -> (f64, f64) {
     (value.powf((-spread).exp()), value.powf(spread.exp()))
 }
 
-/// A time at which events came, how many waited until then, and how many events came.
-struct Moment {
+/// A time with events, the number still waiting just before it, and the number of events.
+struct EventTime {
     time: u32,
     waiting: f64,
     events: f64,
 }
 
-/// The times at which events came, in their order.
-fn moments(lifetimes: &[Lifetime]) -> Vec<Moment> {
+/// Returns the times with events, in order.
+fn event_times(lifetimes: &[Lifetime]) -> Vec<EventTime> {
     let mut sorted = lifetimes.to_vec();
     sorted.sort_unstable_by_key(|one| one.time);
-    let (mut moments, mut left) = (Vec::new(), sorted.len());
+    let (mut event_times, mut left) = (Vec::new(), sorted.len());
     for same in sorted.chunk_by(|a, b| a.time == b.time) {
         let events = same.iter().filter(|one| one.happened).count();
         if events > 0 {
-            moments.push(Moment {
+            event_times.push(EventTime {
                 time: same[0].time,
                 waiting: left as f64,
                 events: events as f64,
@@ -108,10 +109,10 @@ fn moments(lifetimes: &[Lifetime]) -> Vec<Moment> {
         }
         left -= same.len();
     }
-    moments
+    event_times
 }
 
-/// The times of the lifetimes in order, and how many of them are at least a given one.
+/// Sorted waiting times, to count those that are at least a given time.
 struct Waiting(Vec<u32>);
 
 impl Waiting {
@@ -126,20 +127,20 @@ impl Waiting {
     }
 }
 
-/// The p of the log-rank test (Mantel 1966) that two groups wait equally long.
+/// Returns the p of the log-rank test (Mantel 1966) that two groups have the same waiting times.
 pub fn log_rank(a: &[Lifetime], b: &[Lifetime]) -> f64 {
     let both = [a, b].concat();
-    let events_of_a: BTreeMap<u32, f64> = moments(a)
+    let events_of_a: BTreeMap<u32, f64> = event_times(a)
         .iter()
-        .map(|moment| (moment.time, moment.events))
+        .map(|event| (event.time, event.events))
         .collect();
     let waiting = Waiting::of(a);
     let (mut excess, mut variance) = (0.0, 0.0);
-    for Moment {
+    for EventTime {
         time,
         waiting: all,
         events: came,
-    } in moments(&both)
+    } in event_times(&both)
     {
         let waiting_a = waiting.until(time);
         let waiting_b = all - waiting_a;
@@ -159,8 +160,8 @@ pub fn log_rank(a: &[Lifetime], b: &[Lifetime]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The remission times of leukaemia patients in weeks (Freireich and others 1963), those
-    /// under 6-MP and those under placebo; a plus marks the censored.
+    /// The remission times of leukaemia patients in weeks (Freireich and others 1963), with 6-MP
+    /// and with placebo. A plus marks a censored time.
     const TREATED: &str = "6 6 6 6+ 7 9+ 10 10+ 11+ 13 16 17+ 19+ 20+ 22 23 25+ 32+ 32+ 34+ 35+";
     const PLACEBO: &str = "1 1 2 2 3 4 4 5 5 8 8 8 8 11 11 12 12 15 17 22 23";
 

@@ -1,4 +1,4 @@
-//! The plan of a study and its finished trials, as files.
+//! The files of a study: its plan and its finished trials.
 
 use std::ffi::OsString;
 use std::io;
@@ -15,9 +15,9 @@ use crate::study::protocol::{Protocol, id_of};
 
 /// The frozen study.
 pub const PLAN: &str = "plan.json";
-/// The same of a study in tasks, and into how many it is split.
+/// The plan of a planned study, with the number of tasks.
 pub const TASKS: &str = "tasks.json";
-/// What came of a search for settings.
+/// The result of a search for settings.
 pub const SEARCH: &str = "search.json";
 /// Finished trials.
 pub const JOURNAL: &str = "journal";
@@ -26,7 +26,7 @@ pub const EPISODES: &str = "episodes.csv.gz";
 /// The table of learning curves.
 pub const LEARNING_CURVES: &str = "learning-curves.csv";
 
-/// What `plan.json` holds.
+/// The contents of `plan.json`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlanFile {
@@ -45,11 +45,11 @@ pub fn read_plan(folder: &Path) -> Result<Option<(Protocol, String)>, StudyError
     let damaged = |fault: String| StudyError::damaged(&path, fault);
     let file: PlanFile =
         serde_json::from_slice(&text).map_err(|fault| damaged(fault.to_string()))?;
-    let study = thawed(&file.study, &file.plan).map_err(damaged)?;
+    let study = parse_frozen(&file.study, &file.plan).map_err(damaged)?;
     Ok(Some((study, file.plan)))
 }
 
-/// The names of the files in a folder; none when it is not there.
+/// Returns the names of the files in a folder. Empty if the folder does not exist.
 pub fn names(folder: &Path) -> Result<Vec<OsString>, StudyError> {
     let names = folder.read_dir().and_then(|entries| {
         let names = entries.map(|entry| Ok(entry?.file_name()));
@@ -61,22 +61,22 @@ pub fn names(folder: &Path) -> Result<Vec<OsString>, StudyError> {
     }
 }
 
-/// Says what is in a folder that holds something else than was wanted.
+/// Returns the error for a folder with other contents, which it describes.
 pub fn foreign(folder: &Path) -> StudyError {
     let kinds = [
-        (PLAN, "a study that `xcscr study run` or a merge made"),
-        (TASKS, "a study in tasks, made by `xcscr study plan`"),
-        (SEARCH, "a search that `xcscr study tune` made"),
+        (PLAN, "a study created by `xcscr study run` or a merge"),
+        (TASKS, "a planned study, created by `xcscr study plan`"),
+        (SEARCH, "a search, created by `xcscr study tune`"),
     ];
     let found = kinds.iter().find(|(name, _)| folder.join(name).is_file());
     StudyError::Foreign {
         folder: folder.to_owned(),
-        holds: found.map_or("files that no study wrote", |(_, what)| what),
+        holds: found.map_or("files that xcscr did not create", |(_, what)| what),
     }
 }
 
-/// The study that was frozen as this text, if it still is the one with this id.
-pub fn thawed(study: &RawValue, plan: &str) -> Result<Protocol, String> {
+/// Parses a frozen study, and checks that its text has the id `plan`.
+pub fn parse_frozen(study: &RawValue, plan: &str) -> Result<Protocol, String> {
     if id_of(study.get()) != plan {
         return Err("it was changed after it was frozen".to_owned());
     }
@@ -85,7 +85,7 @@ pub fn thawed(study: &RawValue, plan: &str) -> Result<Protocol, String> {
     Ok(study)
 }
 
-/// The text of a study, and its id.
+/// Returns the text of a study, and its id.
 pub fn frozen(protocol: &Protocol) -> (Box<RawValue>, String) {
     let text = protocol.to_json();
     let plan = id_of(&text);
@@ -93,7 +93,7 @@ pub fn frozen(protocol: &Protocol) -> (Box<RawValue>, String) {
     (study, plan)
 }
 
-/// The finished trials by their numbers, and the whole bytes of their journal.
+/// Reads the finished trials, and returns them with the number of valid bytes in the journal.
 pub fn read_records(
     folder: &Path,
     protocol: &Protocol,
@@ -110,7 +110,7 @@ pub fn read_records(
             .map_err(|_| StudyError::Contradiction {
                 place: path.clone(),
                 trial,
-                before: "an earlier line of it",
+                before: "an earlier line of this file",
             })
     })?;
     Ok((checked, whole))
@@ -121,14 +121,14 @@ pub fn write_plan(folder: &Path, protocol: &Protocol) -> Result<(), StudyError> 
     write_whole(&folder.join(PLAN), &json(&PlanFile { plan, study }))
 }
 
-/// Plain data as a JSON document.
+/// Serializes plain data as a JSON document.
 pub fn json(file: &impl Serialize) -> Vec<u8> {
     let mut text = serde_json::to_string_pretty(file).expect("plain data becomes JSON");
     text.push('\n');
     text.into_bytes()
 }
 
-/// Writes a file so that it is there either whole or not at all; see [`disk::replace`].
+/// Writes a file atomically; see [`disk::replace`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
     disk::replace(path, bytes).map_err(|cause| StudyError::io(path, cause))
 }

@@ -20,9 +20,9 @@ use crate::study::own::Agents;
 use crate::study::protocol::Protocol;
 use crate::trial::Plan;
 
-/// So many records are written to a journal at once.
+/// Maximum number of records in one write to a journal.
 const MOST_AT_ONCE: usize = 1_000;
-/// What is made of finished trials.
+/// Files that are generated from finished trials.
 const OUTPUTS: [&str; 18] = [
     "trials.csv",
     EPISODES,
@@ -49,17 +49,18 @@ const OUTPUTS: [&str; 18] = [
 pub struct StudyFolder {
     path: PathBuf,
     protocol: Protocol,
-    /// The protocol's id, as it was when it was frozen: a newer program may know more settings.
+    /// The id of the frozen protocol, as stored. A newer program may have more settings, and so
+    /// another id.
     plan: String,
     records: Records,
-    /// May files be replaced that hold something else than the study wrote?
+    /// Whether to overwrite files whose contents differ from what the study would write.
     force: bool,
-    /// Held by who writes in the folder.
+    /// Held while this process writes in the folder.
     _lock: Option<FolderLock>,
 }
 
 impl StudyFolder {
-    /// Is there a study in this folder?
+    /// Returns true if the folder contains a study.
     pub fn is_in(path: &Path) -> bool {
         path.join(PLAN).is_file()
     }
@@ -67,7 +68,7 @@ impl StudyFolder {
     /// Reads the folder of a study.
     ///
     /// # Errors
-    /// When there is no study in it, or a damaged one.
+    /// When the folder contains no study, or a damaged one.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let (protocol, plan) =
             read_plan(path)?.ok_or_else(|| StudyError::NoStudy(path.to_owned()))?;
@@ -82,7 +83,7 @@ impl StudyFolder {
         })
     }
 
-    /// A study without trials, which are yet to be gathered.
+    /// Creates a study without trials in memory. The caller adds the trials.
     pub(in crate::study) fn empty(path: &Path, protocol: &Protocol, plan: &str) -> Self {
         Self {
             path: path.to_owned(),
@@ -94,19 +95,18 @@ impl StudyFolder {
         }
     }
 
-    /// Its trials, to be gathered.
+    /// Returns the trials, so that the caller can add some.
     pub(in crate::study) fn records_mut(&mut self) -> &mut Records {
         &mut self.records
     }
 
-    /// The same folder, in which files are replaced though they hold something else than the
-    /// study wrote.
+    /// Sets whether to overwrite files whose contents differ from what the study would write.
     pub fn replacing(self, force: bool) -> Self {
         Self { force, ..self }
     }
 
-    /// Puts this study in the place of another one in a folder: removes its trials and what was made
-    /// of them, and nothing else. A folder with no study, or with this one, is left as it is.
+    /// Replaces another study in a folder by this one: removes its trials and the files generated
+    /// from them, and nothing else. A folder with no study, or with this one, is left as it is.
     ///
     /// # Errors
     /// [`StudyError::Locked`], or an error of the file system.
@@ -120,17 +120,17 @@ impl StudyFolder {
             let file = path.join(name);
             disk::remove(&file).map_err(|cause| StudyError::io(&file, cause))?;
         }
-        // By its plan the folder is known as that of a study, at any moment.
+        // The folder has a plan at any moment, so that it is recognised as the folder of a study.
         write_plan(path, protocol)
     }
 
-    /// Writes something that is made of the trials. A file that holds something else is somebody
-    /// else's, or was changed by hand, and stays, unless it may be [replaced](Self::replacing).
+    /// Writes a generated file. An existing file with other contents belongs to somebody else or
+    /// was changed by hand. It is not overwritten without [`replacing`](Self::replacing).
     pub(in crate::study) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
         self.write_with(name, |file| file.write_all(bytes))
     }
 
-    /// The same, piece by piece.
+    /// Like [`Self::write`], for contents that are written piece by piece.
     pub(in crate::study) fn write_with(
         &self,
         name: &str,
@@ -147,12 +147,12 @@ impl StudyFolder {
         }
     }
 
-    /// Reads the folder of a study in order to write in it.
+    /// Reads the folder of a study, and locks it for writing.
     ///
     /// # Errors
-    /// The same, or [`StudyError::Locked`].
+    /// The same as for [`Self::read`], or [`StudyError::Locked`].
     pub fn read_locked(path: &Path) -> Result<Self, StudyError> {
-        // Nothing is left in a folder that is none of ours.
+        // No lock file is created in a folder without a study.
         let lock = path.join(PLAN).is_file().then(|| lock(path)).transpose()?;
         let folder = Self::read(path)?;
         Ok(Self {
@@ -161,7 +161,7 @@ impl StudyFolder {
         })
     }
 
-    /// Joins folders of one study, in any order.
+    /// Merges folders of one study, in any order, in memory.
     ///
     /// # Errors
     /// [`StudyError::Mixed`] when their plans differ, [`StudyError::Contradiction`] when they
@@ -177,13 +177,13 @@ impl StudyFolder {
         Ok(joined)
     }
 
-    /// Adds a trial that was to be joined.
+    /// Adds a trial of a merged study.
     fn insert(&mut self, record: &TrialRecord) -> Result<(), StudyError> {
         let inserted = self.records.insert(record);
         inserted.map_err(|_| StudyError::Contradiction {
             place: self.path.clone(),
             trial: record.trial,
-            before: "the folders that are to be joined in it",
+            before: "the folders to be merged into it",
         })
     }
 
@@ -204,33 +204,33 @@ impl StudyFolder {
                 .map_err(|_| StudyError::Contradiction {
                     place: other.path.clone(),
                     trial,
-                    before: "the folders before it",
+                    before: "the folders listed before it",
                 })?;
         }
         Ok(())
     }
 
-    /// The frozen study.
+    /// Returns the frozen study.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
     }
 
-    /// The id of the frozen study.
+    /// Returns the id of the frozen study.
     pub fn plan(&self) -> &str {
         &self.plan
     }
 
-    /// Where the folder is.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The finished trials, in their order.
+    /// Returns the finished trials, in order.
     pub fn records(&self) -> impl Iterator<Item = TrialRecord> + Clone + '_ {
         self.records.iter()
     }
 
-    /// The finished ones of some trials, in their order.
+    /// Returns the finished trials in a range, in order.
     pub(in crate::study) fn records_of(
         &self,
         trials: Range<usize>,
@@ -238,26 +238,27 @@ impl StudyFolder {
         trials.filter_map(|trial| self.records.get(trial))
     }
 
-    /// The trials that are not finished, in their order.
+    /// Returns the trials that are not finished, in order.
     pub fn missing(&self) -> Vec<usize> {
         let trials = 0..self.protocol.len();
         trials.filter(|trial| !self.records.holds(*trial)).collect()
     }
 
-    /// The trials that failed.
+    /// Returns the failed trials, in order.
     pub fn failed(&self) -> Vec<usize> {
         let failed = self.records().filter(|record| record.result.is_err());
         failed.map(|record| record.trial).collect()
     }
 
-    /// By arm, the learning curve that was written with the table of episodes; `None` without one.
+    /// Returns the learning curve of each arm, as written with the episode table. `None` without a
+    /// table.
     pub(in crate::study) fn learning_curves(&self) -> Option<Vec<Vec<CurvePoint>>> {
         let table = disk::read(&self.path.join(LEARNING_CURVES), disk::MOST_BYTES).ok()?;
         curves(&self.protocol.arms, self.protocol.episodes, &table)
     }
 
-    /// The best trial and its plan: optimal at the end, after the fewest steps, and of several the first. `None` if no trial of a
-    /// built-in method reached a goal.
+    /// Returns the best trial of a built-in method and its plan: optimal at the end, after the
+    /// fewest steps, and the first of several. `None` if no such trial reached a goal.
     pub fn best_trial(&self) -> Option<(usize, Plan)> {
         let reached = self.records().filter_map(|record| {
             let progress = record.result.ok()?.progress;
@@ -271,7 +272,7 @@ impl StudyFolder {
         Some((number, trial.plan().clone()))
     }
 
-    /// Accepts the study when all trials are finished.
+    /// Checks that all trials are finished.
     ///
     /// # Errors
     /// [`StudyError::Incomplete`].
@@ -284,7 +285,7 @@ impl StudyFolder {
     }
 }
 
-/// A study folder in which this process, and no other, may write.
+/// A study folder that is locked for writing by this process.
 #[derive(Debug)]
 pub struct OpenFolder {
     folder: StudyFolder,
@@ -292,13 +293,13 @@ pub struct OpenFolder {
 }
 
 impl OpenFolder {
-    /// Makes or reopens the folder of a study.
+    /// Creates or reopens the folder of a study.
     ///
     /// # Errors
     /// [`StudyError::Locked`], [`StudyError::OtherStudy`], or an error of the file system.
     pub fn open(path: &Path, protocol: &Protocol) -> Result<Self, StudyError> {
-        // Without a lock yet, so that nothing is left in a folder that is none of ours. Another
-        // process may be about to begin there: then it has the lock.
+        // Check before locking, so that nothing is left in a folder of something else. If the
+        // folder is locked, another process may be creating a study there.
         let held = path.join(LOCK);
         let is_free = !held.exists() || disk::is_foreign_lock(&held);
         if is_free && is_foreign(path)? {
@@ -333,12 +334,12 @@ impl OpenFolder {
         Ok(Self { folder, journal })
     }
 
-    /// What is in the folder.
+    /// Returns the study in the folder.
     pub fn folder(&self) -> &StudyFolder {
         &self.folder
     }
 
-    /// Keeps finished trials.
+    /// Stores finished trials.
     ///
     /// # Errors
     /// An error of the file system.
@@ -348,7 +349,7 @@ impl OpenFolder {
         records.try_for_each(|record| self.folder.insert(record))
     }
 
-    /// Brings them to the disk.
+    /// Flushes the stored trials to the disk.
     ///
     /// # Errors
     /// An error of the file system.
@@ -356,11 +357,11 @@ impl OpenFolder {
         self.journal.sync()
     }
 
-    /// Keeps all trials of a joined study.
+    /// Stores all trials of a merged study.
     ///
     /// # Errors
-    /// [`StudyError::Contradiction`] when it holds another result of one, or an error of the file
-    /// system.
+    /// [`StudyError::Contradiction`] when the folder has another result of a trial, or an error of
+    /// the file system.
     pub fn add_all(&mut self, joined: &StudyFolder) -> Result<(), StudyError> {
         let mut missing = Vec::new();
         for record in joined.records() {
@@ -376,7 +377,8 @@ impl OpenFolder {
         self.write(&missing)
     }
 
-    /// Puts the journal in order. The folder stays locked as long as it is held.
+    /// Rewrites the journal in the order of the trials. The folder stays locked while the result
+    /// lives.
     ///
     /// # Errors
     /// An error of the file system.
@@ -392,16 +394,16 @@ impl OpenFolder {
     }
 }
 
-/// Are there files, but no plan of a study?
+/// Returns true if the folder has files, but no plan of a study.
 fn is_foreign(path: &Path) -> Result<bool, StudyError> {
     let names = names(path)?;
-    // What is there before the plan.
+    // Files that may exist before the plan.
     let is_lock = |name: &OsString| name == LOCK && !disk::is_foreign_lock(&path.join(LOCK));
     let is_early = |name: &OsString| is_lock(name) || disk::is_leftover_of(name, PLAN);
     Ok(!names.iter().any(|name| name == PLAN) && !names.iter().all(is_early))
 }
 
-/// Locks a folder, and removes the temporary files of a study that a killed process left in it.
+/// Locks a folder, and removes the temporary files that a killed process left in it.
 fn lock(folder: &Path) -> Result<FolderLock, StudyError> {
     let lock = FolderLock::acquire(folder).map_err(|fault| match fault {
         LockError::Held(pid) => StudyError::Locked {

@@ -1,9 +1,9 @@
-//! Finished trials on disk, one per line, each with its checksum.
+//! A journal of finished trials on disk: one trial per line, each line with its checksum.
 //!
-//! A line counts once it is whole. What a killed process left half written is the last line: it is
-//! cut off when the journal is opened again. A bad line before others is damage, and refused. At
-//! the end of a study the journal is rewritten in the order of the trials, so that equal studies
-//! leave equal bytes.
+//! Only complete lines count. A killed process can leave an incomplete last line, which is cut off
+//! when the journal is opened again. A bad line before the last is damage, and the journal is
+//! rejected. At the end of a study the journal is rewritten in the order of the trials, so equal
+//! studies have equal journals.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -13,12 +13,12 @@ use super::record::TrialRecord;
 use crate::disk;
 use crate::study::error::StudyError;
 
-/// More than a record needs; a longer line is none.
+/// The maximum length of a line, which is more than a record needs.
 const MOST_LINE_BYTES: u64 = 1 << 20;
 
-/// How a journal begins.
+/// The first words of a journal.
 const MAGIC: &str = "xcscr study journal";
-/// The version of what its lines hold. Version 2 added `optimal_episodes`.
+/// The version of the line format. Version 2 added `optimal_episodes`.
 const FORMAT: u32 = 2;
 
 /// An open journal.
@@ -29,7 +29,7 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens or begins the journal of the study with this plan, of which so many bytes are whole.
+    /// Opens or creates the journal of the study with this plan. The first `whole` bytes are valid.
     pub fn open(path: &Path, plan: &str, whole: u64) -> Result<Self, StudyError> {
         let opened = disk::require_plain(path)
             .and_then(|()| OpenOptions::new().create(true).append(true).open(path));
@@ -42,7 +42,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Begins a journal in a new file, which nobody else writes.
+    /// Starts a journal in a new file that has no other writer.
     pub fn begin(path: &Path, file: File, plan: &str) -> Result<Self, StudyError> {
         let path = path.to_owned();
         let mut journal = Self { path, file };
@@ -50,7 +50,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Cuts off what is not whole.
+    /// Truncates the file to the valid bytes, and writes the header if it is missing.
     fn repair(&mut self, whole: u64, plan: &str) -> Result<(), StudyError> {
         let cut = self.file.set_len(whole);
         let begun = cut.and_then(|()| match whole {
@@ -62,14 +62,14 @@ impl Journal {
             .map_err(|cause| StudyError::io(&self.path, cause))
     }
 
-    /// Adds records.
+    /// Appends records.
     pub fn write(&mut self, records: &[TrialRecord]) -> Result<(), StudyError> {
         let lines: String = records.iter().map(line).collect();
         let written = self.file.write_all(lines.as_bytes());
         written.map_err(|cause| StudyError::io(&self.path, cause))
     }
 
-    /// Brings what was added to the disk.
+    /// Flushes the appended records to the disk.
     pub fn sync(&mut self) -> Result<(), StudyError> {
         let synced = self.file.sync_data();
         synced.map_err(|cause| StudyError::io(&self.path, cause))
@@ -86,13 +86,13 @@ pub fn write(
     records.try_for_each(|record| file.write_all(line(&record).as_bytes()))
 }
 
-/// Gives the records of a journal, in the order of their lines, to `each`; one that does not exist
-/// holds nothing. Tells how many bytes there are until the end of the last whole line; after it,
-/// there is one torn line at most.
+/// Calls `each` with the records of a journal, in the order of its lines. A missing journal has no
+/// records. Returns the number of bytes up to the end of the last complete line. At most one
+/// incomplete line follows.
 ///
 /// # Errors
-/// [`StudyError::Damaged`] when it is that of another plan, or a line is bad that is not the last;
-/// or an error of `each`.
+/// [`StudyError::Damaged`] when the journal belongs to another plan, or a line before the last is
+/// bad; or an error of `each`.
 pub fn read(
     path: &Path,
     plan: &str,
@@ -107,7 +107,7 @@ pub fn read(
     let header = header(plan);
     let first = next()?;
     if first != header.as_bytes() {
-        // A header half written is the beginning of a new journal.
+        // A half-written header is the beginning of a new journal.
         return match header.as_bytes().starts_with(&first) {
             true => Ok(0),
             false => Err(StudyError::damaged(path, foreign(&first))),
@@ -127,7 +127,7 @@ pub fn read(
     Ok(whole)
 }
 
-/// The next line with its end, if it has one; empty after the last.
+/// Returns the next line with its line end, if it has one. Empty at the end of the file.
 fn next_line(lines: &mut impl BufRead) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
     lines.take(MOST_LINE_BYTES).read_until(b'\n', &mut line)?;
@@ -136,8 +136,8 @@ fn next_line(lines: &mut impl BufRead) -> io::Result<Vec<u8>> {
 
 fn damaged_line(number: u64) -> String {
     format!(
-        "line {number} is damaged, and not the last; delete it, and its trial is run again, by `xcscr study \
-         run` or, of a planned study, by `xcscr study task`"
+        "line {number} is damaged, and is not the last line: delete it, then run its trial again with \
+         `xcscr study run` (planned study: `xcscr study task`)"
     )
 }
 
@@ -145,7 +145,7 @@ fn header(plan: &str) -> String {
     format!("{MAGIC} {FORMAT}, plan {plan}\n")
 }
 
-/// What is wrong with a journal that does not begin as it should.
+/// Describes what is wrong with the first line of a journal.
 fn foreign(bytes: &[u8]) -> String {
     let first = bytes.split(|byte| *byte == b'\n').next().unwrap_or(&[]);
     let words = std::str::from_utf8(first).ok();
@@ -155,7 +155,7 @@ fn foreign(bytes: &[u8]) -> String {
             "it has format {found}, and this version reads format {FORMAT}; run the study again, \
              in another folder"
         ),
-        _ => "it does not begin like the journal of this plan".to_owned(),
+        _ => "it is not the journal of this plan".to_owned(),
     }
 }
 
@@ -167,7 +167,7 @@ fn line(record: &TrialRecord) -> String {
 fn parse(line: &[u8]) -> Option<TrialRecord> {
     let line = line.strip_suffix(b"\n")?;
     let (sum, json) = std::str::from_utf8(line).ok()?.split_once(' ')?;
-    // Compared as text: a number has several spellings, and a flipped bit may lead to another.
+    // Compare as text: a number has several spellings, and a flipped bit may turn one into another.
     let intact = sum == format!("{:08x}", crc32fast::hash(json.as_bytes()));
     intact.then(|| serde_json::from_str(json).ok()).flatten()
 }
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_the_length_it_was_cut_to_whole_lines_are_kept_and_writing_goes_on() {
+    fn a_journal_cut_to_any_length_keeps_complete_lines_and_can_be_continued() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("journal");
         let all = records(3);
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flipped_bit_is_damage_but_in_the_last_line_where_it_may_be_a_torn_tail() {
+    fn a_flipped_bit_is_damage_except_in_the_last_line_which_may_be_incomplete() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("journal");
         let sound = text("p", &records(3)).into_bytes();
@@ -228,7 +228,7 @@ mod tests {
             let mut bytes = sound.clone();
             bytes[at / 8] ^= 1 << (at % 8);
             fs::write(&path, &bytes).unwrap();
-            // A line is torn in two when one of its bytes becomes the end of a line.
+            // A flipped bit may create a line end, which splits a line in two.
             let may_be_torn = at / 8 >= last - 1 && bytes[at / 8] != b'\n';
             match contents(&path, "p") {
                 Ok((records, _)) => {
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_without_an_end_fill_no_memory() {
+    fn a_line_without_an_end_does_not_exhaust_memory() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("journal");
         fs::write(&path, text("p", &records(1))).unwrap();

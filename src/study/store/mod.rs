@@ -1,4 +1,4 @@
-//! What a study keeps on disk: its folder, and a journal of finished trials for each shard.
+//! The files of a study: its folder, and a journal of finished trials for each shard.
 
 pub(super) mod files;
 pub(super) mod folder;

@@ -1,4 +1,4 @@
-//! What is kept of a finished trial.
+//! The stored record of a finished trial.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -11,38 +11,38 @@ use crate::trial::{Compacted, Config, Evaluation, GreedySteps, Plan, Progress, T
 use crate::world::Maze;
 use xcs::bounds::{OutOfRange, within};
 
-/// The figures of a trial that reached its end.
+/// The figures of a trial that ran to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
-    /// What happened.
+    /// The progress of the trial.
     #[serde(flatten)]
     pub progress: Progress,
-    /// Rules at the end.
+    /// Number of rules at the end.
     pub rules: usize,
-    /// How many are left of them when they are compacted; `None` for a table.
+    /// Number of these rules after compaction; `None` for a table.
     pub compacted_rules: Option<usize>,
     /// Mean steps of the greedy policy over all starts, at the end.
     #[serde(default)]
     pub greedy_steps: Option<f64>,
-    /// These steps as a multiple of what they are at best.
+    /// `greedy_steps` as a multiple of the optimum.
     #[serde(default)]
     pub greedy_ratio: Option<f64>,
-    /// How the greedy policy drove at the end, where the study asks for it.
+    /// Results of driving with the greedy policy at the end, if the study has `drives`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub driven: Option<Driven>,
 }
 
-/// How the greedy policy of a finished trial drove the trial's own robot, with its senses and its
-/// faults, without learning or exploring.
+/// Results of driving the trial's own robot with the final greedy policy, without learning or
+/// exploration. The robot has its sensors and its faults.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Driven {
-    /// Episodes.
+    /// Number of episodes.
     pub episodes: u32,
-    /// Those that reached a goal.
+    /// Number of episodes that reached a goal.
     pub goals: u32,
-    /// Those that did so in as few steps as possible.
+    /// Number of episodes that reached a goal in the minimum number of steps.
     pub optimal: u32,
-    /// Steps of an episode on average.
+    /// Mean number of steps per episode.
     pub steps: f64,
 }
 
@@ -57,7 +57,7 @@ impl Driven {
         })
     }
 
-    /// Some of the episodes as a share of all.
+    /// Returns `some` as a share of all episodes.
     pub fn share(&self, some: u32) -> f64 {
         f64::from(some) / f64::from(self.episodes.max(1))
     }
@@ -70,8 +70,8 @@ impl Driven {
 }
 
 impl Figures {
-    /// Accepts the figures to which a trial with an agent of one's own can have come: it has its own limit of steps, and as many
-    /// rules as it wants.
+    /// Checks the figures of a trial with a custom agent. Such an agent sets its own step limit and
+    /// number of rules.
     fn check_own(&self, mut config: Config) -> Result<(), OutOfRange> {
         config.settings.reward.step_threshold = u32::MAX;
         let limit = f64::from(u32::MAX);
@@ -79,7 +79,7 @@ impl Figures {
         self.driven.map_or(Ok(()), |driven| driven.check(limit))
     }
 
-    /// Accepts the figures to which a trial of these choices can have come at its end.
+    /// Checks that a trial with these settings can have these figures at its end.
     fn check(&self, maze: &Maze, config: &Config) -> Result<(), OutOfRange> {
         within(
             "episodes",
@@ -87,8 +87,8 @@ impl Figures {
             config.episodes..=config.episodes,
         )?;
         self.progress.check(config)?;
-        // A table has a row for each cell at most; a population is over its limit but for a moment; the
-        // beliefs of a plan on maps are bounded.
+        // A table has at most one row per cell and action. A population exceeds its limit only
+        // briefly. The number of beliefs of a plan on maps is bounded.
         let cells = usize::from(maze.width()) * usize::from(maze.height());
         let most =
             (cells * maze.action_count()).max(2 * config.settings.xcs.population_size as usize);
@@ -117,7 +117,7 @@ impl Figures {
     }
 }
 
-/// A finished trial of a study: its number, and its figures or why it failed.
+/// A finished trial of a study: its number, and its figures or its error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrialRecord {
     /// The trial's number in the study, from 0.
@@ -127,7 +127,7 @@ pub struct TrialRecord {
 }
 
 impl TrialRecord {
-    /// Runs a trial of a study to its end. A fault of the trial, even a panic, becomes part of the
+    /// Runs a trial of a study to its end. An error of the trial, even a panic, becomes part of the
     /// record.
     pub(in crate::study) fn of(protocol: &Protocol, agents: &Agents, trial: usize) -> Self {
         let result = catch_unwind(AssertUnwindSafe(|| {
@@ -138,10 +138,10 @@ impl TrialRecord {
         Self { trial, result }
     }
 
-    /// Accepts the record when its study has such a trial, which can have come to these figures.
+    /// Checks that the study has such a trial, and that the trial can have these figures.
     ///
     /// # Errors
-    /// The first figure that is out of its range.
+    /// Describes the first figure that is out of range.
     pub(in crate::study) fn check(&self, protocol: &Protocol) -> Result<(), String> {
         let (trial, trials) = (self.trial, protocol.len());
         if trial >= trials {
@@ -157,13 +157,14 @@ impl TrialRecord {
         figures.map_err(|fault| format!("trial {trial}: {fault}"))
     }
 
-    /// The figures, unless the trial failed.
+    /// Returns the figures, or `None` if the trial failed.
     pub fn figures(&self) -> Option<&Figures> {
         self.result.as_ref().ok()
     }
 }
 
-/// Prepares a trial of a study, which starts from what an earlier one has learned if there is one.
+/// Prepares a trial of a study. If the study has an earlier phase, the trial starts with the
+/// knowledge learned there.
 pub(in crate::study) fn trial(
     protocol: &Protocol,
     agents: &Agents,
@@ -185,7 +186,7 @@ pub(in crate::study) fn trial(
     begin(plan)
 }
 
-/// The figures of a finished trial.
+/// Returns the figures of a finished trial.
 fn figures(trial: &Trial, drives: u32) -> Result<Figures, String> {
     let Plan { maze, config } = trial.plan();
     let knowledge = trial.method().knowledge();
@@ -204,12 +205,12 @@ fn figures(trial: &Trial, drives: u32) -> Result<Figures, String> {
 }
 
 fn finished(mut trial: Trial) -> Trial {
-    // `()` never breaks off.
+    // An observer `()` never stops a run.
     let _ = trial.run(&mut ());
     trial
 }
 
-/// What a panic says.
+/// Returns the message of a panic.
 fn words(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
@@ -225,7 +226,7 @@ mod tests {
     use crate::agent::{Estimator, Method};
 
     #[test]
-    fn a_plan_on_charts_may_hold_more_beliefs_than_a_table_has_pairs() {
+    fn a_plan_on_maps_may_have_more_beliefs_than_a_table_has_pairs() {
         let world = r######"{ "rows": ["####", "#.G#", "####"] }"######;
         let maze = Maze::from_json(world.as_bytes(), "short.json").unwrap();
         let is_accepted = |estimator, rules| {

@@ -1,20 +1,20 @@
-//! The finished trials of a study in memory, packed: a million of them take less than 100 MB.
+//! The finished trials of a study in memory, packed: a million trials take less than 100 MB.
 
 use serde::{Deserialize, Serialize};
 
 use super::record::{Driven, Figures, TrialRecord};
 use crate::trial::Progress;
 
-/// Finished trials by their numbers.
+/// Finished trials by number.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Records {
     packed: Vec<u8>,
-    /// Where the record of each trial begins, counted from 1; 0 when there is none.
+    /// The offset of each trial's record plus one; 0 when there is none.
     places: Vec<usize>,
     count: usize,
 }
 
-/// What is packed of a trial.
+/// The packed form of a trial's result.
 #[derive(Serialize, Deserialize)]
 struct Packed(Result<PackedFigures, String>);
 
@@ -28,21 +28,21 @@ struct PackedFigures {
     driven: Option<Driven>,
 }
 
-/// Why a record cannot be added.
+/// The error when a trial already has a different result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct AnotherResult;
+pub struct DifferentResult;
 
 impl Records {
-    /// Adds a record, unless it is there.
+    /// Adds a record, unless it is already there.
     ///
     /// # Errors
-    /// When there is another result of its trial.
-    pub fn insert(&mut self, record: &TrialRecord) -> Result<(), AnotherResult> {
+    /// When the trial already has a different result.
+    pub fn insert(&mut self, record: &TrialRecord) -> Result<(), DifferentResult> {
         if let Some(known) = self.get(record.trial) {
             return if known == *record {
                 Ok(())
             } else {
-                Err(AnotherResult)
+                Err(DifferentResult)
             };
         }
         if self.places.len() <= record.trial {
@@ -54,24 +54,24 @@ impl Records {
         Ok(())
     }
 
-    /// The record of a trial.
+    /// Returns the record of a trial.
     pub fn get(&self, trial: usize) -> Option<TrialRecord> {
         let place = self.places.get(trial)?.checked_sub(1)?;
         let result = unpacked(&self.packed[place..]);
         Some(TrialRecord { trial, result })
     }
 
-    /// Is there one of this trial?
+    /// Returns true if there is a record of this trial.
     pub fn holds(&self, trial: usize) -> bool {
         self.places.get(trial).is_some_and(|place| *place > 0)
     }
 
-    /// How many there are.
+    /// Returns the number of records.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// All of them, in the order of their trials.
+    /// Returns all records, in the order of their trials.
     pub fn iter(&self) -> impl Iterator<Item = TrialRecord> + Clone + '_ {
         (0..self.places.len()).filter_map(|trial| self.get(trial))
     }

@@ -1,4 +1,4 @@
-//! A part of a study, for one machine of several.
+//! Shards: parts of a study for several machines.
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,26 +11,26 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// All trials.
+    /// The shard with all trials.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
-    /// Its number, counted from 1.
+    /// Returns the number of the shard, counted from 1.
     pub fn number(self) -> usize {
         self.index
     }
 
-    /// Does the trial belong to this shard?
+    /// Returns true if the trial belongs to this shard.
     pub fn holds(self, trial: usize) -> bool {
         trial % self.count == self.index - 1
     }
 
-    /// Shard `index` of `count`; `None` when there is no such one.
+    /// Returns shard `index` of `count`, or `None` if there is no such shard.
     pub fn nth(index: usize, count: usize) -> Option<Self> {
         let exists = (1..=count).contains(&index);
         exists.then_some(Self { index, count })
     }
 
-    /// All shards of so many.
+    /// Returns all `count` shards.
     pub fn all(count: usize) -> impl Iterator<Item = Self> {
         (1..=count).map(move |index| Self { index, count })
     }
@@ -58,14 +58,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shards_share_out_all_trials() {
+    fn every_trial_belongs_to_one_shard() {
         for trial in 0..50 {
             assert_eq!(Shard::all(7).filter(|shard| shard.holds(trial)).count(), 1);
         }
     }
 
     #[test]
-    fn only_shards_that_exist_are_read() {
+    fn only_existing_shards_are_parsed() {
         assert_eq!("2/7".parse(), Ok(Shard { index: 2, count: 7 }));
         for text in ["0/7", "8/7", "1/0", "2", "a/b", "-1/2"] {
             assert!(text.parse::<Shard>().is_err(), "{text}");

@@ -1,25 +1,25 @@
-//! What is chosen among: combinations of settings, each in all worlds of a study.
+//! The candidates of a search: combinations of settings, each in all worlds of a study.
 
 use crate::study::error::StudyError;
-use crate::study::protocol::{Arm, Protocol, refuse_twins};
+use crate::study::protocol::{Arm, Protocol, refuse_duplicates};
 use crate::study::store::folder::StudyFolder;
 
-/// One combination of settings, method, arena and percept.
+/// A combination of method, arena, sensor and settings.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Candidate {
-    /// What tells it from the others.
+    /// A name that is unique in the study.
     pub name: String,
     /// Its arms, one in each world, in the order of the study.
     pub arms: Vec<usize>,
 }
 
 impl Candidate {
-    /// All candidates of a study, in its order.
+    /// Returns all candidates of a study, in the order of the study.
     ///
     /// # Errors
-    /// When there are less than two, two of them are the same, or one of them is not in all worlds.
+    /// When there are fewer than two candidates, two are the same, or one is not in all worlds.
     pub fn all(protocol: &Protocol) -> Result<Vec<Self>, StudyError> {
-        refuse_twins(&protocol.name, &protocol.arms)?;
+        refuse_duplicates(&protocol.name, &protocol.arms)?;
         let mut all: Vec<Self> = Vec::new();
         for (i, arm) in protocol.arms.iter().enumerate() {
             let name = name(arm);
@@ -43,14 +43,13 @@ impl Candidate {
         };
         match all.iter().all(|one| worlds(one) == worlds(&all[0])) {
             true => Ok(all),
-            false => {
-                fault("candidates must be tried in the same worlds: leave out `world-sensors`")
-            }
+            false => fault("all candidates must run in the same worlds: remove `world-sensors`"),
         }
     }
 
-    /// The episodes that each trial needed until its policy was optimal, in the order of worlds and
-    /// seeds; one more than there were when it never was, or failed.
+    /// Returns the number of episodes that each trial needed until its policy was optimal, in the
+    /// order of worlds and seeds. A trial that failed or was never optimal scores the number of
+    /// episodes plus one.
     pub fn scores(&self, rung: &StudyFolder) -> Vec<f64> {
         let protocol = rung.protocol();
         let is_own = |arm: &&usize| name(&protocol.arms[**arm]) == self.name;

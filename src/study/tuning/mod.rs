@@ -1,10 +1,11 @@
 //! The search for settings: successive halving over seeds.
 //!
-//! All candidates begin with few seeds. After each rung the worse half leaves, and so does who is
-//! behind the leader for sure; the trials of the next rung are shared out among those that stay. The
-//! finalists meet on seeds that the search has not seen. Every rung is a [study in
-//! tasks](super::PlannedStudy), so that a search runs wherever studies do, and goes on where it was
-//! interrupted: what comes next follows from what is finished.
+//! All candidates start with few seeds. Each rung eliminates the worse half, and every candidate
+//! that is significantly worse than the leader. The rest share the trials of the next rung. The
+//! finalists are compared on seeds that the search did not use.
+//!
+//! Every rung is a [planned study](super::PlannedStudy). A search therefore runs wherever studies
+//! run, and an interrupted search continues: the finished trials determine the next rung.
 
 mod candidates;
 mod search;

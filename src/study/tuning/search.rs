@@ -1,4 +1,4 @@
-//! A search: from rung to rung, as far as its folder says.
+//! A search, and its state as stored in its folder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,12 +17,13 @@ use crate::trial::PlanError;
 use xcs::bounds::within;
 use xcs::random::replicate_seed;
 
-/// Root seeds of the final and of the rungs are drawn from here on: no study has as many trials.
+/// The first replicate number for the root seeds of the final and the rungs. No study has as many
+/// trials.
 const FIRST_SEED: u64 = 1 << 32;
-/// Meet in the final.
+/// Number of candidates in the final.
 const FINALISTS: usize = 2;
 
-/// A search for settings, in a folder of its own.
+/// A search for settings, in its own folder.
 #[derive(Debug, Clone)]
 pub struct Tuning {
     path: PathBuf,
@@ -32,29 +33,29 @@ pub struct Tuning {
     candidates: Vec<Candidate>,
 }
 
-/// What there is to do.
+/// The next step of a search.
 #[derive(Debug)]
 pub enum Stage {
-    /// A rung, or the final, is to be run to its end.
+    /// A rung, or the final, that has unfinished trials.
     Open(PlannedStudy),
-    /// All is done.
+    /// The search is finished.
     Done(Found),
 }
 
-/// How the search went.
+/// The result of a search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Found {
-    /// The study that was searched.
+    /// The name of the study.
     pub study: String,
-    /// Its plan.
+    /// The id of its plan.
     pub plan: String,
-    /// Trials that the search could take, ...
+    /// Maximum number of trials of the search.
     pub budget: usize,
-    /// ... and those that it took.
+    /// Number of trials that the search ran.
     pub spent: usize,
     /// The rungs, from the first.
     pub rungs: Vec<Rung>,
-    /// The folder in which the finalists meet on fresh seeds.
+    /// The folder of the final, in which the finalists run on fresh seeds.
     #[serde(skip)]
     pub last: PlannedStudy,
 }
@@ -64,16 +65,16 @@ pub struct Found {
 pub struct Rung {
     /// Seeds of each candidate in each world, in this rung.
     pub seeds: usize,
-    /// The candidates in it, the best first.
+    /// The candidates in this rung, the best first.
     pub standings: Vec<Standing>,
 }
 
 impl Tuning {
-    /// A search among all that a study varies, with so many trials until the final, each rung
-    /// split into so many tasks.
+    /// Creates a search among everything that a study varies. The rungs together run at most
+    /// `budget` trials. Each rung is split into `tasks` tasks.
     ///
     /// # Errors
-    /// When there is nothing to choose among, or the budget does not give each candidate a trial.
+    /// When there are fewer than two candidates, or the budget is too small for one trial each.
     pub fn new(
         path: &Path,
         protocol: Protocol,
@@ -93,10 +94,10 @@ impl Tuning {
         Ok(this)
     }
 
-    /// Looks how far the search is; makes the folder of the rung that comes next.
+    /// Returns the next step of the search. Creates the folder of the next rung.
     ///
     /// # Errors
-    /// When the folder holds another search or something else, or an error of the file system.
+    /// When the folder contains another search or other files, or on an error of the file system.
     pub fn stage(&self) -> Result<Stage, StudyError> {
         self.require_own_folder()?;
         fs::create_dir_all(&self.path).map_err(|cause| StudyError::create(&self.path, cause))?;
@@ -119,9 +120,9 @@ impl Tuning {
         )
     }
 
-    /// A folder without a first rung may hold what is made before its plan, and nothing else.
+    /// A folder without a first rung may contain an unfinished `rung-1`, and nothing else.
     fn require_own_folder(&self) -> Result<(), StudyError> {
-        // The names come first: another process may go on with the same search in the meantime.
+        // List the names first: another process may continue the same search in the meantime.
         let is_empty = names(&self.path)?.iter().all(|name| name == "rung-1");
         match is_empty || PlannedStudy::is_in(&self.path.join("rung-1")) {
             true => Ok(()),
@@ -129,7 +130,7 @@ impl Tuning {
         }
     }
 
-    /// The final between the best of the last rung.
+    /// Returns the final between the best candidates of the last rung.
     fn last_stage(&self, rungs: Vec<Rung>, spent: usize) -> Result<Stage, StudyError> {
         let names = rungs.last().into_iter().flat_map(|rung| &rung.standings);
         let best: Vec<&String> = names.map(|one| &one.candidate).take(FINALISTS).collect();
@@ -155,18 +156,18 @@ impl Tuning {
         }
     }
 
-    /// How many rungs there are at most: each halves the candidates.
+    /// The maximum number of rungs. Each rung halves the candidates.
     fn rungs(&self) -> usize {
         self.candidates.len().next_power_of_two().ilog2() as usize
     }
 
-    /// Every rung may take the same share of the budget.
+    /// Returns the seeds per candidate. Every rung may use the same share of the budget.
     fn seeds(&self, left: &[Candidate]) -> usize {
         let arms: usize = left.iter().map(|one| one.arms.len()).sum();
         self.budget / self.rungs() / arms
     }
 
-    /// The study of some candidates on seeds of its own.
+    /// Creates the planned study of some candidates, with its own root seed.
     fn planned(
         &self,
         name: &str,
@@ -194,14 +195,14 @@ impl Tuning {
     }
 }
 
-/// The scores of candidates in all rungs so far.
+/// Returns the scores of candidates in all rungs so far.
 fn scores(candidates: &[Candidate], studies: &[StudyFolder]) -> Vec<(String, Vec<f64>)> {
     let scores = |one: &Candidate| studies.iter().flat_map(|study| one.scores(study)).collect();
     let all = candidates.iter();
     all.map(|one| (one.name.clone(), scores(one))).collect()
 }
 
-/// Those candidates that go on, in the order of the study.
+/// Returns the candidates that stay, in the order of the study.
 fn staying(candidates: &[Candidate], standings: &[Standing]) -> Vec<Candidate> {
     let stays = |candidate: &&Candidate| {
         let mut of = standings.iter().filter(|one| one.verdict == Verdict::Stays);

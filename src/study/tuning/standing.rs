@@ -1,22 +1,23 @@
-//! Who stays in a search, and who leaves.
+//! The ranking of candidates, and their elimination.
 
 use serde::Serialize;
 
-/// Who is behind the leader by more standard errors of the paired difference is out before its time:
-/// three, because many candidates are looked at many times.
-const SURE: f64 = 3.0;
-/// With fewer pairs the standard error itself is not known well enough.
-const FEWEST_PAIRS: usize = 10;
+/// A candidate that is behind the leader by more than this many standard errors of the paired
+/// difference is eliminated early. The limit is three because many candidates are tested many
+/// times.
+const SIGNIFICANT_ERRORS: f64 = 3.0;
+/// With fewer pairs, the standard error is too uncertain.
+const MIN_PAIRS: usize = 10;
 
-/// What became of a candidate in a rung.
+/// The outcome of a candidate in a rung.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// It goes on.
+    /// The candidate is in the next rung.
     Stays,
-    /// It is in the worse half.
+    /// The candidate is in the worse half.
     Halved,
-    /// It is behind the leader for sure.
+    /// The candidate is significantly worse than the leader.
     Worse,
 }
 
@@ -25,21 +26,21 @@ pub enum Verdict {
 pub struct Standing {
     /// Method, arena, percept and settings.
     pub candidate: String,
-    /// Its trials so far, of all rungs.
+    /// Number of its trials so far, in all rungs.
     pub trials: usize,
-    /// Their mean number of episodes until the policy was optimal; those that never were count with
-    /// one more than they had.
+    /// Mean number of episodes until the policy was optimal. A trial whose policy was never optimal
+    /// counts as its number of episodes plus one.
     pub episodes: f64,
-    /// How many more these are than the leader's, with the same seeds.
+    /// Mean difference of `episodes` to the leader, with the same seeds.
     pub behind: f64,
-    /// The standard error of that; 0 for the leader.
+    /// The standard error of `behind`; 0 for the leader.
     pub behind_error: f64,
-    /// What became of it.
+    /// The outcome in this rung.
     pub verdict: Verdict,
 }
 
-/// The standings of candidates with these scores, which are paired; the best first. So many
-/// stay at most.
+/// Ranks candidates by their scores, the best first. The scores are paired. At most `places`
+/// candidates stay.
 pub(super) fn standings(scores: &[(String, Vec<f64>)], places: usize) -> Vec<Standing> {
     let mut order: Vec<&(String, Vec<f64>)> = scores.iter().collect();
     order.sort_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)));
@@ -48,7 +49,8 @@ pub(super) fn standings(scores: &[(String, Vec<f64>)], places: usize) -> Vec<Sta
     };
     let standing = |(place, (name, scores)): (usize, &&(String, Vec<f64>))| {
         let (behind, behind_error) = difference(scores, leader);
-        let is_sure = scores.len() >= FEWEST_PAIRS && behind > SURE * behind_error;
+        let is_significant =
+            scores.len() >= MIN_PAIRS && behind > SIGNIFICANT_ERRORS * behind_error;
         Standing {
             candidate: name.clone(),
             trials: scores.len(),
@@ -57,7 +59,7 @@ pub(super) fn standings(scores: &[(String, Vec<f64>)], places: usize) -> Vec<Sta
             behind_error,
             verdict: match (place, place < places) {
                 (0, _) => Verdict::Stays,
-                _ if is_sure => Verdict::Worse,
+                _ if is_significant => Verdict::Worse,
                 (_, true) => Verdict::Stays,
                 (_, false) => Verdict::Halved,
             },
@@ -70,7 +72,7 @@ fn mean(numbers: &[f64]) -> f64 {
     numbers.iter().sum::<f64>() / numbers.len().max(1) as f64
 }
 
-/// The mean of the paired differences, and its standard error.
+/// Returns the mean of the paired differences, and its standard error.
 fn difference(a: &[f64], b: &[f64]) -> (f64, f64) {
     let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let (mean, count) = (mean(&differences), differences.len() as f64);
@@ -89,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn the_worse_half_leaves_and_so_does_who_is_behind_for_sure() {
+    fn the_worse_half_and_significantly_worse_candidates_are_eliminated() {
         let all = [
             scores("c", 0.1, 12),
             scores("a", 0.0, 12),
@@ -108,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn few_pairs_or_a_small_difference_put_nobody_out_before_the_time() {
+    fn few_pairs_or_a_small_difference_eliminate_no_candidate_early() {
         let found = standings(&[scores("a", 0.0, 9), scores("d", 9.0, 9)], 2);
         assert_eq!(found[1].verdict, Verdict::Stays, "nine pairs");
         let mut close = scores("b", 0.0, 40);

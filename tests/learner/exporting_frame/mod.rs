@@ -233,7 +233,10 @@ fn a_program_that_only_decides_holds_nothing_of_cells_poses_and_scans() {
 
 #[test]
 fn the_example_in_the_documentation_compiles_and_goes_from_a_pose_to_an_action() {
-    let page = format!("{}/docs/src/formats.md", env!("CARGO_MANIFEST_DIR"));
+    let page = format!(
+        "{}/docs/src/reference/formats.md",
+        env!("CARGO_MANIFEST_DIR")
+    );
     let page = fs::read_to_string(page).unwrap();
     let blocks = page
         .split("```c\n")

@@ -69,7 +69,7 @@ fn control_a_rule_or_a_state_that_is_forged_is_found() {
 }
 
 #[test]
-fn it_drives_so_where_moves_slip_percepts_are_misread_and_both() {
+fn it_drives_so_where_moves_slip_percepts_have_errors_and_both() {
     for (world, slip, flips) in [
         ("woods101", 0.2, 0.0),
         ("mazef4", 0.1, 0.0),
@@ -98,7 +98,7 @@ fn it_drives_so_where_bumps_are_not_felt_and_does_not_look_at_them() {
     plan.config.settings.map.feels_bumps = false;
     let mut learned = checked("mazef4 without bumps", plan);
     let (folder, header) = (folder(), learned.text(Target::C99));
-    assert!(header.contains("is not looked at"), "{header}");
+    assert!(header.contains("is ignored"), "{header}");
     let Knowledge::Remembering { map, .. } = &mut learned.knowledge else {
         panic!("it remembers");
     };
@@ -108,10 +108,7 @@ fn it_drives_so_where_bumps_are_not_felt_and_does_not_look_at_them() {
         tally.elsewhere > 0,
         "control, who feels them believes something else: {tally:?}"
     );
-    assert!(
-        !learned.text(Target::C99).contains("is not looked at"),
-        "control"
-    );
+    assert!(!learned.text(Target::C99).contains("is ignored"), "control");
 }
 
 /// Learns, exports to all languages and drives, and returns what was learned.
@@ -148,12 +145,12 @@ fn it_drives_so_where_cells_pay_by_themselves() {
         let name = format!("reward {reward}, slip {slip}, flips {flips}");
         let learned = checked(&name, plan);
         let collected = learned.mapped().most_eaten;
-        assert!(collected > Some(0), "{name}: no reward is on the cell_map");
+        assert!(collected > Some(0), "{name}: no reward is on the map");
     }
 }
 
 #[test]
-fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() {
+fn it_drives_so_with_several_maps_and_where_all_episodes_begin_in_one_place() {
     let two = [
         "#########",
         "#...#...#",
@@ -167,7 +164,7 @@ fn it_drives_so_with_several_charts_and_where_all_episodes_begin_in_one_place() 
     ];
     let learned = checked("two goals", own(&format!(r#"{{ "rows": {two:?} }}"#)));
     let last = learned.mapped().last_map;
-    assert!(last > Some(0), "{last:?}: one cell_map");
+    assert!(last > Some(0), "{last:?}: one map");
     for flips in [0.0, 0.01] {
         let maze = "rooms-20-1".parse::<Recipe>().unwrap().maze().unwrap();
         let plan = on_a_map(Plan::new(maze).method(Method::XcscrPlus));
@@ -223,10 +220,10 @@ fn the_source_code_tells_how_much_memory_a_tracker_takes() {
 }
 
 #[test]
-fn data_of_rules_with_a_memory_tell_what_they_look_at_and_json_has_the_charts() {
+fn data_of_rules_with_a_memory_tell_what_they_look_at_and_json_has_the_maps() {
     let learned = Learned::new(classic("maze7"));
     let json: serde_json::Value = serde_json::from_str(&learned.text(Target::Json)).unwrap();
-    let [rules, states] = [&json["rules"], &json["cell_maps"]["states"]];
+    let [rules, states] = [&json["rules"], &json["maps"]["states"]];
     assert_eq!(states.as_array().unwrap().len(), 9, "{states}");
     assert!(
         states[0]["next"]

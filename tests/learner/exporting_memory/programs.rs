@@ -99,7 +99,7 @@ mod policy;
 
 pub fn main() {
     let tracker = policy::Tracker::new();
-    println!("{} {}", size_of_val(&policy::CHARTS), size_of_val(&tracker));
+    println!("{} {}", size_of_val(&policy::STATE_TABLE), size_of_val(&tracker));
 }
 "#;
 

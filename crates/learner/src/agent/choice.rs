@@ -1,4 +1,4 @@
-//! Who chose which action.
+//! Choices of actions, and their decision sources.
 
 use std::fmt;
 
@@ -6,22 +6,22 @@ use serde::{Deserialize, Serialize};
 use xcs::Action;
 use xcs::bounds::{OutOfRange, within};
 
-/// Who chose an action.
+/// The decision source of an action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Chooser {
     /// The rules of \[P\], by their prediction array.
     Rules,
-    /// The table of a tabular method, which may have been planned, or its plan on maps.
+    /// The table of a tabular method (learned or planned), or a plan on maps.
     Table,
-    /// A plan, in order to explore.
+    /// An exploration plan.
     Planner,
-    /// Chance: to explore, or because nothing was known.
+    /// Chance: a random exploratory action, or nothing is known.
     Chance,
 }
 
 impl Chooser {
-    /// The name in files.
+    /// Returns the name used in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rules => "rules",
@@ -32,22 +32,22 @@ impl Chooser {
     }
 }
 
-/// An action, and who chose it.
+/// An action and its decision source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
     /// The action.
     pub action: Action,
-    /// Who chose it.
+    /// The decision source.
     pub chooser: Chooser,
 }
 
 impl Choice {
-    /// A choice.
+    /// Creates a choice.
     pub fn new(action: Action, chooser: Chooser) -> Self {
         Self { action, chooser }
     }
 
-    /// A choice of rules, unless it was left to chance: in order to explore, or because none matched.
+    /// Creates a choice by rules, or by chance if the step explores or no rule matched.
     pub fn of_rules(action: Action, explores: bool) -> Self {
         let chooser = if explores {
             Chooser::Chance
@@ -57,7 +57,7 @@ impl Choice {
         Self { action, chooser }
     }
 
-    /// A choice of a table, unless it was left to chance: in order to explore, or for want of a row.
+    /// Creates a choice by a table, or by chance if the step explores or the row is missing.
     pub fn of_a_table(action: Action, explores: bool) -> Self {
         let chooser = if explores {
             Chooser::Chance
@@ -67,27 +67,27 @@ impl Choice {
         Self { action, chooser }
     }
 
-    /// Was it chosen to explore?
+    /// Returns true if the action was chosen to explore.
     pub fn explores(self) -> bool {
         matches!(self.chooser, Chooser::Planner | Chooser::Chance)
     }
 }
 
-/// How many steps each of them chose.
+/// The number of steps by decision source.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Chosen {
-    /// The rules of \[P\].
+    /// Steps chosen by the rules of \[P\].
     pub rules: u64,
-    /// A table.
+    /// Steps chosen by a table.
     pub table: u64,
-    /// A plan.
+    /// Steps chosen by an exploration plan.
     pub planner: u64,
-    /// Chance.
+    /// Steps chosen by chance.
     pub chance: u64,
 }
 
 impl Chosen {
-    /// Counts one step more.
+    /// Counts one more step.
     pub fn count(&mut self, chooser: Chooser) {
         *match chooser {
             Chooser::Rules => &mut self.rules,
@@ -97,7 +97,7 @@ impl Chosen {
         } += 1;
     }
 
-    /// Counts all that others counted.
+    /// Adds the counts of `others`.
     pub fn add(&mut self, others: &Self) {
         self.rules += others.rules;
         self.table += others.table;
@@ -105,10 +105,10 @@ impl Chosen {
         self.chance += others.chance;
     }
 
-    /// Accepts counts that can be those of `steps` steps.
+    /// Checks that each count is possible for `steps` steps.
     ///
     /// # Errors
-    /// The first that cannot.
+    /// The first count that is out of range.
     pub fn check(&self, steps: u64) -> Result<(), OutOfRange> {
         within("chosen.rules", self.rules, 0..=steps)?;
         within("chosen.table", self.table, 0..=steps)?;
@@ -118,7 +118,7 @@ impl Chosen {
 }
 
 impl fmt::Display for Chosen {
-    /// Those that chose any, with their numbers.
+    /// Writes the sources with at least one step, each with its number of steps.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let choosers = [
             Chooser::Rules,

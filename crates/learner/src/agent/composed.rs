@@ -1,10 +1,13 @@
-//! A model-based learner: state estimator x model x planner x policy (`xcscr-plus`, and `r-max` without rules).
+//! A model-based learner: state estimator x model x planner x policy (`xcscr-plus`, and `r-max` without
+//! rules).
 //!
-//! The learner begins with the percept as its state. Once its own experience contradicts that, the state becomes a cell
-//! of a map that the learner draws itself. Its experience contradicts it where one percept and one move have led to
-//! different percepts; where moves slip and more came of an action than slips explain; where successive percepts disagree
-//! about cells that both show; where an auxiliary reward was found, which is paid once; and where no move slips, but the
-//! policy takes more steps than there are percepts.
+//! At first the percept is the state. Once the learner's experience contradicts that, the state becomes a
+//! cell of a learned map. Contradictions are:
+//! * One percept and one move have led to different percepts.
+//! * Moves slip, and an action had more results than slips explain.
+//! * Successive percepts disagree about cells that both show.
+//! * An auxiliary reward was collected, which is paid once.
+//! * No move slips, but the policy takes more steps than there are percepts.
 
 use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
@@ -16,11 +19,11 @@ use crate::agent::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use xcs::{Action, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
-/// The learner of the present state estimator.
+/// The learner of the current state estimator.
 #[derive(Debug, Clone)]
 enum Current {
-    /// The percept is the state. The map learner waits, untrained but for its noise estimate; there is none where the
-    /// percept stays the state.
+    /// The percept is the state. The waiting map learner is untrained but for its noise estimate; it is
+    /// `None` if the percept remains the state.
     Percept(Box<PerceptLearner>, Option<Box<MapLearner>>),
     /// The cell on a map is the state.
     Map(Box<MapLearner>),
@@ -33,13 +36,13 @@ pub struct Composed {
     step_threshold: u32,
     /// The steps of this episode, as long as the estimator may change.
     steps: Vec<(Percept, Action, Outcome)>,
-    /// How many of the last steps the policy chose, without exploration or chance.
+    /// The number of last steps chosen by the policy, without exploration or chance.
     exploited: usize,
 }
 
 impl Composed {
-    /// Creates an untrained learner that begins with `estimator`, or with the percept if `auto` may change it. `Auto`
-    /// needs percepts that begin with the eight cells around the robot.
+    /// Creates an untrained learner that begins with `estimator`, or with the percept for `Auto`. `Auto`
+    /// requires percepts that begin with the eight cells around the robot.
     pub fn new(
         estimator: Estimator,
         percept: PerceptLearner,
@@ -59,8 +62,8 @@ impl Composed {
         }
     }
 
-    /// Learns from the last step whether its percept was the state, and from what was perceived after it, `None` at a
-    /// goal; `true` if that was contradicted.
+    /// Checks the last step and the next percept (`None` at a goal) for a contradiction to the percept as
+    /// the state. Returns `true` if there is one.
     fn is_contradicted(&mut self, next: Option<&Percept>) -> bool {
         let Current::Percept(learner, Some(map)) = &mut self.current else {
             return false;
@@ -70,13 +73,13 @@ impl Composed {
         };
         // An auxiliary reward is paid once, which no percept shows.
         let found = outcome.found() != 0.0;
-        // A policy over states arrives, or explores, before it comes into one twice.
+        // A policy over states arrives or explores before it visits a state twice.
         let circles = learner.has_met_fewer_than(self.exploited);
         map.notices_aliasing((percept, *action, *outcome), next) || found || circles
     }
 
-    /// Takes the cell on a map as the state from now on, if there may be one, and lets the map learner live through
-    /// this episode again.
+    /// Switches to the cell on a map as the state, if possible, and replays this episode to the map
+    /// learner.
     fn change_to_map(&mut self) {
         let Current::Percept(_, waiting) = &mut self.current else {
             return;
@@ -172,7 +175,7 @@ impl Agent for Composed {
         }
     }
 
-    /// Takes over the map of another world only where maps may be drawn.
+    /// Takes over the map of another world only if maps may be used.
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
         match knowledge {
             Knowledge::Foresighted { generalisation, .. } => match &mut self.current {

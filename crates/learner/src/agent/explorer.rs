@@ -1,10 +1,10 @@
-//! Explore or exploit.
+//! Exploration and exploitation.
 
 use xcs::Action;
 use xcs::PredictionArray;
 use xcs::random::Stream;
 
-/// Chooses actions: with probability p_explr any, otherwise one of the best.
+/// Chooses a random action with probability p_explr, otherwise one of the best.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Explorer {
     probability: f64,
@@ -12,7 +12,7 @@ pub struct Explorer {
 }
 
 impl Explorer {
-    /// An explorer that draws from `stream`; a probability of 0 is purely greedy.
+    /// Creates an explorer that draws from `stream`. A probability of 0 is purely greedy.
     pub fn new(probability: f64, stream: Stream) -> Self {
         Self {
             probability,
@@ -20,22 +20,22 @@ impl Explorer {
         }
     }
 
-    /// The stream that it draws from.
+    /// Returns the random stream.
     pub fn stream(&self) -> &Stream {
         &self.stream
     }
 
-    /// Draws from another stream from now on.
+    /// Replaces the random stream.
     pub fn resume(&mut self, stream: Stream) {
         self.stream = stream;
     }
 
-    /// From now on explores with this probability.
+    /// Sets the probability of exploring.
     pub fn set_probability(&mut self, probability: f64) {
         self.probability = probability;
     }
 
-    /// An action, and whether it was chosen to explore.
+    /// Returns an action, and whether it was chosen to explore.
     pub fn choose(&mut self, values: &PredictionArray) -> (Action, bool) {
         let explores = self.stream.chance(self.probability);
         let action = if explores {
@@ -46,7 +46,8 @@ impl Explorer {
         (action, explores)
     }
 
-    /// The same, but explores only actions that have a value, if there are any.
+    /// Like [`choose`](Self::choose), but explores only actions that have a value, if there are
+    /// any.
     pub fn choose_advocated(&mut self, values: &PredictionArray) -> (Action, bool) {
         if values.greatest().is_none() {
             return self.choose(values);
@@ -61,18 +62,19 @@ impl Explorer {
         (action, explores)
     }
 
-    /// One of the best actions, or any where nothing is known. Ties are broken by chance.
+    /// Returns one of the best actions, or any action if no value is known. Ties are broken at
+    /// random.
     pub fn exploit(&mut self, values: &PredictionArray) -> Action {
         exploit(values, &mut self.stream)
     }
 
-    /// One of some actions, each with the same chance.
+    /// Returns one of the given actions, all equally likely.
     pub fn among(&mut self, actions: impl Iterator<Item = Action> + Clone) -> Action {
         among(actions, &mut self.stream)
     }
 }
 
-/// One of the best actions, or any where nothing is known. Ties are broken by chance.
+/// Returns one of the best actions, or any action if no value is known. Ties are broken at random.
 pub(super) fn exploit(values: &PredictionArray, stream: &mut Stream) -> Action {
     match values.greatest() {
         Some(_) => among(values.best_actions(), stream),
@@ -92,7 +94,7 @@ mod tests {
     use xcscr_robot::streams::StreamName;
 
     #[test]
-    fn only_actions_with_a_worth_are_explored_unless_there_are_none() {
+    fn only_actions_with_a_value_are_explored_unless_there_are_none() {
         let mut explorer = Explorer::new(1.0, Stream::new(1, StreamName::Exploration));
         let mut values = PredictionArray::new(4);
         let mut tried = |values: &PredictionArray| {

@@ -1,4 +1,4 @@
-//! An agent that only uses what is known.
+//! An agent that follows learned knowledge without learning.
 
 use serde::Serialize;
 
@@ -8,21 +8,21 @@ use crate::agent::{Agent, Choice, EndCredit, Explorer, StepCredit};
 use xcs::{Action, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
-/// A method that no longer learns: it acts on what is known and changes nothing.
+/// A frozen method: it acts on its knowledge and changes nothing.
 #[derive(Debug, Clone, Serialize)]
 pub struct Frozen {
     knowledge: Knowledge,
     actions: usize,
     step_threshold: u32,
-    /// What it remembers of this episode.
+    /// The state estimate of this episode.
     tracker: Tracker,
-    /// What it perceived last.
+    /// The last percept.
     #[serde(skip)]
     percept: Option<Percept>,
 }
 
 impl Frozen {
-    /// Acts on `knowledge` with `actions` actions, for at most `step_threshold` steps an episode.
+    /// Creates an agent with `actions` actions and at most `step_threshold` steps an episode.
     pub fn new(knowledge: Knowledge, actions: usize, step_threshold: u32) -> Self {
         Self {
             knowledge,
@@ -33,7 +33,7 @@ impl Frozen {
         }
     }
 
-    /// Returns the rules that match what rules look at now; none for a table or a plan.
+    /// Describes the rules that match the current percept or context; empty for a table or a plan.
     fn matching(&self, action: Action) -> StepCredit {
         let mut found = StepCredit::default();
         let context = match self.knowledge.map() {
@@ -72,8 +72,7 @@ impl Agent for Frozen {
         };
         self.tracker.perceive(map, percept);
         self.knowledge.plan_for(&self.tracker);
-        self.knowledge
-            .remembered_values(&self.tracker, self.actions)
+        self.knowledge.tracked_values(&self.tracker, self.actions)
     }
 
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {

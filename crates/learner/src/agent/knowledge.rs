@@ -1,4 +1,4 @@
-//! What a learner knows.
+//! Learned knowledge.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,36 +11,37 @@ use crate::agent::policy::plan::BeliefPlan;
 use xcs::{Action, Percept};
 use xcs::{Population, PredictionArray, Xcs};
 
-/// What was learned: enough to follow the greedy policy.
+/// Learned knowledge: enough to follow the greedy policy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Knowledge {
     /// The rules of an XCS.
     Rules(Population),
-    /// The rules of an XCS that divides by the fitness of all of \[M\] (`xcs.worth_over_match_set`).
+    /// The rules of an XCS that divides by the fitness of all of \[M\]
+    /// (`xcs.value_over_match_set`).
     RulesOverMatchSet(Population),
-    /// The rules of an XCS that also foresees what actions do.
+    /// The rules of an XCS that also predicts transitions.
     Foresighted {
-        /// What actions are worth.
+        /// The rules for action values.
         rules: Population,
-        /// What they do.
+        /// The rules that predict transitions.
         generalisation: Generalisation,
     },
-    /// The rules of a learner with a memory, which look at a context, not at a percept.
+    /// The rules of a learner with a map. Their conditions match contexts, not percepts.
     Remembering {
-        /// What actions are worth in a context.
+        /// The rules for action values in a context.
         rules: Population,
-        /// The places that contexts speak of.
+        /// The map that contexts refer to.
         map: Map,
     },
-    /// The plan of a tabular method with a memory, and its maps.
+    /// The plan of a tabular method with a map, and the map itself.
     Planned(BeliefPlan),
     /// The table of a tabular method: the value of each action in each percept.
     Table(BTreeMap<Percept, Vec<Option<f64>>>),
 }
 
 impl Knowledge {
-    /// What an XCS has learned.
+    /// Returns what an XCS has learned.
     pub(super) fn of(xcs: &Xcs) -> Self {
         let rules = xcs.population().clone();
         match xcs.params().value_over_match_set {
@@ -49,21 +50,24 @@ impl Knowledge {
         }
     }
 
-    /// Lets an XCS start from the rules; `false` if there are none that look at percepts.
-    pub(super) fn bring_to(&self, xcs: &mut Xcs) -> bool {
+    /// Initialises an XCS with the rules; `false` if there are no rules with conditions on
+    /// percepts.
+    pub(super) fn initialise(&self, xcs: &mut Xcs) -> bool {
         let rules = self.rules().filter(|_| !self.remembers());
         rules.map(|rules| xcs.start_from(rules)).is_some()
     }
 
-    /// The value of each of `actions` actions under a percept.
+    /// Returns the value of each of `actions` actions in a percept.
     pub fn values(&self, percept: &Percept, actions: usize) -> PredictionArray {
         match self {
             Self::Rules(rules) | Self::Foresighted { rules, .. } => {
                 rules.sums(percept).array(actions, false)
             }
             Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
-            Self::Remembering { map, .. } => self.remembered_values(&begun(map, percept), actions),
-            Self::Planned(plan) => plan.values(&begun(plan.map(), percept), actions),
+            Self::Remembering { map, .. } => {
+                self.tracked_values(&tracker_at_start(map, percept), actions)
+            }
+            Self::Planned(plan) => plan.values(&tracker_at_start(plan.map(), percept), actions),
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);
@@ -75,15 +79,15 @@ impl Knowledge {
         }
     }
 
-    /// Plans on for one who remembers an episode, where a plan chooses.
+    /// Continues planning for the tracked belief, if a plan chooses.
     pub(super) fn plan_for(&mut self, tracker: &Tracker) {
         if let Self::Planned(plan) = self {
             plan.plan_for(tracker);
         }
     }
 
-    /// The value of each action for one who remembers an episode; none without a memory.
-    pub(super) fn remembered_values(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
+    /// Returns the value of each action for the tracked state; empty without a map.
+    pub(super) fn tracked_values(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
         match self {
             Self::Remembering { map, .. } => self.values_in(&tracker.context(map), actions),
             Self::Planned(plan) => plan.values(tracker, actions),
@@ -91,7 +95,8 @@ impl Knowledge {
         }
     }
 
-    /// The value of each action in what its rules look at: a context, or without a memory a percept.
+    /// Returns the value of each action for the input of the rules: a context, or a percept without
+    /// a map.
     pub fn values_in(&self, looked_at: &Percept, actions: usize) -> PredictionArray {
         match self {
             Self::Remembering { rules, .. } => rules.sums(looked_at).array(actions, false),
@@ -99,7 +104,7 @@ impl Knowledge {
         }
     }
 
-    /// The width of what its rules look at, for percepts of `width` bits.
+    /// Returns the width of the input of the rules, for percepts of `width` bits.
     fn context_width(&self, width: usize) -> usize {
         match self {
             Self::Remembering { .. } => CONTEXT_BITS,
@@ -107,20 +112,20 @@ impl Knowledge {
         }
     }
 
-    /// What its rules look at when an episode begins with a percept.
+    /// Returns the input of the rules when an episode begins with a percept.
     pub fn looked_at(&self, percept: &Percept) -> Percept {
         match self {
-            Self::Remembering { map, .. } => begun(map, percept).context(map),
+            Self::Remembering { map, .. } => tracker_at_start(map, percept).context(map),
             _ => *percept,
         }
     }
 
-    /// Does what is chosen depend on more than the percept?
+    /// Returns true if choices depend on more than the percept.
     pub fn remembers(&self) -> bool {
         self.map().is_some()
     }
 
-    /// The maps of those that remember.
+    /// Returns the map, if there is one.
     pub(super) fn map(&self) -> Option<&Map> {
         match self {
             Self::Remembering { map, .. } => Some(map),
@@ -129,7 +134,7 @@ impl Knowledge {
         }
     }
 
-    /// The rules that say what actions are worth; `None` for a table or a plan.
+    /// Returns the rules for action values; `None` for a table or a plan.
     pub fn rules(&self) -> Option<&Population> {
         match self {
             Self::Rules(rules)
@@ -140,7 +145,7 @@ impl Knowledge {
         }
     }
 
-    /// What is predicted; `None` for methods that foresee nothing.
+    /// Returns the transition generalisation; `None` for methods without one.
     pub fn generalisation(&self) -> Option<&Generalisation> {
         match self {
             Self::Foresighted { generalisation, .. } => Some(generalisation),
@@ -148,10 +153,10 @@ impl Knowledge {
         }
     }
 
-    /// Accepts what is known when it is about percepts of `width` bits and `actions` actions.
+    /// Checks that the knowledge fits percepts of `width` bits and `actions` actions.
     ///
     /// # Errors
-    /// The first rule or row that is not.
+    /// The first rule or row that does not fit.
     pub fn check(&self, width: usize, actions: usize) -> Result<(), Misfit> {
         if let Some(map) = self.map()
             && !(map.is_sound(actions) && width >= PERCEPT_BITS)
@@ -160,12 +165,12 @@ impl Knowledge {
         }
         let rules = self.rules().map_or(&[][..], Population::rules).iter();
         let own = rules.map(|rule| (rule.condition, Some(rule.action)));
-        let foretelling = self
+        let predicting = self
             .generalisation()
             .map_or(&[][..], |f| &f.collisions)
             .iter();
-        let foretelling = foretelling.map(|rule| (rule.condition, rule.action));
-        for (condition, action) in own.chain(foretelling) {
+        let predicting = predicting.map(|rule| (rule.condition, rule.action));
+        for (condition, action) in own.chain(predicting) {
             let action = action.map_or(0, Action::index);
             let wanted = self.context_width(width);
             Misfit::check(&condition, condition.width(), wanted, action, actions)?;
@@ -183,7 +188,7 @@ impl Knowledge {
         })
     }
 
-    /// The number of rules, of pairs in the table, or of beliefs that were planned for.
+    /// Returns the number of rules, of pairs in the table, or of planned beliefs.
     pub fn len(&self) -> usize {
         match self {
             Self::Table(table) => table.values().flatten().flatten().count(),
@@ -192,7 +197,7 @@ impl Knowledge {
         }
     }
 
-    /// What [`len`](Self::len) counts: `rules`, `pairs` or `beliefs`.
+    /// Returns the unit of [`len`](Self::len): `rules`, `pairs` or `beliefs`.
     pub fn counts(&self) -> &'static str {
         match self {
             Self::Table(_) => "pairs",
@@ -201,54 +206,54 @@ impl Knowledge {
         }
     }
 
-    /// Is nothing known?
+    /// Returns true if nothing was learned.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// What is remembered when an episode begins with a percept.
-fn begun(map: &Map, percept: &Percept) -> Tracker {
-    let mut begun = Tracker::default();
-    begun.perceive(map, percept);
-    begun
+/// Returns the state estimate when an episode begins with a percept.
+fn tracker_at_start(map: &Map, percept: &Percept) -> Tracker {
+    let mut tracker = Tracker::default();
+    tracker.perceive(map, percept);
+    tracker
 }
 
-/// Knowledge of another world.
+/// Errors when knowledge does not fit a world.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Misfit {
-    /// A rule looks at percepts of another width.
+    /// The condition of a rule has another width than the percepts.
     #[error("rule {rule} looks at {width} bits, but percepts in this world have {wanted}")]
     Width {
-        /// Its condition.
+        /// The condition of the rule.
         rule: String,
         /// The width of the condition.
         width: usize,
         /// The width of percepts.
         wanted: usize,
     },
-    /// A rule advocates an action that is no move.
+    /// A rule advocates an action that is not a move of this world.
     #[error(
         "rule {rule} advocates action {action}, but this world has only {actions} moves, counted from 0"
     )]
     Action {
-        /// Its condition.
+        /// The condition of the rule.
         rule: String,
         /// The action.
         action: usize,
-        /// How many there are.
+        /// The number of actions.
         actions: usize,
     },
-    /// What is remembered is no map for these moves and percepts.
-    #[error("the map that the rules go by does not fit the moves and percepts of this world")]
+    /// The map does not fit the moves and percepts of this world.
+    #[error("the map of the rules does not fit the moves and percepts of this world")]
     Map,
-    /// What is predicted cannot be.
+    /// The transition generalisation is invalid.
     #[error("{0}")]
     Generalisation(String),
-    /// They are of another kind than the method's.
+    /// The method cannot use this kind of knowledge.
     #[error(
-        "the method `{0}` cannot start from these rules: give XCS methods rules of one of them, \
-         and xcscr-plus rules of its own; tabular methods start from nothing"
+        "the method `{0}` cannot start from these rules: XCS methods accept the rules of an XCS method, \
+         xcscr-plus accepts its own rules, and tabular methods accept none"
     )]
     Useless(&'static str),
 }

@@ -1,10 +1,10 @@
-//! A learner whose state is a cell of a map that it draws itself: percepts that several cells share are told apart
-//! by where the robot has come from.
+//! A learner whose state is a cell of a learned map. It distinguishes aliased cells by the robot's path.
 //!
-//! Maps, motion model and noise model are estimated from the episodes that reached a goal ([`MapSet`]). On the map, the
-//! learner tracks a belief about its cell ([`Tracker`]), plans over beliefs ([`BeliefPlanner`]) and simulates episodes.
-//! The policy is a set of rules that are distilled from the simulated decisions and from those met when driving
-//! ([`Distillation`]), or the plan itself. Frontier exploration ([`LocalMap`]) acts in whole episodes, which get rarer.
+//! Maps, motion model and noise model are estimated from the episodes that reached a goal ([`MapSet`]).
+//! On the map, the learner tracks a belief about its cell ([`Tracker`]), plans over beliefs
+//! ([`BeliefPlanner`]) and simulates episodes. The policy is a set of rules, or the plan itself. The
+//! rules are distilled from the simulated decisions and from those made while driving ([`Distillation`]).
+//! Frontier exploration ([`LocalMap`]) takes whole episodes, with decreasing frequency.
 
 mod policy;
 
@@ -28,28 +28,29 @@ use xcs::random::Stream;
 use xcs::{Action, Classifier, Percept, Population, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
-/// The most episodes that are simulated after each real one, and the most states that are weighed in them, early and later.
+/// The maximum number of simulated episodes after each real one, and the maximum number of states
+/// evaluated in them, early and later.
 const SIMULATED: usize = 32;
 const WEIGHED: [usize; 2] = [1600, 500];
-/// Episodes up to which the greater of these holds.
+/// The number of episodes up to which the greater of these holds.
 const EARLY: u32 = 100;
-/// The first episodes all explore: one alone maps only a path or two to a goal.
+/// The number of first episodes that all explore: a single one maps only a path or two to a goal.
 const ALL_EXPLORE: u32 = 5;
-/// Up to here every second episode explores, since most maps still miss something. Later one in ten does, because a
-/// cell that is seldom visited may still be missing.
+/// Up to this episode every second one explores, since most maps are incomplete. Later, one in ten does,
+/// because a rarely visited cell may still be missing.
 const MANY_EXPLORE: u32 = 200;
-/// A learner that starts with rules from another world explores as after so many episodes.
+/// The initial episode number of a learner that starts with rules from another world.
 const EXPERIENCED: u32 = 6;
-/// The most simulated episodes from every state after each real one, if moves are exact.
+/// The maximum number of simulated episodes per state after each real one, if moves are exact.
 const SWEEPS: usize = 8;
-/// Rules may lose this share of their steps to observation errors without looking at more of the context.
+/// The share of its steps that a rule set may lose to observation errors without a wider view.
 const TOLERATED: f64 = 0.03;
-/// If moves slip, plans never settle; rules are distilled again after so many episodes.
+/// If moves slip, plans never converge. Rules are distilled again after these episodes.
 const REVISED_AFTER: [u32; 14] = [
     25, 50, 75, 100, 150, 200, 250, 300, 400, 500, 600, 700, 800, 900,
 ];
 
-/// Maps, a plan over beliefs about the own cell, and a policy.
+/// Maps, a plan over beliefs about the robot's cell, and a policy.
 #[derive(Debug, Clone)]
 pub struct MapLearner {
     policy: PolicyKind,
@@ -58,7 +59,7 @@ pub struct MapLearner {
     actions: usize,
     values: RewardScale,
     learned: Learned,
-    /// Follows from the maps.
+    /// Derived from the maps.
     map: Map,
     tracker: Tracker,
     /// The steps of this episode.
@@ -67,26 +68,27 @@ pub struct MapLearner {
     percept: Option<Percept>,
 }
 
-/// What learning changes. It is saved as it is.
+/// The state changed by learning. It is saved as it is.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Learned {
     maps: MapSet,
-    /// Evidence from the time before maps were drawn.
+    /// Evidence from the time before the first map.
     aliasing: Aliasing,
     planner: BeliefPlanner,
     rules: Population,
-    /// What was met when nothing was explored, since the maps or, where moves are exact, the plan changed last.
+    /// The contexts met without exploration since the last change of the maps or, with exact moves, the
+    /// plan.
     met: Examples,
     stream: Stream,
-    /// Finished episodes; more for a learner that started with rules from another world.
+    /// The number of finished episodes; more for a learner that started with rules from another world.
     episodes: u32,
-    /// Has the plan changed since the rules were corrected, or have they erred?
+    /// True if the plan has changed since the rules were last corrected, or if the rules were wrong.
     stale: bool,
     local: LocalMap,
 }
 
 impl Learned {
-    /// Can a learner with so many actions, and rules or none, have learned this?
+    /// Returns true if this is a valid state for this number of actions.
     fn is_valid(&self, actions: usize, has_rules: bool) -> bool {
         let fits = |rule: &Classifier| {
             rule.condition.width() == CONTEXT_BITS && rule.action.index() < actions
@@ -101,8 +103,8 @@ impl Learned {
 }
 
 impl MapLearner {
-    /// Creates an untrained learner for a number of actions and a way of seeing; `stream` draws simulated episodes and
-    /// ties of exploration. The parameters must have been checked.
+    /// Creates an untrained learner for a number of actions and a kind of vision. `stream` draws
+    /// simulated episodes and breaks ties of exploration. The parameters must have been checked.
     pub fn new(
         (actions, vision): (usize, Vision),
         xcs: xcs::Params,
@@ -137,7 +139,7 @@ impl MapLearner {
         }
     }
 
-    /// Updates the belief about the own cell, and returns the policy's action values.
+    /// Updates the belief about the robot's cell, and returns the policy's action values.
     pub fn observe(&mut self, percept: &Percept) -> PredictionArray {
         self.percept = Some(*percept);
         self.tracker.perceive(&self.map, percept);
@@ -159,7 +161,7 @@ impl MapLearner {
         self.values_of(&self.tracker)
     }
 
-    /// Explores in whole episodes, which get rarer, and where the policy says nothing; else the policy chooses.
+    /// Explores in exploration episodes, and if the policy has no values. Otherwise the policy chooses.
     pub fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         if self.explores() || values.greatest().is_none() {
             return Choice::new(self.explore(), Chooser::Planner);
@@ -171,7 +173,7 @@ impl MapLearner {
         Choice::new(explorer.exploit(values), chooser)
     }
 
-    /// Is this an exploring episode?
+    /// Returns true in an exploration episode.
     fn explores(&self) -> bool {
         let every = match self.learned.episodes {
             0..ALL_EXPLORE => 1,
@@ -181,7 +183,7 @@ impl MapLearner {
         self.size() == 0 || self.learned.episodes % every == every - 1
     }
 
-    /// The action that leads to the nearest frontier of this episode.
+    /// Returns the action that leads to the nearest frontier of this episode.
     fn explore(&mut self) -> Action {
         let passes_goals = self.passes_goals();
         let Learned {
@@ -198,8 +200,8 @@ impl MapLearner {
         )
     }
 
-    /// Is this an exploring episode in which to walk past goals? Maps are drawn around the goal that was
-    /// reached, and cells next to another would stay missing there. Every second exploring episode is one.
+    /// Returns true in an exploration episode that passes goals; every second one does. Maps are built
+    /// around the goal that was reached, so cells next to another goal would stay missing there.
     fn passes_goals(&self) -> bool {
         let several = self
             .map
@@ -209,8 +211,8 @@ impl MapLearner {
         several && self.learned.episodes / 2 % 2 == 1
     }
 
-    /// Notes the outcome of the action chosen after the last [`observe`](Self::observe). Rules that were wrong are
-    /// corrected when the episode ends.
+    /// Records the outcome of the action chosen after the last [`observe`](Self::observe). Wrong rules
+    /// are corrected at the end of the episode.
     pub fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let percept = self.percept.expect("`observe` comes before `update`");
         let mut credit = self.matching(action);
@@ -221,7 +223,7 @@ impl MapLearner {
         credit
     }
 
-    /// A step as maps are drawn from it.
+    /// Converts a step to the form from which maps are estimated.
     fn map_step(&self, percept: &Percept, action: Action, outcome: Outcome) -> MapStep {
         let maps = &self.learned.maps;
         MapStep {
@@ -232,7 +234,7 @@ impl MapLearner {
         }
     }
 
-    /// Ends the episode: corrects maps, plan and policy.
+    /// Ends the episode: updates maps, plan and policy.
     pub fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         self.learned.episodes = self.learned.episodes.saturating_add(1);
         let steps = std::mem::take(&mut self.steps);
@@ -257,7 +259,7 @@ impl MapLearner {
         }
     }
 
-    /// Corrects the maps by an episode that reached a goal.
+    /// Updates the maps with an episode that reached a goal.
     fn learn_map(&mut self, steps: Vec<MapStep>) {
         let learned = &mut self.learned;
         if let Some(last) = steps.last() {
@@ -265,7 +267,7 @@ impl MapLearner {
         }
         learned.maps.learn(steps);
         let map = learned.maps.map(&self.values);
-        if !map.is_of_the_same(&self.map) {
+        if !map.has_same_states(&self.map) {
             learned.planner = BeliefPlanner::new(&map.pomdp);
             learned.met.clear();
             learned.stale = true;
@@ -274,16 +276,16 @@ impl MapLearner {
         self.map = map;
     }
 
-    /// Simulates episodes to plan; true if that changed the plan.
+    /// Plans by simulating episodes. Returns true if the plan changed.
     fn plan(&mut self) -> bool {
         match self.map.pomdp.slip() > 0.0 {
-            true => self.plan_by_chance(),
-            false => self.plan_from_everywhere(),
+            true => self.plan_from_random_states(),
+            false => self.plan_from_all_states(),
         }
     }
 
-    /// From every state, until nothing changes any more.
-    fn plan_from_everywhere(&mut self) -> bool {
+    /// Plans from every state until nothing changes any more.
+    fn plan_from_all_states(&mut self) -> bool {
         let mut changed = false;
         for _ in 0..SWEEPS {
             let mut change = 0.0_f64;
@@ -300,8 +302,8 @@ impl MapLearner {
         changed
     }
 
-    /// From states drawn by chance.
-    fn plan_by_chance(&mut self) -> bool {
+    /// Plans from randomly drawn states.
+    fn plan_from_random_states(&mut self) -> bool {
         let states = self.map.starts() as usize;
         let budget = WEIGHED[usize::from(self.learned.episodes > EARLY)];
         let mut weighed = 0;
@@ -323,8 +325,8 @@ impl MapLearner {
         planner.imagine(&self.map.pomdp, start, belief, stream)
     }
 
-    /// Learns from a step and the percept after it, `None` at a goal, whether several cells share a percept; `true` once
-    /// that is certain.
+    /// Learns from a step and the next percept (`None` at a goal) whether several cells share a percept.
+    /// Returns `true` once that is certain.
     pub fn notices_aliasing(
         &mut self,
         (percept, action, outcome): (&Percept, Action, Outcome),
@@ -336,8 +338,8 @@ impl MapLearner {
         aliasing.is_certain()
     }
 
-    /// Counts cells that successive percepts of an episode show differently; `true` once observation errors are so
-    /// frequent that a percept cannot be taken for the state.
+    /// Counts the cells in which successive percepts of an episode differ. Returns `true` once
+    /// observation errors are too frequent to treat the percept as the state.
     pub fn notices_noise(&mut self, steps: &[(Percept, Action, Outcome)]) -> bool {
         let steps = steps.iter();
         let steps =
@@ -346,7 +348,7 @@ impl MapLearner {
         self.learned.maps.notices_noise(&steps)
     }
 
-    /// What was learned so far.
+    /// Returns the learned knowledge.
     pub fn knowledge(&self) -> Knowledge {
         let map = self.map.clone();
         match self.policy {
@@ -360,26 +362,26 @@ impl MapLearner {
         }
     }
 
-    /// Starts from rules and maps of another world; `false` where the plan is the policy, which is not taken over. Where
-    /// the motion model is unknown, such rules are of no use, and maps only later.
+    /// Starts from rules and maps of another world. Returns `false` if the plan is the policy: it is not
+    /// transferred. With an unknown motion model, the rules are useless, and the maps help only later.
     pub fn warm_start(&mut self, rules: &Population, map: &Map) -> bool {
         if self.policy == PolicyKind::Plan {
             return false;
         }
         let learned = &mut self.learned;
-        learned.maps.bring(map);
+        learned.maps.warm_start(map);
         self.map = learned.maps.map(&self.values);
         learned.planner = BeliefPlanner::new(&self.map.pomdp);
         if learned.maps.robot().motion.are_certain() {
             learned.rules = rules.without_records();
             learned.episodes = EXPERIENCED;
-            // They may be wrong here.
+            // The rules may be wrong here.
             learned.stale = true;
         }
         true
     }
 
-    /// The number of rules, or of beliefs that were planned for.
+    /// Returns the number of rules, or of beliefs in the plan.
     pub fn size(&self) -> usize {
         match self.policy {
             PolicyKind::Rules => self.learned.rules.len(),
@@ -387,15 +389,14 @@ impl MapLearner {
         }
     }
 
-    /// What learning has changed, as bytes for [`resume`](Self::resume).
+    /// Returns the state changed by learning, as bytes for [`resume`](Self::resume).
     pub fn checkpoint(&self) -> Vec<u8> {
         saved::bytes_of(&self.learned)
     }
 
-    /// Resumes from [`checkpoint`](Self::checkpoint); `false` if that was made with other settings.
+    /// Resumes from [`checkpoint`](Self::checkpoint). Returns `false` if it was made with other settings.
     ///
-    /// # Errors
-    /// When the bytes are damaged.
+    /// # Errors Returns an error if the bytes are damaged.
     pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
         let mut learned: Learned = saved::read(saved)?;
         if !learned.is_valid(self.actions, self.policy == PolicyKind::Rules) {

@@ -1,4 +1,4 @@
-//! The methods by their names.
+//! The methods and their names.
 
 use strum::{IntoStaticStr, VariantArray};
 
@@ -40,9 +40,10 @@ pub enum Method {
     AdaptedDiscounted,
     /// The paper's combined reward method.
     Xcscr,
-    /// The same; what is imprinted is decided by two XCS that co-evolve with it.
+    /// `xcscr` in which two co-evolving XCS decide what is imprinted.
     XcscrCoevolved,
-    /// Few best-action rules, distilled from the decisions of a planner on a learned model.
+    /// A small set of best-action rules, distilled from the decisions of a planner on a learned
+    /// model.
     XcscrPlus,
     /// Q-learning in a table.
     QLearning,
@@ -55,16 +56,16 @@ pub enum Method {
 }
 
 impl Method {
-    /// All methods, in the order in which they are reported.
+    /// All methods, in reporting order.
     pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// The name on the command line and in files.
+    /// Returns the name used on the command line and in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// The method that has learned this, where that can be told: more than one learns rules, or a table,
-    /// that only look at percepts.
+    /// Returns the method that learned this knowledge, if it can be determined. Several methods learn rules on
+    /// percepts, and several learn tables.
     pub fn of(knowledge: &Knowledge) -> Option<Self> {
         match knowledge {
             Knowledge::Foresighted { .. } | Knowledge::Remembering { .. } => Some(Self::XcscrPlus),
@@ -73,7 +74,7 @@ impl Method {
         }
     }
 
-    /// Is it one of those that the paper compares?
+    /// Returns true if the paper compares this method.
     pub fn is_of_paper(self) -> bool {
         matches!(
             self,
@@ -81,7 +82,7 @@ impl Method {
         )
     }
 
-    /// Does it learn rules, and not a table?
+    /// Returns true if the method learns rules, false if it learns a table.
     pub fn learns_rules(self) -> bool {
         match self {
             Self::Xcs | Self::Xcsam | Self::AdaptedEven | Self::AdaptedDiscounted => true,
@@ -90,13 +91,14 @@ impl Method {
         }
     }
 
-    /// May the method draw a map, with these settings, and tell cells apart that share a percept?
+    /// Returns true if the method may build a map with these settings, and so distinguish cells
+    /// with equal percepts.
     pub fn may_draw_maps(self, plus: &PlusParams) -> bool {
         matches!(self, Self::XcscrPlus | Self::RMax) && plus.estimator != Estimator::Percept
     }
 
-    /// A learner that knows nothing yet, for `actions` actions and percepts whose first `ring` bits
-    /// lie in a ring around the robot. `seed` is the trial's root seed.
+    /// Creates an untrained learner for `actions` actions. The first `ring` bits of a percept form
+    /// a ring around the robot. `seed` is the trial's root seed.
     pub fn build(self, actions: usize, ring: usize, setup: Setup, seed: u64) -> Box<dyn Agent> {
         let Setup {
             xcs,
@@ -162,22 +164,23 @@ impl Method {
     }
 }
 
-/// The parameters of all methods, which must have been checked, and what else they are told; each
-/// takes what it needs.
+/// The parameters of all methods, and properties of the percept. The parameters must have been
+/// checked. Each method uses the parts that it needs.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Setup {
-    /// XCS.
+    /// Parameters of XCS.
     pub xcs: xcs::Params,
-    /// Rewards and reward methods.
+    /// Rewards, and parameters of the reward methods.
     pub reward: Params,
-    /// Tabular methods.
+    /// Parameters of the tabular methods.
     pub tabular: TabularParams,
-    /// `xcscr-plus` and `r-max`.
+    /// Parameters of `xcscr-plus` and `r-max`.
     pub plus: PlusParams,
-    /// Their maps.
+    /// Parameters of the maps of `xcscr-plus` and `r-max`.
     pub map: MapParams,
-    /// Is the percept what a robot senses, which shows neither goals nor hidden corners?
+    /// True if the percept comes from the robot's sensors, which show neither goals nor hidden
+    /// corners.
     pub sensed: bool,
-    /// Does the percept begin with the eight cells around the robot, and tell nothing of its position?
+    /// True if the percept begins with the eight cells around the robot and does not contain its position.
     pub shows_surroundings: bool,
 }

@@ -1,9 +1,9 @@
-//! Who learns: an [`Agent`] decides who is credited, with what, and when.
+//! Learners: an [`Agent`] decides which rules are credited, with what, and when.
 //!
-//! [`Method`] is the closed set of agents, by the names they have on the command line. `credit/` has standard XCS
-//! and the paper's mechanisms, one file each. `xcscr-plus` and `r-max` are compositions (`composed`) of a state
-//! estimator, a model (`model/`), a planner and a policy (`policy/`). `tabular/` has the baselines with a table. All
-//! reward numbers live here.
+//! [`Method`] is the closed set of agents, by their names on the command line. `credit/` has standard XCS and the
+//! paper's mechanisms, one file each. `xcscr-plus` and `r-max` are compositions (`composed`) of a state estimator, a
+//! model (`model/`), a planner and a policy (`policy/`). `tabular/` has the baselines with a table. All reward
+//! numbers are defined here.
 
 mod choice;
 mod composed;
@@ -49,7 +49,7 @@ pub use tabular::TabularParams;
 use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
-/// What a reward method made of one step.
+/// The credit of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepCredit {
     /// The short-term reward r_s.
@@ -60,40 +60,40 @@ pub struct StepCredit {
     pub match_set: u32,
     /// Micro-classifiers in \[A\]; 0 for tabular methods.
     pub action_set: u32,
-    /// The condition of the rule of \[A\] that weighs most; `None` where no rule advocates the
+    /// The condition of the rule of \[A\] with the greatest weight; `None` if no rule advocates the
     /// action.
     pub fired: Option<Condition>,
 }
 
-/// What a reward method made of the end of an episode.
+/// The credit at the end of an episode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndCredit {
     /// The long-term reward r_l.
     pub long_term_reward: f64,
-    /// The learning rate with which it was learned.
+    /// The learning rate used for it.
     pub learning_rate: f64,
-    /// Was a policy of \[PS\] imprinted?
+    /// True if a policy of \[PS\] was imprinted.
     pub imprinted: bool,
 }
 
-/// A learner and its way of deciding who is credited, with what, and when.
+/// A learner with its credit assignment.
 ///
-/// Each episode opens with [`begin_episode`](Self::begin_episode). For each step come
-/// [`observe`](Self::observe), [`choose`](Self::choose) and [`update`](Self::update), at the end
-/// of the episode [`end_episode`](Self::end_episode).
+/// Each episode begins with [`begin_episode`](Self::begin_episode). Each step calls
+/// [`observe`](Self::observe), [`choose`](Self::choose) and [`update`](Self::update). The episode
+/// ends with [`end_episode`](Self::end_episode).
 pub trait Agent {
-    /// Opens an episode; `evolves`: may rules be discovered by the GA in it? They may until this
-    /// is said for the first time. Methods without a GA need not listen.
+    /// Begins an episode. `evolves` says whether the GA may discover rules in it; before the first
+    /// call it may. Methods without a GA can ignore the call.
     fn begin_episode(&mut self, evolves: bool) {
         let _ = evolves;
     }
 
-    /// The value of each action under a percept, as a step of learning: forms \[M\] and covers
+    /// Returns the value of each action in a percept, as a step of learning: forms \[M\] and covers
     /// missing actions.
     fn observe(&mut self, percept: &Percept) -> PredictionArray;
 
-    /// Chooses an action: by default, any action with probability p_explr, otherwise one of the
-    /// best by the rules.
+    /// Chooses an action. By default: any action with probability p_explr, otherwise one of the
+    /// best according to the rules.
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose(values);
         Choice::of_rules(action, explores)
@@ -102,44 +102,44 @@ pub trait Agent {
     /// Credits the action chosen after the last [`observe`](Self::observe).
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit;
 
-    /// Ends the episode: `reached_goal` tells a success from a step limit.
+    /// Ends the episode. `reached_goal` is false after a step limit.
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit;
 
-    /// The most steps that the next episode may take.
+    /// Returns the maximum number of steps of the next episode.
     fn step_threshold(&self) -> u32;
 
-    /// The value of each action under a percept, without changing anything.
+    /// Returns the value of each action in a percept, without changing anything.
     fn values(&self, percept: &Percept) -> PredictionArray;
 
-    /// What was learned so far.
+    /// Returns what was learned so far.
     fn knowledge(&self) -> Knowledge;
 
-    /// Starts from what was learned in another world, before the first episode; `false` if the
-    /// method has no use for it.
+    /// Initialises the learner with knowledge from another world, before the first episode; `false`
+    /// if the method cannot use it.
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
         let _ = knowledge;
         false
     }
 
-    /// Does what it does in a percept depend on what came before it in the episode?
+    /// Returns true if choices depend on earlier steps of the episode.
     fn remembers(&self) -> bool {
         false
     }
 
-    /// Macro-classifiers in \[P\], or stored pairs of a tabular method.
+    /// Returns the number of macro-classifiers in \[P\], or of stored pairs of a tabular method.
     fn rule_count(&self) -> usize;
 
-    /// All that the method keeps from one episode to the next, for [`restore`](Self::restore);
-    /// nothing by default.
+    /// Returns the state that the method retains between episodes, for [`restore`](Self::restore);
+    /// empty by default.
     fn checkpoint(&self) -> Vec<u8> {
         Vec::new()
     }
 
-    /// The method that goes on as the one whose [`checkpoint`](Self::checkpoint) this is. `self` must have
-    /// been made with the same settings.
+    /// Returns a method that continues from a [`checkpoint`](Self::checkpoint). `self` must have been created with
+    /// the same settings.
     ///
     /// # Errors
-    /// When the memory is that of another method or of other settings, or is damaged; by default, always.
+    /// When the checkpoint is damaged, or was made by another method or with other settings; by default, always.
     fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
         let _ = saved;
         Err(RestoreError::Foreign)

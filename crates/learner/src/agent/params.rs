@@ -1,4 +1,4 @@
-//! All reward numbers, with their defaults in one place.
+//! All reward parameters, with their defaults in one place.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,45 +9,45 @@ use xcscr_robot::arena::Outcome;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sharing {
-    /// Every step the same (Eq. 8).
+    /// The same share for every step (Eq. 8).
     Even,
-    /// Less for each step further from the end (Eq. 9).
+    /// A smaller share for each step further from the end (Eq. 9).
     Discounted,
 }
 
-/// What `xcs` and `xcsam` are paid.
+/// The rewards of `xcs` and `xcsam`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum XcsPayment {
-    /// Each step its short-term reward, the last one of a success also the long-term reward of
-    /// `reward.goal`: the paper's section II-C says that standard XCS "encapsulates long-term
+    /// The short-term reward at each step, and the long-term reward `reward.goal` at the last step
+    /// of a success. The paper's section II-C says that standard XCS "encapsulates long-term
     /// rewards into short-term rewards".
     All,
-    /// Nothing but the long-term reward, Eq. 7 after a success and `reward.failure` after a
-    /// failure: the paper introduces short-term rewards that reach rules as what is new in XCSCR
-    /// (section III-A), and Wilson (1995) and Butz pay mazes in this way.
+    /// Only the long-term reward: Eq. 7 after a success, `reward.failure` after a failure. The
+    /// paper introduces short-term rewards that reach rules as new in XCSCR (section III-A). Wilson
+    /// (1995) and Butz reward mazes in this way.
     Final,
 }
 
-/// What `xcs` and `xcsam` make of an episode that ends at the step limit.
+/// The update of `xcs` and `xcsam` when an episode ends at the step limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepLimitUpdate {
-    /// A failure: the last \[A\] is updated, and nothing follows it (paper, section II-C: r_l
-    /// equals zero if the task fails).
+    /// A failure: the last \[A\] is updated without a successor (paper, section II-C: r_l equals
+    /// zero if the task fails).
     Failure,
-    /// Nothing: the last \[A\] is not updated (XCSF).
+    /// No update of the last \[A\] (XCSF).
     Dropped,
 }
 
-/// When the GA runs in the action sets that wait in \[R\].
+/// When the GA runs in the action sets of \[R\].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StackEvolution {
-    /// After the episode, each set right after its update; the GA's clock stands still meanwhile,
-    /// so that a rule that is in several of the sets takes part only once.
+    /// After the episode, in each set right after its update. The GA's clock stands still
+    /// meanwhile, so that a rule that is in several of the sets takes part only once.
     AfterCredit,
-    /// In the step in which the set was formed (figure 1: the GA lies inside the iteration loop),
+    /// In the step in which the set was formed (figure 1: the GA is inside the iteration loop),
     /// before the set is credited.
     EachStep,
 }
@@ -59,12 +59,12 @@ settings! {
     pub struct Params {
         /// r_l for reaching a goal (paper, section II-C).
         goal: f64 = 1000.0, in 0.0..=1e6;
-        /// r_l for a failure (paper, section II-C: 0, but figures 2 and 5 show values below 0, and
-        /// the text speaks of long-term, negative rewards).
+        /// r_l for a failure. The paper gives 0 (section II-C), but figures 2 and 5 show values
+        /// below 0, and the text mentions negative long-term rewards.
         failure: f64 = 0.0, in -1e6..=0.0;
-        /// What `xcs` and `xcsam` are paid.
+        /// Rewards of `xcs` and `xcsam`.
         xcs_payment: XcsPayment = XcsPayment::All;
-        /// What `xcs` and `xcsam` make of the step limit.
+        /// How `xcs` and `xcsam` treat the step limit.
         xcs_step_limit: StepLimitUpdate = StepLimitUpdate::Failure;
         /// When the GA runs in methods with a reward stack.
         stack_evolution: StackEvolution = StackEvolution::AfterCredit;
@@ -76,17 +76,17 @@ settings! {
         /// neighbouring cells differ by less than epsilon_0, and rules that mix them look accurate.
         gamma: f64 = 0.9, in 0.0..=1.0;
         /// c of Eq. 8, in steps. At 0 it is the length of the shortest success so far in the trial,
-        /// so that the best path is paid in full.
+        /// so that the best path gets full shares.
         even_constant: f64 = 0.0, in 0.0..=1e6;
-        /// The step-threshold at first: the most steps of an episode. The paper does not print its
-        /// own.
+        /// The initial step-threshold: the maximum number of steps of an episode. The paper does
+        /// not print its value.
         step_threshold: u32 = 50, in 1..=1_000_000;
-        /// Is the step-threshold raised to four times the longest shortest path of the maze, where
-        /// `step_threshold` is less? Setting `step_threshold` turns this off.
+        /// Raise the step-threshold to four times the longest shortest path of the maze if
+        /// `step_threshold` is lower. Setting `step_threshold` turns this off.
         step_threshold_from_maze: bool = true;
         /// How `xcscr` shares out the long-term reward.
         sharing: Sharing = Sharing::Discounted;
-        /// theta_rs: the short-term filter answers rewards up to this (Alg. 1).
+        /// theta_rs: the short-term filter applies to rewards up to this value (Alg. 1).
         theta_rs: f64 = -50.0, in -1e6..=0.0;
         /// theta_x: imprinting follows a failure with probability 1 - theta_x (Alg. 2, as printed).
         theta_x: f64 = 0.5, in 0.0..=1.0;
@@ -95,26 +95,26 @@ settings! {
         /// beta after a failure (paper, section III-C).
         beta_failure: f64 = 0.05, in 1e-6..=1.0;
         /// beta of the short-term filter after a collision. The paper calls collisions punishments
-        /// (section III-A) and learns punishments with 0.05 (section III-C); 0.2 is the rate of
-        /// everything else.
+        /// (section III-A) and learns punishments with 0.05 (section III-C). The paper learns
+        /// everything else with 0.2.
         beta_collision: f64 = 0.2, in 1e-6..=1.0;
         /// beta of Eq. 10, with which the step-threshold moves toward a success. 0.2 is the rate
         /// after a success.
         beta_step_threshold: f64 = 0.2, in 1e-6..=1.0;
-        /// Does `xcscr` use the short-term reward filter?
+        /// Enable the short-term reward filter of `xcscr`.
         short_term_filter: bool = true;
-        /// Does `xcscr` imprint?
+        /// Enable imprinting in `xcscr`.
         imprinting: bool = true;
-        /// Does `xcscr` switch the learning rate? If not, it learns with `xcs.beta` throughout.
+        /// Enable learning-rate switching in `xcscr`. Without it, all updates use `xcs.beta`.
         learning_rate_switching: bool = true;
-        /// Does `xcscr` learn the step-threshold?
+        /// Enable learning of the step-threshold in `xcscr`.
         learning_step_threshold: bool = true;
     }
 }
 
 impl Params {
-    /// The same without the four mechanisms of XCSCR: XCS adapted to robots (Williams et al.), one
-    /// reward at the end, of which every \[A\] of the episode gets its share (Eq. 7 with 8 or 9).
+    /// Returns the parameters without the four mechanisms of XCSCR: XCS adapted to robots (Williams
+    /// et al.). One reward at the end is shared among all \[A\] of the episode (Eq. 7 with 8 or 9).
     pub(super) fn adapted(self, sharing: Sharing) -> Self {
         Self {
             sharing,
@@ -126,7 +126,7 @@ impl Params {
         }
     }
 
-    /// r_s: what an outcome is worth at once, with the auxiliary reward that was found.
+    /// Returns r_s: the immediate reward of an outcome, including any auxiliary reward.
     pub fn short_term(&self, outcome: Outcome) -> f64 {
         match outcome {
             Outcome::Collided { .. } => self.collision,
@@ -135,8 +135,8 @@ impl Params {
         }
     }
 
-    /// r_l of an episode of `steps` steps: `goal + 1/time` for a success (Eq. 7, time in steps),
-    /// `failure` for a failure.
+    /// Returns r_l of an episode of `steps` steps: `goal + 1/time` for a success (Eq. 7, time in
+    /// steps), `failure` for a failure.
     pub fn long_term(&self, reached_goal: bool, steps: usize) -> f64 {
         if reached_goal {
             self.goal + 1.0 / steps.max(1) as f64

@@ -1,13 +1,13 @@
-//! A learner whose state is the percept: a model of what followed each action, a plan on it, and a policy.
+//! A learner whose state is the percept: a transition model, a plan on it, and a policy.
 //!
-//! The policy chooses every action that exploits: in training, in evaluations and in exports. The model acts only
-//! where something is left to explore. It has two uses:
-//! * Its plan labels percepts with their best actions ([`PlannedValues`]). Rules are distilled from these examples
-//!   ([`RulePolicy`]), or the plan itself is the policy ([`PolicyKind::Plan`]).
-//! * It leads exploration to actions that may be better than what is known ([`Exploration`]), and predicts
-//!   collisions and inverse actions, so that these need not be tried everywhere.
+//! The policy chooses every action that exploits: in training, in evaluations and in exports. The model
+//! acts only while something is left to explore. It has two uses:
+//! * Its plan labels percepts with their best actions ([`PlannedValues`]). Rules are distilled from these
+//!   examples ([`RulePolicy`]), or the plan itself is the policy ([`PolicyKind::Plan`]).
+//! * It guides exploration to actions that may be better than all known ones ([`Exploration`]). It also
+//!   predicts collisions and inverse actions, so that these need not be tried everywhere.
 //!
-//! The study `repairs` switches each part off in turn.
+//! The study `repairs` switches off each part in turn.
 
 use std::collections::BTreeMap;
 
@@ -33,34 +33,34 @@ pub struct PerceptLearner {
     own: PlusParams,
     memory: Transitions,
     known: PlannedValues,
-    /// The rules that choose; `None` where the plan does.
+    /// The rules that choose; `None` if the plan does.
     rules: Option<RulePolicy>,
     collisions: CollisionRules,
     exploration: Exploration,
-    /// Decides between equally promising paths.
+    /// Breaks ties between equally promising paths.
     stream: Stream,
     /// The steps of this episode.
     path: Vec<Taken>,
-    /// The current percept, and its number.
+    /// The current percept and its number.
     present: Option<(Percept, usize)>,
-    /// The next step of exploration; `None` where the policy decides.
+    /// The next step of exploration; `None` if the policy decides.
     heading: Option<Action>,
 }
 
-/// A step that was taken.
+/// A step of the episode.
 #[derive(Debug, Clone, Copy)]
 struct Taken {
     percept: Percept,
     action: Action,
     reward: f64,
-    /// Did it bump? Then what comes after it is known at once.
+    /// True if the robot bumped. Then the next percept is known at once.
     bumped: bool,
 }
 
 impl PerceptLearner {
-    /// Creates an untrained learner around an empty classifier system. The first `ring` bits of its percepts lie in
-    /// a ring around the robot; `planning` draws between equally promising paths. The parameters must have been
-    /// checked.
+    /// Creates an untrained learner around an empty classifier system. The first `ring` bits of its
+    /// percepts form a ring around the robot. `planning` breaks ties between equally promising paths. The
+    /// parameters must have been checked.
     pub fn new(
         xcs: Xcs,
         ring: usize,
@@ -92,7 +92,7 @@ impl PerceptLearner {
         self.exploration.begin();
     }
 
-    /// Learns what the last step led to, decides whether to explore, and returns the policy's action values.
+    /// Learns from the last step, decides whether to explore, and returns the policy's action values.
     pub fn observe(&mut self, percept: &Percept) -> PredictionArray {
         let met = self.memory.percepts().len();
         let number = self.memory.meet(percept);
@@ -111,8 +111,8 @@ impl PerceptLearner {
         }
     }
 
-    /// Chooses the next step of exploration, or where there is nothing to explore one of the policy's best actions,
-    /// or any action where the policy says nothing.
+    /// Chooses the next step of exploration. If nothing is left to explore, chooses one of the policy's
+    /// best actions, or any action if the policy has no values.
     pub fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         if let Some(action) = self.heading {
             return Choice::new(action, Chooser::Planner);
@@ -128,7 +128,7 @@ impl PerceptLearner {
         }
     }
 
-    /// Notes the outcome of the action chosen after the last [`observe`](Self::observe).
+    /// Records the outcome of the action chosen after the last [`observe`](Self::observe).
     pub fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let (percept, _) = self.present.expect("`observe` comes before `update`");
         let reward = self.params.short_term(outcome);
@@ -167,7 +167,7 @@ impl PerceptLearner {
             }
         }
         self.path.clear();
-        self.notice_slips();
+        self.update_slips();
         self.exploration.begin();
         self.known.tidy();
         self.distil();
@@ -178,17 +178,17 @@ impl PerceptLearner {
         }
     }
 
-    /// The percept of the last [`observe`](Self::observe).
+    /// Returns the percept of the last [`observe`](Self::observe).
     pub fn percept(&self) -> Percept {
         self.present.expect("`observe` comes first").0
     }
 
-    /// Where moves slip: has one percept and action led to more than slips explain?
+    /// Returns true if moves slip, and a percept and action had more results than slips explain.
     pub fn is_refuted(&self) -> bool {
         self.memory.is_refuted()
     }
 
-    /// Were fewer different percepts met than so many, where no moves slip?
+    /// Returns true if fewer than `steps` different percepts were met and no moves slip.
     pub fn has_met_fewer_than(&self, steps: usize) -> bool {
         self.memory.percepts().len() < steps && !self.memory.slips().any()
     }
@@ -202,7 +202,7 @@ impl PerceptLearner {
         }
     }
 
-    /// Returns the planned action values in a percept; none where no path to a goal is known.
+    /// Returns the planned action values in a percept; none if no path to a goal is known.
     fn planned(&self, number: usize) -> PredictionArray {
         let mut array = PredictionArray::new(self.actions);
         for (action, value) in self.known.action_values(&self.memory, number) {
@@ -211,7 +211,7 @@ impl PerceptLearner {
         array
     }
 
-    /// What was learned so far.
+    /// Returns the learned knowledge.
     pub fn knowledge(&self) -> Knowledge {
         let Some(rules) = &self.rules else {
             return Knowledge::Table(self.table());
@@ -225,7 +225,7 @@ impl PerceptLearner {
         }
     }
 
-    /// The planned action values of all percepts from which a path to a goal is known.
+    /// Returns the planned action values of all percepts with a known path to a goal.
     fn table(&self) -> BTreeMap<Percept, Vec<Option<f64>>> {
         let row = |number| {
             let values = self.planned(number);
@@ -237,18 +237,18 @@ impl PerceptLearner {
             .collect()
     }
 
-    /// Starts from the predictions of another world. Its best actions are not taken over: what is best in one maze
-    /// says nothing about the next.
+    /// Starts from the predictions of another world. Its best actions are not transferred, because they
+    /// depend on the maze.
     pub fn warm_start(&mut self, generalisation: &Generalisation) {
         if self.own.collision_rules {
-            self.collisions.bring(&generalisation.collisions);
+            self.collisions.warm_start(&generalisation.collisions);
         }
         if self.own.return_rules {
             self.known.bring(&generalisation.returns);
         }
     }
 
-    /// The number of rules, or of planned pairs of percept and action.
+    /// Returns the number of rules, or of planned pairs of percept and action.
     pub fn size(&self) -> usize {
         match &self.rules {
             Some(rules) => rules.xcs().population().len(),
@@ -256,7 +256,7 @@ impl PerceptLearner {
         }
     }
 
-    /// What learning has changed, as bytes for [`resume`](Self::resume).
+    /// Returns the state changed by learning, as bytes for [`resume`](Self::resume).
     pub fn checkpoint(&self) -> Vec<u8> {
         saved::bytes_of(&(
             (self.rules.as_ref().map(RulePolicy::state), &self.stream),
@@ -265,10 +265,9 @@ impl PerceptLearner {
         ))
     }
 
-    /// Resumes from [`checkpoint`](Self::checkpoint); `false` if that was made with other settings.
+    /// Resumes from [`checkpoint`](Self::checkpoint). Returns `false` if it was made with other settings.
     ///
-    /// # Errors
-    /// When the bytes are damaged.
+    /// # Errors Returns an error if the bytes are damaged.
     pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
         let (of_policy, of_model, of_exploration) = saved::read(saved)?;
         let (rules, known, collisions, exploration);
@@ -286,7 +285,7 @@ impl PerceptLearner {
             && self.collisions.resume(collisions))
     }
 
-    /// Learns the last step, now that it is known what came after it.
+    /// Learns from the last step, given the next percept.
     fn learn_last_step(&mut self, next: Option<Percept>) {
         let Some(&Taken {
             percept,
@@ -322,13 +321,13 @@ impl PerceptLearner {
         }
     }
 
-    /// Estimates how often moves slip; if that has changed, all is judged anew.
-    fn notice_slips(&mut self) {
-        if self.memory.notice_slips(self.params.step) {
+    /// Updates the slip estimate. If it has changed, re-evaluates everything.
+    fn update_slips(&mut self) {
+        if self.memory.update_slips(self.params.step) {
             let slips = self.memory.slips();
             self.known.reconsider(&self.memory);
             let margin = if slips.any() { slips.lead() } else { 0 };
-            self.collisions.demand(margin);
+            self.collisions.set_margin(margin);
             self.exploration.wake();
         }
     }
@@ -347,7 +346,7 @@ impl PerceptLearner {
         }
     }
 
-    /// Corrects the rules by what has changed in the plan.
+    /// Corrects the rules by the changes of the plan.
     fn distil(&mut self) {
         let examples = self.known.news(&self.memory);
         if let Some(rules) = &mut self.rules {
@@ -355,7 +354,7 @@ impl PerceptLearner {
         }
     }
 
-    /// The next step of exploration; `None` where nothing promises more than what is known.
+    /// Returns the next step of exploration; `None` if no action is more promising than the known ones.
     fn explore(&mut self, number: usize) -> Option<Action> {
         let model = Model {
             memory: &self.memory,

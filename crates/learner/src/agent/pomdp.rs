@@ -1,4 +1,4 @@
-//! Mazes whose states are hidden, beliefs over these states, and a planner on beliefs.
+//! Mazes with hidden states, beliefs over these states, and a planner on beliefs.
 
 pub use super::estimator::belief::{Belief, NEGLIGIBLE};
 pub use super::model::pomdp::{GOAL, Pomdp};

@@ -1,6 +1,7 @@
-//! Powers that are the same on every machine.
+//! Powers with the same result on every machine.
 
-/// A whole power, by squaring: [`f64::powi`] may round otherwise elsewhere.
+/// Returns a power with a whole exponent, by squaring. [`f64::powi`] may round differently on other
+/// machines.
 pub fn power(base: f64, exponent: u32) -> f64 {
     let (mut product, mut square, mut left) = (1.0, base, exponent);
     while left > 0 {

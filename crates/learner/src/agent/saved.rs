@@ -1,27 +1,27 @@
-//! What a method keeps from one episode to the next, as bytes.
+//! Serialisation of learner states.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::agent::Agent;
 
-/// Why a learner cannot resume from what was saved.
+/// Errors when resuming a learner from a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RestoreError {
-    /// The bytes do not make a learner.
+    /// The bytes are not a learner.
     #[error("the learner cannot be read: {0}")]
     Unreadable(String),
-    /// They make a learner, but one that the settings rule out.
+    /// The learner does not fit the settings.
     #[error("the learner was made with other settings")]
     Foreign,
 }
 
-/// The bytes of what learning has changed. Settings are no part of it: whoever resumes has them.
+/// Serialises the learned state. Settings are not included; the caller that resumes has them.
 pub(super) fn bytes_of(state: &impl Serialize) -> Vec<u8> {
     postcard::to_allocvec(state).expect("a learner is plain data and a vector has room")
 }
 
-/// What learning had changed, from its bytes.
+/// Deserialises a learned state.
 pub(super) fn read<T: DeserializeOwned>(saved: &[u8]) -> Result<T, RestoreError> {
     let (state, rest) = postcard::take_from_bytes(saved)
         .map_err(|fault| RestoreError::Unreadable(fault.to_string()))?;
@@ -33,7 +33,7 @@ pub(super) fn read<T: DeserializeOwned>(saved: &[u8]) -> Result<T, RestoreError>
     }
 }
 
-/// A method that has resumed, if it could take up all of its memory.
+/// Returns the method if its state fits.
 pub(super) fn accept(
     method: impl Agent + 'static,
     fits: bool,

@@ -1,12 +1,12 @@
-//! Was an episode optimal?
+//! The optimality of one episode.
 
 use super::observer::{Ending, Episode, Observer, Step};
 use xcscr_robot::arena::View;
 use xcscr_robot::world::Paths;
 
-/// Listens to one episode, and tells whether it was optimal. Without slip it is when it takes as few
-/// steps as possible. Where actions slip, steps are a matter of luck: then every choice must be one
-/// that value iteration on the true maze calls best.
+/// An observer that determines whether one episode is optimal. Without slip, an optimal episode
+/// takes the minimum number of steps. With slip, the number of steps depends on chance, so every
+/// choice must be a best action of value iteration on the true maze.
 #[derive(Debug)]
 pub struct BestChoices<'a> {
     paths: &'a Paths,
@@ -15,7 +15,7 @@ pub struct BestChoices<'a> {
 }
 
 impl<'a> BestChoices<'a> {
-    /// Judges by the optimum that `paths` knows.
+    /// Creates an observer that compares with the optimum of `paths`.
     pub fn by(paths: &'a Paths) -> Self {
         Self {
             paths,
@@ -24,7 +24,7 @@ impl<'a> BestChoices<'a> {
         }
     }
 
-    /// Was the episode that was listened to, and ended like this, optimal?
+    /// Returns true if the observed episode with these figures was optimal.
     pub fn is_optimal(&self, episode: &Episode) -> bool {
         let is_best = match self.paths.slips() {
             true => self.all_best,

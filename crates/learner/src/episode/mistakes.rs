@@ -1,4 +1,4 @@
-//! What is perceived wrongly, which only an observer can know.
+//! Perception errors, which only an observer can detect.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,21 +8,22 @@ use xcscr_robot::arena::View;
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::Cell;
 
-/// How often a robot that senses, or whose percepts are misread, was mistaken.
+/// The number of perception errors of a robot that senses, or whose percepts have observation
+/// errors.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mistakes {
-    /// Steps before which it perceived something else than perfect senses would have in that cell.
+    /// Steps before which the percept differed from a perfect percept of the cell.
     pub observation_error: u64,
-    /// Steps after which it believed to stand in another cell than it did.
+    /// Steps after which the robot was mislocalised: its estimated cell was not the true cell.
     pub mislocalised: u64,
 }
 
 impl Mistakes {
-    /// Accepts what can have happened in so many steps.
+    /// Checks that the counts are possible for `steps` steps.
     ///
     /// # Errors
-    /// The first number that is too large.
+    /// The first count that is too large.
     pub fn check(&self, steps: u64) -> Result<(), OutOfRange> {
         within(
             "mistakes.observation_error",
@@ -32,24 +33,24 @@ impl Mistakes {
         within("mistakes.mislocalised", self.mislocalised, 0..=steps)
     }
 
-    /// Adds those of another stretch of steps.
+    /// Adds the counts of other steps.
     pub fn add(&mut self, other: Self) {
         self.observation_error += other.observation_error;
         self.mislocalised += other.mislocalised;
     }
 }
 
-/// Counts the mistakes of one episode.
+/// Counts the perception errors of one episode.
 #[derive(Debug)]
 pub struct Watch {
     sensor: Sensor,
-    /// Where the robot truly stood before the step.
+    /// The true cell of the robot before the step.
     stood: Option<Cell>,
     found: Mistakes,
 }
 
 impl Watch {
-    /// Nothing has happened yet.
+    /// Creates an observer with all counts at 0.
     pub fn new(sensor: Sensor) -> Self {
         Self {
             sensor,
@@ -58,18 +59,18 @@ impl Watch {
         }
     }
 
-    /// The mistakes so far.
+    /// Returns the errors so far.
     pub fn found(&self) -> Mistakes {
         self.found
     }
 }
 
-/// Can what is perceived be wrong?
+/// Returns true if percepts can be wrong.
 fn errs(view: &View<'_>) -> bool {
     view.sensed.is_some() || view.flipped.is_some()
 }
 
-/// The free cell in which the robot truly stands.
+/// Returns the free cell that contains the true position of the robot.
 fn true_cell(view: &View<'_>) -> Option<Cell> {
     let at_m = view.now().robot_in_map.translation.vector.into();
     let cell = view.maze.cell_at(at_m);

@@ -1,4 +1,4 @@
-//! The episode loop, what it tells to listeners, and the policy that comes of it.
+//! The episode loop, its observers, and the resulting policy.
 
 mod choices;
 mod mistakes;

@@ -1,4 +1,4 @@
-//! What an episode tells to whoever listens: recorders, progress bars, tests.
+//! Events of an episode for observers: recorders, progress bars, tests.
 
 use std::ops::ControlFlow;
 
@@ -19,37 +19,38 @@ pub enum Ending {
     StepLimit,
 }
 
-/// One step: what was perceived, chosen and done, and what came of it.
+/// One step: percept, choice, action, and outcome.
 #[derive(Clone, Copy)]
 pub struct Step<'a> {
     /// The episode's number, from 1.
     pub episode: u32,
     /// The step's number in the episode, from 1.
     pub step: u32,
-    /// The cell in which the robot stood before.
+    /// The cell of the robot before the step.
     pub cell: Cell,
-    /// The percept there.
+    /// The percept in this cell.
     pub percept: Percept,
-    /// The value of each action there.
+    /// The value of each action in this cell.
     pub values: PredictionArray,
     /// The action that was chosen.
     pub action: Action,
-    /// Who chose it.
+    /// The decision source.
     pub chooser: Chooser,
-    /// Was it chosen to explore?
+    /// True if the action was chosen to explore.
     pub explored: bool,
-    /// What came of it.
+    /// The outcome of the action.
     pub outcome: Outcome,
-    /// What the reward method made of it.
+    /// The credit that the method assigned.
     pub credit: StepCredit,
-    /// What can be seen after it.
+    /// The view of the arena after the step.
     pub view: View<'a>,
-    /// The learner, after it.
+    /// The learner after the step.
     pub method: &'a dyn Agent,
 }
 
 impl Step<'_> {
-    /// The condition of the rule that decided, where rules did: that of \[A\] that weighs most.
+    /// Returns the condition of the rule of \[A\] with the greatest weight, if rules chose the
+    /// action.
     pub fn fired(&self) -> Option<Condition> {
         self.credit.fired.filter(|_| self.chooser == Chooser::Rules)
     }
@@ -68,43 +69,43 @@ pub struct Episode {
     pub collisions: u32,
     /// Steps that were chosen to explore.
     pub explored: u32,
-    /// Who chose its steps.
+    /// The number of steps by decision source.
     pub chosen: Chosen,
-    /// The sum of all rewards: short-term ones and the one at the end.
+    /// The sum of all rewards: short-term rewards and the long-term reward.
     pub reward: f64,
-    /// The step-threshold that will hold in the next episode.
+    /// The step-threshold of the next episode.
     pub step_threshold: u32,
-    /// The learning rate with which the end of the episode was learned.
+    /// The learning rate at the end of the episode.
     pub learning_rate: f64,
-    /// Was a policy imprinted at the end?
+    /// True if a policy was imprinted at the end.
     pub imprinted: bool,
     /// Macro-classifiers in \[P\], or stored pairs of a tabular method.
     pub rules: usize,
 }
 
-/// Listens to episodes. Every method does nothing unless it is written.
+/// An observer of episodes. Every method does nothing by default.
 ///
-/// For each episode come, in this order: [`began`](Self::began), [`stepped`](Self::stepped) for
-/// each step, [`ended`](Self::ended).
+/// For each episode, [`began`](Self::began) is called first, then [`stepped`](Self::stepped) for
+/// each step, then [`ended`](Self::ended).
 pub trait Observer {
-    /// The robot stands at the start of `episode` (counted from 1).
+    /// Called when the robot is at the start of `episode` (counted from 1).
     fn began(&mut self, episode: u32, view: &View<'_>) {
         let _ = (episode, view);
     }
 
-    /// A step was taken and credited.
+    /// Called when a step was taken and credited.
     fn stepped(&mut self, step: &Step<'_>) {
         let _ = step;
     }
 
-    /// The episode is over and learned. [`ControlFlow::Break`] ends the trial after it.
+    /// Called when the episode is over and learned. [`ControlFlow::Break`] ends the trial.
     fn ended(&mut self, episode: &Episode, learned: &Learned<'_>) -> ControlFlow<()> {
         let _ = (episode, learned);
         ControlFlow::Continue(())
     }
 }
 
-/// Nobody listens.
+/// An observer that does nothing.
 impl Observer for () {}
 
 impl<O: Observer + ?Sized> Observer for &mut O {
@@ -121,7 +122,7 @@ impl<O: Observer + ?Sized> Observer for &mut O {
     }
 }
 
-/// Two listen; the trial ends when either wants it to.
+/// Two observers; the trial ends when either returns [`ControlFlow::Break`].
 impl<A: Observer, B: Observer> Observer for (A, B) {
     fn began(&mut self, episode: u32, view: &View<'_>) {
         self.0.began(episode, view);
@@ -141,13 +142,13 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
     }
 }
 
-/// What was learned so far, and where the last episode left the robot.
+/// The learner and the robot at the end of an episode.
 #[derive(Clone, Copy)]
 pub struct Learned<'a> {
     /// The learner.
     pub method: &'a dyn Agent,
-    /// How it perceives.
+    /// The sensor of the robot.
     pub sensor: Sensor,
-    /// What can be seen at the end of the episode.
+    /// The view of the arena at the end of the episode.
     pub view: View<'a>,
 }

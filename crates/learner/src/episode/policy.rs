@@ -1,4 +1,4 @@
-//! The greedy policy, and whether it is globally optimal.
+//! The greedy policy, and its global optimality.
 
 use std::collections::BTreeMap;
 
@@ -7,19 +7,19 @@ use xcs::PredictionArray;
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Cell, Maze, Paths};
 
-/// The value of each action in each free cell of a maze, in reading order of the cells; in a
-/// [vast](Maze::is_vast) maze only in those on the way that the policy takes from a fixed start.
+/// The value of each action in each free cell of a maze, in reading order of the cells. In a
+/// [vast](Maze::is_vast) maze, only cells on the greedy path from a fixed start are included.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolicyMap {
     cells: Vec<(Cell, PredictionArray)>,
 }
 
 impl PolicyMap {
-    /// Asks a learner what it would do in each free cell that is no goal. Changes nothing.
+    /// Evaluates a learner in each free cell that is not a goal, without changing the learner.
     pub fn of(method: &dyn Agent, sensor: Sensor, maze: &Maze) -> Self {
         let values = |cell| (cell, method.values(&sensor.perceive_at(maze, cell)));
         if maze.is_vast() {
-            return Self::along_the_way(maze, values);
+            return Self::along_path(maze, values);
         }
         let cells = maze.free_cells().filter(|&cell| !maze.is_goal(cell));
         Self {
@@ -27,12 +27,12 @@ impl PolicyMap {
         }
     }
 
-    /// Each free cell that is no goal, with the value of its actions.
+    /// Returns the cells with the values of their actions.
     pub fn cells(&self) -> impl Iterator<Item = &(Cell, PredictionArray)> {
         self.cells.iter()
     }
 
-    /// The value of the actions in a cell; `None` for walls and goals.
+    /// Returns the values of the actions in a cell; `None` for walls and goals.
     pub fn values(&self, cell: Cell) -> Option<&PredictionArray> {
         let at = self
             .cells
@@ -40,9 +40,9 @@ impl PolicyMap {
         at.ok().map(|i| &self.cells[i].1)
     }
 
-    /// How the greatest value of each cell compares with that of all others, from 0 (the least) to
-    /// 1 (the greatest), in the order of [`cells`](Self::cells); equal value has equal ranks, `None`
-    /// is for cells that know none.
+    /// Ranks the greatest value of each cell among all cells, from 0 (the least) to 1 (the
+    /// greatest), in the order of [`cells`](Self::cells). Equal values have equal ranks; cells
+    /// without values have `None`.
     pub fn ranks(&self) -> Vec<Option<f64>> {
         let greatest = self.cells.iter().map(|(_, values)| values.greatest());
         let mut known: Vec<f64> = greatest.clone().flatten().collect();
@@ -53,9 +53,9 @@ impl PolicyMap {
         greatest.map(|values| values.map(rank)).collect()
     }
 
-    /// How near the goal each cell is along the greedy policy, the first of the best actions on ties: from 0 (the most
-    /// steps of all cells) to 1 (one step), in the order of [`cells`](Self::cells); `None` where the policy does not
-    /// arrive. Along a greedy path it only grows.
+    /// Returns how near each cell is to the goal along the greedy policy: from 0 (the most steps of all cells) to 1
+    /// (one step), in the order of [`cells`](Self::cells). Ties are broken by the first best action. `None` if the
+    /// policy does not reach a goal. Nearness grows along a greedy path.
     pub fn nearness(&self, maze: &Maze) -> Vec<Option<f64>> {
         let steps = self.steps_to_goal(maze);
         let most = steps.iter().flatten().max().copied().unwrap_or(1);
@@ -63,7 +63,7 @@ impl PolicyMap {
         steps.into_iter().map(|steps| steps.map(share)).collect()
     }
 
-    /// The steps to a goal from each cell along the greedy policy.
+    /// Returns the steps to a goal from each cell along the greedy policy.
     fn steps_to_goal(&self, maze: &Maze) -> Vec<Option<u32>> {
         let mut before: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         let mut arrived = Vec::new();
@@ -88,7 +88,7 @@ impl PolicyMap {
         steps
     }
 
-    fn along_the_way(maze: &Maze, values: impl Fn(Cell) -> (Cell, PredictionArray)) -> Self {
+    fn along_path(maze: &Maze, values: impl Fn(Cell) -> (Cell, PredictionArray)) -> Self {
         let mut cells = BTreeMap::new();
         let mut at = maze.start();
         while let Some(cell) = at.filter(|&cell| !maze.is_goal(cell)) {
@@ -103,9 +103,9 @@ impl PolicyMap {
         }
     }
 
-    /// The cells through which the greedy policy goes from `start`, the first of the best actions
-    /// on ties: to a goal, or until it hits a wall, knows no action, or has taken as many steps as
-    /// there are cells.
+    /// Returns the cells of the greedy path from `start`, with ties broken by the first best
+    /// action. The path ends at a goal, at a wall, in a cell without values, or after as many steps
+    /// as there are cells.
     pub fn greedy_path(&self, maze: &Maze, start: Cell) -> Vec<Cell> {
         let mut path = vec![start];
         let mut cell = start;
@@ -121,31 +121,31 @@ impl PolicyMap {
     }
 }
 
-/// Where the first of the best actions leads.
+/// Returns the cell that the first best action leads to.
 fn ahead(maze: &Maze, cell: Cell, values: &PredictionArray) -> Option<Cell> {
     let action = values.best_actions().next()?;
     maze.step(cell, maze.direction(action)?)
 }
 
-/// Looks, episode after episode, whether a greedy policy is globally optimal: from every start
-/// cell, every action that attains the greatest value (all of them, on ties) must move along a
-/// shortest path to a goal. Its memory spares work in proportion to the maze.
+/// Checks repeatedly whether a greedy policy is globally optimal: from every start cell, every best
+/// action (all of them, on ties) must move along a shortest path to a goal. Memory is reused
+/// between searches.
 #[derive(Debug, Clone, Default)]
 pub struct FaultFinder {
-    /// By cell index: the last search that came there.
+    /// By cell index: the last search that visited the cell.
     seen: Vec<u32>,
-    /// The number of this search.
+    /// The number of the present search.
     search: u32,
-    /// Cells that one gets to, and that were not looked at yet.
+    /// Reached cells that are not checked yet.
     open: Vec<Cell>,
-    /// Where a fault was before.
+    /// The cell of the last fault.
     suspect: Option<Cell>,
 }
 
 impl FaultFinder {
-    /// A cell in which the policy is not globally optimal; `None` when it is. Asks the learner
-    /// about no more cells than it takes to find the first fault, beginning where one was before.
-    /// The maze must be the same each time.
+    /// Returns a cell in which the policy is not globally optimal; `None` if it is optimal. The
+    /// search stops at the first fault, and begins where the last fault was. The maze must be the
+    /// same each time.
     pub fn find(
         &mut self,
         method: &dyn Agent,
@@ -154,7 +154,7 @@ impl FaultFinder {
         paths: &Paths,
     ) -> Option<Cell> {
         self.begin(maze);
-        // Of several start cells any may come first; a single one must.
+        // Several start cells can be checked in any order; a single one must come first.
         let suspect = self.suspect.filter(|_| maze.start().is_none());
         let mut starts = suspect.into_iter().chain(maze.starts().rev());
         while let Some(cell) = self.open.pop().or_else(|| starts.next()) {
@@ -167,14 +167,14 @@ impl FaultFinder {
                 .map(|action| paths.successor(maze, cell, action));
             let before = self.open.len();
             self.open.extend(nexts.clone().map_while(|next| next));
-            let is_sound = values.greatest().is_some() && nexts.count() == self.open.len() - before;
-            if !is_sound {
+            let is_valid = values.greatest().is_some() && nexts.count() == self.open.len() - before;
+            if !is_valid {
                 self.suspect = Some(cell);
                 return self.suspect;
             }
             if paths.slips() {
-                let around = maze.moves().directions().iter();
-                let slipped = around.filter_map(|&along| maze.step(cell, along));
+                let directions = maze.moves().directions().iter();
+                let slipped = directions.filter_map(|&along| maze.step(cell, along));
                 self.open.extend(slipped);
             }
         }
@@ -205,8 +205,8 @@ mod tests {
     use super::*;
     use xcs::Action;
 
-    /// A corridor of six cells with the goal in the east. All cells go east but the second, which goes west; the values are
-    /// in no order.
+    /// A corridor of six cells with the goal in the east. All cells go east except the second, which goes west. The
+    /// values are not sorted.
     fn policy() -> (Maze, PolicyMap) {
         let rows = ["########", "#.....G#", "########"];
         let world = format!(r#"{{ "rows": {rows:?} }}"#);

@@ -1,4 +1,4 @@
-//! The loop.
+//! The episode loop.
 
 use std::ops::ControlFlow;
 
@@ -8,8 +8,8 @@ use xcscr_robot::arena::{Arena, Outcome};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::Cell;
 
-/// Runs episode number `number` from `start`: sense, observe, choose, act, update, until a
-/// goal is reached or the step-threshold is hit; then the end is credited.
+/// Runs episode number `number` from `start`: sense, observe, choose, act, update. Ends at a goal
+/// or at the step-threshold, and then credits the end.
 pub fn run(
     number: u32,
     start: Cell,
@@ -21,7 +21,7 @@ pub fn run(
 ) -> (Episode, ControlFlow<()>) {
     arena.reset(start);
     observer.began(number, &arena.view());
-    let mut tally = Tally::default();
+    let mut totals = Totals::default();
     let ending = loop {
         let cell = arena.view().cell;
         let percept = sensor.perceive(&arena.view());
@@ -31,7 +31,7 @@ pub fn run(
         let outcome = arena.act(action);
         let credit = method.update(action, outcome);
         let view = arena.view();
-        let step = tally.steps + 1;
+        let step = totals.steps + 1;
         let step = Step {
             episode: number,
             step,
@@ -46,12 +46,12 @@ pub fn run(
             view,
             method: &*method,
         };
-        tally.add(&step);
+        totals.add(&step);
         observer.stepped(&step);
         if outcome == Outcome::ReachedGoal {
             break Ending::Goal;
         }
-        if tally.steps >= method.step_threshold() {
+        if totals.steps >= method.step_threshold() {
             break Ending::StepLimit;
         }
     };
@@ -59,11 +59,11 @@ pub fn run(
     let episode = Episode {
         episode: number,
         ending,
-        steps: tally.steps,
-        collisions: tally.collisions,
-        explored: tally.explored,
-        chosen: tally.chosen,
-        reward: tally.reward + end.long_term_reward,
+        steps: totals.steps,
+        collisions: totals.collisions,
+        explored: totals.explored,
+        chosen: totals.chosen,
+        reward: totals.reward + end.long_term_reward,
         step_threshold: method.step_threshold(),
         learning_rate: end.learning_rate,
         imprinted: end.imprinted,
@@ -78,9 +78,9 @@ pub fn run(
     (episode, flow)
 }
 
-/// What adds up over the steps of an episode.
+/// Totals over the steps of an episode.
 #[derive(Default)]
-struct Tally {
+struct Totals {
     steps: u32,
     collisions: u32,
     explored: u32,
@@ -88,7 +88,7 @@ struct Tally {
     reward: f64,
 }
 
-impl Tally {
+impl Totals {
     fn add(&mut self, step: &Step<'_>) {
         self.steps += 1;
         self.collisions += u32::from(matches!(step.outcome, Outcome::Collided { .. }));

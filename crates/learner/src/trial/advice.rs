@@ -1,4 +1,4 @@
-//! What to change about a plan that fails, as data: printed as advice, and applied by a test.
+//! Changes to a failing plan, as data: printed as advice, and applied by a test.
 
 use std::fmt;
 
@@ -12,36 +12,37 @@ use xcscr_robot::world::{Maze, Paths};
 
 /// The largest step threshold that settings can hold.
 const MOST_STEPS: u32 = 1_000_000;
-/// A step threshold of so many longest shortest paths leaves room to explore.
+/// Step threshold of the advice, in multiples of the longest shortest path. It leaves room to
+/// explore.
 const PATHS_AN_EPISODE: u32 = 4;
-/// The fewest episodes that are advised.
+/// The minimum number of episodes that is advised.
 const LEAST_EPISODES: u32 = 30;
 
-/// One change of a plan.
+/// One change to a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
-    /// Another method.
+    /// Use another method.
     Method(Method),
-    /// Another percept.
+    /// Use another percept.
     Sensor(Sensor),
-    /// Another value of a setting, by its full name.
+    /// Set a setting, by its full name, to another value.
     Setting(&'static str, String),
-    /// More episodes.
+    /// Run more episodes.
     Episodes(u32),
 }
 
-/// Changes of a plan, which help together. `tests/learner/advice.rs` takes the advice in failing situations and finds that
-/// it helps.
+/// Changes to a plan that help together. `tests/learner/advice.rs` applies the advice in failing situations and
+/// checks that it helps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice(Vec<Change>);
 
 impl Advice {
-    /// Advises these changes; `None` if there are none.
+    /// Creates advice from changes; `None` if there are none.
     pub(super) fn of(changes: Vec<Change>) -> Option<Self> {
         (!changes.is_empty()).then_some(Self(changes))
     }
 
-    /// The changes.
+    /// Returns the changes.
     pub fn changes(&self) -> &[Change] {
         &self.0
     }
@@ -49,7 +50,7 @@ impl Advice {
     /// Returns the plan with the changes.
     ///
     /// # Errors
-    /// When a setting is out of its range with another setting of the plan.
+    /// When a setting is out of its range in combination with another setting of the plan.
     pub fn applied_to(&self, plan: &Plan) -> Result<Plan, SettingsError> {
         let mut plan = plan.clone();
         for change in &self.0 {
@@ -68,7 +69,7 @@ impl Advice {
     }
 }
 
-/// The advice as arguments of `xcscr train`.
+/// Formats the advice as arguments of `xcscr train`.
 impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (number, change) in self.0.iter().enumerate() {
@@ -85,8 +86,8 @@ impl fmt::Display for Advice {
 }
 
 impl Plan {
-    /// Returns what to change after the policy of this plan has ended not optimal: all that keeps the default method from its
-    /// best, or twice the episodes if nothing does.
+    /// Returns changes for a plan whose final policy was not optimal: everything that prevents the default method
+    /// from solving it, or twice the episodes if nothing does.
     pub fn advice(&self) -> Option<Advice> {
         let plan = self.clone().settled();
         let mut changes: Vec<Change> = [
@@ -109,13 +110,13 @@ impl Plan {
         Advice::of(changes)
     }
 
-    /// The default method, where another one runs.
+    /// The default method, if the plan uses another one.
     pub(super) fn advised_method(&self) -> Option<Change> {
         let is_model_based = matches!(self.config.method, Method::XcscrPlus | Method::RMax);
         (!is_model_based).then_some(Change::Method(Method::XcscrPlus))
     }
 
-    /// A percept with the position: in large mazes, and where the percept misleads and no map can be drawn from it.
+    /// A percept with the position: in large mazes, and if the percept is aliased and no map can be built from it.
     pub(super) fn advised_sensor(&self) -> Option<Change> {
         let Self { maze, config } = self;
         let sensor = config.sensor;
@@ -133,7 +134,7 @@ impl Plan {
         helps.then_some(Change::Sensor(with_position))
     }
 
-    /// A step threshold of several shortest paths, where episodes end before the longest of them.
+    /// A step threshold of several shortest paths, if episodes end before the longest of them.
     pub(super) fn advised_threshold(&self) -> Option<Change> {
         let Self { maze, config } = self;
         let longest = Paths::with_slip(maze, config.settings.arena.slip).longest(maze);
@@ -143,7 +144,7 @@ impl Plan {
             .then(|| Change::Setting(STEP_THRESHOLD, steps.to_string()))
     }
 
-    /// The estimator that changes to a map by itself.
+    /// The estimator that switches to a map automatically.
     pub(super) fn advised_estimator(&self) -> Option<Change> {
         let fixed = self.config.settings.plus.estimator != Estimator::Auto;
         fixed.then(|| Change::Setting("plus.estimator", "auto".to_owned()))
@@ -164,7 +165,7 @@ impl Plan {
     }
 }
 
-/// Is a maze so large that the percept has the position by default?
+/// Returns true if a maze is so large that the percept has the position by default.
 fn is_large(maze: &Maze) -> bool {
     let usual = Sensor::usual_for(xcscr_robot::arena::ArenaKind::Grid, maze);
     usual == Sensor::NeighboursPosition

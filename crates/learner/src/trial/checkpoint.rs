@@ -1,4 +1,4 @@
-//! A trial between two episodes, as bytes.
+//! Serialised trials between two episodes.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -10,16 +10,16 @@ use xcs::random::Stream;
 use xcscr_robot::arena::Lasting;
 use xcscr_robot::world::{Maze, WorldError};
 
-/// What the file begins with.
+/// The magic bytes at the beginning of the file.
 const MAGIC: &[u8; 8] = b"xcscr\x1a\r\n";
-/// The number of this format.
+/// The version of the file format.
 const FORMAT: u32 = 11;
-/// Magic, format and length before the content; a checksum after it.
+/// The size of magic, format and length before the content. A checksum of `TAIL` bytes follows it.
 const HEAD: usize = MAGIC.len() + 4 + 8;
 const TAIL: usize = 4;
 
-/// A trial as it is between two episodes: a trial that resumes from it gives the same bytes as
-/// one that never stopped. Made by [`Trial::checkpoint`](super::Trial::checkpoint).
+/// A trial between two episodes. A trial that resumes from it gives the same bytes as one that
+/// never stopped. Made by [`Trial::checkpoint`](super::Trial::checkpoint).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     pub(super) config: Config,
@@ -32,10 +32,10 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// The plan of the trial.
+    /// Returns the plan of the trial.
     ///
     /// # Errors
-    /// When world and settings do not make one.
+    /// When world and settings do not make a valid plan.
     pub fn plan(&self) -> Result<Plan, CheckpointError> {
         let plan = Plan {
             maze: Maze::from_json(self.world.as_bytes(), "world.json")?,
@@ -45,64 +45,64 @@ impl Checkpoint {
         Ok(plan)
     }
 
-    /// How far the trial had come.
+    /// Returns the progress of the trial.
     pub fn progress(&self) -> &Progress {
         &self.progress
     }
 }
 
-/// Why a checkpoint is of no use.
+/// Errors when using a checkpoint.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// The bytes are no checkpoint at all.
+    /// The bytes are not a checkpoint.
     #[error("it is not a checkpoint")]
     Foreign,
-    /// It has another format.
+    /// The checkpoint has another format.
     #[error(
         "it has format {found}, and this version reads format {FORMAT}; resume with the version that wrote it, or begin anew with `--force`"
     )]
     Format {
-        /// The format that it names.
+        /// The format of the file.
         found: u32,
     },
-    /// It was written by another version, which may give other bytes.
+    /// The checkpoint was written by another version, whose output may differ.
     #[error("it was written by version {found}, and this is version {}; resume with that version, or begin anew with `--force`", env!("CARGO_PKG_VERSION"))]
     Version {
-        /// The version that it names.
+        /// The version that wrote the file.
         found: String,
     },
-    /// It is shorter or longer than it says.
+    /// The actual length differs from the stored length.
     #[error("it has {found} bytes, but should have {wanted}")]
     Length {
-        /// The bytes that there are.
+        /// The actual number of bytes.
         found: usize,
-        /// The bytes that there should be.
+        /// The stored number of bytes.
         wanted: u64,
     },
-    /// Its checksum is wrong.
+    /// The checksum does not match.
     #[error("its checksum is wrong")]
     Crc,
-    /// Its content makes no sense.
-    #[error("its content contradicts itself: {0}")]
+    /// The content is inconsistent.
+    #[error("its content is inconsistent: {0}")]
     Content(String),
-    /// Its plan cannot be run.
+    /// The plan cannot be run.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// Its world is no good.
+    /// The world is invalid.
     #[error(transparent)]
     World(#[from] WorldError),
-    /// Its learner is no good.
+    /// The learner cannot be restored.
     #[error(transparent)]
     Memory(#[from] RestoreError),
 }
 
-/// Do these bytes begin as a checkpoint does?
+/// Returns true if these bytes begin like a checkpoint.
 pub fn is_sealed(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// Wraps a value for the disk: magic, format, length, version and value, checksum.
+/// Serialises a value to a checkpoint: magic, format, length, version and value, checksum.
 pub fn seal(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = [MAGIC, &FORMAT.to_le_bytes()[..], &[0; 8]].concat();
     bytes = postcard::to_extend(&(env!("CARGO_PKG_VERSION"), value), bytes)
@@ -113,10 +113,10 @@ pub fn seal(value: &impl Serialize) -> Vec<u8> {
     bytes
 }
 
-/// Unwraps what [`seal`] made.
+/// Reads a value from bytes made by [`seal`].
 ///
 /// # Errors
-/// The first thing that is wrong; every missing or changed byte is noticed.
+/// The first fault. Every missing or changed byte is detected.
 pub fn unseal<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CheckpointError> {
     let content = content(bytes)?;
     let unread = |fault: postcard::Error| CheckpointError::Content(fault.to_string());
@@ -132,7 +132,7 @@ pub fn unseal<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CheckpointError> {
     }
 }
 
-/// What lies between head and tail, when both are right.
+/// Returns the bytes between head and tail, if both are valid.
 fn content(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     let rest = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::Foreign)?;
     let (format, rest) = rest.split_first_chunk().ok_or(CheckpointError::Foreign)?;

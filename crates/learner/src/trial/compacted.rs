@@ -1,4 +1,4 @@
-//! What was learned in a maze, in few rules.
+//! Learned rules, compacted for a maze.
 
 use crate::agent::{Frozen, Knowledge};
 use crate::episode::FaultFinder;
@@ -6,26 +6,26 @@ use xcs::{Population, compact};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Maze, Paths};
 
-/// The rules of a learner compacted for a maze, and put to the test there.
+/// The rules of a learner, compacted for a maze and tested there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compacted {
-    /// The compacted rules, never more than were learned.
+    /// The compacted rules, at most as many as were learned.
     pub rules: Population,
-    /// The percepts of the maze of which the learner knows anything.
+    /// The number of percepts of the maze for which the learner has values.
     pub percepts: usize,
-    /// In how many of these the compacted rules choose only actions that the learner rates best.
+    /// The number of these percepts in which the compacted rules choose only actions that the
+    /// learner rates best.
     pub agreeing: usize,
-    /// Is the compacted policy globally optimal?
+    /// True if the compacted policy is globally optimal.
     pub optimal: bool,
 }
 
 impl Compacted {
-    /// Rules are compacted in worlds of at most this many different percepts; beyond, it would take
-    /// minutes.
+    /// The maximum number of distinct percepts of a world for compaction; more would take minutes.
     pub const MOST_PERCEPTS: usize = 4096;
 
-    /// Condenses what was learned; `None` for a table, which has no rules, for rules that look at
-    /// more than the percept, and in worlds with more than [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) different percepts.
+    /// Compacts learned rules. `None` for a table, for rules that depend on more than the percept, and in worlds with
+    /// more than [`MOST_PERCEPTS`](Self::MOST_PERCEPTS) distinct percepts.
     pub fn new(knowledge: &Knowledge, sensor: Sensor, maze: &Maze, paths: &Paths) -> Option<Self> {
         let actions = maze.action_count();
         if knowledge.remembers() {
@@ -35,7 +35,7 @@ impl Compacted {
         let values = |percept: &_| knowledge.values(percept, actions);
         let learned = knowledge.rules()?;
         let compacted = compact(learned, &percepts, values);
-        // Rules that were induced may be fewer, because they vote together.
+        // The learned rules may be fewer, because induced rules vote together.
         let rules = match compacted.len() > learned.len() {
             true => learned.clone(),
             false => compacted,
@@ -66,7 +66,7 @@ mod tests {
     use crate::trial::{Plan, Trial};
 
     #[test]
-    fn condensed_rules_are_never_more_than_were_learned_and_choose_the_same() {
+    fn compacted_rules_are_never_more_than_were_learned_and_choose_the_same() {
         let mut grown = 0;
         let trials = ["maze4", "maze5", "maze6"]
             .into_iter()
@@ -92,6 +92,9 @@ mod tests {
             let alone = compact(learned, &sensor.percepts(&maze), values);
             grown += usize::from(alone.len() > learned.len());
         }
-        assert!(grown > 0, "control: condensing alone makes more of some");
+        assert!(
+            grown > 0,
+            "control: compaction alone makes some sets larger"
+        );
     }
 }

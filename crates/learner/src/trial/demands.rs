@@ -1,11 +1,11 @@
-//! What rules demand, in words.
+//! Descriptions of conditions in words.
 
 use crate::agent::{Knowledge, PERCEPT_BITS, memory_words};
 use xcscr_robot::sensor::{ANYTHING, Alleles, Sensor};
 use xcscr_robot::world::Maze;
 
 impl Knowledge {
-    /// What a condition of the rules demands, in words; with a memory also of the place and of the
+    /// Describes a condition of the rules in words. With a map, this includes the state and the
     /// last steps.
     pub fn words(&self, sensor: Sensor, maze: &Maze, alleles: Alleles<'_>) -> String {
         match self.remembers() {
@@ -15,10 +15,11 @@ impl Knowledge {
     }
 }
 
-/// What a condition on a percept and a memory demands.
+/// Describes a condition on a context in words.
 pub fn words_of_memory(sensor: Sensor, maze: &Maze, alleles: Alleles<'_>) -> String {
     let seen = |alleles: Alleles<'_>| {
-        // A sensor may have more bits than a context keeps of its percept: those demand nothing.
+        // A sensor may have more bits than the context retains of its percept. The extra bits are
+        // unspecified.
         let around = |at| (at < PERCEPT_BITS).then(|| alleles(at)).flatten();
         Some(sensor.words(maze, &around)).filter(|words| words != ANYTHING)
     };
@@ -60,10 +61,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_seen_now_and_was_seen_a_step_ago_is_in_the_words_of_the_sensor() {
+    fn present_and_last_percepts_are_described_in_the_words_of_the_sensor() {
         let text = br######"{"rows": ["#####", "#S.G#", "#####"]}"######;
         let maze = Maze::from_json(text, "corridor.json").unwrap();
-        // Two steps of twenty bits come last, of which four tell what was done.
+        // The last two steps have twenty bits each; the first four bits encode the action.
         let last = CONTEXT_BITS - 2 * 20 + 4;
         let barred = |at: usize| [1, last + 1].contains(&at).then_some(true);
         let words = |sensor| words_of_memory(sensor, &maze, &barred);
@@ -74,7 +75,7 @@ mod tests {
         ] {
             assert_eq!(words(sensor), format!("{wall}, last step saw {wall}"));
         }
-        // A lidar sees no goal: its bit says nothing.
+        // A lidar does not see goals, so its goal bit is not described.
         let goal = |at: usize| (at == last).then_some(true);
         let words = |sensor| words_of_memory(sensor, &maze, &goal);
         assert_eq!(words(Sensor::Lidar), "anything");

@@ -1,4 +1,4 @@
-//! The greedy policy followed from a cell, where moves are exact.
+//! Simulation of the greedy policy from a cell, with exact moves.
 
 use crate::agent::{Agent, Frozen};
 use xcs::Action;
@@ -6,31 +6,31 @@ use xcscr_robot::arena::Outcome;
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Cell, Maze};
 
-/// An episode that is followed: whoever remembers goes on as what happened tells.
+/// A simulated episode. A policy with a map updates its state estimate.
 #[derive(Debug, Clone)]
 pub(super) struct Drive {
     policy: Frozen,
     cell: Cell,
-    /// The cells that have paid.
-    spent: Vec<Cell>,
+    /// The cells whose reward was collected.
+    collected: Vec<Cell>,
 }
 
 impl Drive {
-    /// Begins in a cell.
+    /// Begins an episode in a cell.
     pub(super) fn new(policy: Frozen, start: Cell) -> Self {
         Self {
             policy,
             cell: start,
-            spent: Vec::new(),
+            collected: Vec::new(),
         }
     }
 
-    /// Where it is.
+    /// Returns the present cell.
     pub(super) fn cell(&self) -> Cell {
         self.cell
     }
 
-    /// What the policy would do here; nothing where it knows nothing.
+    /// Returns the best actions here; empty if there are no values.
     pub(super) fn best_actions(&mut self, maze: &Maze, sensor: Sensor) -> Vec<Action> {
         let percept = sensor.perceive_at(maze, self.cell);
         let values = self.policy.observe(&percept);
@@ -47,17 +47,17 @@ impl Drive {
         let outcome = match next {
             None => Outcome::Collided { impulse_ns: None },
             Some(next) if maze.is_goal(next) => Outcome::ReachedGoal,
-            Some(next) => self.found(maze, next),
+            Some(next) => self.enter(maze, next),
         };
         self.policy.update(action, outcome);
         self.cell = next.unwrap_or(self.cell);
     }
 
-    /// What coming into a cell brings.
-    fn found(&mut self, maze: &Maze, cell: Cell) -> Outcome {
+    /// Returns the outcome of entering a cell.
+    fn enter(&mut self, maze: &Maze, cell: Cell) -> Outcome {
         match maze.auxiliary_reward(cell) {
-            Some(reward) if !self.spent.contains(&cell) => {
-                self.spent.push(cell);
+            Some(reward) if !self.collected.contains(&cell) => {
+                self.collected.push(cell);
                 Outcome::FoundReward { reward }
             }
             _ => Outcome::Moved,
@@ -65,9 +65,9 @@ impl Drive {
     }
 }
 
-/// The cells through which a policy goes from `start`, the first of the best actions on ties; a cell
-/// comes again for each step that ends at a wall. It ends at a goal, at the step-threshold, where
-/// nothing is known, or in the cell that is not left any more.
+/// Returns the cells of the greedy path from `start`, with ties broken by the first best action. A
+/// cell is repeated for each step that ends at a wall. The path ends at a goal, at the
+/// step-threshold, in a cell without values, or in a cell that is never left again.
 pub(super) fn greedy_path(maze: &Maze, sensor: Sensor, policy: Frozen, start: Cell) -> Vec<Cell> {
     let limit = policy.step_threshold() as usize;
     let mut drive = Drive::new(policy, start);

@@ -1,4 +1,4 @@
-//! The greedy policy put to the test.
+//! Evaluation of the greedy policy.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ use xcscr_robot::world::{Paths, Starts};
 /// Nanoseconds in a second.
 const SECOND_NS: f64 = 1e9;
 
-/// What the greedy policy achieved, without learning or exploring.
+/// The results of the greedy policy, without learning or exploring.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// The world's name.
@@ -29,40 +29,40 @@ pub struct Evaluation {
     pub episodes: u32,
     /// Episodes that reached a goal.
     pub successes: u32,
-    /// Episodes that reached a goal in as few steps as possible; where actions slip, those in which
-    /// every choice was a best one.
+    /// Episodes that reached a goal in the minimum number of steps. If actions slip, episodes that
+    /// reached a goal with only best actions.
     pub optimal: u32,
     /// Mean steps of an episode.
     pub mean_steps: f64,
-    /// Mean steps of an optimal policy from where the episodes started: without slip the length
-    /// of the shortest paths.
+    /// Mean steps of an optimal policy from the starts of the episodes. Without slip, the length of
+    /// the shortest paths.
     pub mean_optimal_steps: f64,
     /// Collisions in all episodes.
     pub collisions: u64,
     /// Mean simulated duration of an episode, in seconds.
     pub mean_seconds: f64,
-    /// The middle of the start cell in the map frame, in metres; `None` where episodes start anywhere.
+    /// The centre of the start cell in the map frame, in metres; `None` if episodes start anywhere.
     #[serde(default)]
     pub start_m: Option<[f64; 2]>,
-    /// The middles of the goal cells in the map frame, in metres.
+    /// The centres of the goal cells in the map frame, in metres.
     #[serde(default)]
     pub goals_m: Vec<[f64; 2]>,
 }
 
 impl Evaluation {
-    /// Runs `episodes` episodes (the plan's number is for training) of the greedy policy that
-    /// follows from `knowledge`. Ties are broken by chance.
+    /// Runs `episodes` episodes of the greedy policy of `knowledge`; the plan's number of episodes
+    /// is ignored. Ties are broken at random.
     ///
     /// # Errors
-    /// When the plan cannot be run, or the knowledge is that of another world.
+    /// When the plan cannot be run, or the knowledge is from another world.
     pub fn run(plan: &Plan, knowledge: &Knowledge, episodes: u32) -> Result<Self, PlanError> {
         Self::observed(plan, knowledge, episodes, &mut ())
     }
 
-    /// The same, while somebody watches who may end it after any episode.
+    /// Like [`run`](Self::run), with an observer that may end the evaluation after any episode.
     ///
     /// # Errors
-    /// The same.
+    /// The same as for [`run`](Self::run).
     pub fn observed(
         plan: &Plan,
         knowledge: &Knowledge,
@@ -74,8 +74,8 @@ impl Evaluation {
         Self::in_arena(plan, arena, knowledge, episodes, observer)
     }
 
-    /// Runs as many episodes with the robot of a trial as the trial left it, with what has broken
-    /// since. The trial goes on as if nothing had happened.
+    /// Runs `episodes` episodes with the robot in the state that the trial left it in, including
+    /// its faults. The trial is not affected.
     ///
     /// # Errors
     /// When the trial's plan cannot be run.
@@ -101,7 +101,7 @@ impl Evaluation {
         let limit = config.settings.reward.step_threshold;
         let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
         let sums = Sums::over(episodes, &plan, &mut *arena, &mut policy, observer);
-        // An observer may have ended it early.
+        // The observer may have ended the evaluation early.
         let episodes = sums.episodes;
         let mean = |sum: u64| sum as f64 / f64::from(episodes.max(1));
         Ok(Self {
@@ -125,26 +125,26 @@ impl Evaluation {
         })
     }
 
-    /// Was every episode [optimal](Self::optimal)?
+    /// Returns true if every episode was [optimal](Self::optimal).
     pub fn is_optimal(&self) -> bool {
         self.optimal == self.episodes
     }
 }
 
-/// What adds up over the episodes.
+/// Sums over the episodes.
 #[derive(Default)]
 struct Sums {
     episodes: u32,
     successes: u32,
     optimal: u32,
     steps: u64,
-    /// Steps that an optimal policy takes on average.
+    /// Expected steps of an optimal policy.
     expected: f64,
     collisions: u64,
 }
 
 impl Sums {
-    /// Those of so many episodes of a settled plan.
+    /// Runs episodes of a settled plan and sums their figures.
     fn over(
         episodes: u32,
         Plan { maze, config }: &Plan,
@@ -222,7 +222,7 @@ mod tests {
         let plan = Plan::new(maze)
             .arena(ArenaKind::Grid)
             .sensor(Sensor::Position);
-        // Nothing is known, and so every episode takes all its steps.
+        // There are no values, so every episode takes the maximum number of steps.
         let knowledge = Knowledge::Table(std::collections::BTreeMap::new());
         let whole = Evaluation::run(&plan, &knowledge, 3).unwrap();
         let ended = Evaluation::observed(&plan, &knowledge, 200, &mut UpToThree).unwrap();
@@ -230,8 +230,8 @@ mod tests {
         assert_eq!((ended.episodes, ended.successes), (3, 0));
     }
 
-    /// Maze4 with actions that slip, and a policy by position: what value iteration says, but in
-    /// `other` cells the opposite.
+    /// Evaluates a policy by position in Maze4 with slipping actions: the policy of value
+    /// iteration, with the opposite choices in `other` cells.
     fn evaluated(other: impl Fn(Cell) -> bool) -> Evaluation {
         let maze = Maze::load("../../worlds/maze4.json".as_ref()).unwrap();
         let plan = Plan::new(maze)
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn where_actions_slip_an_episode_is_optimal_when_all_choices_were_and_not_when_it_was_short() {
+    fn with_slip_an_episode_is_optimal_if_all_choices_were_and_not_if_it_was_short() {
         let best = evaluated(|_| false);
         assert!(best.is_optimal() && best.successes == 200, "{best:?}");
         assert!(best.mean_steps > 12.0, "luck alone makes 10: {best:?}");

@@ -1,4 +1,4 @@
-//! How many steps the greedy policy takes from all starts.
+//! Mean steps of the greedy policy from all starts.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,17 +13,17 @@ use xcscr_robot::sensor::Sensor;
 use xcscr_robot::streams::StreamName;
 use xcscr_robot::world::{Cell, Maze, Starts};
 
-/// Episodes that a mean is taken over where moves slip or percepts are misread.
+/// The number of episodes for a mean if moves slip or percepts have observation errors.
 const RUNS: usize = 500;
-/// The most starts that episodes are run from: those of larger worlds would take longer than the
-/// trial.
+/// The maximum number of starts from which episodes are run. More would take longer than the trial.
 const MOST_STARTS: usize = 1_000;
 
-/// Steps of the greedy policy with everything frozen, counted on the grid.
+/// Steps of the greedy policy without learning, measured on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GreedySteps {
-    /// Mean steps over all starts, of more than a thousand over so many that are evenly spread; an
-    /// episode that is given up at the step-threshold counts with that. Where moves slip or percepts are misread, over 500 episodes or more, as many from each start.
+    /// Mean steps over all starts, or over a thousand evenly spread starts if there are more. An episode that reaches
+    /// the step-threshold counts with the step-threshold. If moves slip or percepts have observation errors, the mean
+    /// is over at least 500 episodes, the same number from each start.
     pub mean: f64,
     /// Episodes that reached a goal.
     pub arrivals: u32,
@@ -32,8 +32,8 @@ pub struct GreedySteps {
 }
 
 impl GreedySteps {
-    /// Runs the greedy policy that follows from `knowledge` from these starts. The plan must have been
-    /// checked, and the knowledge be that of its world. Ties are broken by chance.
+    /// Runs the greedy policy of `knowledge` from the starts. The plan must have been checked, and the knowledge must
+    /// fit its world. Ties are broken at random.
     pub fn of(plan: &Plan, knowledge: &Knowledge) -> Self {
         let Plan { maze, config } = plan;
         let settings = &config.settings;
@@ -73,8 +73,9 @@ impl GreedySteps {
         }
     }
 
-    /// How many times the steps of the belief bound these are; `None` where moves slip, for which
-    /// that is only estimated (`world info --bounds --slip`), or where it is unknown.
+    /// Returns the ratio of the mean steps to the unknown-start optimum. `None` if moves slip,
+    /// because the optimum is then only estimated (`world info --bounds --slip`), or if it is
+    /// unknown.
     pub fn ratio(&self, plan: &Plan) -> Option<f64> {
         let Plan { maze, config } = plan;
         let exact = config.settings.arena.slip == 0.0;
@@ -85,7 +86,7 @@ impl GreedySteps {
     }
 }
 
-/// All starts, or some of them in even distances.
+/// Returns all starts, or evenly spread ones.
 fn spread(starts: &Starts, maze: &Maze) -> Vec<Cell> {
     let count = starts.count();
     let taken = count.min(MOST_STARTS);
@@ -95,12 +96,12 @@ fn spread(starts: &Starts, maze: &Maze) -> Vec<Cell> {
         .collect()
 }
 
-/// Steps that are followed from one start, over all ways that ties leave open.
+/// The maximum number of steps followed from one start, over all branches at ties.
 const MOST_FOLLOWED: u32 = 10_000;
 
-/// Mean steps of the greedy policy over all starts, where moves are exact: of several best actions
-/// each counts with the same share, so that no luck is in it. `None` if from some start it knows no
-/// action, does not arrive, or leaves too much open.
+/// Returns the mean steps of the greedy policy over all starts, with exact moves. At ties, each
+/// best action counts with the same share, so the result is not random. `None` if from some start
+/// the policy has no values, does not reach a goal, or branches too much.
 pub(super) fn expected_steps(maze: &Maze, sensor: Sensor, policy: &Frozen) -> Option<f64> {
     let starts = maze.start_cells();
     let steps = starts
@@ -110,7 +111,7 @@ pub(super) fn expected_steps(maze: &Maze, sensor: Sensor, policy: &Frozen) -> Op
     Some(all / starts.len() as f64)
 }
 
-/// The same from one start.
+/// Like [`expected_steps`], from one start.
 fn steps_from(maze: &Maze, sensor: Sensor, policy: &Frozen, start: Cell) -> Option<f64> {
     let mut steps = 0.0;
     let mut left = MOST_FOLLOWED;
@@ -145,8 +146,8 @@ mod tests {
         expected_steps(&plan.maze, plan.config.sensor, &policy)
     }
 
-    /// Mean steps along a corridor of three cells to the goal at its end, from all of them, where
-    /// the first two cells look east or, in some of `ties`, both ways alike.
+    /// Returns the mean steps in a corridor of three cells with the goal at its end, from all
+    /// cells. The first two cells go east or, where `ties` is true, east and west are equally good.
     fn in_a_corridor(ties: [bool; 2]) -> Option<f64> {
         let world = r#######"{ "rows": ["######", "#...G#", "######"] }"#######;
         let maze = Maze::from_json(world.as_bytes(), "corridor.json").unwrap();
@@ -166,14 +167,14 @@ mod tests {
     }
 
     #[test]
-    fn at_a_tie_every_way_counts_with_its_share() {
+    fn at_a_tie_every_path_counts_with_its_share() {
         assert_eq!(in_a_corridor([false, false]), Some(2.0));
-        // From the second cell: 2 steps or, by way of the first, 4 or 6 or ...
+        // From the second cell: 2 steps or, through the first cell, 4 or 6 or ...
         assert_eq!(in_a_corridor([false, true]), None);
     }
 
     #[test]
-    fn control_a_tie_of_ways_that_are_equally_short_changes_nothing() {
+    fn control_a_tie_of_equally_short_paths_changes_nothing() {
         let world = r#####"{ "rows": ["####", "#S.#", "#.G#", "####"] }"#####;
         let maze = Maze::from_json(world.as_bytes(), "square.json").unwrap();
         let plan = Plan::new(maze)

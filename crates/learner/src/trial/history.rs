@@ -1,4 +1,4 @@
-//! How a rule came to be what it is.
+//! The history of a rule.
 
 use std::ops::ControlFlow;
 
@@ -11,33 +11,33 @@ use xcs::{Action, Classifier, Condition, Population};
 /// A rule over the episodes of a run.
 #[derive(Debug, Clone)]
 pub struct RuleHistory {
-    /// The episode at whose end it was in \[P\] for the first time and has been ever since.
+    /// The last episode at whose end the rule entered \[P\].
     pub since: u32,
     /// The episodes that changed its prediction, in order.
     pub changes: Vec<PredictionChange>,
 }
 
-/// An episode that changed what a rule predicts.
+/// An episode that changed the prediction of a rule.
 #[derive(Debug, Clone, Copy)]
 pub struct PredictionChange {
-    /// The episode, as it ended.
+    /// The figures of the episode.
     pub episode: Episode,
-    /// What the rule predicted before; `None` if it was not in \[P\].
+    /// The prediction before; `None` if the rule was not in \[P\].
     pub before: Option<f64>,
-    /// What it predicts afterwards.
+    /// The prediction afterwards.
     pub after: f64,
 }
 
 impl PredictionChange {
-    /// How far the prediction moved; that of a new rule as far as it lies from 0.
+    /// Returns the absolute change of the prediction. The change of a new rule is counted from 0.
     pub fn moved(&self) -> f64 {
         (self.after - self.before.unwrap_or(0.0)).abs()
     }
 }
 
 impl RuleHistory {
-    /// Runs the trial again and watches the rule of this condition and action; `None` if it is not
-    /// there in the end.
+    /// Runs the trial again and tracks the rule with this condition and action; `None` if the rule
+    /// is not in the final \[P\].
     ///
     /// # Errors
     /// When the plan cannot be run.
@@ -52,17 +52,17 @@ impl RuleHistory {
             present: None,
             history: None,
         };
-        // Nothing ends the trial early.
+        // The observer never ends the trial early.
         let _ = Trial::new(plan.clone())?.run(&mut watch);
         Ok(watch.history)
     }
 }
 
-/// Looks for one rule after each episode.
+/// Tracks one rule after each episode.
 struct Watch {
     condition: Condition,
     action: Action,
-    /// What it predicted last, while it is in \[P\].
+    /// The last prediction, while the rule is in \[P\].
     present: Option<f64>,
     history: Option<RuleHistory>,
 }

@@ -1,4 +1,4 @@
-//! Whether a greedy policy is globally optimal, and which way it takes.
+//! Global optimality of a greedy policy, and its path.
 
 use super::bounds::Bounds;
 use super::drive::greedy_path;
@@ -8,7 +8,7 @@ use crate::episode::{FaultFinder, PolicyMap};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Cell, Maze, Paths};
 
-/// Judges the policy of one learner in one maze, again and again.
+/// Checks the policy of one learner in one maze repeatedly.
 pub struct Judge {
     sensor: Sensor,
     paths: Paths,
@@ -16,7 +16,7 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// For a robot that perceives with `sensor`, and whose moves slip with probability `slip`.
+    /// Creates a judge for a robot with `sensor` whose moves slip with probability `slip`.
     pub fn new(maze: &Maze, sensor: Sensor, slip: f64) -> Self {
         Self {
             sensor,
@@ -25,16 +25,15 @@ impl Judge {
         }
     }
 
-    /// The shortest paths of the maze.
+    /// Returns the shortest paths of the maze.
     pub fn paths(&self) -> &Paths {
         &self.paths
     }
 
-    /// Is the greedy policy globally optimal now? Of a method that remembers nothing, every best
-    /// action must follow a shortest path. A method that remembers must take no more steps from
-    /// all starts together than one who knows the world, but not where the episode began
-    /// ([`Bounds::belief`]), on average over all ways that ties leave open; where moves slip, or
-    /// that bound is unknown, it counts as not optimal.
+    /// Returns true if the greedy policy is globally optimal now. Without a map, every best action
+    /// must follow a shortest path. With a map, mean steps over all starts, averaged over ties,
+    /// must not exceed the unknown-start optimum ([`Bounds::belief`]). If moves slip or that
+    /// optimum is unknown, a policy with a map counts as not optimal.
     pub fn is_optimal(&mut self, method: &dyn Agent, maze: &Maze) -> bool {
         if !method.remembers() {
             let fault = self.faults.find(method, self.sensor, maze, &self.paths);
@@ -50,9 +49,9 @@ impl Judge {
         steps.is_some_and(|steps| steps <= bound + 1e-9)
     }
 
-    /// The cells through which the greedy policy goes from `start` where moves are exact, the first
-    /// of the best actions on ties: to a goal, or to where it gets no further. `policy` is what the
-    /// method has learned, by cell.
+    /// Returns the cells of the greedy path from `start` with exact moves, with ties broken by the
+    /// first best action. The path ends at a goal, or where the policy makes no more progress.
+    /// `policy` has the values of the method by cell.
     pub fn greedy_path(
         &self,
         method: &dyn Agent,
@@ -67,13 +66,13 @@ impl Judge {
     }
 }
 
-/// How many steps a path takes to a goal; `None` when it ends elsewhere.
+/// Returns the steps of a path to a goal; `None` if it ends elsewhere.
 pub fn steps_to_goal(path: &[Cell], maze: &Maze) -> Option<u32> {
     let arrives = path.last().is_some_and(|&cell| maze.is_goal(cell));
     arrives.then(|| path.len() as u32 - 1)
 }
 
-/// The method as one that no longer learns.
+/// Returns the method without learning.
 fn frozen(method: &dyn Agent, maze: &Maze) -> Frozen {
     let limit = method.step_threshold();
     Frozen::new(method.knowledge(), maze.action_count(), limit)

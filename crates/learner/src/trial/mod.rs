@@ -60,40 +60,40 @@ pub struct Progress {
     pub episodes: u32,
     /// Steps taken in the environment.
     pub steps: u64,
-    /// Collisions among them.
+    /// Steps that ended in a collision.
     pub collisions: u64,
     /// The first episode after which the greedy policy was globally optimal.
     pub first_optimal_episode: Option<u32>,
-    /// Steps taken until then.
+    /// Steps taken up to the end of that episode.
     pub first_optimal_env_steps: Option<u64>,
-    /// The first episode that was itself optimal: as short as the shortest path, or where actions slip
-    /// one in which every choice was a best one.
+    /// The first episode that was itself optimal: as short as the shortest path or, if actions slip, with only best
+    /// actions.
     pub first_executed_optimal_episode: Option<u32>,
     /// Episodes after which the greedy policy was globally optimal.
     pub optimal_episodes: u32,
-    /// Is the greedy policy globally optimal now?
+    /// True if the greedy policy is globally optimal now.
     pub optimal: bool,
     /// The fewest steps of an episode that reached a goal.
     pub best_steps: Option<u32>,
-    /// Who chose the steps.
+    /// The number of steps by decision source.
     #[serde(default)]
     pub chosen: Chosen,
-    /// Who chose those until the greedy policy was first globally optimal.
+    /// The number of steps by decision source until the greedy policy was first globally optimal.
     #[serde(default)]
     pub chosen_before: Chosen,
-    /// What the senses got wrong; nothing of a robot that does not depend on them.
+    /// Perception errors; 0 for a robot that does not depend on sensors.
     #[serde(default)]
     pub mistakes: Mistakes,
-    /// The most rules after an episode.
+    /// The maximum number of rules after an episode.
     #[serde(default)]
     pub most_rules: usize,
 }
 
-/// More simulated time than any trial takes: 36 years, in nanoseconds.
+/// An upper limit of simulated time: 36 years, in nanoseconds.
 const LONGEST_NS: u64 = 1 << 60;
 
 impl Progress {
-    /// Accepts the figures that a trial of these choices can have come to.
+    /// Checks that a trial with this configuration can have these figures.
     ///
     /// # Errors
     /// The first figure that is out of its range, with the range.
@@ -112,22 +112,23 @@ impl Progress {
         some_within("best_steps", self.best_steps, 1..=limit)
     }
 
-    /// The policy was optimal after the first optimal episode, and at most after all since then.
+    /// Checks `optimal_episodes`: at least the first optimal episode, at most all episodes since
+    /// then.
     fn check_retention(&self) -> Result<(), OutOfRange> {
         let since = |first: u32| 1..=self.episodes.saturating_add(1).saturating_sub(first);
         let possible = self.first_optimal_episode.map_or(0..=0, since);
         within("optimal_episodes", self.optimal_episodes, possible)
     }
 
-    /// The share of the episodes after the first optimal one after which the greedy policy was
-    /// optimal, too; `None` without any such episode.
+    /// Returns the share of optimal episodes after the first optimal one; `None` if there are no
+    /// episodes after it.
     pub fn optimal_share_after_first(&self) -> Option<f64> {
         let after = self.episodes.checked_sub(self.first_optimal_episode?)?;
         let optimal = self.optimal_episodes.saturating_sub(1);
         (after > 0).then(|| f64::from(optimal) / f64::from(after))
     }
 
-    /// The first optimum has an episode and a step, or neither.
+    /// Checks that the first optimum has both an episode and a step, or neither.
     fn check_optimum(&self, limit: u32) -> Result<(), OutOfRange> {
         let (episode, steps) = (self.first_optimal_episode, self.first_optimal_env_steps);
         some_within("first_optimal_episode", episode, 1..=self.episodes)?;
@@ -136,7 +137,7 @@ impl Progress {
             let refusal = || OutOfRange {
                 key: "first_optimal_episode",
                 value: episode.map_or("missing".to_owned(), |first| first.to_string()),
-                allowed: "there if, and only if, `first_optimal_env_steps` is".to_owned(),
+                allowed: "present if and only if `first_optimal_env_steps` is present".to_owned(),
             };
             return is_without.then_some(()).ok_or_else(refusal);
         };
@@ -145,12 +146,12 @@ impl Progress {
     }
 }
 
-/// The most steps that so many episodes take.
+/// Returns the maximum number of steps of this many episodes.
 fn longest(episodes: u32, limit: u32) -> u64 {
     u64::from(episodes) * u64::from(limit)
 }
 
-/// Accepts a figure that is missing, or lies in its range.
+/// Checks that a figure is missing or in its range.
 fn some_within<T: PartialOrd + std::fmt::Display>(
     key: &'static str,
     figure: Option<T>,
@@ -160,19 +161,19 @@ fn some_within<T: PartialOrd + std::fmt::Display>(
 }
 
 impl Plan {
-    /// Runs the trial to its end, unrecorded.
+    /// Runs the trial to its end, without recording.
     ///
     /// # Errors
-    /// When the world or a setting is refused.
+    /// When the world or a setting is invalid.
     pub fn run(self) -> Result<Trial, PlanError> {
         let mut trial = Trial::new(self)?;
-        // Nobody listens who could break it off.
+        // The observer never ends the trial early.
         let _ = trial.run(&mut ());
         Ok(trial)
     }
 }
 
-/// A trial in progress: run it episode by episode, or all at once.
+/// A trial in progress. Run it episode by episode, or all at once.
 pub struct Trial {
     plan: Plan,
     judge: Judge,
@@ -186,10 +187,10 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// A trial at its beginning; its [plan](Self::plan) is [settled](Plan::settled).
+    /// Creates a trial at its beginning. Its [plan](Self::plan) is [settled](Plan::settled).
     ///
     /// # Errors
-    /// When the world or a setting is refused.
+    /// When the world or a setting is invalid.
     pub fn new(plan: Plan) -> Result<Self, PlanError> {
         plan.check()?;
         let plan = plan.settled();
@@ -197,11 +198,11 @@ impl Trial {
         Self::with_agent(plan, agent)
     }
 
-    /// The same with an agent of one's own in place of the plan's method. It can be resumed from a
-    /// checkpoint only if the agent knows how: see [`Agent::checkpoint`].
+    /// Like [`new`](Self::new), with a custom agent in place of the plan's method. The trial can be
+    /// resumed from a checkpoint only if the agent supports this; see [`Agent::checkpoint`].
     ///
     /// # Errors
-    /// When the world or a setting is refused.
+    /// When the world or a setting is invalid.
     pub fn with_agent(plan: Plan, agent: Box<dyn Agent>) -> Result<Self, PlanError> {
         plan.check()?;
         let plan = plan.settled();
@@ -219,7 +220,7 @@ impl Trial {
         })
     }
 
-    /// The trial as it is between two episodes.
+    /// Returns a checkpoint of the trial between two episodes.
     pub fn checkpoint(&self) -> Checkpoint {
         Checkpoint {
             config: self.plan.config.clone(),
@@ -232,10 +233,10 @@ impl Trial {
         }
     }
 
-    /// The trial that a checkpoint was made of. It goes on as that one did, to the bit.
+    /// Restores a trial from a checkpoint. The restored trial continues bit-identically.
     ///
     /// # Errors
-    /// When the checkpoint contradicts itself.
+    /// When the checkpoint is inconsistent.
     pub fn resume(saved: &Checkpoint) -> Result<Self, CheckpointError> {
         let mut trial = Self::new(saved.plan()?)?;
         let Plan { maze, config } = &trial.plan;
@@ -259,12 +260,12 @@ impl Trial {
         Ok(trial)
     }
 
-    /// Is every episode done?
+    /// Returns true if all episodes are done.
     pub fn is_finished(&self) -> bool {
         self.progress.episodes >= self.plan.config.episodes
     }
 
-    /// Runs the next episode. `Break` means that an observer wants the trial to end.
+    /// Runs the next episode. `Break` means that the observer wants the trial to end.
     pub fn run_episode(&mut self, observer: &mut dyn Observer) -> (Episode, ControlFlow<()>) {
         let start = self.next_start();
         let number = self.progress.episodes + 1;
@@ -286,7 +287,7 @@ impl Trial {
         (episode, flow)
     }
 
-    /// Runs all episodes that are left, until an observer wants the trial to end.
+    /// Runs all remaining episodes, until the observer wants the trial to end.
     pub fn run(&mut self, observer: &mut dyn Observer) -> ControlFlow<()> {
         while !self.is_finished() {
             self.run_episode(observer).1?;
@@ -294,7 +295,8 @@ impl Trial {
         ControlFlow::Continue(())
     }
 
-    /// Episodes that alternate explore (and evolve) or exploit; all others do both.
+    /// Sets up exploration: alternating episodes explore (and evolve) or exploit; all others do
+    /// both.
     fn take_turns(&mut self, number: u32) {
         let settings = &self.plan.config.settings.episode;
         let turn = settings.turn_of(number);
@@ -341,36 +343,36 @@ impl Trial {
         }
     }
 
-    /// The policy that the learner would follow now, without exploring.
+    /// Returns the present policy without exploration.
     pub fn policy(&self) -> PolicyMap {
         PolicyMap::of(&*self.method, self.plan.config.sensor, &self.plan.maze)
     }
 
-    /// The cells through which the greedy policy goes from the start, the first of the best actions
-    /// on ties, as if no move failed: to a goal, or to where it gets no further. `None` when episodes
-    /// start anywhere.
+    /// Returns the cells of the greedy path from the start, assuming exact moves, with ties broken by the first best
+    /// action. The path ends at a goal, or where the policy makes no more progress. `None` if episodes start
+    /// anywhere.
     pub fn greedy_path(&self) -> Option<Vec<Cell>> {
         let (method, maze) = (&*self.method, &self.plan.maze);
         let start = maze.start()?;
         Some(self.judge.greedy_path(method, &self.policy(), maze, start))
     }
 
-    /// The figures so far.
+    /// Returns the figures so far.
     pub fn progress(&self) -> &Progress {
         &self.progress
     }
 
-    /// The plan.
+    /// Returns the plan.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// The shortest paths of the maze.
+    /// Returns the shortest paths of the maze.
     pub fn paths(&self) -> &Paths {
         self.judge.paths()
     }
 
-    /// The learner.
+    /// Returns the learner.
     pub fn method(&self) -> &dyn Agent {
         &*self.method
     }

@@ -1,4 +1,4 @@
-//! What a trial is: a world, and everything that can be chosen about it.
+//! The plan of a trial: a world, and all choices about the trial.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,11 +12,11 @@ use xcscr_robot::arena::{
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::Maze;
 
-/// Everything that can be chosen about a trial, but the world. Stored with every run.
+/// All choices about a trial except the world. Stored with every run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
-    /// The version of this program; another one may give other bytes.
+    /// The version of this program. Other versions may give different bytes.
     pub version: String,
     /// The reward method.
     pub method: Method,
@@ -30,15 +30,15 @@ pub struct Config {
     pub seed: u64,
     /// All settings.
     pub settings: Settings,
-    /// What was learned elsewhere, to start from.
+    /// Knowledge from another run to start from.
     pub initial: Option<Knowledge>,
 }
 
 impl Config {
-    /// An arena around a maze.
+    /// Builds an arena around a maze.
     ///
     /// # Errors
-    /// When the world makes no sense in physics.
+    /// When the world is invalid in physics.
     pub fn build_arena(&self, maze: &Maze) -> Result<Box<dyn Arena>, PhysicsError> {
         let arena: Box<dyn Arena> = match self.arena {
             ArenaKind::Grid => Box::new(GridArena::new(maze.clone())),
@@ -73,19 +73,19 @@ impl Config {
         })
     }
 
-    /// Does the robot only know what it senses, instead of its true pose?
+    /// Returns true if the robot only knows its sensor readings, not its true pose.
     pub fn senses(&self) -> bool {
         let localisation = self.settings.physics.localisation;
         self.arena == ArenaKind::Physics
             && (self.sensor.is_sensed() || localisation == Localisation::Estimated)
     }
 
-    /// The robot that drives; `None` on the grid.
+    /// Returns the robot parameters; `None` on the grid.
     pub fn robot(&self) -> Option<&PhysicsParams> {
         (self.arena == ArenaKind::Physics).then_some(&self.settings.physics)
     }
 
-    /// Accepts the plan when its robot fits into the maze; always on the grid.
+    /// Checks that the robot fits into the maze. Always succeeds on the grid.
     ///
     /// # Errors
     /// [`PhysicsError::TooNarrow`], with the place.
@@ -93,7 +93,7 @@ impl Config {
         self.robot().map_or(Ok(()), |robot| check_fit(maze, robot))
     }
 
-    /// The noise level: 0 on the grid.
+    /// Returns the noise level: 0 on the grid.
     pub fn noise(&self) -> f64 {
         match self.arena {
             ArenaKind::Grid => 0.0,
@@ -101,11 +101,11 @@ impl Config {
         }
     }
 
-    /// A learner that knows nothing yet, or what it is to start from. The settings must have been
+    /// Builds a learner, untrained or with the initial knowledge. The settings must have been
     /// checked.
     ///
     /// # Errors
-    /// When what it is to start from is of no use to it.
+    /// When the method cannot use the initial knowledge.
     pub fn build_method(&self, maze: &Maze) -> Result<Box<dyn Agent>, Misfit> {
         let Settings {
             xcs,
@@ -137,12 +137,12 @@ impl Config {
     }
 }
 
-/// A trial before it begins: the same plan gives the same bytes.
+/// A trial before it begins. The same plan gives the same bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The world.
     pub maze: Maze,
-    /// All that can be chosen.
+    /// All other choices.
     pub config: Config,
 }
 
@@ -162,59 +162,60 @@ impl Default for Config {
 }
 
 impl Plan {
-    /// A trial of 180 episodes of `xcscr-plus` in physics, on the percept `lidar`, from seed 1; each
-    /// method below changes one of these choices, and no other.
+    /// Creates a plan for 180 episodes of `xcscr-plus` in physics, with the percept `lidar` and
+    /// seed 1. Each method below changes only one of these choices.
     pub fn new(maze: Maze) -> Self {
         let config = Config::default();
         Self { maze, config }
     }
 
-    /// With another reward method.
+    /// Sets the reward method.
     #[must_use]
     pub fn method(mut self, method: Method) -> Self {
         self.config.method = method;
         self
     }
 
-    /// In another arena. The percept stays: on the grid, `lidar` is what a perfect one would show.
+    /// Sets the arena. The percept does not change: on the grid, `lidar` shows the readings of a
+    /// perfect lidar.
     #[must_use]
     pub fn arena(mut self, arena: ArenaKind) -> Self {
         self.config.arena = arena;
         self
     }
 
-    /// With another percept.
+    /// Sets the percept.
     #[must_use]
     pub fn sensor(mut self, sensor: Sensor) -> Self {
         self.config.sensor = sensor;
         self
     }
 
-    /// With this many episodes; 1 to 1,000,000.
+    /// Sets the number of episodes; 1 to 1,000,000.
     #[must_use]
     pub fn episodes(mut self, episodes: u32) -> Self {
         self.config.episodes = episodes;
         self
     }
 
-    /// From another root seed.
+    /// Sets the root seed.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
         self.config.seed = seed;
         self
     }
 
-    /// With other settings.
+    /// Sets all settings.
     #[must_use]
     pub fn settings(mut self, settings: Settings) -> Self {
         self.config.settings = settings;
         self
     }
 
-    /// Accepts the plan when every setting lies in its range.
+    /// Checks that every setting is in its range.
     ///
     /// # Errors
-    /// The first setting that does not.
+    /// The first setting that is out of range, or an unsuitable percept.
     pub fn check(&self) -> Result<(), PlanError> {
         let Config {
             method,
@@ -235,13 +236,14 @@ impl Plan {
         Ok(())
     }
 
-    /// The plan with what the maze decides filled in; the same when it is filled in already.
+    /// Returns the plan with the values that depend on the maze filled in. Has no effect on a
+    /// settled plan.
     pub fn settled(mut self) -> Self {
         self.config.settings = self.config.settings.settled_in(&self.maze);
         self
     }
 
-    /// The name of the folder that a run of this plan makes.
+    /// Returns the folder name of a run of this plan.
     pub fn folder_name(&self) -> String {
         let Config {
             method,
@@ -254,13 +256,13 @@ impl Plan {
     }
 }
 
-/// Why a trial cannot be run.
+/// Errors when running a trial.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
-    /// A setting lies outside of its range.
+    /// A setting is out of its range.
     #[error(transparent)]
     Setting(#[from] OutOfRange),
-    /// The knowledge is about another world.
+    /// The knowledge does not fit the world.
     #[error(transparent)]
     Knowledge(#[from] Misfit),
     /// The method needs another percept.
@@ -274,7 +276,7 @@ pub enum PlanError {
         /// The percept that was chosen.
         sensor: &'static str,
     },
-    /// The physics arena refuses the world.
+    /// The world is invalid in physics.
     #[error(transparent)]
     Physics(#[from] PhysicsError),
 }

@@ -1,4 +1,4 @@
-//! Which settings a run reads, so that a setting without effect can be refused.
+//! Readers of settings, for refusing settings without effect.
 
 use std::fmt;
 use std::sync::LazyLock;
@@ -21,31 +21,31 @@ pub enum ReadBy {
     Robot,
     /// The robot in physics that estimates its pose.
     SensingRobot,
-    /// The robot in physics that is given its pose with some noise.
-    ToldRobot,
-    /// The robot in physics whose percepts are looked up in the maze: the others always estimate their pose.
-    RobotWithLookedUpPercepts,
+    /// The robot in physics that is given its true pose with some noise.
+    GroundTruthRobot,
+    /// The robot in physics with ground-truth percepts. Robots with sensed percepts always estimate their pose.
+    RobotWithTruePercepts,
 }
 
-/// A method that reads a setting, always or with another setting only.
+/// A method that reads a setting, always or only with another setting.
 #[derive(Debug, Clone, Copy)]
 pub struct Reader {
     method: Method,
     condition: Option<Condition>,
 }
 
-/// What must be set so that a method reads a setting.
+/// A condition on the settings under which a method reads a setting.
 #[derive(Debug, Clone, Copy)]
 struct Condition {
-    /// As behind `--set`.
+    /// The condition as an argument of `--set`.
     text: &'static str,
     holds: fn(&Settings) -> bool,
 }
 
-/// What decides which settings count: what learns, where, and with which percept.
+/// The choices that decide which settings are read: method, arena and percept.
 #[derive(Debug, Clone, Copy)]
 pub struct Scope<'a> {
-    /// The method; `None` where a finished policy drives and nothing learns.
+    /// The method; `None` if a finished policy drives without learning.
     pub method: Option<Method>,
     /// The arena.
     pub arena: ArenaKind,
@@ -97,10 +97,12 @@ const ON_A_MAP: Condition = Condition {
     holds: |all| all.plus.estimator != Estimator::Percept,
 };
 
-/// The readers of each setting, by its full name, or by the section of all that have no line of their own.
+/// The readers of each setting, by its full name. A section pattern covers all settings without their own row.
 static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
     use Method::*;
-    use ReadBy::{Everything, Methods, Robot, RobotWithLookedUpPercepts, SensingRobot, ToldRobot};
+    use ReadBy::{
+        Everything, GroundTruthRobot, Methods, Robot, RobotWithTruePercepts, SensingRobot,
+    };
     vec![
         ("arena.*", Everything),
         ("sensor.*", Everything),
@@ -187,9 +189,9 @@ static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
         ("tabular.alpha", Methods(always(&VALUE_TABLES))),
         ("tabular.lambda", Methods(always(&[SarsaLambda]))),
         ("tabular.replays", Methods(always(&[DynaQ]))),
-        ("physics.localisation", RobotWithLookedUpPercepts),
-        ("physics.position_noise_m", ToldRobot),
-        ("physics.heading_noise_rad", ToldRobot),
+        ("physics.localisation", RobotWithTruePercepts),
+        ("physics.position_noise_m", GroundTruthRobot),
+        ("physics.heading_noise_rad", GroundTruthRobot),
         ("physics.bumper.*", SensingRobot),
         ("physics.encoders.*", SensingRobot),
         ("physics.estimator.*", SensingRobot),
@@ -217,18 +219,18 @@ fn when(condition: Condition, methods: &[Method]) -> Vec<Reader> {
 }
 
 impl ReadBy {
-    /// Returns what reads the setting with this full name; `None` if there is no such setting.
+    /// Returns the readers of the setting with this full name; `None` if there is no such setting.
     pub fn of(key: &str) -> Option<&'static Self> {
         Some(&TABLE[row_of(key)?].1)
     }
 
-    /// The noun behind "does not read it; ".
+    /// Returns true if the verb after the list of readers is plural.
     fn are_several(&self) -> bool {
         matches!(self, Self::Methods(readers) if readers.len() > 1)
     }
 }
 
-/// The row of a setting: its own, or that of the longest section that it is in.
+/// Returns the row of a setting: its own, or the row of the longest matching section.
 fn row_of(key: &str) -> Option<usize> {
     let fits = |pattern: &str| match pattern.strip_suffix('*') {
         None => pattern == key,
@@ -249,10 +251,10 @@ impl fmt::Display for ReadBy {
             Self::SensingRobot => {
                 "a robot in `physics` that estimates its pose (percept `lidar...`, or `physics.localisation=estimated`)"
             }
-            Self::ToldRobot => {
+            Self::GroundTruthRobot => {
                 "a robot in `physics` that does not estimate its pose (another percept than `lidar...`)"
             }
-            Self::RobotWithLookedUpPercepts => {
+            Self::RobotWithTruePercepts => {
                 "a robot in `physics` with another percept than `lidar...`"
             }
         };
@@ -276,7 +278,7 @@ fn write_readers(readers: &[Reader], f: &mut fmt::Formatter<'_>) -> fmt::Result 
 }
 
 impl Scope<'_> {
-    /// Can the setting with this full name have an effect?
+    /// Returns true if the setting with this full name can have an effect.
     pub fn reads(&self, key: &str) -> bool {
         let is_driven = self.arena == ArenaKind::Physics;
         let is_sensed = self.sensor.is_sensed();
@@ -290,12 +292,12 @@ impl Scope<'_> {
             }),
             ReadBy::Robot => is_driven,
             ReadBy::SensingRobot => is_driven && estimates,
-            ReadBy::ToldRobot => is_driven && !estimates,
-            ReadBy::RobotWithLookedUpPercepts => is_driven && !is_sensed,
+            ReadBy::GroundTruthRobot => is_driven && !estimates,
+            ReadBy::RobotWithTruePercepts => is_driven && !is_sensed,
         })
     }
 
-    /// Says why the setting with this full name has no effect, and what reads it.
+    /// Explains why the setting with this full name has no effect, and what reads it.
     pub fn why_unread(&self, key: &str) -> String {
         let Some(readers) = ReadBy::of(key) else {
             return "there is no such setting".to_owned();
@@ -314,9 +316,8 @@ impl Scope<'_> {
 }
 
 impl Resolved {
-    /// Accepts the settings when each one that was set by hand can have an effect: with this method, or
-    /// `None` where nothing learns, in this arena, on this percept. A settings file may repeat values that
-    /// hold anyway.
+    /// Checks that each setting that was set by hand can have an effect with this method, arena and percept. `method`
+    /// is `None` if nothing learns. A settings file may repeat values without effect if they equal the present ones.
     ///
     /// # Errors
     /// [`SettingsError::NoRobot`], or [`SettingsError::Unread`] for the first setting without effect.

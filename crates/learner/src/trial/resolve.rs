@@ -1,4 +1,4 @@
-//! Where settings come from: default, then file, then the command line.
+//! Resolution of settings: default, then file, then the command line.
 
 use std::collections::BTreeMap;
 
@@ -10,27 +10,27 @@ use super::toml_text::shortened;
 use xcs::bounds::OutOfRange;
 use xcscr_robot::world::Maze;
 
-/// The setting that a maze decides, unless it is set, and the one that says whether it does.
+/// The setting that is taken from the maze by default.
 pub const STEP_THRESHOLD: &str = "reward.step_threshold";
 /// The setting that takes the step-threshold from the maze.
 pub const FROM_MAZE: &str = "reward.step_threshold_from_maze";
 
-/// Settings, and where each one came from.
+/// Settings and their origins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resolved {
     /// The checked settings.
     pub settings: Settings,
     values: BTreeMap<String, (Value, SettingOrigin)>,
-    /// What was set by hand: by `--set`, or to another value by a settings file.
+    /// The settings set by hand: by `--set`, or to a different value by a settings file.
     pub(super) given: Vec<(String, SettingOrigin)>,
 }
 
 impl Resolved {
-    /// Lays settings files (name and text of each) and then `--set` arguments (`section.key=value`) over
-    /// `base`, and checks the result. Later ones win.
+    /// Applies settings files (name and text of each) and then `--set` arguments (`section.key=value`) to `base`, and
+    /// checks the result. Later ones win.
     ///
     /// # Errors
-    /// The first fault, with its place and the way out.
+    /// The first fault, with its place and a hint.
     pub fn new(
         base: &Settings,
         files: &[(&str, &str)],
@@ -39,7 +39,7 @@ impl Resolved {
         Self::on(base, None, files, sets)
     }
 
-    /// The same, with the settings of a robot, and its name, between `base` and the files.
+    /// Like [`new`](Self::new), with the name and settings of a robot between `base` and the files.
     pub(super) fn on(
         base: &Settings,
         robot: Option<(&str, &Table)>,
@@ -85,7 +85,7 @@ impl Resolved {
         })
     }
 
-    /// The same with what a maze decides filled in.
+    /// Returns the settings with the values that depend on the maze filled in.
     pub fn in_maze(mut self, maze: &Maze) -> Self {
         let before = self.settings.reward.step_threshold;
         self.settings = self.settings.settled_in(maze);
@@ -98,23 +98,23 @@ impl Resolved {
         self
     }
 
-    /// Each setting by its full name, with its value as it is written in TOML and its origin.
+    /// Returns each setting by its full name, with its value in TOML syntax and its origin.
     pub fn entries(&self) -> impl Iterator<Item = (&str, String, &SettingOrigin)> {
         let entries = self.values.iter();
         entries.map(|(key, (value, origin))| (key.as_str(), value.to_string(), origin))
     }
 }
 
-/// A value behind a `=` that stands in no TOML: what TOML would read, or else the text itself.
+/// Parses a value after `=` outside of a TOML file: as TOML, or else as a plain string.
 pub fn value_of(text: &str) -> Value {
     let read = format!("value = {text}").parse::<Table>().ok();
-    // A text of several lines could hold more than the value.
+    // A text of several lines could contain more than the value.
     let alone = read.filter(|table| table.len() == 1);
     let value = alone.and_then(|mut table| table.remove("value"));
     value.unwrap_or_else(|| Value::String(text.to_owned()))
 }
 
-/// Tables within tables as one list with full names.
+/// Flattens nested tables to a list with full names.
 pub fn flatten(table: Table) -> Vec<(String, Value)> {
     let mut flat = Vec::new();
     for (key, value) in table {
@@ -129,8 +129,8 @@ pub fn flatten(table: Table) -> Vec<(String, Value)> {
     flat
 }
 
-/// Replaces a value by one of the same type, and returns whether they differ; whole numbers serve as
-/// fractions, too. Who sets the step-threshold does not want the maze to.
+/// Replaces a value by one of the same type, and returns true if they differ. Whole numbers are
+/// accepted as fractions. Setting the step-threshold turns off the threshold from the maze.
 fn overlay(
     values: &mut BTreeMap<String, (Value, SettingOrigin)>,
     key: String,
@@ -165,13 +165,13 @@ fn overlay(
     Ok(differs)
 }
 
-/// What a setting takes that now has this value.
+/// Describes the values of a setting, given its present value.
 fn kind(key: &str, value: &Value) -> String {
     let number = match value {
         Value::Integer(_) => "a whole number",
         Value::Float(_) => "a number",
         Value::Boolean(_) => return "true or false".to_owned(),
-        _ => return "a text".to_owned(),
+        _ => return "a string".to_owned(),
     };
     match range_of(key, value) {
         Some(OutOfRange { allowed, .. }) => format!("{number} {allowed}"),
@@ -179,9 +179,9 @@ fn kind(key: &str, value: &Value) -> String {
     }
 }
 
-/// The most similar of the known keys, if one is similar at all.
+/// Returns the most similar known key, if any is similar enough.
 pub fn similar<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
-    // No known key is as long, and to compare a line without end would take seconds.
+    // All known keys are shorter, and comparing an extremely long line would take seconds.
     let short: String = key.chars().take(64).collect();
     let known: Vec<&str> = known.collect();
     // A setting without its section.
@@ -196,11 +196,11 @@ pub fn similar<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> Option<St
     (best.0 > 0.8).then(|| best.1.to_owned())
 }
 
-/// The settings that the values make, each in its range.
+/// Returns the settings with these values, after checking the ranges.
 fn checked(values: &BTreeMap<String, (Value, SettingOrigin)>) -> Result<Settings, SettingsError> {
     let mut all = Table::new();
     for (key, (value, origin)) in values {
-        // Read on its own first, so that the message can name the setting.
+        // Each value is read on its own first, so that the message can name the setting.
         let mut alone = Table::new();
         put(&mut alone, key, value.clone());
         alone
@@ -220,7 +220,7 @@ fn checked(values: &BTreeMap<String, (Value, SettingOrigin)>) -> Result<Settings
         })
 }
 
-/// Puts a value under its full name into tables within tables.
+/// Inserts a value into nested tables under its full name.
 fn put(table: &mut Table, key: &str, value: Value) {
     match key.split_once('.') {
         None => {
@@ -236,8 +236,8 @@ fn put(table: &mut Table, key: &str, value: Value) {
     }
 }
 
-/// Why a value of the right type cannot be read: a whole number out of its range, or a name that
-/// is none of those allowed, for which the parser has words.
+/// Explains why a value of the right type cannot be read: a whole number out of range, or a name
+/// that is not allowed. For names, the message of the parser is used.
 fn unreadable(key: &str, value: &Value, origin: &SettingOrigin, fault: &str) -> SettingsError {
     let origin = origin.clone();
     if let Some(fault) = range_of(key, value) {
@@ -252,7 +252,7 @@ fn unreadable(key: &str, value: &Value, origin: &SettingOrigin, fault: &str) -> 
     }
 }
 
-/// What is said of a value that does not lie in the declared range of its setting.
+/// Returns an out-of-range error for a value, if its setting has a declared range.
 fn range_of(key: &str, given: &Value) -> Option<OutOfRange> {
     let mut declared = Settings::declared().into_iter();
     let setting = declared.find(|setting| setting.key == key)?;
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn the_maze_decides_the_step_threshold_unless_somebody_does() {
+    fn the_maze_sets_the_step_threshold_unless_it_is_set_by_hand() {
         let corridor = format!(
             r##"{{"rows": ["{0}", "#S{1}G#", "{0}"]}}"##,
             "#".repeat(40),
@@ -372,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_whole_number_is_refused_with_the_range_too() {
+    fn a_value_that_is_not_a_whole_number_is_refused_with_the_range() {
         for value in ["nan", "inf", "2.5", "many"] {
             let message = message(None, &[&format!("xcs.nu={value}")]);
             assert!(

@@ -85,7 +85,7 @@ impl RobotProfile {
         Self::parse(&text, name)
     }
 
-    /// Reads the text of a profile, which messages call `name`.
+    /// Parses the text of a profile. Messages use `name`.
     ///
     /// # Errors
     /// When the text is not a profile, or a setting is unknown or out of range.
@@ -101,7 +101,7 @@ impl RobotProfile {
         for (key, source) in flatten(document.source) {
             let source = source
                 .as_str()
-                .ok_or_else(|| invalid(&format!("`source.{key}` must be a text")))?;
+                .ok_or_else(|| invalid(&format!("`source.{key}` must be a string")))?;
             sources.insert(key, source.to_owned());
         }
         let profile = Self {
@@ -114,12 +114,12 @@ impl RobotProfile {
         Ok(profile)
     }
 
-    /// The name of a bundled profile, or the path of a file.
+    /// Returns the name of a bundled profile, or the path of a file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What the robot is called by its maker.
+    /// Returns the manufacturer's name of the robot.
     pub fn title(&self) -> &str {
         &self.title
     }
@@ -139,9 +139,8 @@ impl RobotProfile {
         flat.into_iter().map(with_source).collect()
     }
 
-    /// Returns `base` with this robot in place of its own. Settings that the profile does not name have their
-    /// defaults, except for the noise level, the friction of the floor, the localisation, the faults and the engine's
-    /// shortcut, which stay.
+    /// Returns `base` with this robot in place of its own. Settings that the profile does not name get their
+    /// defaults. The noise level, the floor friction, the localisation, the faults and the engine's shortcut stay.
     ///
     /// # Errors
     /// When a setting is unknown or out of range.
@@ -168,10 +167,10 @@ fn without_robot(settings: &Settings) -> Settings {
 }
 
 impl Resolved {
-    /// Does the same as [`Resolved::new`], with a robot in place of that of `base`, below the files.
+    /// Like [`Resolved::new`], with a robot in place of the robot of `base`, below the files.
     ///
     /// # Errors
-    /// The first fault, with its place and the way out.
+    /// The first fault, with its place and a hint.
     pub fn with_robot(
         base: &Settings,
         robot: Option<&RobotProfile>,
@@ -204,7 +203,7 @@ pub enum RobotError {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         cause: io::Error,
     },
     /// The text is not a profile.
@@ -212,7 +211,7 @@ pub enum RobotError {
     Invalid {
         /// The profile's name or path.
         name: String,
-        /// What the parser says, with line and column.
+        /// The message of the parser, with line and column.
         fault: String,
     },
     /// A setting is unknown or out of range.
@@ -235,10 +234,7 @@ mod tests {
             }
             let known = |key: &String| entries.iter().any(|(entry, ..)| entry == key);
             let strange = profile.sources.keys().find(|key| !known(key));
-            assert_eq!(
-                strange, None,
-                "{name}: a source for a setting that is not there"
-            );
+            assert_eq!(strange, None, "{name}: a source for a missing setting");
         }
     }
 
@@ -284,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_profile_is_refused_with_the_reason() {
+    fn a_text_that_is_not_a_profile_is_refused_with_the_reason() {
         let message = |text: &str| {
             RobotProfile::parse(text, "own.toml")
                 .unwrap_err()

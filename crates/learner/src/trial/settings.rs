@@ -1,4 +1,4 @@
-//! Everything that can be set for a trial.
+//! All settings of a trial.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,8 @@ use xcscr_robot::arena::{ArenaParams, PhysicsParams};
 use xcscr_robot::sensor::SensorParams;
 use xcscr_robot::world::{Maze, Paths};
 
-/// An episode of so many shortest paths leaves room to explore.
+/// The step-threshold from the maze, in multiples of the longest shortest path. It leaves room to
+/// explore.
 const PATHS_AN_EPISODE: u32 = 4;
 /// The largest step-threshold that settings can hold.
 const MOST_STEPS: u32 = 1_000_000;
@@ -19,31 +20,31 @@ const MOST_STEPS: u32 = 1_000_000;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
-    /// The learner.
+    /// The classifier system.
     pub xcs: xcs::Params,
     /// Rewards and reward methods.
     pub reward: agent::Params,
     /// `xcscr-plus` and `r-max`.
     pub plus: agent::PlusParams,
-    /// Their maps.
+    /// Maps of `xcscr-plus` and `r-max`.
     pub map: agent::MapParams,
     /// Tabular methods.
     pub tabular: agent::TabularParams,
     /// Exploration.
     pub episode: episode::Params,
-    /// What holds in every arena.
+    /// Settings of all arenas.
     pub arena: ArenaParams,
-    /// What is perceived.
+    /// Percepts.
     pub sensor: SensorParams,
     /// The robot and its noise.
     pub physics: PhysicsParams,
 }
 
 impl Settings {
-    /// The largest file of settings, in bytes.
+    /// The maximum size of a settings file, in bytes.
     pub const MOST_BYTES: u64 = MOST_TOML_BYTES;
 
-    /// The settings with what the maze decides filled in: the step-threshold, unless it was set.
+    /// Returns the settings with the step-threshold from the maze filled in, unless it was set.
     pub fn settled_in(mut self, maze: &Maze) -> Self {
         if self.reward.step_threshold_from_maze {
             let longest = Paths::new(maze).longest(maze);
@@ -54,7 +55,7 @@ impl Settings {
         self
     }
 
-    /// What is declared of each setting, section by section.
+    /// Returns the declarations of all settings, sorted by key.
     pub fn declared() -> Vec<Setting> {
         let mut all = [
             xcs::Params::declared(),
@@ -72,10 +73,10 @@ impl Settings {
         all
     }
 
-    /// Accepts the settings when each lies in its range.
+    /// Checks that each setting is in its range.
     ///
     /// # Errors
-    /// [`OutOfRange`] for the first that does not.
+    /// [`OutOfRange`] for the first setting that is not.
     pub fn check(&self) -> Result<(), OutOfRange> {
         self.xcs.check()?;
         self.reward.check()?;

@@ -1,13 +1,13 @@
-//! Why settings cannot be used, and where each one came from.
+//! Errors in settings, and the origins of settings.
 
 use std::fmt;
 
 use xcs::bounds::OutOfRange;
 
-/// Where the value of a setting came from.
+/// The origin of the value of a setting.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SettingOrigin {
-    /// Nobody set it.
+    /// The default value.
     Default,
     /// A settings file, by its name.
     File(String),
@@ -15,7 +15,7 @@ pub enum SettingOrigin {
     Robot(String),
     /// `--set` on the command line.
     Set,
-    /// Nobody set it, and the default is not enough for the maze.
+    /// Raised from the default because of the maze.
     Maze,
 }
 
@@ -31,18 +31,18 @@ impl fmt::Display for SettingOrigin {
     }
 }
 
-/// Why settings cannot be used.
+/// Errors in settings.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SettingsError {
-    /// The file is no TOML.
+    /// The file is not valid TOML.
     #[error("{origin} is not valid TOML: {fault}")]
     Syntax {
-        /// Which file.
+        /// The file.
         origin: SettingOrigin,
-        /// What the TOML parser says, with line and column.
+        /// The message of the TOML parser, with line and column.
         fault: String,
     },
-    /// `--set` without an equals sign.
+    /// A `--set` argument has no equals sign.
     #[error("`--set {0}` has no value: write `--set section.key=value`")]
     NoValue(String),
     /// There is no such setting.
@@ -50,7 +50,7 @@ pub enum SettingsError {
     Unknown {
         /// The key that was given.
         key: String,
-        /// Where.
+        /// The origin.
         origin: SettingOrigin,
         /// A setting with a similar name.
         suggestion: Option<String>,
@@ -60,11 +60,11 @@ pub enum SettingsError {
     Type {
         /// The setting.
         key: String,
-        /// Where.
+        /// The origin.
         origin: SettingOrigin,
         /// The value that was given.
         given: String,
-        /// What it must be.
+        /// A description of allowed values.
         wanted: String,
     },
     /// Nothing in the run reads the setting.
@@ -72,20 +72,20 @@ pub enum SettingsError {
     Unread {
         /// The setting.
         key: String,
-        /// Where.
+        /// The origin.
         origin: SettingOrigin,
-        /// Why it has no effect, and what reads it.
+        /// The reason, and what reads the setting.
         why: String,
     },
-    /// A robot was chosen for an arena that has none.
+    /// A robot was chosen for an arena without a robot.
     #[error("the robot profile has no effect: the arena `grid` has no robot, `physics` has one")]
     NoRobot,
-    /// The value lies outside of its range.
+    /// The value is out of its range.
     #[error("{origin}: {fault}")]
     Range {
-        /// Where.
+        /// The origin.
         origin: SettingOrigin,
-        /// Which setting, and its range.
+        /// The setting and its range.
         fault: OutOfRange,
     },
 }

@@ -1,12 +1,12 @@
-//! What settings files and study files have in common.
+//! Common code for settings files and study files.
 
-/// The largest settings or study file, in bytes: a thousand times what anybody writes, and little
-/// enough to be parsed in a moment.
+/// The maximum size of a settings or study file, in bytes: a thousand times a typical size, and
+/// small enough to parse quickly.
 pub const MOST_TOML_BYTES: u64 = 1 << 20;
-/// How much of a line is repeated in a message.
+/// The maximum length of a line in a message, in characters.
 const WIDEST: usize = 160;
 
-/// A message that repeats a part of its input, with long lines cut off.
+/// Returns a message that quotes its input, with long lines cut off.
 pub fn shortened(message: &str) -> String {
     let lines: Vec<String> = message.trim_end().lines().map(cut).collect();
     lines.join("\n")

@@ -1,4 +1,4 @@
-//! What cannot succeed, said before the work starts.
+//! Warnings about plans that cannot succeed, issued before the work starts.
 
 use std::fmt;
 
@@ -7,52 +7,52 @@ use super::plan::{Config, Plan};
 use xcscr_robot::sensor::{Alike, Sensor, alike_among};
 use xcscr_robot::world::{Cell, Facts, Maze, Paths};
 
-/// How many groups of cells, and how many cells of each, a warning names.
+/// The maximum number of groups of cells, and of cells per group, that a warning lists.
 const MOST_NAMED: usize = 3;
 
-/// Why a trial of a plan is bound to fail, or to fall short of the optimum.
+/// Reasons why a trial is bound to fail, or to miss the optimum.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
     /// Episodes are shorter than the shortest path, at least from some starts.
     StepLimit {
-        /// The most steps of an episode.
+        /// The maximum number of steps of an episode.
         steps: u32,
-        /// The longest of the shortest paths from where episodes start.
+        /// The longest shortest path from any start.
         longest: u32,
-        /// What helps; nothing in mazes of too long paths.
+        /// Changes that help; `None` if the paths are too long for any step-threshold.
         advice: Option<Advice>,
     },
-    /// Cells look alike in which no action is best in all.
+    /// Some cells are perceptually aliased, and no action is best in all of them.
     LookAlike {
-        /// The percept that does not tell them apart.
+        /// The percept that does not distinguish them.
         sensor: Sensor,
         /// The cells, group by group.
         groups: Vec<Vec<Cell>>,
-        /// What helps; nothing where it is not known.
+        /// Changes that help, if known.
         advice: Option<Advice>,
     },
-    /// Cells pay, but no episode can come there.
+    /// Cells with rewards are unreachable in every episode.
     OutOfReach(Vec<Cell>),
-    /// A move takes longer than actions may.
+    /// A move takes longer than the time-out of actions.
     TimeOut {
-        /// How long a move takes, in seconds.
+        /// The duration of a move, in seconds.
         move_s: f64,
         /// `physics.time_out_s`.
         time_out_s: f64,
     },
-    /// The lidar is too short to tell free cells of this size from walls.
+    /// The range of the lidar is too short to distinguish free cells of this size from walls.
     ShortLidar {
         /// `physics.lidar.range_m`.
         range_m: f64,
         /// Edge length of a cell in metres.
         cell_size_m: f64,
-        /// The size of the largest cells that the lidar can tell from walls, in metres.
+        /// The size of the largest cells that the lidar can distinguish from walls, in metres.
         largest_cell_m: f64,
     },
 }
 
 impl Plan {
-    /// What speaks against the plan once it is [settled](Self::settled). The plan can be run
+    /// Returns the warnings about the [settled](Self::settled) plan. The plan can be run
     /// nevertheless.
     pub fn warnings(&self) -> Vec<Warning> {
         let plan = self.clone().settled();
@@ -86,7 +86,7 @@ fn step_limit(plan: &Plan, paths: &Paths) -> Option<Warning> {
     })
 }
 
-/// Only cells that an optimal policy comes through matter, and only to a method that does not draw a map.
+/// Only cells on optimal paths matter, and only to a method that does not build a map.
 fn look_alike(plan: &Plan, paths: &Paths) -> Option<Warning> {
     let Plan { maze, config } = plan;
     let may_draw = config.method.may_draw_maps(&config.settings.plus);
@@ -130,29 +130,29 @@ fn out_of_reach(maze: &Maze) -> Option<Warning> {
     (!cells.is_empty()).then_some(Warning::OutOfReach(cells))
 }
 
-/// The cells on the way that look alike and in which no action is best in all, group by group.
+/// Returns the groups of perceptually aliased cells on shortest paths without a common best action.
 pub(super) fn misleading(sensor: Sensor, maze: &Maze, paths: &Paths) -> Vec<Vec<Cell>> {
-    let on_the_way = paths.cells_on_shortest(maze);
-    let groups = alike_among(sensor, maze, paths, on_the_way).into_iter();
+    let on_paths = paths.cells_on_shortest(maze);
+    let groups = alike_among(sensor, maze, paths, on_paths).into_iter();
     let misleading = groups.filter(|group| !group.share_a_best_action);
     misleading.map(|Alike { cells, .. }| cells).collect()
 }
 
 impl Warning {
-    /// What would help, in words; nothing where it is not known.
+    /// Returns a hint in words, if one is known.
     fn help(&self) -> Option<String> {
         match self {
             Self::StepLimit { advice, .. } | Self::LookAlike { advice, .. } => {
                 advice.as_ref().map(|advice| format!("`{advice}`"))
             }
-            Self::OutOfReach(_) => Some("to open a way in `rows`".to_owned()),
+            Self::OutOfReach(_) => Some("to open a path in `rows`".to_owned()),
             Self::TimeOut { move_s, .. } => {
                 let time_out_s = (3.0 * move_s).ceil();
                 Some(format!("`--set physics.time_out_s={time_out_s}`"))
             }
             Self::ShortLidar { largest_cell_m, .. } => Some(format!(
                 "cells of at most {:.2} m (`cell_size_m`), or a robot with a longer lidar (`--robot`)",
-                // Rounded down, so that the size that is named raises no warning.
+                // Rounded down, so that the named size raises no warning.
                 (100.0 * largest_cell_m).floor() / 100.0
             )),
         }
@@ -168,20 +168,20 @@ impl fmt::Display for Warning {
             ),
             Self::LookAlike { sensor, groups, .. } => write!(
                 f,
-                "cells look alike to the sensor `{}`, and no action is best in all of them: {}",
+                "the sensor `{}` cannot distinguish these cells, and no action is best in all of them: {}",
                 sensor.name(),
                 listed(groups)
             ),
             Self::OutOfReach(cells) => {
                 write!(
                     f,
-                    "no episode can reach these cells that pay: {}",
+                    "no episode can reach these cells with rewards: {}",
                     named(cells)
                 )
             }
             Self::TimeOut { move_s, time_out_s } => write!(
                 f,
-                "a move takes about {move_s:.1} s, but actions are given up after {time_out_s} s"
+                "a move takes about {move_s:.1} s, but actions time out after {time_out_s} s"
             ),
             Self::ShortLidar {
                 range_m,
@@ -189,14 +189,15 @@ impl fmt::Display for Warning {
                 ..
             } => write!(
                 f,
-                "the lidar has a range of {range_m} m, too short to tell free cells of {cell_size_m} m from walls"
+                "the lidar has a range of {range_m} m, too short to distinguish free cells of \
+                 {cell_size_m} m from walls"
             ),
         }?;
         self.help().map_or(Ok(()), |help| write!(f, "; try {help}"))
     }
 }
 
-/// The first of some groups of cells.
+/// Lists the first of some groups of cells.
 fn listed(groups: &[Vec<Cell>]) -> String {
     let shown = groups.iter().take(MOST_NAMED).map(|cells| named(cells));
     let shown = shown.collect::<Vec<_>>().join("; ");
@@ -206,7 +207,7 @@ fn listed(groups: &[Vec<Cell>]) -> String {
     }
 }
 
-/// The first of some cells, as column and row.
+/// Lists the first of some cells, as column and row.
 fn named(cells: &[Cell]) -> String {
     let place = |cell: &Cell| format!("{},{}", cell.col, cell.row);
     let shown: Vec<String> = cells.iter().take(MOST_NAMED).map(place).collect();
@@ -244,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_speaks_against_the_shipped_mazes() {
+    fn the_shipped_mazes_raise_no_warnings() {
         for world in ["maze4", "maze5", "maze6", "maze4-classic", "woods1"] {
             for &method in Method::ALL {
                 let said = said(world, method, Sensor::Neighbours, &[]);
@@ -272,8 +273,8 @@ mod tests {
     }
 
     #[test]
-    fn where_actions_slip_the_best_ones_are_those_of_value_iteration() {
-        // Beside the only way, cells look alike that nobody comes to who does not slip.
+    fn with_slip_the_best_actions_are_those_of_value_iteration() {
+        // Next to the only path, there are aliased cells that are reached only by slips.
         let (world, method, sensor) = ("maze4", Method::QLearning, Sensor::Neighbours);
         assert_eq!(said(world, method, sensor, &[]), [""; 0]);
         let slippery = said(world, method, sensor, &["arena.slip=0.25"]);
@@ -298,19 +299,19 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         assert_eq!(said(1.0, &[]), [""; 0]);
-        let slow = "a move takes about 20.6 s, but actions are given up after 10 s; try `--set \
+        let slow = "a move takes about 20.6 s, but actions time out after 10 s; try `--set \
                     physics.time_out_s=62`";
         let slow_robot = ["physics.max_speed_mps=0.05", "physics.arrival_mps=0.02"];
         assert_eq!(said(1.0, &slow_robot), [slow]);
-        let wanted = "the lidar has a range of 8 m, too short to tell free cells of 5 m from walls; try cells of at \
-                      most 4.21 m (`cell_size_m`), or a robot with a longer lidar (`--robot`)";
+        let wanted = "the lidar has a range of 8 m, too short to distinguish free cells of 5 m from walls; try \
+                      cells of at most 4.21 m (`cell_size_m`), or a robot with a longer lidar (`--robot`)";
         assert_eq!(said(5.0, &[]), [wanted]);
         assert_eq!(said(4.21, &[]), [""; 0], "the size that the warning names");
         assert_eq!(said(4.22, &[]).len(), 1, "control");
     }
 
     #[test]
-    fn a_reward_that_no_episode_comes_to_is_named() {
+    fn an_unreachable_reward_is_named() {
         let rows = ["#######", "#S.G#*#", "#######"];
         let text = format!(r#"{{ "rows": {rows:?}, "reward": 5 }}"#);
         let maze = Maze::from_json(text.as_bytes(), "paid.json").unwrap();
@@ -319,7 +320,8 @@ mod tests {
             .iter()
             .map(Warning::to_string)
             .collect();
-        let wanted = "no episode can reach these cells that pay: 5,1; try to open a way in `rows`";
+        let wanted =
+            "no episode can reach these cells with rewards: 5,1; try to open a path in `rows`";
         assert_eq!(said, [wanted]);
     }
 
@@ -334,11 +336,11 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_mislead_on_the_way_are_named_and_position_or_memory_tells_them_apart() {
+    fn aliased_cells_on_paths_are_named_and_position_or_a_map_distinguishes_them() {
         let said = |method, sensor| said("dfs-12-1", method, sensor, &[]);
         let named = said(Method::Xcscr, Sensor::Neighbours);
-        let words = "cells look alike to the sensor `neighbours`, and no action is best in all of \
-                     them: ";
+        let words = "the sensor `neighbours` cannot distinguish these cells, and no action is best in all \
+                     of them: ";
         assert!(named.len() == 1 && named[0].starts_with(words), "{named:?}");
         assert!(
             named[0].ends_with("; try `--method xcscr-plus`"),

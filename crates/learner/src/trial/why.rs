@@ -1,4 +1,4 @@
-//! Why the rules choose what they choose in a cell, and what would have to be different.
+//! Explanations of the rules' choice in a cell, and counterfactual percepts.
 
 use std::collections::BTreeSet;
 
@@ -8,44 +8,44 @@ use xcs::{Action, Classifier, Percept, Population, PredictionArray};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Cell, Maze};
 
-/// What the rules make of a percept.
+/// The evaluation of a percept by the rules.
 #[derive(Debug, Clone)]
 pub struct Why {
-    /// What the robot perceives.
+    /// The percept.
     pub percept: Percept,
-    /// What each action is worth there.
+    /// The values of the actions.
     pub values: PredictionArray,
-    /// The rules that match, those of the best actions first, and of each action the one with the
-    /// greatest share first.
+    /// The matching rules: those of the best actions first, and for each action the greatest share
+    /// first.
     pub votes: Vec<WeightedRule>,
-    /// For each action that is not one of the best, the least change that would make it one; only
-    /// for those that have such a change.
+    /// For each action that is not one of the best, the least change that would make it the only
+    /// best action. Actions without such a change are omitted.
     pub changes: Vec<Change>,
 }
 
-/// A rule that matches.
+/// A matching rule.
 #[derive(Debug, Clone, Copy)]
 pub struct WeightedRule {
     /// The rule.
     pub rule: Classifier,
-    /// Its share in the value of its action, 0 to 1 (Eq. 6: by fitness).
+    /// Its share of the value of its action, 0 to 1 (Eq. 6: by fitness).
     pub share: f64,
 }
 
-/// What would have to be different for another action to be chosen.
+/// A change of the percept that makes another action the choice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
     /// The action.
     pub action: Action,
-    /// What the robot would have to perceive that it does not, in words.
+    /// The differences of the percept, in words.
     pub words: Vec<String>,
-    /// A cell where it perceives all this; `None` if there is none in this world.
+    /// A cell with this percept; `None` if there is none in this world.
     pub cell: Option<Cell>,
 }
 
 impl Why {
-    /// What the rules make of what the robot perceives in a free cell. Rules with a memory are asked
-    /// as at the beginning of an episode.
+    /// Explains the choice of the rules in a free cell. Rules with a map are evaluated as at the
+    /// beginning of an episode.
     pub fn at(plan: &Plan, knowledge: &Knowledge, cell: Cell) -> Self {
         let Plan { maze, config } = plan;
         let percept = config.sensor.perceive_at(maze, cell);
@@ -58,13 +58,13 @@ impl Why {
         }
     }
 
-    /// The rule that decides: of those of the best actions the one with the greatest share.
+    /// Returns the decisive rule: the rule of a best action with the greatest share.
     pub fn decisive(&self) -> Option<&Classifier> {
         self.votes.first().map(|vote| &vote.rule)
     }
 }
 
-/// The rules that match a percept, with their shares.
+/// Returns the rules that match a percept, with their shares.
 fn votes(knowledge: &Knowledge, percept: &Percept, values: &PredictionArray) -> Vec<WeightedRule> {
     let rules = knowledge.rules().map_or(&[][..], Population::rules);
     let looked_at = knowledge.looked_at(percept);
@@ -91,7 +91,7 @@ fn votes(knowledge: &Knowledge, percept: &Percept, values: &PredictionArray) -> 
     votes
 }
 
-/// The least change for each action that is not one of the best.
+/// Returns the least change for each action that is not one of the best.
 fn changes(
     plan: &Plan,
     knowledge: &Knowledge,
@@ -118,15 +118,15 @@ fn changes(
     others.filter_map(change).collect()
 }
 
-/// Another percept, what is different in it, and where it is perceived.
+/// Another percept, its differences, and a cell with this percept.
 struct Candidate {
     percept: Percept,
     words: Vec<String>,
     cell: Option<Cell>,
 }
 
-/// All percepts of the world, and those in which one or two cells around are different; those that
-/// differ least first, and of these the ones that occur.
+/// Returns all percepts of the world, and percepts in which one or two surrounding cells differ.
+/// The smallest differences come first, and among equal ones the percepts that occur in the world.
 fn candidates(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<Candidate> {
     let here = words(sensor, maze, percept);
     let candidate = |(percept, cell): (Percept, Option<Cell>)| Candidate {
@@ -155,7 +155,7 @@ fn candidates(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<Candidate> 
     candidates
 }
 
-/// Everything that a percept tells.
+/// Returns the parts of the description of a percept.
 fn words(sensor: Sensor, maze: &Maze, percept: &Percept) -> Vec<String> {
     let words = sensor.words(maze, &|at| Some(percept.bit(at)));
     words.split(", ").map(str::to_owned).collect()

@@ -1,31 +1,31 @@
-//! Auxiliary rewards: cells that pay the robot once in an episode.
+//! Auxiliary rewards: cells that give a reward once per episode.
 
 use super::{Arena, Lasting, Outcome, View};
 use crate::world::{Cell, Maze};
 use xcs::Action;
 
-/// Any arena of a maze in which cells pay by themselves. Such a cell pays when the robot comes into
-/// it, for the first time in the episode, wherever it believes to be.
+/// An arena that adds auxiliary rewards to any other arena. A marked cell gives its reward when the
+/// robot first enters it in an episode. The true position counts, not the estimated one.
 pub struct RewardingArena {
     arena: Box<dyn Arena>,
-    /// The cells that have paid in this episode.
-    spent: Vec<Cell>,
+    /// Cells whose reward was collected in this episode.
+    collected: Vec<Cell>,
 }
 
 impl RewardingArena {
-    /// Around an arena.
+    /// Wraps an arena.
     pub fn new(arena: Box<dyn Arena>) -> Self {
-        let spent = Vec::new();
-        Self { arena, spent }
+        let collected = Vec::new();
+        Self { arena, collected }
     }
 
-    /// What the cell pays in which the robot really is, if it has not yet.
-    fn found(&mut self) -> Option<f64> {
+    /// Returns the reward of the robot's true cell, unless it was already collected.
+    fn collect(&mut self) -> Option<f64> {
         let view = self.arena.view();
         let cell = true_cell(&view, view.maze)?;
         let reward = view.maze.auxiliary_reward(cell)?;
-        let is_first = !self.spent.contains(&cell);
-        self.spent.extend(is_first.then_some(cell));
+        let is_first = !self.collected.contains(&cell);
+        self.collected.extend(is_first.then_some(cell));
         is_first.then_some(reward)
     }
 }
@@ -36,7 +36,7 @@ fn true_cell(view: &View<'_>, maze: &Maze) -> Option<Cell> {
 
 impl Arena for RewardingArena {
     fn reset(&mut self, start: Cell) {
-        self.spent.clear();
+        self.collected.clear();
         self.arena.reset(start);
     }
 
@@ -44,7 +44,7 @@ impl Arena for RewardingArena {
         let outcome = self.arena.act(action);
         match outcome {
             Outcome::Moved => self
-                .found()
+                .collect()
                 .map_or(outcome, |reward| Outcome::FoundReward { reward }),
             _ => outcome,
         }
@@ -59,7 +59,7 @@ impl Arena for RewardingArena {
     }
 
     fn continue_from(&mut self, lasting: &Lasting) {
-        self.spent.clear();
+        self.collected.clear();
         self.arena.continue_from(lasting);
     }
 }
@@ -79,7 +79,7 @@ mod tests {
         maze("#S*.G#", r#", "reward": 7.0"#)
     }
 
-    /// East, back, east again, on to the goal; twice.
+    /// Returns the rewards of moving east, west, east and on to the goal, twice.
     fn outcomes(arena: Box<dyn Arena>) -> Vec<f64> {
         let mut arena = RewardingArena::new(arena);
         let [east, west] = [1, 3].map(|index| Action::new(index).unwrap());
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cell_pays_once_in_each_episode_in_both_arenas() {
+    fn a_cell_gives_its_reward_once_per_episode_in_both_arenas() {
         let physics = PhysicsArena::new(paid(), PhysicsParams::default(), 1).unwrap();
         let once = [7.0, 0.0, 0.0, 0.0, 0.0];
         for arena in [
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_mark_nothing_is_paid() {
+    fn without_a_marked_cell_there_is_no_reward() {
         let plain = maze("#S..G#", "");
         assert_eq!(outcomes(Box::new(GridArena::new(plain))), [0.0; 10]);
     }

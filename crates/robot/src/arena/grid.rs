@@ -1,4 +1,4 @@
-//! The maze as a grid: a move is one step from cell to cell and takes a second.
+//! The maze as a grid: a move is one step from cell to cell and takes one second.
 
 use nalgebra::{Complex, Isometry2, UnitComplex};
 
@@ -19,7 +19,7 @@ pub struct GridArena {
 }
 
 impl GridArena {
-    /// A grid arena with the robot in the first start cell.
+    /// Creates a grid arena with the robot in the first start cell.
     pub fn new(maze: Maze) -> Self {
         let cell = maze.starts().next().unwrap_or(maze.goals()[0]);
         let rest = Sample {
@@ -96,7 +96,7 @@ impl Arena for GridArena {
     }
 }
 
-/// The middle of a cell, heading in a direction, in the map frame.
+/// Returns the pose at the middle of a cell with the given heading, in the map frame.
 fn pose(maze: &Maze, cell: Cell, direction: Direction) -> Isometry2<f64> {
     let (east, south) = direction.offset();
     let heading = Complex::new(f64::from(east), f64::from(-south));

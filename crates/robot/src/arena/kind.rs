@@ -1,9 +1,9 @@
-//! The arenas by their names.
+//! The arenas and their names.
 
 use serde::{Deserialize, Serialize};
 use strum::{IntoStaticStr, VariantArray};
 
-/// Which arena a trial runs in.
+/// The kind of arena that a trial runs in.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr, VariantArray,
 )]
@@ -20,7 +20,7 @@ impl ArenaKind {
     /// All arenas.
     pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// The name on the command line and in files.
+    /// Returns the name used on the command line and in files.
     pub fn name(self) -> &'static str {
         self.into()
     }

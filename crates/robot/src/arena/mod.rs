@@ -1,8 +1,8 @@
-//! A maze one can act in.
+//! Mazes in which a robot can act.
 //!
-//! An [`Arena`] reports facts: it moved, it collided, it reached the goal. What a fact is worth
-//! is decided by the learner. Two arenas exist: [`GridArena`], where a move is a step from
-//! cell to cell, and [`PhysicsArena`], where a differential-drive robot drives there.
+//! An [`Arena`] reports facts: the robot moved, collided or reached the goal. The learner decides
+//! what each fact is worth. Two arenas exist: in [`GridArena`] a move is a step from cell to cell,
+//! and in [`PhysicsArena`] a differential-drive robot drives from cell to cell.
 
 mod auxiliary;
 mod grid;
@@ -34,30 +34,30 @@ use xcs::random::Stream;
 use xcs::{Action, Percept};
 pub use xcscr_sensing::Surroundings;
 
-/// What came of an action.
+/// The outcome of an action.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
-    /// The robot stands in another cell, as it wanted.
+    /// The robot is in the intended cell.
     Moved,
-    /// The robot stands in another cell, as it wanted, and for the first time in this episode in one
-    /// that pays by itself.
+    /// The robot is in the intended cell, which has an auxiliary reward, for the first time in this
+    /// episode.
     FoundReward {
-        /// What the cell pays (auxiliary reward).
+        /// The auxiliary reward of the cell.
         reward: f64,
     },
-    /// A wall was in the way; the robot stands where it was.
+    /// A wall blocked the way; the robot is back where it was.
     Collided {
-        /// The impulse of the hit in newton-seconds; `None` where nothing has mass.
+        /// The impulse of the collision in newton-seconds; `None` in arenas without mass.
         impulse_ns: Option<f64>,
     },
-    /// The robot ran out of time on the way, and stands wherever that was.
+    /// The action timed out; the robot may have stopped anywhere.
     Stalled,
-    /// The robot stands in a goal cell; the episode is over.
+    /// The robot is in a goal cell; the episode is over.
     ReachedGoal,
 }
 
 impl Outcome {
-    /// The auxiliary reward that was found; 0 without one.
+    /// Returns the auxiliary reward, or 0 if there is none.
     pub fn found(self) -> f64 {
         match self {
             Self::FoundReward { reward } => reward,
@@ -66,18 +66,18 @@ impl Outcome {
     }
 }
 
-/// Where the robot was at one moment.
+/// The robot's state at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Simulation time since the trial began, in nanoseconds.
     pub time_ns: u64,
-    /// The robot's pose in the map frame; metres, heading counted from the x axis.
+    /// The robot's pose in the map frame; metres, heading measured from the x axis.
     pub robot_in_map: Isometry2<f64>,
-    /// How far the left and the right wheel have rolled since the reset, in metres.
+    /// Distances that the left and right wheels have rolled since the reset, in metres.
     pub wheel_travel_m: [f64; 2],
 }
 
-/// A hit against a wall.
+/// A collision with a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// Simulation time since the trial began, in nanoseconds.
@@ -86,69 +86,67 @@ pub struct Contact {
     pub point_in_map: Point2<f64>,
     /// Unit vector from the robot into the wall, in the map frame.
     pub normal_in_map: Vector2<f64>,
-    /// The impulse of the hit in newton-seconds.
+    /// The impulse of the collision in newton-seconds.
     pub impulse_ns: f64,
 }
 
-/// What can be seen of an arena after a reset or an action.
+/// The observable state of an arena after a reset or an action.
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a> {
     /// The maze.
     pub maze: &'a Maze,
-    /// The cell in which the robot believes to stand.
+    /// The robot's estimated cell.
     pub cell: Cell,
     /// The robot's path during the last reset or action, oldest first; never empty.
     pub trace: &'a [Sample],
-    /// The hits during the last action, oldest first.
+    /// The collisions during the last action, oldest first.
     pub contacts: &'a [Contact],
-    /// What the robot sensed, of one that knows only that; `None` of one that is told where it is.
+    /// Sensor readings and estimates of a robot that localises itself; `None` if it gets the true
+    /// pose.
     pub sensed: Option<Sensed<'a>>,
-    /// The action that was carried out last, which may be another than the chosen one; `None`
-    /// after a reset, and where actions do not slip.
+    /// The action executed last, which may differ from the chosen one. `None` after a reset, and
+    /// where actions do not slip.
     pub executed: Option<Action>,
-    /// The bits of the percept that are perceived as their opposites; `None` where none ever are.
+    /// The inverted bits of the percept; `None` in arenas without observation noise.
     pub flipped: Option<Percept>,
 }
 
 impl View<'_> {
-    /// Where and when the robot is now.
+    /// Returns the robot's current state.
     pub fn now(&self) -> Sample {
-        *self
-            .trace
-            .last()
-            .expect("a trace holds the pose it ends in")
+        *self.trace.last().expect("a trace is never empty")
     }
 }
 
-/// What outlasts an episode: everything else a reset makes anew.
+/// State that carries over between episodes; a reset restores everything else.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Lasting {
     /// Simulation time since the trial began, in nanoseconds.
     pub time_ns: u64,
-    /// The noise to come; `None` where there is none.
+    /// The random stream of the motion noise; `None` in arenas without noise.
     pub noise: Option<Stream>,
-    /// What sensors and estimator keep; `None` of a robot that is told where it is.
+    /// The state of sensors and estimator; `None` for a robot that gets the true pose.
     pub sensing: Option<physics::SensingMemory>,
-    /// Which actions will slip; `None` where none do.
+    /// The random stream that selects slipping actions; `None` where actions do not slip.
     pub slip: Option<Stream>,
-    /// Which bits of percepts will flip; `None` where none do.
+    /// The random stream of the observation noise; `None` without observation noise.
     pub flips: Option<Stream>,
 }
 
-/// A maze with a robot in it. The clock runs on over all episodes of a trial.
+/// A maze with a robot in it. The clock keeps running across all episodes of a trial.
 pub trait Arena: Send {
-    /// Puts the robot at rest into the middle of `start`, a free cell.
+    /// Puts the robot at rest in the middle of `start`, a free cell.
     fn reset(&mut self, start: Cell);
 
     /// Tries to move one cell in the direction of `action`.
     fn act(&mut self, action: Action) -> Outcome;
 
-    /// What can be seen now.
+    /// Returns the current observable state.
     fn view(&self) -> View<'_>;
 
-    /// What the next reset will not undo.
+    /// Returns the state that the next reset does not undo.
     fn lasting(&self) -> Lasting;
 
-    /// Continues where another arena of the same maze and settings was; a reset must follow.
+    /// Continues from another arena of the same maze and settings; a reset must follow.
     fn continue_from(&mut self, lasting: &Lasting);
 }

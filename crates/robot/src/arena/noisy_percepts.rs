@@ -1,4 +1,4 @@
-//! Percepts that are misread: now and then a bit is perceived as its opposite.
+//! Observation noise: bits of the percept are inverted at random.
 
 use crate::streams::StreamName;
 use xcs::random::Stream;
@@ -7,25 +7,26 @@ use xcs::{Action, Percept};
 use super::{Arena, Lasting, Outcome, View};
 use crate::world::Cell;
 
-/// Any arena, in which bits of what is perceived flip. Which do is drawn when the robot has come to
-/// rest, as many numbers each time, from a stream of its own: they are the same in every arena.
+/// An arena that adds observation noise to any other arena. The inverted bits are drawn each time
+/// the robot comes to rest. The draws have their own stream and a fixed count, so they are the same
+/// in every arena.
 pub struct NoisyPerceptArena {
     arena: Box<dyn Arena>,
-    /// The probability that a bit flips.
-    flips: f64,
-    /// The bits of a percept.
+    /// The probability that a bit is inverted.
+    flip_probability: f64,
+    /// The number of bits in a percept.
     width: usize,
     stream: Stream,
     flipped: Percept,
 }
 
 impl NoisyPerceptArena {
-    /// Lets each of the `width` bits that are perceived in `arena` flip with the probability `flips`;
-    /// which do follows from `seed`.
-    pub fn new(arena: Box<dyn Arena>, flips: f64, width: usize, seed: u64) -> Self {
+    /// Inverts each of the `width` bits perceived in `arena` with probability `flip_probability`.
+    /// The inverted bits follow from `seed`.
+    pub fn new(arena: Box<dyn Arena>, flip_probability: f64, width: usize, seed: u64) -> Self {
         let mut noisy_percepts = Self {
             arena,
-            flips,
+            flip_probability,
             width,
             stream: Stream::new(seed, StreamName::Flips),
             flipped: Percept::from_word(0, 0),
@@ -35,8 +36,12 @@ impl NoisyPerceptArena {
     }
 
     fn draw(&mut self) {
-        let Self { stream, flips, .. } = self;
-        let bits = (0..self.width).map(|_| stream.chance(*flips));
+        let Self {
+            stream,
+            flip_probability,
+            ..
+        } = self;
+        let bits = (0..self.width).map(|_| stream.chance(*flip_probability));
         self.flipped = Percept::from_bits(bits).expect("as many bits as a percept");
     }
 }
@@ -87,7 +92,7 @@ mod tests {
         Maze::from_json(format!(r#"{{ "rows": {ROWS:?} }}"#).as_bytes(), "m").unwrap()
     }
 
-    /// What flips in so many steps against a wall and back.
+    /// Returns the inverted bits of `count` steps against a wall and back.
     fn flipped(arena: Box<dyn Arena>, flips: f64, count: usize) -> Vec<Percept> {
         let mut arena = NoisyPerceptArena::new(arena, flips, 16, 1);
         let start = arena.view().cell;
@@ -104,11 +109,11 @@ mod tests {
     }
 
     #[test]
-    fn each_bit_flips_as_often_as_was_asked_for() {
+    fn each_bit_flips_with_the_requested_probability() {
         let flipped = flipped(grid(), 0.02, 10_000);
         for bit in 0..16 {
             let count = flipped.iter().filter(|mask| mask.bit(bit)).count();
-            // The deviation is 14.
+            // The standard deviation is 14.
             assert!(count.abs_diff(200) < 60, "bit {bit}: {count}");
         }
     }

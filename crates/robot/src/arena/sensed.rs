@@ -1,30 +1,30 @@
-//! What a robot that knows only what it senses tells about itself.
+//! Sensor readings and estimates of a robot that localises itself.
 
 use nalgebra::{Isometry2, Matrix3, UnitComplex};
 use xcscr_sensing::Surroundings;
 
 use crate::world::Cell;
 
-/// Where the robot believes to be, and how sure it is.
+/// The estimated pose of the robot, and its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// The pose in the map frame; metres, heading counted from the x axis.
+    /// The pose in the map frame; metres, heading measured from the x axis.
     pub robot_in_map: Isometry2<f64>,
     /// Covariance of x, y (metres) and heading (radians).
     pub covariance: Matrix3<f64>,
 }
 
 impl Estimate {
-    /// By how much this estimate misses the true pose: the distance in metres, and the absolute
-    /// difference of the headings in radians.
+    /// Returns the error of this estimate: the distance to the true pose in metres, and the
+    /// absolute difference of the headings in radians.
     pub fn error(&self, truth: &Isometry2<f64>) -> (f64, f64) {
         let [x, y, turn] = self.difference(truth);
         ((x * x + y * y).sqrt(), turn.abs())
     }
 
-    /// The normalised estimation error squared: about 3 on average for a robot that is as sure as
-    /// it may be, more for one that is too sure (Bar-Shalom, Li and Kirubarajan 2001, 5.4).
-    /// `None` when the covariance cannot be inverted.
+    /// Returns the normalised estimation error squared. The average is about 3 for a consistent
+    /// estimate, and larger for an overconfident one (Bar-Shalom, Li and Kirubarajan 2001, 5.4).
+    /// Returns `None` if the covariance is not invertible.
     pub fn nees(&self, truth: &Isometry2<f64>) -> Option<f64> {
         let difference = nalgebra::Vector3::from(self.difference(truth));
         let inverse = self.covariance.try_inverse()?;
@@ -44,26 +44,26 @@ impl Estimate {
 pub struct Beam {
     /// Simulation time since the trial began, in nanoseconds.
     pub time_ns: u64,
-    /// Its direction, counted from the robot's heading.
+    /// The direction, relative to the robot's heading.
     pub bearing: UnitComplex<f64>,
-    /// The measured range in metres; minus infinity when something is nearer than
+    /// The measured range in metres. Minus infinity when something is nearer than
     /// [`nearest_m`](super::LidarParams::nearest_m), and `None` when nothing came back.
     pub range_m: Option<f64>,
 }
 
-/// What the robot sensed and believed during the last reset or action.
+/// The robot's sensor readings and estimates during the last reset or action.
 #[derive(Debug, Clone, Copy)]
 pub struct Sensed<'a> {
-    /// The cells around it, as it made them out.
+    /// The cells around the robot, as estimated from the lidar.
     pub surroundings: &'a Surroundings,
-    /// The cell that it believes to stand in, of all cells of the grid: it knows how large the grid
-    /// is, but not where walls are, and may believe to stand in one.
+    /// The robot's estimated cell in the grid. The robot knows the size of the grid but not its
+    /// walls, so this cell may be a wall.
     pub cell: Cell,
-    /// Where it believed to be: one for each moment of the path.
+    /// The estimated poses, one for each moment of the path.
     pub estimates: &'a [Estimate],
-    /// The beams of its lidar, oldest first.
+    /// The lidar beams, oldest first.
     pub beams: &'a [Beam],
-    /// Is it mislocalised: is it in another cell than its estimate, which may lie in a wall or outside
-    /// of the maze? Only an observer can know.
+    /// True if the robot is mislocalised, that is, in another cell than its estimate. The estimate
+    /// may be in a wall or outside the maze. Only an observer has this information.
     pub lost: bool,
 }

@@ -1,4 +1,4 @@
-//! Actions that slip: now and then another one is carried out than the one that was chosen.
+//! Slipping actions: now and then another action is executed than the chosen one.
 
 use crate::streams::StreamName;
 use xcs::Action;
@@ -11,17 +11,17 @@ use crate::world::Cell;
 settings! {
     section "arena";
 
-    /// Settings that hold in every arena.
+    /// Settings that apply to every arena.
     pub struct ArenaParams {
-        /// The probability that another action is carried out than the one that was chosen, each of
-        /// the others with the same chance. At 0.75, with
-        /// four actions, chance decides alone.
+        /// The probability that another action is executed than the chosen one. All other actions
+        /// are equally likely. At 0.75 with four actions, the choice has no effect.
         slip: f64 = 0.0, in 0.0..=0.75;
     }
 }
 
-/// Any arena, with actions that slip. What slips is drawn before the action begins, from a stream
-/// of its own: with the same actions the same ones slip in every arena.
+/// An arena that adds slipping actions to any other arena. Slips are drawn before the action
+/// begins, from their own stream. A given sequence of actions therefore slips the same way in every
+/// arena.
 pub struct SlippingArena {
     arena: Box<dyn Arena>,
     slip: f64,
@@ -30,7 +30,7 @@ pub struct SlippingArena {
 }
 
 impl SlippingArena {
-    /// Lets actions of `arena` slip with the probability `slip`; what slips follows from `seed`.
+    /// Makes actions of `arena` slip with probability `slip`. The slips follow from `seed`.
     pub fn new(arena: Box<dyn Arena>, slip: f64, seed: u64) -> Self {
         Self {
             arena,
@@ -40,8 +40,8 @@ impl SlippingArena {
         }
     }
 
-    /// The action that is carried out instead of `chosen`. Draws the same count of numbers in
-    /// either case.
+    /// Returns the action that is executed when `chosen` is chosen. Always draws the same count of
+    /// random numbers.
     fn slipped(&mut self, chosen: Action) -> Action {
         let actions = self.arena.view().maze.action_count();
         let slips = self.stream.chance(self.slip);
@@ -101,7 +101,7 @@ mod tests {
         Maze::from_json(format!(r#"{{ "rows": {ROWS:?} }}"#).as_bytes(), "m").unwrap()
     }
 
-    /// What is carried out when the robot always chooses to go north.
+    /// Returns the executed actions when the robot always chooses to go north.
     fn executed(arena: Box<dyn Arena>, slip: f64, count: usize) -> Vec<usize> {
         let mut arena = SlippingArena::new(arena, slip, 1);
         let (start, north) = (arena.view().cell, Action::new(0).unwrap());
@@ -118,10 +118,10 @@ mod tests {
     }
 
     #[test]
-    fn the_others_are_carried_out_as_often_as_was_asked_for() {
+    fn other_actions_are_executed_with_the_requested_probability() {
         let executed = executed(grid(), 0.3, 10_000);
         let counts = [0, 1, 2, 3].map(|action| executed.iter().filter(|&&e| e == action).count());
-        // Deviations: 46 of the first, 30 of each other.
+        // Standard deviations: 46 for the first action, 30 for each of the others.
         assert!(counts[0].abs_diff(7_000) < 200, "{counts:?}");
         assert!(
             counts[1..].iter().all(|c| c.abs_diff(1_000) < 130),
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn without_slip_what_was_chosen_is_carried_out() {
+    fn without_slip_the_chosen_action_is_executed() {
         assert_eq!(executed(grid(), 0.0, 200), [0; 200]);
     }
 

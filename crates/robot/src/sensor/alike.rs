@@ -1,4 +1,4 @@
-//! Cells that a sensor cannot tell apart.
+//! Perceptual aliasing: cells that a sensor cannot distinguish.
 
 use std::collections::HashMap;
 
@@ -9,29 +9,29 @@ use super::Sensor;
 use crate::world::{Cell, Maze, Paths};
 use xcs::{Action, Percept};
 
-/// Free cells, two or more and none of them a goal, that give the same percept.
+/// Two or more free cells, none of them a goal, with the same percept (perceptually aliased).
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Alike {
-    /// What the robot perceives in each of the cells.
+    /// The percept in each of the cells.
     pub percept: Percept,
     /// The cells in reading order.
     pub cells: Vec<Cell>,
-    /// Is there an action that lies on a shortest path from every one of the cells? If not, no
-    /// policy over this percept is optimal from everywhere.
+    /// True if some action is on a shortest path from every one of the cells. If false, no policy
+    /// over this percept is optimal from everywhere.
     pub share_a_best_action: bool,
-    /// These actions.
+    /// The actions that are on a shortest path from every one of the cells.
     #[serde(skip)]
     shared: Vec<Action>,
 }
 
 impl Sensor {
-    /// The groups of cells that look alike, ordered by percept.
+    /// Returns the groups of perceptually aliased cells, ordered by percept.
     pub fn alike(self, maze: &Maze) -> Vec<Alike> {
         alike_among(self, maze, &Paths::new(maze), maze.free_cells())
     }
 }
 
-/// The groups of cells that look alike among some of a maze, which come in reading order.
+/// Returns the groups of perceptually aliased cells among `cells`, which must be in reading order.
 pub fn alike_among(
     sensor: Sensor,
     maze: &Maze,
@@ -43,7 +43,7 @@ pub fn alike_among(
     }
     let mut numbers: HashMap<Percept, usize, FixedState> = HashMap::default();
     let mut groups: Vec<Alike> = Vec::new();
-    // In a hall, most cells look like the one before.
+    // In a hall, most cells have the same percept as the previous one.
     let mut before: Option<(Percept, usize)> = None;
     for cell in cells.filter(|&cell| !maze.is_goal(cell)) {
         let percept = sensor.perceive_at(maze, cell);
@@ -64,7 +64,7 @@ pub fn alike_among(
 }
 
 impl Alike {
-    /// A group without cells yet.
+    /// Creates a group without cells.
     fn of(percept: Percept, actions: usize) -> Self {
         Self {
             percept,
@@ -93,7 +93,7 @@ mod tests {
     const CORRIDOR: [&str; 3] = ["#########", "#...G...#", "#########"];
 
     #[test]
-    fn cells_left_and_right_of_the_goal_look_alike_and_share_no_best_action() {
+    fn cells_left_and_right_of_the_goal_are_aliased_and_share_no_best_action() {
         let groups = groups(Sensor::Neighbours, CORRIDOR);
         let cell = |col| Cell { col, row: 1 };
         let found: Vec<_> = groups
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_look_alike_can_share_a_best_action() {
+    fn aliased_cells_can_share_a_best_action() {
         let groups = groups(Sensor::Neighbours, ["########", "#S....G#", "########"]);
         assert_eq!(groups.len(), 1, "{groups:?}");
         assert!(groups[0].share_a_best_action, "{groups:?}");

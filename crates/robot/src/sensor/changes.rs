@@ -1,11 +1,11 @@
-//! Percepts that differ from another in what lies around the robot.
+//! Percepts that differ from a given one in the cells around the robot.
 
 use super::{Sensor, neighbours};
 use xcs::Percept;
 
 impl Sensor {
-    /// The percepts in which one of the eight cells around is free instead of barred, or a wall
-    /// instead of free; none for percepts that do not begin with these cells.
+    /// Returns the percepts in which one of the eight surrounding cells is changed: free if it was
+    /// barred, a wall if it was free. Returns none for percepts that do not begin with these cells.
     pub fn changed_surroundings(self, percept: &Percept) -> Vec<Percept> {
         let cells = match self.begins_with_neighbours() {
             true => 0..neighbours::WIDTH / 2,
@@ -15,7 +15,7 @@ impl Sensor {
     }
 }
 
-/// The percept with another state of one cell: free `00` instead of barred, wall `01` instead of free.
+/// Returns the percept with one cell changed: free `00` if it was barred, wall `01` if it was free.
 fn turned_over(percept: &Percept, cell: usize) -> Percept {
     let (goal, barred) = (2 * cell, 2 * cell + 1);
     let bits = (0..percept.width()).map(|at| match at {

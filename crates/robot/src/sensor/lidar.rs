@@ -1,27 +1,27 @@
-//! What a lidar shows: the same bits from what the robot sensed, or as a perfect one would show.
+//! The bits of lidar percepts, from sensed surroundings or from a perfect lidar.
 //!
-//! All is said about whole cells around the robot, by a function that tells of a cell so many
-//! cells to the east and to the north whether it is free. A lidar sees neither goals nor what is
-//! hidden: of a diagonal neighbour between two walls nothing can be seen, so it counts as a wall.
+//! All functions work on whole cells around the robot. Their input is a function that returns
+//! whether the cell at an offset to the east and to the north is free. A lidar sees neither goals
+//! nor hidden cells. A diagonal neighbour between two walls is hidden, so it counts as a wall.
 
 use crate::world::{Cell, Direction, Maze};
 use xcs::Percept;
 
-/// Two bits for each of eight cells, as looked-up neighbours have them.
+/// Two bits for each of eight cells, as in the neighbours looked up in the maze.
 pub const AROUND: usize = 16;
-/// For each main direction how many cells are free ...
+/// The largest number of free cells counted in each main direction ...
 pub const FARTHEST: usize = 3;
-/// ... one bit for each, and one for the diagonal to the right of it.
+/// ... with one bit for each, plus one bit for the diagonal clockwise of the direction.
 pub const RANGES: usize = 4 * (FARTHEST + 1);
 /// Sixteen beams of three bits.
 pub const BEAMS: usize = 16 * BEAM_BITS;
-/// Bits of a beam.
+/// The number of bits of a beam.
 pub const BEAM_BITS: usize = 3;
 
-/// Is the cell so many to the east and to the north free?
+/// Returns true if the cell at an offset to the east and to the north is free.
 pub type IsFree<'a> = &'a dyn Fn(i32, i32) -> bool;
 
-/// How a perfect lidar sees a maze from the middle of a cell.
+/// Returns what a perfect lidar sees of a maze from the middle of a cell.
 pub fn perfect(maze: &Maze, cell: Cell) -> impl Fn(i32, i32) -> bool + '_ {
     move |east, north| {
         let along = |from: u16, step: i32, size: u16| {
@@ -41,7 +41,7 @@ pub fn perfect(maze: &Maze, cell: Cell) -> impl Fn(i32, i32) -> bool + '_ {
     }
 }
 
-/// The eight cells around, clockwise from north: free `00`, wall or hidden `01`.
+/// Encodes the eight surrounding cells, clockwise from north: free `00`, wall or hidden `01`.
 pub fn around(is_free: IsFree<'_>) -> Percept {
     let bits = Direction::CLOCKWISE.iter().flat_map(|direction| {
         let (east, south) = direction.offset();
@@ -50,8 +50,8 @@ pub fn around(is_free: IsFree<'_>) -> Percept {
     Percept::from_bits(bits).expect("sixteen bits fit")
 }
 
-/// For each main direction clockwise from north: is it free for one cell, for two, for three, and
-/// is the diagonal cell free that follows clockwise?
+/// Encodes each main direction, clockwise from north: whether one, two and three cells are free,
+/// and whether the next diagonal cell clockwise is free.
 pub fn ranges(is_free: IsFree<'_>) -> Percept {
     let bits = (0..4).flat_map(|quarter| {
         let (east, south) = Direction::CLOCKWISE[2 * quarter].offset();
@@ -63,9 +63,9 @@ pub fn ranges(is_free: IsFree<'_>) -> Percept {
     Percept::from_bits(bits).expect("sixteen bits fit")
 }
 
-/// Sixteen beams clockwise from north: the number of free cells that each goes through, at most
-/// seven, highest bit first. The beams between the eight main ones go two cells along and one
-/// across.
+/// Encodes sixteen beams clockwise from north: the number of free cells that each passes through,
+/// at most seven, highest bit first. The beams between the eight main ones go two cells along and
+/// one across.
 pub fn beams(is_free: IsFree<'_>) -> Percept {
     let most = (1 << BEAM_BITS) - 1;
     let bits = (0..16).flat_map(|beam| {
@@ -75,7 +75,7 @@ pub fn beams(is_free: IsFree<'_>) -> Percept {
     Percept::from_bits(bits).expect("48 bits fit")
 }
 
-/// The steps from cell to cell that a beam takes again and again.
+/// Returns the repeating pattern of steps from cell to cell along a beam.
 fn strides(beam: usize) -> Vec<[i32; 2]> {
     let step = |eighth: usize| {
         let (east, south) = Direction::CLOCKWISE[eighth % 8].offset();
@@ -85,7 +85,7 @@ fn strides(beam: usize) -> Vec<[i32; 2]> {
     if beam.is_multiple_of(2) {
         return vec![before];
     }
-    // One of the two is diagonal: across is what it adds to the other.
+    // One of the two steps is diagonal. The step across is the difference of the two.
     let is_main = |step: [i32; 2]| step.contains(&0);
     let (along, diagonal) = if is_main(before) {
         (before, after)
@@ -93,11 +93,12 @@ fn strides(beam: usize) -> Vec<[i32; 2]> {
         (after, before)
     };
     let across = [diagonal[0] - along[0], diagonal[1] - along[1]];
-    // Through the side of the first cell, then of the one across, and straight on.
+    // The beam passes through the side of the first cell, then into the cell across, and straight
+    // on.
     vec![along, across, along]
 }
 
-/// How many cells a beam goes through, with these steps in turn, until it meets a wall.
+/// Returns the number of cells that a beam passes through before it meets a wall.
 fn free_cells(is_free: IsFree<'_>, strides: &[[i32; 2]], most: usize) -> usize {
     let mut at = [0, 0];
     let passes = |stride: &&[i32; 2]| {
@@ -108,7 +109,7 @@ fn free_cells(is_free: IsFree<'_>, strides: &[[i32; 2]], most: usize) -> usize {
     strides.iter().cycle().take(most).take_while(passes).count()
 }
 
-/// Is the next cell free, and not hidden behind the corner of two walls?
+/// Returns true if the next cell is free, and not hidden behind the corner of two walls.
 fn is_seen(is_free: IsFree<'_>, [east, north]: [i32; 2], [x, y]: [i32; 2]) -> bool {
     let hidden = x != 0 && y != 0 && !is_free(east + x, north) && !is_free(east, north + y);
     !hidden && is_free(east + x, north + y)
@@ -136,12 +137,12 @@ mod tests {
     }
 
     #[test]
-    fn the_neighbours_are_those_that_are_looked_up_but_for_goals_and_hidden_cells() {
+    fn lidar_neighbours_match_the_maze_except_for_goals_and_hidden_cells() {
         let maze = maze();
         let cell = Cell { col: 3, row: 2 };
         let percept = around(&perfect(&maze, cell));
         assert_eq!(shown(percept, 2).join(" "), "00 00 01 01 00 00 01 00");
-        // South-east of (4, 4) lies the border, north-east of it a free cell.
+        // South-east of (4, 4) is the border, north-east of it a free cell.
         let below = around(&perfect(&maze, Cell { col: 4, row: 4 }));
         assert_eq!(shown(below, 2).join(" "), "01 00 00 01 01 01 00 00");
     }
@@ -172,7 +173,8 @@ mod tests {
             .iter()
             .map(|bits| usize::from_str_radix(bits, 2).unwrap())
             .collect();
-        // Three cells to the south, four to the west; the beams beside them end in the second cell.
+        // Three cells to the south, four to the west; the beams next to them end in the second
+        // cell.
         assert_eq!(numbers, [0, 0, 0, 0, 0, 0, 0, 1, 3, 1, 0, 1, 4, 1, 0, 0]);
     }
 

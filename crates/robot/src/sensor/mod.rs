@@ -1,9 +1,9 @@
-//! From what can be seen to a [`Percept`].
+//! Converts the observable state of an arena to a [`Percept`].
 //!
-//! Some percepts are *looked up* in the maze, in the cell that the robot is told to stand in. That
-//! is privileged: no robot could. They are for the grid, and for the figures of the paper. Others
-//! are *sensed*: in the physics arena they are made of what the robot's lidar showed, and of
-//! nothing else. On the grid they are what a perfect lidar would show.
+//! Some percepts are *looked up* in the maze, at the robot's true cell. Real robots have no such
+//! access; these percepts are for the grid, and for the paper's results. Others are *sensed*: in
+//! the physics arena they are computed only from the robot's lidar. On the grid they are those of a
+//! perfect lidar.
 
 mod alike;
 mod changes;
@@ -27,7 +27,7 @@ use crate::arena::{ArenaKind, Sensed, View};
 use crate::world::{Cell, Maze};
 use xcs::Percept;
 
-/// How the robot perceives.
+/// The sensor types.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr, VariantArray,
 )]
@@ -39,29 +39,29 @@ pub enum Sensor {
     Neighbours,
     /// Column, then row of the robot's cell, in binary, highest bit first.
     Position,
-    /// Neighbours, then position: what lies around, and no two cells look alike.
+    /// Neighbours, then position. No two cells have the same percept.
     NeighboursPosition,
     /// The eight surrounding cells as a lidar shows them: two bits each, free `00`, wall or hidden
     /// `01`. A lidar sees no goal.
     Lidar,
-    /// How many cells are free in each main direction, up to three, and the diagonal cells.
+    /// The number of free cells in each main direction, up to three, and the diagonal cells.
     LidarRanges,
-    /// Sixteen beams: how many free cells each goes through, up to seven.
+    /// Sixteen beams: the number of free cells that each passes through, up to seven.
     LidarBeams,
-    /// The eight surrounding cells as a lidar shows them, then column and row of the cell in which
-    /// the robot believes to stand: it was told where it started, and keeps count by its senses.
+    /// The eight surrounding cells as a lidar shows them, then column and row of the robot's
+    /// estimated cell. The robot is given its start cell, and tracks its position with its sensors.
     LidarPosition,
 }
 
-/// Cells of the largest maze in which the usual percept tells nothing of the robot's position.
+/// The largest maze, in cells, whose default percept does not contain the robot's position.
 const MOST_MAPPED: u32 = 1024;
 
 impl Sensor {
     /// All sensors.
     pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// The percept where none is chosen: in physics what the robot senses itself, on the grid what
-    /// the literature of learning classifier systems looks up there.
+    /// Returns the default sensor of an arena. In physics this is the robot's lidar. On the grid it
+    /// is the percept of the literature on learning classifier systems.
     pub fn usual_in(arena: ArenaKind) -> Self {
         match arena {
             ArenaKind::Physics => Self::Lidar,
@@ -69,8 +69,9 @@ impl Sensor {
         }
     }
 
-    /// The percept where none is chosen to learn in a maze: [`usual_in`](Self::usual_in), or the same with the robot's
-    /// position in mazes of more than 1,024 cells. A learner without the position draws a map there, which takes minutes.
+    /// Returns the default sensor for learning in a maze: [`usual_in`](Self::usual_in), plus the
+    /// robot's position in mazes of more than 1,024 cells. In such mazes a learner without the
+    /// position would build a map, which takes minutes.
     pub fn usual_for(arena: ArenaKind, maze: &Maze) -> Self {
         let cells = u32::from(maze.width()) * u32::from(maze.height());
         match Self::usual_in(arena) {
@@ -80,13 +81,13 @@ impl Sensor {
         }
     }
 
-    /// The name on the command line and in files.
+    /// Returns the name used on the command line and in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// Is the percept made of what the robot senses? All others are looked up in the maze, which
-    /// is privileged: no robot could.
+    /// Returns true if the percept is computed from sensor readings. All others are looked up in
+    /// the maze, which no real robot could do.
     pub fn is_sensed(self) -> bool {
         match self {
             Self::Neighbours | Self::Position | Self::NeighboursPosition => false,
@@ -94,7 +95,7 @@ impl Sensor {
         }
     }
 
-    /// The percept's width in bits, the same everywhere in a maze.
+    /// Returns the percept's width in bits, which is the same everywhere in a maze.
     pub fn width(self, maze: &Maze) -> usize {
         match self {
             Self::Neighbours => neighbours::WIDTH,
@@ -107,7 +108,8 @@ impl Sensor {
         }
     }
 
-    /// How many bits, the last of the percept, tell the robot's column and its row; none of most percepts.
+    /// Returns the numbers of bits that encode the robot's column and row. They are the last bits
+    /// of the percept; most percepts have none.
     pub fn place_bits(self, maze: &Maze) -> [usize; 2] {
         let of_column = position::col_width(maze);
         match self {
@@ -118,8 +120,9 @@ impl Sensor {
         }
     }
 
-    /// How many bits, the first of the percept, lie in a ring around the robot, clockwise from
-    /// the way of the first of so many moves; 0 if none do, or if the ring has no equal part for each move.
+    /// Returns the number of leading bits that form a ring around the robot, clockwise from the
+    /// direction of the first of `moves` moves. Returns 0 without a ring, or if it has no equal
+    /// part for each move.
     pub fn ring(self, moves: usize) -> usize {
         let [parts, bits] = match self {
             Self::Neighbours | Self::NeighboursPosition => [8, neighbours::WIDTH],
@@ -131,7 +134,7 @@ impl Sensor {
         if parts % moves == 0 { bits } else { 0 }
     }
 
-    /// Does the percept begin with the eight cells around the robot, two bits each?
+    /// Returns true if the percept begins with the eight cells around the robot, two bits each.
     pub fn begins_with_neighbours(self) -> bool {
         matches!(
             self,
@@ -139,23 +142,23 @@ impl Sensor {
         )
     }
 
-    /// Is the percept made of the eight cells around the robot, and of nothing else?
+    /// Returns true if the percept consists only of the eight cells around the robot.
     pub fn shows_only_surroundings(self) -> bool {
         matches!(self, Self::Neighbours | Self::Lidar)
     }
 
-    /// All that can be perceived in a maze from the middle of a free cell that is no goal, each
-    /// percept once, in order.
+    /// Returns every percept that occurs in the middle of a free, non-goal cell of a maze, each
+    /// once, in order.
     pub fn percepts(self, maze: &Maze) -> Vec<Percept> {
         let all = self.at_most_percepts(maze, usize::MAX);
-        all.expect("no maze has as many cells")
+        all.expect("no maze has that many cells")
     }
 
-    /// The same; `None` when there are more than so many.
+    /// Returns the same; `None` if there are more than `most`.
     pub fn at_most_percepts(self, maze: &Maze, most: usize) -> Option<Vec<Percept>> {
         let mut seen = HashSet::with_hasher(FixedState::default());
         let mut percepts = Vec::new();
-        // In a hall, most cells look like the one before.
+        // In a hall, most cells have the same percept as the previous one.
         let mut before = None;
         for cell in maze.free_cells().filter(|&cell| !maze.is_goal(cell)) {
             let percept = self.perceive_at(maze, cell);
@@ -170,7 +173,7 @@ impl Sensor {
         Some(percepts)
     }
 
-    /// Do no two cells of any maze give the same percept?
+    /// Returns true if no two cells of any maze have the same percept.
     pub fn tells_all_apart(self) -> bool {
         match self {
             Self::Neighbours | Self::Lidar | Self::LidarRanges | Self::LidarBeams => false,
@@ -178,16 +181,16 @@ impl Sensor {
         }
     }
 
-    /// What the robot perceives now.
+    /// Returns the robot's current percept.
     pub fn perceive(self, view: &View<'_>) -> Percept {
         let percept = self.unflipped(view);
         view.flipped.map_or(percept, |flipped| {
             let bits = (0..percept.width()).map(|at| percept.bit(at) != flipped.bit(at));
-            Percept::from_bits(bits).expect("as many bits as before")
+            Percept::from_bits(bits).expect("the same number of bits")
         })
     }
 
-    /// What it would perceive if no bit had flipped.
+    /// Returns the percept without observation noise.
     fn unflipped(self, view: &View<'_>) -> Percept {
         let sensed = view.sensed.filter(|_| self.is_sensed());
         match sensed {
@@ -201,7 +204,7 @@ impl Sensor {
         }
     }
 
-    /// What a robot in the middle of a free cell perceives, if its senses are perfect.
+    /// Returns the percept of a robot with perfect sensors in the middle of a free cell.
     pub fn perceive_at(self, maze: &Maze, cell: Cell) -> Percept {
         match self {
             Self::Neighbours => neighbours::percept(maze, cell),
@@ -215,8 +218,8 @@ impl Sensor {
         }
     }
 
-    /// What a lidar shows, when it sees that cells are free as `is_free` says, to a robot that
-    /// believes to stand in `cell`.
+    /// Returns a lidar percept, for surroundings given by `is_free` and a robot whose estimated
+    /// cell is `cell`.
     fn by_lidar(self, is_free: lidar::IsFree<'_>, maze: &Maze, cell: Cell) -> Percept {
         match self {
             Self::LidarRanges => lidar::ranges(is_free),
@@ -242,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn those_that_begin_with_the_neighbours_show_them_in_every_cell() {
+    fn sensors_that_begin_with_the_neighbours_show_them_in_every_cell() {
         let maze = maze("maze4");
         let first = |sensor: Sensor, cell| {
             let percept = sensor.perceive_at(&maze, cell);
@@ -259,9 +262,9 @@ mod tests {
         }
     }
 
-    /// The room is a square, so that its middle stays where it is.
+    /// The room is a square, so that its middle stays in place.
     #[test]
-    fn a_ring_that_is_turned_by_an_action_shows_a_room_that_was_turned() {
+    fn rotating_the_ring_of_a_percept_matches_rotating_the_room() {
         let turned = |rows: [&str; 5]| -> [String; 5] {
             let column = |at: usize| rows.iter().rev().map(move |row| row.as_bytes()[at]);
             std::array::from_fn(|at| column(at).map(char::from).collect())
@@ -286,8 +289,8 @@ mod tests {
         assert!(checked >= 6, "{checked}");
     }
 
-    /// Whether the way ahead looks the same to each of so many moves whose percept is turned, where the only
-    /// obstacle is a wall in its way.
+    /// Returns true if a wall ahead looks the same to each of the moves, once the percept is
+    /// rotated to the direction of the move. The only obstacle is a wall in that direction.
     fn shows_what_is_ahead(sensor: Sensor, moves: &[Direction], ring: usize) -> bool {
         let cell = Cell { col: 4, row: 4 };
         let ahead = |(action, way): (usize, &Direction)| {
@@ -309,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_is_turned_only_where_it_has_a_part_for_each_move() {
+    fn only_rings_with_an_equal_part_for_each_move_are_rotated() {
         for moves in [&Direction::MAIN[..], &Direction::CLOCKWISE] {
             for &sensor in Sensor::ALL {
                 let ring = sensor.ring(moves.len());

@@ -6,14 +6,14 @@ use xcs::Percept;
 /// Two bits for each of eight cells.
 pub const WIDTH: usize = 16;
 
-/// Clockwise from north; what lies beyond a border looks like a wall.
+/// Returns the percept of a cell, clockwise from north. Cells beyond a border look like walls.
 pub fn percept(maze: &Maze, cell: Cell) -> Percept {
-    // The bit that is printed first is the lowest.
-    let letters = maze.around(cell).map(|content| match content {
+    // The lowest bit is printed first.
+    let states = maze.around(cell).map(|content| match content {
         Content::Wall => 0b10,
         Content::Goal => 0b11,
         Content::Free => 0b00,
     });
-    let word = letters.iter().rev().fold(0, |word, bits| word << 2 | bits);
+    let word = states.iter().rev().fold(0, |word, bits| word << 2 | bits);
     Percept::from_word(word, WIDTH)
 }

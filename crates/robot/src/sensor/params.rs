@@ -1,15 +1,16 @@
-//! Settings of what is perceived.
+//! Settings of the percepts.
 
 use xcs::settings;
 
 settings! {
     section "sensor";
 
-    /// Settings of what is perceived.
+    /// Settings of the percepts.
     pub struct SensorParams {
-        /// The probability that a bit of what is perceived is flipped, whatever the percept: each
-        /// bit for itself, and anew after each action. Only `xcscr-plus` and `r-max`
-        /// correct such errors, with their map; all other methods take every percept for right.
+        /// Observation noise: the probability that a bit of the percept is inverted, whatever the
+        /// percept. Each bit is drawn independently after each action. Only `xcscr-plus` and
+        /// `r-max` correct such errors, with their map; all other methods treat every percept as
+        /// correct.
         flip_probability: f64 = 0.0, in 0.0..=0.1;
     }
 }

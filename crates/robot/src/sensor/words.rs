@@ -1,17 +1,17 @@
-//! What a condition demands of a percept, in words.
+//! Describes conditions on percepts in words.
 
 use std::ops::Range;
 
 use super::{Sensor, lidar, neighbours, position};
 use crate::world::{Direction, Maze};
 
-/// The value that a condition demands of an allele; `None` for a don't-care.
+/// Returns the value that a condition requires at an allele; `None` for a don't-care.
 pub type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;
 
-/// What a condition demands that demands nothing.
+/// The words for a condition that matches everything.
 pub const ANYTHING: &str = "anything";
 
-/// Names of the eight neighbours of a robot that faces the way of its action.
+/// Names of the eight neighbours of a robot that faces the direction of its action.
 const FACING: [&str; 8] = [
     "ahead",
     "ahead right",
@@ -24,13 +24,14 @@ const FACING: [&str; 8] = [
 ];
 
 impl Sensor {
-    /// What a condition demands, such as `north wall, east free`; `anything` if nothing.
+    /// Describes a condition, for example `north wall, east free`. Returns `anything` if it matches
+    /// everything.
     pub fn words(self, maze: &Maze, alleles: Alleles<'_>) -> String {
         self.phrase(Direction::CLOCKWISE.map(Direction::name), maze, alleles)
     }
 
-    /// The same of a condition on a percept that was turned the way of the action, such as
-    /// `ahead wall`.
+    /// Describes a condition on a percept that is rotated to the direction of the action, for
+    /// example `ahead wall`.
     pub fn words_facing(self, maze: &Maze, alleles: Alleles<'_>) -> String {
         self.phrase(FACING, maze, alleles)
     }
@@ -61,12 +62,12 @@ impl Sensor {
     }
 }
 
-/// Two alleles for each cell: goal or not, and barred (wall or goal) or not.
+/// Describes two alleles for each cell: goal or not, and barred (wall or goal) or not.
 fn around(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     let word = |(at, name): (usize, &str)| {
         let state = match [alleles(2 * at), alleles(2 * at + 1)] {
             [None, None] => return None,
-            // No cell shows `10`; whoever perceives it takes the cell for free.
+            // No cell shows `10`; a learner that perceives it treats the cell as free.
             [Some(true), Some(false)] => "free (observation error)",
             [Some(true), _] => "goal",
             [Some(false), None] => "no goal",
@@ -79,7 +80,7 @@ fn around(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     names.into_iter().enumerate().filter_map(word).collect()
 }
 
-/// Two alleles for each cell, of which only the second one can differ.
+/// Describes two alleles for each cell, of which only the second one can differ.
 fn seen(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     let word = |(at, name): (usize, &str)| {
         let state = match alleles(2 * at + 1)? {
@@ -91,7 +92,7 @@ fn seen(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     names.into_iter().enumerate().filter_map(word).collect()
 }
 
-/// How far the main directions are free, and the diagonals.
+/// Describes how far the main directions are free, and the diagonals.
 fn ranges(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     let of_quarter = |quarter: usize| {
         let (main, diagonal) = (names[2 * quarter], names[2 * quarter + 1]);
@@ -112,7 +113,7 @@ fn ranges(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     (0..4).flat_map(of_quarter).collect()
 }
 
-/// The bits of the beams.
+/// Describes the bits of the beams.
 fn beams(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     let word = |beam: usize| {
         let first = beam * lidar::BEAM_BITS;
@@ -128,10 +129,10 @@ fn beams(names: [&str; 8], alleles: Alleles<'_>) -> Vec<String> {
     (0..16).filter_map(word).collect()
 }
 
-/// More ranges of columns or rows than these are abridged.
+/// The largest number of ranges of columns or rows that are listed in full.
 const MOST_RANGES: usize = 8;
 
-/// The columns and the rows that the bits allow, as ranges.
+/// Describes the columns and the rows that the bits allow, as ranges.
 fn place(maze: &Maze, alleles: Alleles<'_>) -> Vec<String> {
     let of_col = position::col_width(maze);
     let column = coordinate(maze.width(), 0..of_col, alleles);
@@ -143,8 +144,8 @@ fn place(maze: &Maze, alleles: Alleles<'_>) -> Vec<String> {
         .collect()
 }
 
-/// Which of `count` columns or rows the binary digits at `bits`, highest first, allow, such as `4 to 7` or
-/// `at most 3 or 8`; `None` if all of them.
+/// Describes which of `count` columns or rows the binary digits at `bits` (highest first) allow,
+/// for example `4 to 7` or `at most 3 or 8`. Returns `None` if all of them are allowed.
 fn coordinate(count: u16, bits: Range<usize>, alleles: Alleles<'_>) -> Option<String> {
     let of_width = 1_u32 << bits.len();
     let (mut free, mut ones) = (0, 0);
@@ -164,15 +165,16 @@ fn coordinate(count: u16, bits: Range<usize>, alleles: Alleles<'_>) -> Option<St
         .map(|&[first, last]| [first, last.min(count - 1)])
         .collect();
     Some(match inside.is_empty() {
-        // Only a misread percept is such a one.
+        // Only a percept with an observation error can have such a value.
         true => format!("{} (outside the world)", in_words(&all, of_width)),
         false => in_words(&inside, count),
     })
 }
 
-/// The numbers with these ones, whatever the free digits are, as ranges from the least on.
+/// Returns the numbers with these ones and any choice of the free digits, as ascending ranges.
 fn ranges_of(free: u32, ones: u32) -> Vec<[u32; 2]> {
-    // The lowest free digits make a range, each choice of the others another one.
+    // The lowest free digits form one range; each choice of the other free digits gives another
+    // one.
     let within = (1 << free.trailing_ones()) - 1;
     let others = free & !within;
     let mut ranges = Vec::new();
@@ -187,7 +189,7 @@ fn ranges_of(free: u32, ones: u32) -> Vec<[u32; 2]> {
     }
 }
 
-/// Ranges of numbers below `count`.
+/// Describes ranges of numbers below `count`.
 fn in_words(ranges: &[[u32; 2]], count: u32) -> String {
     let word = |&[first, last]: &[u32; 2]| match (first, last) {
         _ if first == last => first.to_string(),
@@ -222,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn two_alleles_say_what_lies_in_a_direction() {
+    fn two_alleles_describe_the_cell_in_a_direction() {
         let alleles = allele("01#0#10#1#00##11");
         let words = Sensor::Neighbours.words(&maze(), &alleles);
         assert_eq!(
@@ -238,14 +240,14 @@ mod tests {
     }
 
     #[test]
-    fn a_code_that_no_cell_shows_reads_as_the_learner_takes_it() {
+    fn a_code_of_no_cell_reads_as_the_learner_interprets_it() {
         let alleles = allele("10##############");
         let words = Sensor::Neighbours.words(&maze(), &alleles);
         assert_eq!(words, "north free (observation error)");
     }
 
     #[test]
-    fn dont_cares_demand_nothing() {
+    fn dont_cares_match_anything() {
         let alleles = |_| None;
         for sensor in Sensor::ALL {
             assert_eq!(sensor.words(&maze(), &alleles), "anything");
@@ -253,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lidar_sees_walls_and_how_far_it_is_free() {
+    fn lidar_words_describe_walls_and_free_distances() {
         let alleles = allele("01#0############");
         let words = Sensor::Lidar.words(&maze(), &alleles);
         assert_eq!(words, "north wall, north-east free");
@@ -288,7 +290,7 @@ mod tests {
         assert_eq!(words, "north wall, column 4");
     }
 
-    /// The numbers that words allow, read as a person would.
+    /// Returns the numbers that the words allow, read as a person would.
     fn read(words: &str, count: u32) -> Vec<u32> {
         let number = |text: &str| text.parse::<u32>().unwrap();
         let part = |part: &str| match part.split(' ').collect::<Vec<_>>()[..] {

@@ -1,9 +1,9 @@
-//! The eight cells around one.
+//! The eight cells around a cell.
 
 use super::direction::Direction;
 use super::maze::{Cell, Maze};
 
-/// What is in a cell; beyond a border is a wall.
+/// The content of a cell; cells beyond a border are walls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
     /// A free cell.
@@ -15,10 +15,10 @@ pub enum Content {
 }
 
 impl Maze {
-    /// What is in the eight cells around one, clockwise from north.
+    /// Returns the contents of the eight cells around a cell, clockwise from north.
     pub fn around(&self, cell: Cell) -> [Content; 8] {
         let is_at_border = |at: u16, size: u16| at == 0 || at + 1 >= size;
-        // Edges may join, and few cells are near a goal: those are asked one by one.
+        // Edges may join, and only few cells are near a goal: these cells are looked up one by one.
         if is_at_border(cell.col, self.width)
             || is_at_border(cell.row, self.height)
             || self.has_goal_in_rows(cell.row - 1, cell.row + 1)
@@ -57,7 +57,7 @@ impl Maze {
 mod tests {
     use super::*;
 
-    /// Cell by cell, as a robot would step there.
+    /// Looks up cell by cell, as a robot would step there.
     fn stepped(maze: &Maze, cell: Cell) -> [Content; 8] {
         Direction::CLOCKWISE.map(|direction| match maze.step(cell, direction) {
             None => Content::Wall,
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn around_every_cell_is_what_steps_in_all_directions_lead_to() {
+    fn surroundings_match_the_steps_in_all_directions() {
         let rows = [
             "########", "#.#...##", "#.....##", "#S.#...#", "#...#..#", "#..G#..#", "########",
         ];
@@ -82,7 +82,7 @@ mod tests {
                 assert_eq!(around, stepped(&maze, cell), "{cell:?}");
                 found.extend(around);
             }
-            // Control: each content was met.
+            // Control: every content occurs.
             for content in [Content::Free, Content::Wall, Content::Goal] {
                 assert!(found.contains(&content), "{content:?}");
             }

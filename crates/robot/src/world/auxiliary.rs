@@ -1,4 +1,4 @@
-//! Auxiliary rewards: cells that pay by themselves, once in an episode.
+//! Auxiliary rewards: cells that give a reward once per episode.
 
 use super::error::WorldError;
 use super::json::{kind, wrong_type};
@@ -6,10 +6,10 @@ use super::maze::{Auxiliary, Cell, Maze};
 use super::rows::Rows;
 use super::source::{Source, quoted};
 
-/// The greatest auxiliary reward.
+/// The largest auxiliary reward.
 const MOST: f64 = 1e6;
 
-/// Reads what the cells marked `*` pay.
+/// Reads the reward of the cells marked `*`.
 pub(super) fn read(
     source: Source<'_>,
     raw: Option<&str>,
@@ -19,15 +19,15 @@ pub(super) fn read(
         (None, None) => Ok(None),
         (Some(&cell), None) => Err(source.fault(
             rows.span(cell),
-            "nothing says what a cell marked `*` pays",
-            "pays how much?",
-            "add for example `\"reward\": 100`, or write `.` for a cell that pays nothing",
+            "cells are marked `*`, but the world has no `reward`",
+            "marked here",
+            "add for example `\"reward\": 100`, or write `.` for a cell without a reward",
         )),
         (None, Some(raw)) => Err(source.fault(
             source.span(raw),
-            "no cell pays this reward",
-            "paid nowhere",
-            "mark the cells that pay it with `*` in `rows`, or leave `reward` out",
+            "`reward` is set, but no cell is marked `*`",
+            "not used by any cell",
+            "mark the rewarding cells with `*` in `rows`, or leave `reward` out",
         )),
         (Some(_), Some(raw)) => Ok(Some(Auxiliary {
             cells: rows.rewarding.clone(),
@@ -52,12 +52,12 @@ fn read_reward(source: Source<'_>, raw: &str) -> Result<f64, WorldError> {
             quoted(raw)
         ),
         "out of range",
-        "`reward` is what each cell marked `*` pays; a goal pays the setting `reward.goal`, 1000",
+        "`reward` is the reward of each cell marked `*`; the setting `reward.goal` (1000) is the reward of a goal",
     ))
 }
 
-/// The cells that pay, but into which no episode can come: no way leads there from a start that
-/// does not end at a goal before.
+/// Returns the rewarding cells that no episode can enter: every path from a start ends at a goal
+/// first.
 pub(super) fn out_of_reach(maze: &Maze) -> Vec<Cell> {
     let paying = maze.rewarding_cells();
     if paying.is_empty() {
@@ -91,7 +91,7 @@ mod tests {
     const UNPAID: [&str; 3] = ["######", "#S..G#", "######"];
 
     #[test]
-    fn a_marked_cell_pays_and_no_other_does() {
+    fn only_marked_cells_have_a_reward() {
         let maze = maze(PAID, r#", "reward": 2.5"#).unwrap();
         let pay = |col| maze.auxiliary_reward(Cell { col, row: 1 });
         assert_eq!([1, 2, 3, 4].map(pay), [None, Some(2.5), None, None]);
@@ -100,14 +100,14 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_pay_are_out_of_reach_behind_walls_and_behind_goals() {
+    fn rewarding_cells_are_out_of_reach_behind_walls_and_goals() {
         let cell = |col| Cell { col, row: 1 };
         let reward = r#", "reward": 1"#;
         for (row, cells) in [
             ("#S*.G#", vec![]),
             ("#SG*.#", vec![cell(3)]),
             ("#SG#*#", vec![cell(4)]),
-            // Who starts there is not paid, and cannot come back.
+            // A robot that starts there gets no reward, and cannot come back.
             ("#.G*G#", vec![cell(3)]),
             ("#.G*.#", vec![]),
         ] {
@@ -126,7 +126,7 @@ mod tests {
         rows[3].replace_range(1..4, "###");
         let text = format!(r#"{{ "rows": {rows:?}, "reward": 1 }}"#);
         let maze = Maze::from_json(text.as_bytes(), "paid.json").unwrap();
-        // Two cells are inside of the walls with the start.
+        // Two cells, next to the start, are inside the walls.
         let within = 2;
         assert_eq!(
             out_of_reach(&maze).len(),
@@ -135,15 +135,15 @@ mod tests {
     }
 
     #[test]
-    fn a_world_without_marked_cells_is_written_as_ever() {
+    fn a_world_without_marked_cells_is_written_without_a_reward() {
         assert!(!maze(UNPAID, "").unwrap().to_json().contains("reward"));
     }
 
     #[test]
-    fn marks_and_reward_belong_together() {
+    fn marks_without_a_reward_and_a_reward_without_marks_are_refused() {
         for (rows, more, fault) in [
-            (PAID, "", "nothing says what a cell marked `*` pays"),
-            (UNPAID, r#", "reward": 1"#, "no cell pays this reward"),
+            (PAID, "", "the world has no `reward`"),
+            (UNPAID, r#", "reward": 1"#, "no cell is marked `*`"),
             (PAID, r#", "reward": 0"#, "must be above 0"),
             (PAID, r#", "reward": 1e999"#, "must be above 0"),
             (PAID, r#", "reward": "much""#, "a number"),

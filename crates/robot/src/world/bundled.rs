@@ -1,11 +1,11 @@
-//! Worlds that come with the program, by name.
+//! Worlds that are bundled with the program, by name.
 
 use std::path::Path;
 
 use super::error::WorldError;
 use super::maze::Maze;
 
-/// The text of a world of the folder of classic mazes, with its name.
+/// Expands to the name and text of a world in the folder of classic mazes.
 macro_rules! classic {
     ($name:literal) => {
         (
@@ -15,7 +15,7 @@ macro_rules! classic {
     };
 }
 
-/// The worlds, by name.
+/// The bundled worlds: name and text.
 const WORLDS: [(&str, &str); 37] = [
     ("maze4", include_str!("../../../../worlds/maze4.json")),
     ("maze5", include_str!("../../../../worlds/maze5.json")),
@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bundled_world_is_found_by_its_name_from_any_folder_and_no_other_one_is() {
+    fn only_bundled_worlds_are_found_by_name_from_any_folder() {
         let found = Maze::find("maze4".as_ref()).unwrap();
         assert_eq!(
             found,

@@ -1,4 +1,4 @@
-//! What must hold for a world beyond the letters of its rows.
+//! Checks of a world beyond the letters of its rows.
 
 use super::error::WorldError;
 use super::maze::{Cell, Maze};
@@ -6,7 +6,7 @@ use super::paths::Paths;
 use super::rows::Rows;
 use super::source::Source;
 
-/// At least one goal, and at most one start.
+/// Requires at least one goal, and at most one start.
 pub fn check_start_and_goal(source: Source<'_>, rows: &Rows<'_>) -> Result<(), WorldError> {
     if rows.goals.is_empty() {
         let help = "mark at least one cell with `G`";
@@ -16,19 +16,19 @@ pub fn check_start_and_goal(source: Source<'_>, rows: &Rows<'_>) -> Result<(), W
     let [first, second, ..] = rows.starts[..] else {
         return Ok(());
     };
-    let places = vec![
-        source.place(rows.span(second), "another start"),
-        source.place(rows.span(first), "the first start"),
+    let locations = vec![
+        source.location(rows.span(second), "another start"),
+        source.location(rows.span(first), "the first start"),
     ];
     let title = match rows.starts.len() {
         2 => "the world has two starts".to_owned(),
         count => format!("the world has {count} starts"),
     };
     let help = "keep one `S`; without any, every episode starts in a random free cell";
-    Err(source.fault_at(places, title, help))
+    Err(source.fault_at(locations, title, help))
 }
 
-/// Every cell of the border is a wall.
+/// Requires that every cell of the border is a wall.
 pub fn check_border(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<(), WorldError> {
     let on_border = |cell: &Cell| {
         cell.col == 0
@@ -47,7 +47,7 @@ pub fn check_border(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<
     }
 }
 
-/// An episode can start, and wherever it starts, a goal can be reached.
+/// Requires that an episode can start, and that every start can reach a goal.
 pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Result<(), WorldError> {
     let paths = Paths::new(maze);
     let mut starts = maze
@@ -60,7 +60,7 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
         return Err(source.fault(
             rows.span(maze.goals()[0]),
             "the world has no cell to start in",
-            "there is no free cell beside the goals",
+            "all free cells are goals",
             "mark a start with `S`, or free a cell with `.`",
         ));
     }
@@ -74,7 +74,7 @@ pub fn check_reachable(source: Source<'_>, maze: &Maze, rows: &Rows<'_>) -> Resu
         ),
         None => (
             "no goal can be reached from a free cell, and episodes start in any of them",
-            "make the cell a wall, open a way, or set a fixed start `S`",
+            "make the cell a wall, open a path, or set a fixed start `S`",
         ),
     };
     Err(source.fault(rows.span(cell), title, "cut off from every goal", help))

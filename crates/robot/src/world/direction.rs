@@ -32,7 +32,7 @@ impl Direction {
     /// The four main directions, clockwise from north.
     pub const MAIN: [Self; 4] = [Self::North, Self::East, Self::South, Self::West];
 
-    /// Columns to the east and rows to the south that one move covers.
+    /// Returns the columns to the east and the rows to the south that one move covers.
     pub fn offset(self) -> (i32, i32) {
         match self {
             Self::North => (0, -1),
@@ -46,7 +46,7 @@ impl Direction {
         }
     }
 
-    /// The name as it is written in files: `north`, `north-east`, ...
+    /// Returns the name used in files: `north`, `north-east`, ...
     pub fn name(self) -> &'static str {
         match self {
             Self::North => "north",
@@ -60,7 +60,7 @@ impl Direction {
         }
     }
 
-    /// An arrow that points in this direction.
+    /// Returns an arrow that points in this direction.
     pub fn arrow(self) -> char {
         match self {
             Self::North => '↑',
@@ -75,7 +75,7 @@ impl Direction {
     }
 }
 
-/// Which directions count as moves in a world.
+/// The directions that count as moves in a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Moves {
     /// North, east, south, west.
@@ -86,7 +86,7 @@ pub enum Moves {
 }
 
 impl Moves {
-    /// The directions in the order of the action numbers.
+    /// Returns the directions in the order of the action numbers.
     pub fn directions(self) -> &'static [Direction] {
         match self {
             Self::Four => &Direction::MAIN,

@@ -1,4 +1,4 @@
-//! From JSON text to the raw values of the known keys, each still with its place in the text.
+//! Splits JSON text into the raw values of the known keys, each with its location in the text.
 
 use std::fmt;
 
@@ -21,14 +21,14 @@ const KEYS: [&str; 8] = [
     "reward",
 ];
 
-/// The values of a world file as they stand in the text, not yet read.
+/// The values of a world file as raw text.
 #[derive(Default)]
 pub struct Document<'a> {
     values: [Option<&'a str>; KEYS.len()],
     fault: Option<KeyFault<'a>>,
 }
 
-/// A key that should not be where it is.
+/// An unknown or repeated key.
 struct KeyFault<'a> {
     key: String,
     /// The value after the key.
@@ -38,7 +38,8 @@ struct KeyFault<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Splits the text into values; refuses what is not JSON object, and unknown or repeated keys.
+    /// Splits the text into values. Refuses text that is no JSON object, and unknown or repeated
+    /// keys.
     pub fn parse(source: Source<'a>) -> Result<Self, WorldError> {
         refuse_other_kinds(source)?;
         let mut json = serde_json::Deserializer::from_str(source.text);
@@ -51,7 +52,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The raw value of one of the known keys.
+    /// Returns the raw value of one of the known keys.
     pub fn value(&self, key: &str) -> Option<&'a str> {
         let index = KEYS.iter().position(|&known| known == key)?;
         self.values[index]
@@ -101,11 +102,11 @@ impl<'de> Visitor<'de> for DocumentVisitor {
     }
 }
 
-/// The first elements of a JSON array, raw.
+/// The first elements of a JSON array, as raw text.
 pub struct Elements<'a, const MOST: usize> {
-    /// At most `MOST` of them.
+    /// At most `MOST` elements.
     pub first: Vec<&'a str>,
-    /// How many elements there are in all.
+    /// The total number of elements.
     pub count: usize,
 }
 
@@ -145,19 +146,19 @@ impl KeyFault<'_> {
         let key = quoted(&self.key);
         let here = key_span(source, self.value, &self.key);
         if let Some(first) = self.first {
-            let places = vec![
-                source.place(here, "again here"),
-                source.place(key_span(source, first, &self.key), "first here"),
+            let locations = vec![
+                source.location(here, "again here"),
+                source.location(key_span(source, first, &self.key), "first here"),
             ];
             let help = format!("keep one {key} and remove the other");
-            return source.fault_at(places, format!("the key {key} is repeated"), help);
+            return source.fault_at(locations, format!("the key {key} is repeated"), help);
         }
         let title = format!("the key {key} is unknown");
         source.fault(here, title, "no such key in a world", suggestion(&self.key))
     }
 }
 
-/// "Did you mean" for a key, or the list of keys.
+/// Returns a "did you mean" for a key, or the list of keys.
 fn suggestion(key: &str) -> String {
     let short: String = key.chars().take(32).collect();
     KEYS.into_iter()
@@ -170,14 +171,14 @@ fn suggestion(key: &str) -> String {
         )
 }
 
-/// The span of the key, quotes included, before a raw value.
+/// Returns the span of the key before a raw value, including quotes.
 fn key_span(source: Source<'_>, value: &str, key: &str) -> std::ops::Range<usize> {
     let before = source.text[..source.span(value).start].trim_end();
     let end = before.trim_end_matches(':').trim_end().len();
     let literal = format!("\"{key}\"");
     match source.text[..end].ends_with(&literal) {
         true => end - literal.len()..end,
-        // A key with escape sequences: its closing quote will do.
+        // For a key with escape sequences, the span covers only the closing quote.
         false => end.saturating_sub(1)..end,
     }
 }

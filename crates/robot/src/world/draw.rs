@@ -1,13 +1,15 @@
-//! A maze as text for a terminal.
+//! Draws a maze as text for a terminal.
 
 use super::maze::{Cell, Maze};
 
 impl Maze {
-    /// The maze drawn, two characters per cell and a line per row; walls are full blocks.
+    /// Returns a drawing of the maze, two characters per cell and a line per row; walls are full
+    /// blocks.
     ///
-    /// `glyph` gives the character of a cell, such as the arrow of a policy; where it gives none, and
-    /// for walls, the maze shows itself: `S` start, `G` goal, `~` unusual floor, `*` a reward. Free cells are blank, and dots where
-    /// the edges join and no border shows where the maze ends.
+    /// `glyph` returns the character of a free cell, such as the arrow of a policy. Where it
+    /// returns none, the content is drawn: `S` start, `G` goal, `~` unusual floor, `*` a reward.
+    /// Other free cells are blank. They are dots where the edges join and no border shows where the
+    /// maze ends.
     pub fn drawn(&self, glyph: impl Fn(Cell) -> Option<char>) -> String {
         let mut picture = String::new();
         for cell in self.cells() {

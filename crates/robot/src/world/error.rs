@@ -1,4 +1,4 @@
-//! What can be wrong with a world file, told with the place in the file.
+//! Errors in world files, with their location in the file.
 
 use std::fmt;
 use std::io;
@@ -8,29 +8,29 @@ use annotate_snippets::{
     Annotation, AnnotationKind, Group, Level, Origin, Renderer, Snippet, normalize_untrusted_str,
 };
 
-use super::place::Place;
+use super::location::Location;
 
-/// A world that cannot be had.
+/// The world cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorldError {
     /// There is no such file.
     #[error("there is no world file `{}`{}", .path.display(), did_you_mean(.near))]
     Missing {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
-        /// Files that may have been meant.
+        /// Files with similar names.
         near: Vec<PathBuf>,
     },
     /// The file exists, but cannot be read.
     #[error("cannot read the world file `{}`: {source}", .path.display())]
     Unreadable {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The file was read, but describes no world.
+    /// The file was read, but does not describe a valid world.
     #[error(transparent)]
     Invalid(Box<Diagnostic>),
 }
@@ -43,33 +43,35 @@ fn did_you_mean(near: &[PathBuf]) -> String {
     }
 }
 
-/// What is wrong in a text, where, and how to put it right.
+/// An error in a text: what is wrong, where, and how to fix it.
 ///
-/// Its `Display` is plain text of several lines: the cause, file, line and column, the line
-/// itself with a caret under the place, and a help line.
+/// Its `Display` is plain text of several lines: the cause, file, line and column, the line itself
+/// with a caret under the location, and a help line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.render(&Renderer::plain()))]
 pub struct Diagnostic {
     pub(super) origin: String,
     pub(super) title: String,
-    /// The place of the fault first, then places that explain it.
-    pub(super) places: Vec<Place>,
+    /// The location of the fault first, then locations that explain it.
+    pub(super) locations: Vec<Location>,
     pub(super) help: String,
 }
 
 impl Diagnostic {
-    /// What is wrong, in one line.
+    /// Returns the cause in one line.
     pub fn title(&self) -> &str {
         &self.title
     }
 
-    /// Line and column of the fault, counted from 1, the column in characters; `None` when the
-    /// fault has no place, such as a file that is too large.
+    /// Returns line and column of the fault, counted from 1, the column in characters. Returns
+    /// `None` if the fault has no location, for example a file that is too large.
     pub fn position(&self) -> Option<(usize, usize)> {
-        self.places.first().map(|place| (place.line, place.column))
+        self.locations
+            .first()
+            .map(|location| (location.line, location.column))
     }
 
-    /// The message with colours, for a terminal.
+    /// Returns the message with colours, for a terminal.
     pub fn styled(&self) -> impl fmt::Display {
         self.render(&Renderer::styled())
     }
@@ -77,18 +79,21 @@ impl Diagnostic {
     fn render(&self, renderer: &Renderer) -> String {
         let title = Level::ERROR.no_name().primary_title(self.title.as_str());
         let mut group = Group::with_title(title);
-        // A snippet counts the column from where its line was cut off.
-        let is_cut = self.places.iter().any(|place| place.is_cut);
-        match self.places.first() {
+        // For a cut line, a snippet would count the column from the cut.
+        let is_cut = self.locations.iter().any(|location| location.is_cut);
+        match self.locations.first() {
             None => group = group.element(self.origin()),
-            Some(place) if is_cut => {
-                let origin = self.origin().line(place.line).char_column(place.column);
+            Some(location) if is_cut => {
+                let origin = self
+                    .origin()
+                    .line(location.line)
+                    .char_column(location.column);
                 group = group.element(origin).elements(self.snippets(None));
             }
             Some(_) => group = group.elements(self.snippets(Some(&self.origin))),
         }
         let text = renderer.render(&[group.element(Level::HELP.message(self.help.as_str()))]);
-        // The mark of a snippet without a path says nothing.
+        // Drop the marker line of a snippet without a path.
         let lines: Vec<&str> = text.lines().filter(|line| line.trim() != ":::").collect();
         lines.join("\n")
     }
@@ -97,9 +102,9 @@ impl Diagnostic {
         Origin::path(normalize_untrusted_str(&self.origin))
     }
 
-    /// One snippet per line that holds a place, the line with the fault first.
+    /// Returns one snippet per line with a location, the line with the fault first.
     fn snippets<'a>(&'a self, path: Option<&'a str>) -> Vec<Snippet<'a, Annotation<'a>>> {
-        let mut lines: Vec<&Place> = self.places.iter().collect();
+        let mut lines: Vec<&Location> = self.locations.iter().collect();
         lines.dedup_by(|a, b| a.shares_line_with(b));
         lines
             .into_iter()
@@ -107,18 +112,19 @@ impl Diagnostic {
             .collect()
     }
 
-    fn snippet<'a>(&'a self, line: &'a Place) -> Snippet<'a, Annotation<'a>> {
+    fn snippet<'a>(&'a self, line: &'a Location) -> Snippet<'a, Annotation<'a>> {
         let annotations = self
-            .places
+            .locations
             .iter()
             .enumerate()
-            .filter(|(_, place)| place.shares_line_with(line))
-            .map(|(i, place)| {
+            .filter(|(_, location)| location.shares_line_with(line))
+            .map(|(i, location)| {
                 let kind = match i {
                     0 => AnnotationKind::Primary,
                     _ => AnnotationKind::Context,
                 };
-                kind.span(place.span.clone()).label(place.label.as_str())
+                kind.span(location.span.clone())
+                    .label(location.label.as_str())
             });
         Snippet::source(line.excerpt.as_str())
             .line_start(line.line)

@@ -1,4 +1,4 @@
-//! What can be said about a maze before anything is learned.
+//! Facts about a maze that are known before learning.
 
 use serde::Serialize;
 
@@ -20,51 +20,50 @@ pub struct Facts {
     pub cell_size_m: f64,
     /// The number of actions, 4 or 8.
     pub moves: usize,
-    /// Do the edges join?
+    /// True if the edges join.
     pub wrap: bool,
-    /// The pose of the south-western corner in the map frame; not there where it is the origin.
+    /// The pose of the south-western corner in the map frame; absent if it is the map's origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub origin: Option<Origin>,
-    /// Cells that are no wall, goals included.
+    /// The number of free cells, including goals.
     pub free_cells: usize,
     /// The start; `None` when each episode starts in a random free cell.
     pub start: Option<Cell>,
     /// The goals in reading order.
     pub goals: Vec<Cell>,
-    /// The floors that differ from the usual one, the most slippery first; not there in a world
-    /// without.
+    /// The floors that differ from the usual one, most slippery first; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub floors: Vec<FloorFacts>,
-    /// The cells that pay by themselves, and what each pays; not there in a world without.
+    /// The cells with auxiliary rewards; absent if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub auxiliary: Option<AuxiliaryFacts>,
-    /// Steps of a shortest path from the fixed start.
+    /// The length of a shortest path from the fixed start, in steps.
     pub optimal_steps: Option<u32>,
-    /// How many different shortest paths there are from the fixed start.
+    /// The number of different shortest paths from the fixed start.
     pub optimal_paths: Option<u64>,
-    /// Mean length of the shortest paths over all cells in which an episode can start.
+    /// The mean length of the shortest paths over all cells in which an episode can start.
     pub mean_optimal_steps: f64,
-    /// The greatest of these lengths.
+    /// The largest of these lengths.
     pub greatest_optimal_steps: u32,
 }
 
-/// How many cells have a floor.
+/// The number of cells with a given floor.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FloorFacts {
     /// Friction between wheels and floor.
     pub friction: f64,
-    /// Cells that have it.
+    /// The number of cells with this friction.
     pub cells: usize,
 }
 
-/// Cells with a reward of their own.
+/// Cells with auxiliary rewards.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AuxiliaryFacts {
     /// The cells in reading order.
     pub cells: Vec<Cell>,
-    /// What each pays, once in an episode.
+    /// The reward of each cell, given once per episode.
     pub reward: f64,
-    /// Those into which no episode can come; not there if there are none.
+    /// The cells that no episode can enter; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub out_of_reach: Vec<Cell>,
 }

@@ -1,4 +1,4 @@
-//! World files: reading, checking and writing.
+//! Reads, checks and writes world files.
 
 use std::io;
 use std::path::Path;
@@ -24,11 +24,11 @@ const MAX_BYTES: u64 = 64 << 20;
 const CELL_SIZE_M: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
 impl Maze {
-    /// Reads and checks a world file; without a name in it, the world is called like the file.
+    /// Reads and checks a world file. A file without a name gives its own name to the world.
     ///
     /// # Errors
-    /// [`WorldError::Missing`], [`WorldError::Unreadable`], or [`WorldError::Invalid`] as
-    /// [`Maze::from_json`] has it.
+    /// [`WorldError::Missing`], [`WorldError::Unreadable`], or [`WorldError::Invalid`] as in
+    /// [`Maze::from_json`].
     pub fn load(path: &Path) -> Result<Self, WorldError> {
         let text = input::read(path, MAX_BYTES).map_err(|source| match source.kind() {
             io::ErrorKind::NotFound => WorldError::Missing {
@@ -44,14 +44,17 @@ impl Maze {
         Self::from_json(&text, &path.to_string_lossy())
     }
 
-    /// Reads and checks the text of a world file. `origin` is the file's name: messages begin
-    /// with it, and its stem is the world's name when the text gives none.
+    /// Reads and checks the text of a world file. `origin` is the file's name: messages begin with
+    /// it, and its stem is the world's name if the text has none.
     ///
     /// # Errors
-    /// [`WorldError::Invalid`] for the first fault of the text: no JSON object, unknown, repeated
-    /// or missing keys, wrong types, values out of range, ragged or empty rows, unknown letters,
-    /// no goal, more than one start, an open border, a start from which no goal can be reached,
-    /// a floor that does not fit the rows, rewarding cells without a reward, or too large (over 64 MiB, or 4096 columns or rows).
+    /// [`WorldError::Invalid`] for the first fault of the text:
+    ///
+    /// * no JSON object, unknown, repeated or missing keys, wrong types, or values out of range
+    /// * ragged or empty rows, unknown letters, or an open border
+    /// * no goal, more than one start, or a start from which no goal can be reached
+    /// * a floor that does not fit the rows, or rewarding cells without a reward
+    /// * too large (over 64 MiB, or 4096 columns or rows)
     ///
     /// # Example
     /// ```
@@ -75,7 +78,7 @@ impl Maze {
         read_maze(source)
     }
 
-    /// The text of a world file that gives this maze again: the same for equal mazes.
+    /// Returns the text of a world file for this maze. Equal mazes give the same text.
     pub fn to_json(&self) -> String {
         let moves = self.action_count();
         let letter = |&wall: &bool| if wall { b'#' } else { b'.' };
@@ -113,7 +116,7 @@ impl Maze {
     }
 }
 
-/// Rows as an array with a line for each.
+/// Formats rows as an array with one line per row.
 fn array(rows: impl Iterator<Item = String>) -> String {
     let rows: Vec<String> = rows.map(|row| format!("    \"{row}\"")).collect();
     format!("[\n{}\n  ]", rows.join(",\n"))
@@ -171,7 +174,7 @@ fn read_maze(source: Source<'_>) -> Result<Maze, WorldError> {
         goals: std::mem::take(&mut rows.goals),
         floor: None,
         auxiliary: auxiliary::read(source, document.value("reward"), &rows)?,
-        kept: Default::default(),
+        cache: Default::default(),
     };
     if let Some(raw) = document.value("floor") {
         maze.floor = floor::read(source, raw, &maze)?;

@@ -1,4 +1,4 @@
-//! The floor: how slippery each cell is, where a world file says so.
+//! The floor: the friction of each cell, where a world file specifies it.
 
 use super::document::Elements;
 use super::error::WorldError;
@@ -7,11 +7,11 @@ use super::maze::{Cell, Floor, Maze};
 use super::rows::MAX_SIDE;
 use super::source::{Source, quoted};
 
-/// What a floor looks like, for help lines.
+/// Describes the letters of a floor, for help lines.
 const LETTERS: &str =
     "the letters of a floor are `#` wall, `.` usual floor, and `1` to `9`, its friction in tenths";
 
-/// Reads the floor of a world whose rows are known.
+/// Reads the floor of a world whose rows are already read.
 pub(super) fn read(source: Source<'_>, raw: &str, maze: &Maze) -> Result<Floor, WorldError> {
     let refuse = || wrong_type(source, "floor", raw, "an array of strings");
     if kind(raw) != Some("an array") {
@@ -22,7 +22,7 @@ pub(super) fn read(source: Source<'_>, raw: &str, maze: &Maze) -> Result<Floor, 
     if rows.count != wanted {
         let title = format!("the floor has {} rows, the world {wanted}", rows.count);
         let help = "give the floor a row for each of `rows`, or leave `floor` out";
-        return Err(source.fault(source.span(raw), title, "not as many rows", help));
+        return Err(source.fault(source.span(raw), title, "wrong number of rows", help));
     }
     let mut tenths = Vec::with_capacity(maze.walls.len());
     for (row, raw) in (0..maze.height()).zip(&rows.first) {
@@ -51,7 +51,7 @@ fn read_row(
     if found != wanted {
         let title = format!("row {} of the floor has {found} cells", row + 1);
         let help = format!("each row of `rows` has {wanted}; give the floor as many");
-        return Err(source.fault(source.span(raw), title, "not as wide", help));
+        return Err(source.fault(source.span(raw), title, "wrong width", help));
     }
     for (col, (at, letter)) in (0..maze.width()).zip(letters.char_indices()) {
         let is_wall = maze.is_wall(Cell { col, row });
@@ -65,7 +65,7 @@ fn read_row(
     Ok(())
 }
 
-/// What a letter means on a wall or on a free cell; what is wrong with it, and the way out.
+/// Returns the friction in tenths that a letter means. Errors are a title and a help line.
 fn tenths_of(letter: char, is_wall: bool) -> Result<u8, [String; 2]> {
     let fault = |title: String, help: &str| Err([title, help.to_owned()]);
     match (letter, is_wall) {
@@ -81,7 +81,7 @@ fn tenths_of(letter: char, is_wall: bool) -> Result<u8, [String; 2]> {
         ),
         ('0', _) => fault(
             "a floor without friction cannot be driven on".to_owned(),
-            "the least is `1`, a friction of 0.1",
+            "the smallest value is `1`, a friction of 0.1",
         ),
         _ => {
             let letter = quoted(&letter.to_string());
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_digit_is_friction_in_tenths_and_all_else_is_usual() {
+    fn a_digit_is_friction_in_tenths_and_any_other_floor_is_usual() {
         let maze = maze(["#####", "#.3.#", "....."]).unwrap();
         let friction = |col, row| maze.friction(Cell { col, row });
         assert_eq!(friction(2, 1), Some(0.3));

@@ -1,12 +1,13 @@
-//! Faults of a text as JSON: syntax, and values of the wrong type.
+//! Errors in JSON text: syntax errors and values of the wrong type.
 
 use super::error::WorldError;
 use super::source::Source;
 
-/// What a world file looks like, for help lines.
+/// An example of a world file, for help lines.
 const EXAMPLE: &str = "{ \"name\": \"tiny\", \"rows\": [\"####\", \"#SG#\", \"####\"] }";
 
-/// What kind of JSON value a text begins with, with its article; `None` for no JSON at all.
+/// Returns the kind of JSON value that a text begins with, with its article; `None` if it is not
+/// JSON.
 pub fn kind(raw: &str) -> Option<&'static str> {
     match raw.bytes().next()? {
         b'{' => Some("an object"),
@@ -19,7 +20,7 @@ pub fn kind(raw: &str) -> Option<&'static str> {
     }
 }
 
-/// The error for a value of the wrong type.
+/// Returns the error for a value of the wrong type.
 pub fn wrong_type(source: Source<'_>, key: &str, raw: &str, expected: &str) -> WorldError {
     let found = kind(raw).unwrap_or("something else");
     source.fault(
@@ -30,7 +31,7 @@ pub fn wrong_type(source: Source<'_>, key: &str, raw: &str, expected: &str) -> W
     )
 }
 
-/// The error for a key that is not there.
+/// Returns the error for a missing key.
 pub fn missing_key(source: Source<'_>, key: &str) -> WorldError {
     let at = source.text.find('{').unwrap_or(0);
     source.fault(
@@ -41,7 +42,7 @@ pub fn missing_key(source: Source<'_>, key: &str) -> WorldError {
     )
 }
 
-/// Refuses a text that holds nothing, or some other JSON value than an object.
+/// Refuses an empty text, and JSON values other than objects.
 pub fn refuse_other_kinds(source: Source<'_>) -> Result<(), WorldError> {
     let body = source.text.trim_ascii_start();
     let start = source.span(body).start;
@@ -60,7 +61,7 @@ pub fn refuse_other_kinds(source: Source<'_>) -> Result<(), WorldError> {
     }
 }
 
-/// The error for text behind the world.
+/// Returns the error for text after the end of the world.
 pub fn text_after_end(source: Source<'_>, error: &serde_json::Error) -> WorldError {
     let at = offset(source.text, error);
     source.fault(
@@ -71,13 +72,13 @@ pub fn text_after_end(source: Source<'_>, error: &serde_json::Error) -> WorldErr
     )
 }
 
-/// The error for a text that is not JSON.
+/// Returns the error for a text that is not JSON.
 pub fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError {
     let (text, at) = (source.text, offset(source.text, error));
     let place = format!(" at line {} column {}", error.line(), error.column());
     let cause = error.to_string().replace(&place, "");
     let (at, title, label, help) = if error.is_eof() {
-        let help = "add what is missing: every `\"`, `[` and `{` needs its partner";
+        let help = "close every `\"`, `[` and `{`";
         let title = "the file ends in the middle of the world";
         (at, title, "the file ends here", help)
     } else if let Some(at) = control_character(text, at + 2) {
@@ -89,7 +90,7 @@ pub fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError
         (comma, title, "nothing follows", "remove the comma")
     } else if is_not_finite(text, at) {
         let help = "write a finite number, such as 1.0";
-        let title = "JSON knows only finite numbers";
+        let title = "JSON allows only finite numbers";
         (at, title, "not a number", help)
     } else if source.origin.ends_with(".toml") {
         let help = "run a study file with `xcscr study run FILE`, and give a settings file after `--config`";
@@ -102,7 +103,7 @@ pub fn syntax_fault(source: Source<'_>, error: &serde_json::Error) -> WorldError
     source.fault(at..at + 1, title, label, help)
 }
 
-/// The first control character in a string among the first bytes, which are sound up to there.
+/// Returns the first control character in a string among the first bytes, which must be valid JSON.
 fn control_character(text: &str, first: usize) -> Option<usize> {
     let mut bytes = text.bytes().enumerate().take(first);
     let mut in_string = false;
@@ -119,14 +120,14 @@ fn control_character(text: &str, first: usize) -> Option<usize> {
     None
 }
 
-/// The comma before the closing bracket at this byte.
+/// Returns the comma before the closing bracket at this byte.
 fn trailing_comma(text: &str, at: usize) -> Option<usize> {
     let is_bracket = matches!(text.as_bytes().get(at), Some(b']' | b'}'));
     let before = text.get(..at).filter(|_| is_bracket)?;
     Some(before.trim_ascii_end().strip_suffix(',')?.len())
 }
 
-/// The byte that a JSON error points at.
+/// Returns the byte that a JSON error points at.
 fn offset(text: &str, error: &serde_json::Error) -> usize {
     let lines = text
         .split_inclusive('\n')
@@ -134,7 +135,7 @@ fn offset(text: &str, error: &serde_json::Error) -> usize {
     lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1)
 }
 
-/// Does one of the words that other languages write for such numbers stand here?
+/// Returns true if the text here is a non-finite number as other languages write it (NaN, inf).
 fn is_not_finite(text: &str, at: usize) -> bool {
     let rest = text.get(at..).unwrap_or_default();
     let rest = rest.strip_prefix('-').unwrap_or(rest);

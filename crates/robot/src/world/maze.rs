@@ -5,30 +5,30 @@ use std::sync::Arc;
 use nalgebra::{Isometry2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
+use super::cache::Cache;
 use super::direction::{Direction, Moves};
-use super::kept::Kept;
 use super::name;
 use super::origin::Origin;
 use xcs::Action;
 
-/// Mazes of more cells are not shown cell by cell: not drawn, and neither walls nor the value of
-/// every cell recorded.
+/// The largest maze, in cells, that is shown cell by cell: larger ones are not drawn, and neither
+/// their walls nor the values of their cells are recorded.
 const MOST_SHOWN: usize = 1 << 14;
 
 /// A cell of the maze; row 0 is the northern border, column 0 the western one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Cell {
-    /// Columns from the west.
+    /// The column, counted from the west.
     pub col: u16,
-    /// Rows from the north.
+    /// The row, counted from the north.
     pub row: u16,
 }
 
-/// The friction of each cell's floor in tenths, in reading order; 0 for the usual floor. `None`
-/// where all of it is usual.
+/// The friction of each cell's floor in tenths, in reading order; 0 for the usual floor. `None` if
+/// the whole floor is usual.
 pub(super) type Floor = Option<Arc<[u8]>>;
 
-/// Cells with a reward of their own, and what each of them pays.
+/// Cells with an auxiliary reward, and the reward of each of them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Auxiliary {
     /// In reading order; never empty.
@@ -38,9 +38,9 @@ pub(super) struct Auxiliary {
 
 /// A checked maze: its border is closed (or joined), and every start can reach a goal.
 ///
-/// Public methods take and return metres of the map frame: that of the ROS map from which the world was made,
-/// or else with its origin in the south-western corner of the border, x to the east, y to the north. A clone
-/// shares the cells with its original.
+/// Public methods take and return metres of the map frame. For a world made from a ROS map this is
+/// the frame of that map. Otherwise its origin is in the south-western corner of the border, x to
+/// the east, y to the north. A clone shares the cells with its original.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Maze {
     pub(super) name: String,
@@ -50,78 +50,79 @@ pub struct Maze {
     pub(super) origin: Origin,
     pub(super) width: u16,
     pub(super) height: u16,
-    /// Row by row from the north: true where a wall is.
+    /// Row by row from the north: true for walls.
     pub(super) walls: Arc<[bool]>,
     pub(super) start: Option<Cell>,
     /// In reading order; never empty.
     pub(super) goals: Vec<Cell>,
     pub(super) floor: Floor,
     pub(super) auxiliary: Option<Auxiliary>,
-    pub(super) kept: Kept,
+    pub(super) cache: Cache,
 }
 
 impl Maze {
-    /// The world's name, as the file gives it.
+    /// Returns the world's name from its file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Edge length of a cell in metres.
+    /// Returns the edge length of a cell in metres.
     pub fn cell_size_m(&self) -> f64 {
         self.cell_size_m
     }
 
-    /// The directions in which one can move.
+    /// Returns the directions of the moves.
     pub fn moves(&self) -> Moves {
         self.moves
     }
 
-    /// Do the edges join, so that leaving in the east enters in the west?
+    /// Returns true if the edges join, so that leaving in the east enters in the west.
     pub fn wraps(&self) -> bool {
         self.wrap
     }
 
-    /// The pose of the south-western corner of the grid in the map frame. The default in worlds without `origin`.
+    /// Returns the pose of the south-western corner of the grid in the map frame. Worlds without
+    /// `origin` have the default.
     pub fn origin(&self) -> Origin {
         self.origin
     }
 
-    /// The number of columns.
+    /// Returns the number of columns.
     pub fn width(&self) -> u16 {
         self.width
     }
 
-    /// The number of rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> u16 {
         self.height
     }
 
-    /// The start cell; `None` when each episode starts in a random free cell.
+    /// Returns the start cell; `None` if each episode starts in a random free cell.
     pub fn start(&self) -> Option<Cell> {
         self.start
     }
 
-    /// The goal cells in reading order; at least one.
+    /// Returns the goal cells in reading order; at least one.
     pub fn goals(&self) -> &[Cell] {
         &self.goals
     }
 
-    /// The number of actions.
+    /// Returns the number of actions.
     pub fn action_count(&self) -> usize {
         self.moves.directions().len()
     }
 
-    /// The direction that an action means; `None` when this world has fewer moves.
+    /// Returns the direction of an action; `None` if this world has fewer moves.
     pub fn direction(&self, action: Action) -> Option<Direction> {
         self.moves.directions().get(action.index()).copied()
     }
 
-    /// The nearest name that a world may have, for a text that may be none.
+    /// Returns the valid world name nearest to a text.
     pub fn repaired_name(text: &str) -> String {
         name::repaired(text)
     }
 
-    /// The name of the move that an action is; its number where it is none.
+    /// Returns the name of the direction of an action, or its number if this world has fewer moves.
     pub fn action_name(&self, action: Action) -> String {
         match self.direction(action) {
             Some(direction) => direction.name().to_owned(),
@@ -129,12 +130,12 @@ impl Maze {
         }
     }
 
-    /// Is the cell a wall? Cells outside of the maze are.
+    /// Returns true if the cell is a wall or outside the maze.
     pub fn is_wall(&self, cell: Cell) -> bool {
         cell.col >= self.width || cell.row >= self.height || self.walls[self.index(cell)]
     }
 
-    /// Is the cell a goal?
+    /// Returns true if the cell is a goal.
     pub fn is_goal(&self, cell: Cell) -> bool {
         let place = |cell: &Cell| (cell.row, cell.col);
         self.goals
@@ -142,18 +143,18 @@ impl Maze {
             .is_ok()
     }
 
-    /// All cells that are no wall, in reading order.
+    /// Returns all free cells in reading order.
     pub fn free_cells(&self) -> impl Iterator<Item = Cell> + '_ {
         self.cells().filter(|&cell| !self.is_wall(cell))
     }
 
-    /// The cells in which an episode can start, in reading order: the start cell, or all free
-    /// cells but the goals.
+    /// Returns the cells in which an episode can start, in reading order: the start cell, or all
+    /// free cells except the goals.
     pub fn start_cells(&self) -> Vec<Cell> {
         self.starts().collect()
     }
 
-    /// The same cells one by one, for mazes with many.
+    /// Returns the same cells as an iterator, for large mazes.
     pub fn starts(&self) -> impl DoubleEndedIterator<Item = Cell> + '_ {
         let anywhere = self.start.is_none().then(|| self.cells());
         let anywhere = anywhere.into_iter().flatten();
@@ -161,23 +162,24 @@ impl Maze {
         self.start.into_iter().chain(free)
     }
 
-    /// Has it too many cells to be shown one by one?
+    /// Returns true if the maze is too large to show every cell.
     pub fn is_vast(&self) -> bool {
         self.walls.len() > MOST_SHOWN
     }
 
-    /// All cells in reading order.
+    /// Returns all cells in reading order.
     pub fn cells(&self) -> impl DoubleEndedIterator<Item = Cell> + use<> {
         let (width, height) = (self.width, self.height);
         (0..height).flat_map(move |row| (0..width).map(move |col| Cell { col, row }))
     }
 
-    /// The number of a cell in reading order.
+    /// Returns the index of a cell in reading order.
     pub fn index(&self, cell: Cell) -> usize {
         usize::from(cell.row) * usize::from(self.width) + usize::from(cell.col)
     }
 
-    /// The next cell in a direction, wall or not; `None` beyond a border that does not join.
+    /// Returns the next cell in a direction, wall or not; `None` beyond a border that does not
+    /// join.
     pub fn neighbour(&self, cell: Cell, direction: Direction) -> Option<Cell> {
         let (east, south) = direction.offset();
         let along = |from: u16, step: i32, size: u16| match from.checked_add_signed(step as i16) {
@@ -191,15 +193,16 @@ impl Maze {
         })
     }
 
-    /// The cell that a move leads to; `None` when a wall or the border is in the way.
+    /// Returns the cell that a move leads to; `None` if a wall or the border blocks it.
     pub fn step(&self, cell: Cell, direction: Direction) -> Option<Cell> {
         self.neighbour(cell, direction)
             .filter(|&next| !self.is_wall(next))
     }
 
-    /// A figure about this maze that takes long to find: found once for a maze and its clones.
+    /// Returns a number about this maze that is expensive to compute. It is computed once for a
+    /// maze and its clones.
     pub fn once(&self, figure: &'static str, find: impl FnOnce() -> Option<f64>) -> Option<f64> {
-        self.kept.figure(figure, find)
+        self.cache.figure(figure, find)
     }
 
     /// Returns the middle of a cell in the map frame, in metres.
@@ -207,14 +210,15 @@ impl Maze {
         self.point_in_map(self.centre_in_grid(cell))
     }
 
-    /// Returns the cell that holds a point of the map frame, in metres; `None` outside of the maze.
+    /// Returns the cell that contains a point of the map frame, in metres; `None` outside the maze.
     pub fn cell_at(&self, point_m: Point2<f64>) -> Option<Cell> {
         self.cell_in_grid(self.point_in_grid(point_m))
     }
 }
 
-/// The grid frame, in which the walls are simulated and drawn: origin in the south-western corner of the
-/// border, x to the east, y to the north, in metres. Without an `origin` it is the map frame, to the bit.
+/// The grid frame, in which the walls are simulated and drawn: origin in the south-western corner
+/// of the border, x to the east, y to the north, in metres. Without an `origin` it is exactly the
+/// map frame.
 impl Maze {
     /// Returns the middle of a cell in the grid frame.
     pub fn centre_in_grid(&self, cell: Cell) -> Point2<f64> {
@@ -224,7 +228,7 @@ impl Maze {
         )
     }
 
-    /// Returns the cell that holds a point of the grid frame; `None` outside of the maze.
+    /// Returns the cell that contains a point of the grid frame; `None` outside the maze.
     pub fn cell_in_grid(&self, point_m: Point2<f64>) -> Option<Cell> {
         let col = (point_m.x / self.cell_size_m).floor();
         let row = f64::from(self.height) - 1.0 - (point_m.y / self.cell_size_m).floor();
@@ -236,7 +240,7 @@ impl Maze {
         })
     }
 
-    /// Returns the pose of the grid frame in the map frame; `None` where they are the same.
+    /// Returns the pose of the grid frame in the map frame; `None` if they are the same.
     pub fn grid_in_map(&self) -> Option<Isometry2<f64>> {
         (self.origin != Origin::default()).then(|| self.origin.pose())
     }
@@ -269,8 +273,8 @@ impl Maze {
 }
 
 impl Maze {
-    /// The friction between wheels and floor of a cell; `None` for the usual floor, whose friction
-    /// the robot's settings have.
+    /// Returns the friction between wheels and the floor of a cell. Returns `None` for the usual
+    /// floor, whose friction is a setting of the robot.
     pub fn friction(&self, cell: Cell) -> Option<f64> {
         let floor = self.floor.as_ref()?;
         let inside = cell.col < self.width && cell.row < self.height;
@@ -278,8 +282,8 @@ impl Maze {
         (inside && tenths > 0).then(|| f64::from(tenths) / 10.0)
     }
 
-    /// Returns the same maze with a floor of one friction in all free cells, in tenths (1 to 9; 0 is
-    /// the usual floor).
+    /// Returns the same maze with one friction on all free cells, in tenths (1 to 9; 0 is the usual
+    /// floor).
     #[must_use]
     pub fn with_friction(&self, tenths: u8) -> Self {
         let of_cell = |&wall: &bool| if wall { 0 } else { tenths };
@@ -290,12 +294,13 @@ impl Maze {
         }
     }
 
-    /// Is the floor of any cell unusual?
+    /// Returns true if any cell has an unusual floor.
     pub fn has_floor(&self) -> bool {
         self.floor.is_some()
     }
 
-    /// The rows of the floor as a world file has them; `None` where all of it is usual.
+    /// Returns the rows of the floor in the format of world files; `None` if the whole floor is
+    /// usual.
     pub fn floor_rows(&self) -> Option<Vec<String>> {
         let letter = |(&tenths, &wall): (&u8, &bool)| match (tenths, wall) {
             (_, true) => '#',
@@ -313,8 +318,8 @@ impl Maze {
         Some(rows.map(|row| row.iter().collect()).collect())
     }
 
-    /// What a cell pays by itself, the first time in an episode that the robot comes into it
-    /// (auxiliary reward); `None` of most cells.
+    /// Returns the auxiliary reward that the robot gets when it first enters the cell in an
+    /// episode; `None` for most cells.
     pub fn auxiliary_reward(&self, cell: Cell) -> Option<f64> {
         let auxiliary = self.auxiliary.as_ref()?;
         let place = |cell: &Cell| (cell.row, cell.col);
@@ -322,7 +327,7 @@ impl Maze {
         found.is_ok().then_some(auxiliary.reward)
     }
 
-    /// The cells that pay by themselves, in reading order.
+    /// Returns the cells with auxiliary rewards, in reading order.
     pub fn rewarding_cells(&self) -> &[Cell] {
         self.auxiliary.as_ref().map_or(&[], |it| &it.cells)
     }

@@ -1,8 +1,9 @@
-//! From a world file to a checked [`Maze`], and its shortest paths.
+//! World files, the checked [`Maze`], and shortest paths.
 
 mod around;
 mod auxiliary;
 mod bundled;
+mod cache;
 mod checks;
 mod direction;
 mod document;
@@ -13,14 +14,13 @@ mod file;
 mod floor;
 mod generate;
 mod json;
-mod kept;
+mod location;
 mod maze;
 mod name;
 mod near;
 mod occupancy;
 mod origin;
 mod paths;
-mod place;
 mod rows;
 mod slip;
 mod source;

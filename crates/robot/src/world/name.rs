@@ -1,16 +1,16 @@
-//! Names of worlds: they become parts of folder names, so they are checked.
+//! Names of worlds. They become parts of folder names, so they are checked.
 
 /// The longest name, in characters.
 const LONGEST: usize = 64;
 
-/// Names that Windows keeps for devices.
+/// Names that Windows reserves for devices.
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
 /// The rule, for messages.
 pub const RULE: &str = "a name has 1 to 64 letters (a to z, A to Z), digits, `-`, `_` or `.`, \
-     no dot at either end, and is no device name such as `CON`";
+     no dot at either end, and is not a device name such as `CON`";
 
-/// Can the text be part of a folder name on every system?
+/// Returns true if the text can be part of a folder name on every system.
 pub fn is_valid(name: &str) -> bool {
     (1..=LONGEST).contains(&name.len())
         && name.bytes().all(is_name_byte)
@@ -19,7 +19,7 @@ pub fn is_valid(name: &str) -> bool {
         && !is_device(name)
 }
 
-/// The nearest valid name, for a suggestion.
+/// Returns the nearest valid name, for a suggestion.
 pub fn repaired(text: &str) -> String {
     let name: String = text
         .chars()
@@ -40,7 +40,7 @@ fn is_name_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.')
 }
 
-/// `con`, `COM1.txt` and the like, which Windows takes for a device.
+/// Returns true for names that Windows treats as devices, for example `con` and `COM1.txt`.
 fn is_device(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or(name).to_ascii_lowercase();
     let port = stem

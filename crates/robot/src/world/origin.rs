@@ -7,15 +7,15 @@ use super::error::WorldError;
 use super::json::{kind, wrong_type};
 use super::source::{Source, quoted};
 
-/// The greatest coordinate, in metres: more than the coordinates of any projected map of the Earth.
+/// The largest coordinate, in metres: more than the coordinates of any projected map of the Earth.
 const MOST_M: f64 = 1e8;
-/// The greatest yaw, in radians: more than a whole turn.
+/// The largest yaw, in radians: more than a whole turn.
 const MOST_RAD: f64 = 10.0;
 
-/// The pose of the lower left (south-western) corner of a grid in the map frame; the default is
-/// the map frame itself.
+/// The pose of the lower left (south-western) corner of a grid in the map frame; the default is the
+/// map frame itself.
 ///
-/// In files it is an array, `[x_m, y_m, yaw_rad]`, as `origin` in the YAML file of a ROS map.
+/// In files it is an array `[x_m, y_m, yaw_rad]`, like `origin` in the YAML file of a ROS map.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "[f64; 3]", into = "[f64; 3]")]
 pub struct Origin {
@@ -38,19 +38,19 @@ impl Origin {
         )
     }
 
-    /// Converts a point from the frame of the grid, whose origin is this corner, to the map frame;
-    /// both in metres.
+    /// Converts a point from the grid frame, whose origin is this corner, to the map frame; both in
+    /// metres.
     pub fn to_map(&self, point_m: Point2<f64>) -> Point2<f64> {
         self.pose() * point_m
     }
 
-    /// Converts a point from the map frame to the frame of the grid, whose origin is this corner;
-    /// both in metres.
+    /// Converts a point from the map frame to the grid frame, whose origin is this corner; both in
+    /// metres.
     pub fn to_grid(&self, point_m: Point2<f64>) -> Point2<f64> {
         self.pose().inverse_transform_point(&point_m)
     }
 
-    /// Returns the pose of another corner, given in the frame of the grid, in metres.
+    /// Returns the pose of another corner, given in the grid frame, in metres.
     pub(super) fn moved(self, corner_m: Point2<f64>) -> Self {
         let corner = self.to_map(corner_m);
         Self {
@@ -60,7 +60,7 @@ impl Origin {
         }
     }
 
-    /// Returns what is wrong with the numbers.
+    /// Returns an error text if the numbers are out of range.
     pub(super) fn fault(&self) -> Option<String> {
         let is_within =
             self.x_m.abs() <= MOST_M && self.y_m.abs() <= MOST_M && self.yaw_rad.abs() <= MOST_RAD;
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pose_that_is_none_is_refused_with_its_place() {
+    fn an_invalid_pose_is_refused_with_its_location() {
         for (numbers, fault) in [
             ("[0, 0]", "three numbers"),
             ("[0, 0, 0, 0]", "three numbers"),
@@ -163,7 +163,7 @@ mod tests {
         assert!((there - Point2::new(4.0, 3.0)).norm() < 1e-12, "{there}");
         let back = origin.to_grid(there);
         assert!((back - Point2::new(2.0, 1.0)).norm() < 1e-12, "{back}");
-        // Without a yaw nothing is rounded but the sum.
+        // Without a yaw, only the sum is rounded.
         let straight = Origin::from([0.1, -0.1, 0.0]).to_map(Point2::new(0.0, 0.0));
         assert_eq!([straight.x, straight.y], [0.1, -0.1]);
     }

@@ -6,33 +6,33 @@ use super::maze::{Cell, Maze};
 use super::slip::Expected;
 use xcs::Action;
 
-/// In place of a distance: the cell is free, but no way leads from it to a goal.
+/// Marker in place of a distance: the cell is free, but cannot reach a goal.
 const CUT_OFF: u32 = u32::MAX;
-/// In place of a distance: the cell is a wall. One look-up then tells all about a cell, which
-/// counts in mazes larger than the cache.
+/// Marker in place of a distance: the cell is a wall. A single look-up then gives everything about
+/// a cell, which matters in mazes larger than the cache.
 const WALL: u32 = u32::MAX - 1;
 
-/// The length of the shortest path from each cell to the nearest goal; and what is optimal when
-/// actions slip, for which a shortest path is the wrong yardstick.
+/// The length of the shortest path from each cell to the nearest goal. For slipping actions, where
+/// shortest paths are not optimal, also the expected numbers of steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Paths {
-    /// By cell index; or [`CUT_OFF`] or [`WALL`].
+    /// By cell index: the distance, or [`CUT_OFF`] or [`WALL`].
     distance: Arc<[u32]>,
-    /// `None` when actions do not slip.
+    /// `None` if actions do not slip.
     expected: Option<Expected>,
 }
 
 impl Paths {
-    /// The shortest paths of a maze; the search is made once for a maze and its clones.
+    /// Finds the shortest paths of a maze. The search runs once for a maze and its clones.
     pub fn new(maze: &Maze) -> Self {
         Self {
-            distance: maze.kept.distances(|| search(maze)),
+            distance: maze.cache.distances(|| search(maze)),
             expected: None,
         }
     }
 
-    /// The same for actions that slip with the probability `slip`: an action is then a best one
-    /// when value iteration says so.
+    /// Finds the shortest paths for actions that slip with probability `slip`. The best actions are
+    /// then those of value iteration.
     pub fn with_slip(maze: &Maze, slip: f64) -> Self {
         let mut paths = Self::new(maze);
         if slip > 0.0 {
@@ -44,20 +44,21 @@ impl Paths {
         paths
     }
 
-    /// Can another action be carried out than the one that was chosen?
+    /// Returns true if actions can slip.
     pub fn slips(&self) -> bool {
         self.expected.is_some()
     }
 
-    /// The number of steps to a goal that an optimal policy takes on average; `None` for walls and
-    /// cells that reach no goal.
+    /// Returns the expected number of steps to a goal under an optimal policy; `None` for walls and
+    /// cells that cannot reach a goal.
     pub fn expected_steps(&self, maze: &Maze, cell: Cell) -> Option<f64> {
         let distance = self.distance(maze, cell)?;
         let expected = self.expected.as_ref();
         Some(expected.map_or(f64::from(distance), |expected| expected.from(maze, cell)))
     }
 
-    /// Steps from a cell to the nearest goal; `None` for walls and cells that reach no goal.
+    /// Returns the steps from a cell to the nearest goal; `None` for walls and cells that cannot
+    /// reach a goal.
     pub fn distance(&self, maze: &Maze, cell: Cell) -> Option<u32> {
         if cell.col >= maze.width() || cell.row >= maze.height() {
             return None;
@@ -65,7 +66,7 @@ impl Paths {
         Some(self.distance[maze.index(cell)]).filter(|&steps| steps < WALL)
     }
 
-    /// The length of the longest shortest path from a cell in which an episode can start.
+    /// Returns the length of the longest shortest path from a cell in which an episode can start.
     pub fn longest(&self, maze: &Maze) -> u32 {
         match maze.start() {
             Some(start) => self.distance(maze, start).unwrap_or(0),
@@ -76,9 +77,9 @@ impl Paths {
         }
     }
 
-    /// The cells on shortest paths from where an episode can start, in reading order, goals among
-    /// them: with a random start, all from which a goal can be reached; with slip, all that can be
-    /// reached from the start.
+    /// Returns the cells on shortest paths from where an episode can start, in reading order,
+    /// including goals. With a random start these are all cells that can reach a goal. With slip
+    /// they are all cells that can be reached from the start.
     pub fn cells_on_shortest<'a>(&'a self, maze: &'a Maze) -> impl Iterator<Item = Cell> + 'a {
         let ahead = maze.start().map(|start| self.ahead_of(maze, start));
         maze.cells().filter(move |&cell| {
@@ -89,7 +90,8 @@ impl Paths {
         })
     }
 
-    /// By cell index: does a shortest path from `start` lead there, or with slip any path?
+    /// Returns, by cell index, whether the cell is on a shortest path from `start`; with slip,
+    /// whether it is on any path.
     fn ahead_of(&self, maze: &Maze, start: Cell) -> Vec<bool> {
         let mut ahead = vec![false; self.distance.len()];
         let mut open = vec![start];
@@ -106,8 +108,8 @@ impl Paths {
         ahead
     }
 
-    /// The cell that an action leads to, if that is a step along a shortest path; with slip, if it
-    /// is a best action.
+    /// Returns the cell that an action leads to, if the step is on a shortest path. With slip, if
+    /// it is a best action.
     pub fn successor(&self, maze: &Maze, cell: Cell, action: Action) -> Option<Cell> {
         if let Some(expected) = &self.expected {
             self.distance(maze, cell)?;
@@ -120,12 +122,12 @@ impl Paths {
         nearer.then_some(next)
     }
 
-    /// The number of different shortest paths from a cell to a goal, as far as a `u64` counts.
+    /// Returns the number of different shortest paths from a cell to a goal, capped at `u64::MAX`.
     pub fn count_from(&self, maze: &Maze, start: Cell) -> u64 {
         let Some(distance) = self.distance(maze, start) else {
             return 0;
         };
-        // By cell: in how many ways one can get there from the start.
+        // For each cell: the number of paths from the start.
         let mut ways = vec![(start, 1_u64)];
         for left in (0..distance).rev() {
             ways = self.ways_onward(maze, &ways, left);
@@ -133,10 +135,10 @@ impl Paths {
         ways.iter().fold(0, |sum, way| sum.saturating_add(way.1))
     }
 
-    /// The ways to the cells that are `left` steps from a goal, from those one step before.
+    /// Returns the path counts of the cells `left` steps from a goal, from those one step before.
     fn ways_onward(&self, maze: &Maze, ways: &[(Cell, u64)], left: u32) -> Vec<(Cell, u64)> {
         let directions = maze.moves().directions().iter();
-        // Direction by direction, so that the list consists of few ascending runs.
+        // One direction after the other, so that the list consists of few ascending runs.
         let mut onward: Vec<(Cell, u64)> = directions
             .flat_map(|&direction| {
                 ways.iter().filter_map(move |&(cell, count)| {
@@ -157,7 +159,7 @@ impl Paths {
     }
 }
 
-/// Breadth-first search from the goals outward (moves can be reversed in every world).
+/// Runs a breadth-first search from the goals outward (moves can be reversed in every world).
 fn search(maze: &Maze) -> Vec<u32> {
     let blank = |&wall: &bool| if wall { WALL } else { CUT_OFF };
     let mut distance: Vec<u32> = maze.walls.iter().map(blank).collect();
@@ -198,7 +200,7 @@ mod tests {
         Maze::from_json(format!(r#"{{ "rows": {ROWS:?} }}"#).as_bytes(), "m").unwrap()
     }
 
-    /// Independent of value iteration: the steps that a policy takes solve a linear system.
+    /// Independent of value iteration: solves a linear system for the steps of a policy.
     fn steps_of(maze: &Maze, cells: &[Cell], slip: f64, policy: &[Action]) -> DVector<f64> {
         let mut matrix = DMatrix::identity(cells.len(), cells.len());
         let others = maze.action_count() as f64 - 1.0;
@@ -223,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn value_iteration_gives_the_steps_that_linear_equations_give() {
+    fn value_iteration_agrees_with_linear_equations() {
         let maze = maze();
         let cells: Vec<Cell> = maze.free_cells().filter(|&c| !maze.is_goal(c)).collect();
         for slip in [0.05, 0.1, 0.25, 0.5] {
@@ -245,7 +247,7 @@ mod tests {
                     solved[row]
                 );
             }
-            // No other action in one cell makes the policy better.
+            // No change of a single action improves the policy.
             for row in 0..cells.len() {
                 for action in Action::all(maze.action_count()) {
                     let mut other = policy.clone();
@@ -262,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn without_slip_a_best_action_goes_along_a_shortest_path() {
+    fn without_slip_a_best_action_follows_a_shortest_path() {
         let (maze, paths) = (maze(), Paths::new(&maze()));
         assert_eq!(Paths::with_slip(&maze, 0.0), paths);
         let start = maze.start_cells()[0];

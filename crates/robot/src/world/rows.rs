@@ -1,4 +1,4 @@
-//! From the rows of a world file to walls, start and goals.
+//! Parses the rows of a world file into walls, start and goals.
 
 use super::document::Elements;
 use super::error::WorldError;
@@ -6,26 +6,26 @@ use super::json::{kind, wrong_type};
 use super::maze::Cell;
 use super::source::{Source, quoted};
 
-/// The most columns, and the most rows: of so many, the first episode of a training on the grid takes
-/// up to five seconds and 200 MB.
+/// The largest number of columns, and of rows. At this size, the first episode of training on the
+/// grid takes up to five seconds and 200 MB.
 pub const MAX_SIDE: usize = 4096;
 
-/// The cells of a world, each row as wide as the first.
+/// The cells of a world. All rows have the same width.
 pub struct Rows<'a> {
     source: Source<'a>,
-    /// The array as it stands in the text.
+    /// The raw text of the array.
     pub raw: &'a str,
     /// The letters of each row; all of them are ASCII.
     rows: Vec<&'a str>,
     pub walls: Vec<bool>,
     pub starts: Vec<Cell>,
     pub goals: Vec<Cell>,
-    /// The cells with a reward of their own.
+    /// The cells with an auxiliary reward.
     pub rewarding: Vec<Cell>,
 }
 
 impl<'a> Rows<'a> {
-    /// Reads the array of rows; refuses wrong types, sizes and letters.
+    /// Reads the array of rows. Refuses wrong types, sizes and letters.
     pub fn parse(source: Source<'a>, raw: &'a str) -> Result<Self, WorldError> {
         if kind(raw) != Some("an array") {
             return Err(wrong_type(source, "rows", raw, "an array of strings"));
@@ -53,17 +53,17 @@ impl<'a> Rows<'a> {
         Ok(rows)
     }
 
-    /// The number of columns.
+    /// Returns the number of columns.
     pub fn width(&self) -> u16 {
         self.rows.first().map_or(0, |row| row.len() as u16)
     }
 
-    /// The number of rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> u16 {
         self.rows.len() as u16
     }
 
-    /// The place of a cell's letter in the text.
+    /// Returns the location of a cell's letter in the text.
     pub fn span(&self, cell: Cell) -> std::ops::Range<usize> {
         let at = self.source.span(self.rows[usize::from(cell.row)]).start + usize::from(cell.col);
         at..at + 1
@@ -117,16 +117,18 @@ impl<'a> Rows<'a> {
             return Ok(());
         };
         let expected = first.len();
-        let places = vec![
-            self.source.place(self.source.span(letters), cells(found)),
-            self.source.place(self.source.span(first), cells(expected)),
+        let locations = vec![
+            self.source
+                .location(self.source.span(letters), cells(found)),
+            self.source
+                .location(self.source.span(first), cells(expected)),
         ];
         let help = match expected > found {
             true => format!("add {} to row {number}", cells(expected - found)),
             false => format!("remove {} from row {number}", cells(found - expected)),
         };
         let title = format!("row {number} has {}, expected {expected}", cells(found));
-        Err(self.source.fault_at(places, title, help))
+        Err(self.source.fault_at(locations, title, help))
     }
 
     fn collect(&mut self, letters: &str) {

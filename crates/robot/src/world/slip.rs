@@ -1,15 +1,15 @@
-//! What is optimal when actions slip: value iteration on the true maze.
+//! The optimum for slipping actions: value iteration on the true maze.
 
 use super::direction::Direction;
 use super::maze::{Cell, Maze};
 
-/// Two expected numbers of steps that differ by less than this share are the same.
+/// The relative difference below which two expected numbers of steps are equal.
 const SAME: f64 = 1e-9;
-/// Sweeps after which the values are taken as they are. With little slip it takes as many as the
+/// The largest number of sweeps. With little slip, the number of sweeps needed is the length of the
 /// longest shortest path.
 const MOST_SWEEPS: usize = 100_000;
 
-/// The expected number of steps to a goal from each cell, for who acts optimally.
+/// The expected number of steps to a goal from each cell under an optimal policy.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Expected {
     slip: f64,
@@ -18,8 +18,8 @@ pub(super) struct Expected {
 }
 
 impl Expected {
-    /// Value iteration (Bellman 1957), in place and in order of distance from the goals: `cells`
-    /// are those that reach a goal, nearest first.
+    /// Runs value iteration (Bellman 1957), in place and in order of distance from the goals.
+    /// `cells` are the cells that can reach a goal, nearest first.
     pub fn new(maze: &Maze, cells: &[Cell], slip: f64) -> Self {
         let mut steps = vec![f64::INFINITY; usize::from(maze.width()) * usize::from(maze.height())];
         cells.iter().for_each(|&cell| steps[maze.index(cell)] = 0.0);
@@ -40,18 +40,18 @@ impl Expected {
         expected
     }
 
-    /// Expected steps from a cell.
+    /// Returns the expected steps from a cell.
     pub fn from(&self, maze: &Maze, cell: Cell) -> f64 {
         self.steps[maze.index(cell)]
     }
 
-    /// Is it optimal to choose the way `along`? Several may be.
+    /// Returns true if the direction `along` is optimal. Several directions may be.
     pub fn is_best(&self, maze: &Maze, cell: Cell, along: Direction) -> bool {
         self.of(maze, cell, along) <= self.from(maze, cell) * (1.0 + SAME)
     }
 
-    /// Expected steps when one chooses the way `along` first: with the probability of a slip each
-    /// of the other ways is as likely.
+    /// Returns the expected steps when the first choice is the direction `along`. When the action
+    /// slips, all other directions are equally likely.
     fn of(&self, maze: &Maze, cell: Cell, along: Direction) -> f64 {
         let others = maze.action_count().saturating_sub(1).max(1) as f64;
         let after = |way: Direction| {

@@ -1,14 +1,14 @@
-//! A text with its name: from a part of the text to its line and column.
+//! A named text, and the mapping from its parts to line and column.
 
 use std::ops::Range;
 
 use super::error::{Diagnostic, WorldError};
-use super::place::{Place, shown};
+use super::location::{Location, shown};
 
-/// Bytes of a long line that an excerpt keeps on either side of a place.
+/// The number of bytes that an excerpt of a long line keeps on either side of a location.
 const EXCERPT_BYTES: usize = 8192;
 
-/// A text and the name that messages call it by.
+/// A text and its name in messages.
 #[derive(Debug, Clone, Copy)]
 pub struct Source<'a> {
     pub origin: &'a str,
@@ -16,14 +16,14 @@ pub struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Where `part`, a slice of this text, lies in it.
+    /// Returns the span of `part`, which must be a slice of this text.
     pub fn span(&self, part: &str) -> Range<usize> {
         let start = (part.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
         start..start + part.len()
     }
 
-    /// The place of a span, which ends at the end of its first line at the latest.
-    pub fn place(&self, span: Range<usize>, label: impl Into<String>) -> Place {
+    /// Returns the location of a span, cut at the end of its first line.
+    pub fn location(&self, span: Range<usize>, label: impl Into<String>) -> Location {
         let text = self.text;
         let at = floor(text, span.start);
         let line_start = text[..at].rfind('\n').map_or(0, |i| i + 1);
@@ -32,7 +32,7 @@ impl Source<'_> {
         let from = floor(text, at.saturating_sub(EXCERPT_BYTES)).max(line_start);
         let to = floor(text, at + EXCERPT_BYTES).min(line_end);
         let at = at.min(to);
-        Place {
+        Location {
             line: 1 + text[..line_start].matches('\n').count(),
             column: 1 + text[line_start..at].chars().count(),
             is_cut: from > line_start,
@@ -42,7 +42,7 @@ impl Source<'_> {
         }
     }
 
-    /// The error that points at `span`.
+    /// Returns the error that points at `span`.
     pub fn fault(
         &self,
         span: Range<usize>,
@@ -50,26 +50,26 @@ impl Source<'_> {
         label: impl Into<String>,
         help: impl Into<String>,
     ) -> WorldError {
-        self.fault_at(vec![self.place(span, label)], title, help)
+        self.fault_at(vec![self.location(span, label)], title, help)
     }
 
-    /// The error that points at several places, the culprit first; or at the whole text.
+    /// Returns the error that points at several locations, the fault first, or at the whole text.
     pub fn fault_at(
         &self,
-        places: Vec<Place>,
+        locations: Vec<Location>,
         title: impl Into<String>,
         help: impl Into<String>,
     ) -> WorldError {
         WorldError::Invalid(Box::new(Diagnostic {
             origin: shown(self.origin),
             title: shown(&title.into()),
-            places: places.into_iter().map(Place::shown).collect(),
+            locations: locations.into_iter().map(Location::shown).collect(),
             help: shown(&help.into()),
         }))
     }
 }
 
-/// The last character boundary at or before `index`.
+/// Returns the last character boundary at or before `index`.
 fn floor(text: &str, index: usize) -> usize {
     let index = index.min(text.len());
     (0..=index)
@@ -78,7 +78,7 @@ fn floor(text: &str, index: usize) -> usize {
         .unwrap_or(0)
 }
 
-/// A text from a file for use in a message: quoted, without control characters, and short.
+/// Quotes a text from a file for use in a message: short, without control characters.
 pub fn quoted(text: &str) -> String {
     const LONGEST: usize = 40;
     let shown: String = text.chars().take(LONGEST).map(printable).collect();

@@ -1,17 +1,17 @@
-//! Where episodes can start, to be drawn from by number.
+//! The cells in which episodes can start, accessible by number.
 
 use super::maze::{Cell, Maze};
 
-/// The cells in which an episode can start, found by their numbers in reading order: a count for
-/// each row, so that vast mazes need no list.
+/// The cells in which an episode can start, accessible by their numbers in reading order. Stores a
+/// count for each row, so that large mazes need no list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Starts {
-    /// By row: how many there are down to its end.
+    /// For each row: the number of start cells up to the end of the row.
     through_row: Vec<usize>,
 }
 
 impl Starts {
-    /// Counts them, row by row.
+    /// Counts the start cells row by row.
     pub fn new(maze: &Maze) -> Self {
         let mut through_row = vec![0; usize::from(maze.height())];
         for cell in maze.starts() {
@@ -25,12 +25,12 @@ impl Starts {
         Self { through_row }
     }
 
-    /// How many there are; a checked maze has at least one.
+    /// Returns the number of start cells; a checked maze has at least one.
     pub fn count(&self) -> usize {
         self.through_row.last().copied().unwrap_or(0)
     }
 
-    /// The one with this number, counted from 0; `None` beyond the last.
+    /// Returns the start cell with this number, counted from 0; `None` beyond the last.
     pub fn nth(&self, maze: &Maze, number: usize) -> Option<Cell> {
         if maze.start().is_some() {
             return maze.start().filter(|_| number == 0);
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn starts_by_number_are_those_of_the_list() {
+    fn starts_by_number_match_the_list() {
         let closed = ["#######", "#...G.#", "#######"];
         let fixed = ["#####", "#.SG#", "#####"];
         for (wrap, rows) in [(false, &closed[..]), (false, &fixed), (true, &["..", "G."])] {

@@ -1,18 +1,19 @@
-//! Rotations, computed alike on every platform.
+//! Rotations with the same result on every platform.
 
 use nalgebra::{Complex, UnitComplex, Vector2};
 
-/// A number times itself.
+/// Returns the square of a number.
 pub fn square(number: f64) -> f64 {
     number * number
 }
 
-/// The unit vector along the heading of a rotation.
+/// Returns the unit vector along the heading of a rotation.
 pub fn ahead(rotation: UnitComplex<f64>) -> Vector2<f64> {
     Vector2::new(rotation.re, rotation.im)
 }
 
-/// The rotation by an angle: for that of a step by its series, whose error is below 1e-10 there.
+/// Returns the rotation by an angle. Angles of a single step use a power series, whose error is
+/// below 1e-10.
 pub fn rotation(angle_rad: f64) -> UnitComplex<f64> {
     let square = angle_rad * angle_rad;
     let (sine, cosine) = if square < 0.4 {
@@ -30,7 +31,7 @@ pub fn rotation(angle_rad: f64) -> UnitComplex<f64> {
     UnitComplex::new_unchecked(Complex::new(cosine, sine))
 }
 
-/// The rotation by a small angle, without sine and cosine (Cayley's formula).
+/// Returns the rotation by a small angle, without sine and cosine (Cayley's formula).
 pub fn cayley(angle_rad: f64) -> UnitComplex<f64> {
     let quarter = angle_rad * angle_rad / 4.0;
     let over = 1.0 + quarter;
@@ -42,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rotation_is_that_of_sine_and_cosine() {
+    fn a_rotation_matches_sine_and_cosine() {
         for step in -40..=40 {
             let angle_rad = f64::from(step) / 20.0;
             let (sine, cosine) = libm::sincos(angle_rad);
@@ -53,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_small_angle_cayley_gives_the_same() {
+    fn cayley_matches_for_a_small_angle() {
         let difference = cayley(0.01) * rotation(0.01).inverse();
         assert!(difference.im.abs() < 1e-7, "{difference}");
     }

@@ -1,8 +1,8 @@
-//! How noisy the filter assumes its sensors to be.
+//! The sensor noise that the filter assumes.
 
 use crate::{Robot, STEP_S};
 
-/// How noisy the filter assumes its sensors to be: deviations, lengths in metres.
+/// The sensor noise that the filter assumes: standard deviations, lengths in metres.
 #[derive(Debug, Clone)]
 pub(super) struct Assumed {
     pub range: f64,
@@ -18,7 +18,7 @@ pub(super) struct Assumed {
     pub gyro: f64,
     pub wheels: f64,
     pub ranges: f64,
-    /// The wheels are counted in ticks: each reading is off by less than one.
+    /// The wheels are counted in ticks, so each reading is off by less than one tick.
     pub tick_m: f64,
     pub wheel_base_m: f64,
     /// The largest change of the distance per step that a slippery floor allows, in metres.
@@ -26,8 +26,8 @@ pub(super) struct Assumed {
 }
 
 impl Assumed {
-    /// The data sheets of the sensors at their noise level, times the caution. A thousandth is
-    /// left where there is no noise, because the world is computed with rounding.
+    /// Takes the data sheets of the sensors at their noise level, times the caution factor. Without
+    /// noise a minimum of about a thousandth remains, because the simulation has rounding errors.
     pub fn new(robot: &Robot) -> Self {
         let times = robot.noise * robot.estimator.caution;
         let of = |deviation: f64, least: f64| (times * deviation).max(least);

@@ -1,8 +1,8 @@
-//! From beams to the cells around the robot.
+//! Maps beams to the cells around the robot.
 //!
-//! A beam ends where it enters a wall, and it can enter one only where it crosses a line of the
-//! grid: the crossing nearest to the measured range tells which cell is a wall. All cells that it
-//! went through before are free.
+//! A beam ends where it enters a wall, and can enter a wall only where it crosses a line of the
+//! grid. The crossing nearest to the measured range determines which cell is a wall. All cells that
+//! the beam passed through before are free.
 
 use nalgebra::Vector2;
 
@@ -10,22 +10,22 @@ use super::Surroundings;
 use super::estimator::Ray;
 use crate::whole::floor;
 
-/// Evidence of one beam for a free cell or a wall ...
+/// The evidence of one beam for a free cell or a wall ...
 const HIT: i32 = 20;
-/// ... and for free cells when nothing came back: it may have got lost.
+/// ... and for free cells when nothing came back, because the beam may be a dropout.
 const LOST: i32 = 7;
-/// A beam that is in a cell for less than this, in metres, says nothing about it: the estimated pose may
-/// be off by as much. In small cells the limit is the same share of the cell ...
+/// A beam that is in a cell for less than this distance, in metres, gives no evidence about it: the
+/// estimated pose may be off by as much. In small cells the limit is the same share of the cell ...
 const GRAZE_M: f64 = 0.15;
 /// ... and in all cells this share of the range is added.
 const GRAZE_SHARE: f64 = 0.02;
-/// A beam that ends farther than this from every crossing, in metres, is an outlier. In small cells the
-/// limit is the same share of the cell.
+/// A beam that ends farther than this from every crossing, in metres, is an outlier. In small cells
+/// the limit is the same share of the cell.
 const STRAY_M: f64 = 0.2;
 
-/// Adds the evidence of a beam to a map with cells of `cell_size_m`. A beam that does not come back is
-/// followed for `lost_m`, and one that hit something too near to be measured is taken to end after
-/// `nearest_m`.
+/// Adds the evidence of a beam to a map with cells of `cell_size_m`. A beam that does not come back
+/// is followed for `lost_m`. A beam that hit something too near to be measured is assumed to end
+/// after `nearest_m`.
 pub(super) fn mark(
     map: &mut Surroundings,
     ray: &Ray,
@@ -36,7 +36,7 @@ pub(super) fn mark(
         Some(range) => (HIT, range.max(nearest_m)),
         None => (LOST, lost_m),
     };
-    // The farther away, the less is known about where it was.
+    // The position of the beam is less certain at a greater distance.
     let graze = GRAZE_M * cell_size_m.min(1.0) + GRAZE_SHARE * range;
     let stray = STRAY_M * cell_size_m.min(1.0);
     let mut x = Axis::new(ray.origin.x, ray.direction.x, cell_size_m);
@@ -63,7 +63,7 @@ pub(super) fn mark(
             map.add(cell, weight);
         }
         if ends {
-            // Near a corner it may have ended one cell before or behind.
+            // Near a corner the beam may have ended one cell before or behind.
             if following - left > graze && (entered == 0.0 || stay > graze) {
                 map.add([x.cell, y.cell], -HIT);
             }
@@ -77,9 +77,9 @@ pub(super) fn mark(
 struct Axis {
     cell: i32,
     step: i32,
-    /// How far along the ray the next cell begins, in metres.
+    /// The distance along the ray to the next cell, in metres.
     next: f64,
-    /// From one cell to the next along the ray, in metres.
+    /// The distance from one cell to the next along the ray, in metres.
     every: f64,
 }
 
@@ -108,7 +108,7 @@ impl Axis {
     }
 }
 
-/// The cell (east, north) that holds a point of the grid frame.
+/// Returns the cell (east, north) that contains a point of the grid frame.
 pub(super) fn cell_of(point: Vector2<f64>, cell_size_m: f64) -> [i32; 2] {
     [point.x, point.y].map(|at| floor(at / cell_size_m) as i32)
 }

@@ -1,7 +1,7 @@
-//! The robot's own computer: all that it knows comes from its sensors.
+//! The robot's own computer, whose only inputs are sensor readings.
 //!
-//! Nothing in this folder may name the sensors, the walls or a true pose; `tests/onboard.rs` checks that. The robot is told where it is put down, and gets [`Readings`] from
-//! then on.
+//! Nothing in this folder may name the sensors, the walls or a true pose; `tests/onboard.rs` checks
+//! that. The robot is given the pose where it is put down, and receives [`Readings`] from then on.
 
 mod angle;
 mod assumed;
@@ -20,23 +20,24 @@ use self::mapper::cell_of;
 pub use self::surroundings::Surroundings;
 use crate::{Readings, Return, Robot};
 
-/// What the robot knows.
+/// The onboard computer: pose estimate and local map.
 #[derive(Debug, Clone)]
 pub struct Onboard {
     estimator: Estimator,
     surroundings: Surroundings,
     every_nth_beam: u32,
-    /// The beams of a step that it takes.
+    /// The beams of a step that are used.
     taken: Vec<Return>,
     bumped: [bool; 2],
     over_marker: bool,
     cell_size_m: f64,
-    /// How far beams are taken to go that hit something too near to be measured, or do not come back.
+    /// The assumed ranges of beams that hit something too near to be measured, and of beams that do
+    /// not come back.
     assumed_ranges_m: [f64; 2],
 }
 
 impl Onboard {
-    /// A robot that knows nothing of its sensors yet.
+    /// Creates an onboard computer with uncalibrated sensors.
     pub fn new(robot: &Robot) -> Self {
         Self {
             estimator: Estimator::new(robot),
@@ -59,13 +60,13 @@ impl Onboard {
         self.begin_action();
     }
 
-    /// A new action begins: what was seen before is forgotten, for a wrong sight must not last.
+    /// Begins an action. Clears the local map, so that an observation error cannot persist.
     pub fn begin_action(&mut self) {
         self.surroundings.forget(self.cell());
         self.estimator.begin_action();
     }
 
-    /// Takes in what the sensors tell about a step.
+    /// Updates the estimates with the readings of a step.
     pub fn step(&mut self, readings: &Readings<'_>) {
         let every = self.every_nth_beam;
         let is_taken = |beam: &&Return| beam.number.is_multiple_of(every);
@@ -85,22 +86,23 @@ impl Onboard {
         self.over_marker = readings.over_marker;
     }
 
-    /// Estimated speed along the heading in m/s and turn rate in rad/s.
+    /// Returns the estimated speed along the heading in m/s and the turn rate in rad/s.
     pub fn speeds(&self) -> (f64, f64) {
         self.estimator.speeds()
     }
 
-    /// The estimated pose in the grid frame, in metres, and the covariance of x, y and heading.
+    /// Returns the estimated pose in the grid frame, in metres, and the covariance of x, y and
+    /// heading.
     pub fn estimate(&self) -> (Isometry2<f64>, Matrix3<f64>) {
         (self.estimator.pose(), self.estimator.covariance())
     }
 
-    /// The estimated cell, counted to the east and to the north.
+    /// Returns the estimated cell, counted to the east and to the north.
     pub fn cell(&self) -> [i32; 2] {
         cell_of(self.estimator.pose().translation.vector, self.cell_size_m)
     }
 
-    /// The middle of the estimated cell in the grid frame, in metres.
+    /// Returns the middle of the estimated cell in the grid frame, in metres.
     pub fn middle(&self) -> Point2<f64> {
         let [east, north] = self.cell().map(f64::from);
         Point2::new(
@@ -109,32 +111,32 @@ impl Onboard {
         )
     }
 
-    /// Did the front and did the rear bumper close in the last step?
+    /// Returns whether the front and the rear bumper closed in the last step.
     pub fn bumped(&self) -> [bool; 2] {
         self.bumped
     }
 
-    /// Has it noticed that its wheels slip, a moment ago or now?
+    /// Returns true if wheel slip was detected recently.
     pub fn slips(&self) -> bool {
         self.estimator.slips()
     }
 
-    /// Does it see the marker of a goal below itself?
+    /// Returns true if the robot is above the marker of a goal.
     pub fn over_marker(&self) -> bool {
         self.over_marker
     }
 
-    /// What it made out around itself in this action.
+    /// Returns the cells around the robot, as observed in this action.
     pub fn surroundings(&self) -> &Surroundings {
         &self.surroundings
     }
 
-    /// The state of its filter.
+    /// Returns the state of the filter.
     pub fn belief(&self) -> &Belief {
         self.estimator.belief()
     }
 
-    /// Puts a state of the filter back, and what it had made out.
+    /// Restores a state of the filter, and the observed surroundings.
     pub fn restore(&mut self, belief: Belief, surroundings: Surroundings) {
         self.estimator.set_belief(belief);
         self.surroundings = surroundings;

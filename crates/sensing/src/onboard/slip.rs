@@ -1,62 +1,62 @@
-//! Noticing that the wheels slip.
+//! Wheel-slip detection.
 //!
-//! Wheels that slip turn the robot less, or longer, than they count, and the gyro tells at once. Along
-//! its way both wheels may spin alike. Then two accounts of where the robot is drift apart: that of the
-//! wheels, and that of a floor which cannot speed the robot up so fast. The beams decide between them,
-//! by a sequential test (Wald 1945).
+//! Slipping wheels turn the robot less, or longer, than they count, and the gyro shows this at
+//! once. When driving straight, both wheels may spin alike. Then two hypotheses about the position
+//! drift apart: the position by the wheels, and the position on a floor with limited grip. A
+//! sequential test (Wald 1945) on the beams decides between them.
 
 use serde::{Deserialize, Serialize};
 
 use crate::{EstimatorParams, STEP_S};
 
-/// Steps after a bump in which wheels slip on any floor.
+/// The number of steps after a bump in which wheels slip on any floor.
 const AFTER_BUMP: u32 = 10;
-/// More deviations than this of what the wheels roll are no noise.
+/// The number of deviations of the wheel noise above which a disagreement counts as slip.
 const DEVIATIONS: f64 = 3.0;
 
-/// Accounts that lie nearer to each other than this, in metres, are the same ...
+/// The distance in metres below which the two hypotheses are the same ...
 const SAME: f64 = 0.03;
-/// ... and with these odds (a logarithm) one of them is right. Beams share the errors of the pose and of
-/// the range's scale, so they say less than as many independent ones: with half of it, at noise 3,
-/// one in a thousand moves on a floor with grip was held for slippery.
+/// ... and the log odds at which one of them is accepted. Beams share the errors of the pose and of
+/// the range's scale, so they are worth less than independent ones. With half of this threshold, at
+/// noise 3, one in a thousand moves on a floor with grip was treated as slippery.
 const DECIDED: f64 = 16.0;
 
-/// What the robot remembers of slipping.
+/// The state of the wheel-slip detector.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slip {
-    /// For so many steps the floor is still held for slippery.
+    /// The number of steps for which the floor is still treated as slippery.
     slippery: u32,
-    /// For so many steps slipping says nothing about the floor.
+    /// The number of steps for which slip gives no information about the floor.
     bumped: u32,
-    /// By how much the robot is behind what it believes if the wheels spin, along its heading, in
-    /// metres.
+    /// The distance by which the robot is behind its estimated position if the wheels spin, along
+    /// its heading, in metres.
     lag: f64,
-    /// The logarithm of the odds that they do.
+    /// The log odds that the wheels spin.
     odds: f64,
 }
 
-/// What the beams say about wheels that may spin.
+/// The result of the sequential test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Verdict {
-    /// They do, and the robot is so many metres behind.
+    /// The wheels spun, and the robot is this far behind, in metres.
     Spun(f64),
-    /// They do not.
+    /// The wheels did not spin.
     Rolled,
 }
 
-/// Steps for which slip is remembered.
+/// Returns the number of steps for which slip is remembered.
 fn remembered_steps(params: &EstimatorParams) -> u32 {
     (params.slip_s / STEP_S).round() as u32
 }
 
 impl Slip {
-    /// Is the floor held for slippery?
-    pub(super) fn is_noticed(&self) -> bool {
+    /// Returns true if the floor is treated as slippery.
+    pub(super) fn is_detected(&self) -> bool {
         self.slippery > 0
     }
 
-    /// One step: by how much each wheel rolled otherwise than the gyro's turn says, and the
-    /// deviation of that, in metres.
+    /// Processes one step: the distance by which each wheel's count differs from the gyro's turn,
+    /// and its deviation, in metres.
     pub(super) fn step(
         &mut self,
         disagreement: f64,
@@ -75,11 +75,12 @@ impl Slip {
         }
     }
 
-    /// One step: by how much the wheels rolled farther than a slippery floor lets the robot move.
+    /// Processes one step: the distance that the wheels rolled farther than a slippery floor lets
+    /// the robot move.
     pub(super) fn roll(&mut self, excess: f64, bumped: bool) {
         if bumped {
             self.forget_lag();
-        } else if !self.is_noticed() {
+        } else if !self.is_detected() {
             self.shift_lag(excess);
         }
         if excess == 0.0 && self.lag.abs() < SAME {
@@ -87,21 +88,22 @@ impl Slip {
         }
     }
 
-    /// By how many metres the robot is behind what it believes if the wheels spin; `None` while
-    /// that makes no difference.
+    /// Returns the distance in metres by which the robot is behind its estimated position if the
+    /// wheels spin. Returns `None` while the two hypotheses are the same.
     pub(super) fn lag(&self) -> Option<f64> {
         (self.lag.abs() >= SAME).then_some(self.lag)
     }
 
-    /// What the robot believes was corrected by so much along its heading; the other account stays.
+    /// Accounts for a correction of the estimated position along the heading. The other hypothesis
+    /// stays.
     pub(super) fn correct(&mut self, along: f64) {
         if self.lag != 0.0 {
             self.shift_lag(along);
         }
     }
 
-    /// Wheels that brake too hard are another account than wheels that speed up too hard: what the
-    /// beams said for the one does not speak for the other.
+    /// Changes the lag. Wheels that brake too hard are another hypothesis than wheels that
+    /// accelerate too hard, so the evidence starts again when the sign changes.
     fn shift_lag(&mut self, by: f64) {
         let before = self.lag;
         self.lag += by;
@@ -110,7 +112,8 @@ impl Slip {
         }
     }
 
-    /// A beam fits better, by this logarithm of a likelihood ratio, if the wheels spin.
+    /// Adds the evidence of a beam: the log likelihood ratio of wheels that spin to wheels that
+    /// roll.
     pub(super) fn weigh(&mut self, evidence: f64, params: &EstimatorParams) -> Option<Verdict> {
         self.odds += evidence;
         if self.odds.abs() < DECIDED {
@@ -135,8 +138,9 @@ impl Slip {
 mod tests {
     use super::*;
 
-    /// Steps for which slip is noticed when it is remembered for so long.
-    fn noticed_steps(slip_s: f64) -> u32 {
+    /// Returns the number of steps for which slip stays detected when it is remembered for
+    /// `slip_s`.
+    fn detected_steps(slip_s: f64) -> u32 {
         let params = EstimatorParams {
             slip_s,
             ..EstimatorParams::default()
@@ -144,7 +148,7 @@ mod tests {
         let mut slip = Slip::default();
         slip.step(0.1, 0.0, false, &params);
         let mut steps = 0;
-        while slip.is_noticed() {
+        while slip.is_detected() {
             slip.step(0.0, 0.0, false, &params);
             steps += 1;
         }
@@ -153,62 +157,62 @@ mod tests {
 
     #[test]
     fn the_time_for_which_slip_is_remembered_is_a_whole_number_of_steps() {
-        assert_eq!([0.6, 0.15, 2.0, 0.0].map(noticed_steps), [12, 3, 40, 0]);
+        assert_eq!([0.6, 0.15, 2.0, 0.0].map(detected_steps), [12, 3, 40, 0]);
     }
 
-    /// After steps with these disagreements, without noise; `bump` is the number of a step.
-    fn notices(disagreements: &[f64], bump: Option<usize>) -> bool {
+    /// Returns whether slip is detected after steps with these disagreements, without noise. `bump`
+    /// is the number of a step.
+    fn detects(disagreements: &[f64], bump: Option<usize>) -> bool {
         let (mut slip, params) = (Slip::default(), EstimatorParams::default());
         for (number, &disagreement) in disagreements.iter().enumerate() {
             slip.step(disagreement, 0.0, bump == Some(number), &params);
         }
-        slip.is_noticed()
+        slip.is_detected()
     }
 
     #[test]
-    fn slip_is_noticed_and_forgotten_after_a_while() {
-        assert!(notices(&[0.0, 0.02], None));
-        assert!(!notices(&[0.0, 0.009], None), "less than the setting");
+    fn slip_is_detected_and_expires_after_a_while() {
+        assert!(detects(&[0.0, 0.02], None));
+        assert!(!detects(&[0.0, 0.009], None), "less than the setting");
         let mut long_ago = vec![0.02];
         long_ago.extend([0.0; 40]);
-        assert!(notices(&long_ago[..40], None) && !notices(&long_ago, None));
+        assert!(detects(&long_ago[..40], None) && !detects(&long_ago, None));
     }
 
     #[test]
     fn after_a_bump_wheels_slip_on_any_floor() {
-        assert!(!notices(&[0.0, 0.02], Some(0)));
+        assert!(!detects(&[0.0, 0.02], Some(0)));
         let mut later = vec![0.0; 10];
         later.push(0.02);
-        assert!(notices(&later, Some(0)));
+        assert!(detects(&later, Some(0)));
     }
 
     #[test]
-    fn what_the_noise_of_the_wheels_explains_is_no_slip() {
+    fn disagreement_within_the_wheel_noise_is_not_slip() {
         let (mut slip, params) = (Slip::default(), EstimatorParams::default());
         slip.step(0.039, 0.01, false, &params);
-        assert!(!slip.is_noticed());
+        assert!(!slip.is_detected());
         slip.step(0.041, 0.01, false, &params);
-        assert!(slip.is_noticed());
+        assert!(slip.is_detected());
     }
 
     #[test]
-    fn beams_decide_whether_wheels_that_spin_alike_left_the_robot_behind() {
+    fn beams_decide_whether_wheels_that_spin_alike_put_the_robot_behind() {
         let params = EstimatorParams::default();
         let mut slip = Slip::default();
         slip.roll(0.1, false);
         assert_eq!(slip.lag(), Some(0.1));
         assert_eq!(slip.weigh(15.0, &params), None, "not yet");
         assert_eq!(slip.weigh(2.0, &params), Some(Verdict::Spun(0.1)));
-        assert!(slip.is_noticed() && slip.lag().is_none());
+        assert!(slip.is_detected() && slip.lag().is_none());
         let mut slip = Slip::default();
         slip.roll(0.1, false);
         assert_eq!(slip.weigh(-17.0, &params), Some(Verdict::Rolled));
-        assert!(!slip.is_noticed() && slip.lag().is_none());
+        assert!(!slip.is_detected() && slip.lag().is_none());
     }
 
     #[test]
-    fn what_spoke_for_wheels_that_speed_up_too_hard_does_not_speak_for_wheels_that_brake_too_hard()
-    {
+    fn evidence_for_accelerating_too_hard_is_not_evidence_for_braking_too_hard() {
         let params = EstimatorParams::default();
         let weighed_after = |by: f64| {
             let mut slip = Slip::default();
@@ -226,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lag_that_makes_no_difference_is_forgotten() {
+    fn a_negligible_lag_is_dropped() {
         let mut slip = Slip::default();
         slip.roll(0.02, false);
         assert_eq!(slip.lag(), None);

@@ -1,31 +1,30 @@
-//! The cells around the robot, as it made them out.
+//! The cells around the robot, as observed.
 
 use serde::{Deserialize, Serialize};
 
-/// Cells in each direction about which the robot can know something.
+/// The number of cells that the map covers in each direction.
 const REACH: i32 = 9;
-/// Cells along each side of the map.
+/// The number of cells along each side of the map.
 const SIDE: usize = 2 * REACH as usize + 1;
-/// More evidence than this for a free cell than against it makes it free. One or two beams that
-/// got lost are less.
+/// The evidence above which a cell is free. One or two beams that did not come back are less.
 const FREE_ABOVE: i32 = 30;
 
-/// The cells around the robot, as the beams of the last action showed them.
+/// The cells around the robot, as observed by the beams of the last action.
 ///
-/// Each beam adds evidence for or against a cell being free. A cell about which nothing is known
-/// counts as a wall: it is hidden.
+/// Each beam adds evidence for or against a cell being free. A cell without evidence is hidden, and
+/// counts as a wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Surroundings {
-    /// The cell of the robot's frame in the middle of the map; column to the east, row to the north.
+    /// The cell in the middle of the map; column to the east, row to the north.
     middle: [i32; 2],
-    /// Where the robot believes to stand.
+    /// The estimated cell of the robot.
     here: [i32; 2],
-    /// Row by row from the south.
+    /// The evidence, row by row from the south.
     evidence: Vec<i32>,
 }
 
 impl Surroundings {
-    /// Nothing is known around the cell `middle` (east, north).
+    /// Creates a map without evidence around the cell `middle` (east, north).
     pub(crate) fn unknown(middle: [i32; 2]) -> Self {
         Self {
             middle,
@@ -34,27 +33,27 @@ impl Surroundings {
         }
     }
 
-    /// Forgets everything; the robot stands in the cell `middle`.
+    /// Clears the map, and centres it on the cell `middle`, where the robot is.
     pub(crate) fn forget(&mut self, middle: [i32; 2]) {
         self.middle = middle;
         self.here = middle;
         self.evidence.fill(0);
     }
 
-    /// Adds evidence that a cell is free, or is a wall where it is negative.
+    /// Adds evidence that a cell is free, or a wall if it is negative.
     pub(crate) fn add(&mut self, cell: [i32; 2], evidence: i32) {
         if let Some(known) = self.entry(cell).and_then(|at| self.evidence.get_mut(at)) {
             *known += evidence;
         }
     }
 
-    /// The robot believes to stand in a cell now.
+    /// Sets the estimated cell of the robot.
     pub(crate) fn stand_in(&mut self, here: [i32; 2]) {
         self.here = here;
     }
 
-    /// Was the cell so many cells to the east and to the north of the robot seen to be free?
-    /// Walls are not, and neither are cells that were hidden.
+    /// Returns true if the cell at an offset to the east and to the north of the robot was observed
+    /// to be free. Walls and hidden cells are not.
     pub fn is_free(&self, east: i32, north: i32) -> bool {
         let cell = [self.here[0] + east, self.here[1] + north];
         let known = self.entry(cell).and_then(|at| self.evidence.get(at));

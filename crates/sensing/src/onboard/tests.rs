@@ -10,7 +10,7 @@ use crate::{
     STEP_S,
 };
 
-/// The robot of the physics arena by default.
+/// Returns the default robot of the physics arena.
 fn robot() -> Robot {
     Robot {
         noise: 1.0,
@@ -28,7 +28,7 @@ fn robot() -> Robot {
     }
 }
 
-/// Readings of one step without a bump or a marker.
+/// Returns the readings of one step without a bump or a marker.
 fn readings(rolled: [f64; 2], turned_rad: f64, beams: &[Return]) -> Readings<'_> {
     Readings {
         rolled_m: rolled,
@@ -49,7 +49,7 @@ fn estimator(x: f64, y: f64) -> Estimator {
     estimator
 }
 
-/// A beam at the end of a step, in the direction of the unit vector (x, y).
+/// Returns a beam at the end of a step, in the direction of the unit vector (x, y).
 fn beam(x: f64, y: f64, range: f64) -> Return {
     Return {
         number: 0,
@@ -60,7 +60,7 @@ fn beam(x: f64, y: f64, range: f64) -> Return {
 }
 
 #[test]
-fn a_straight_drive_adds_up_and_makes_the_robot_less_sure_along_its_way() {
+fn a_straight_drive_adds_up_and_increases_the_variance_along_the_path() {
     let mut estimator = estimator(0.5, 0.5);
     for _ in 0..10 {
         estimator.step(&readings([0.05, 0.05], 0.0, &[]));
@@ -68,13 +68,14 @@ fn a_straight_drive_adds_up_and_makes_the_robot_less_sure_along_its_way() {
     let pose = estimator.pose();
     assert!((pose.translation.vector - Vector2::new(1.0, 0.5)).norm() < 1e-12);
     assert!((estimator.speeds().0 - 1.0).abs() < 1e-12, "m/s");
-    // The wheels' scale of 3 % alone makes 1.5 cm of half a metre; the start has 1 cm.
+    // The wheels' scale of 3 % alone contributes 1.5 cm over half a metre; the start contributes 1
+    // cm.
     let covariance = estimator.covariance();
     assert!(
         covariance[(0, 0)] > 0.015_f64.powi(2) + 1e-4,
         "{covariance}"
     );
-    // Across, a heading that is off by 0.01 makes 5 mm.
+    // Across the heading, an error of 0.01 rad contributes 5 mm.
     let across = 1e-4 + 0.005_f64.powi(2);
     assert!(
         (covariance[(1, 1)] / across - 1.0).abs() < 0.15,
@@ -83,7 +84,7 @@ fn a_straight_drive_adds_up_and_makes_the_robot_less_sure_along_its_way() {
 }
 
 #[test]
-fn a_quarter_turn_by_the_gyro_ends_in_the_north() {
+fn a_quarter_turn_by_the_gyro_ends_facing_north() {
     let mut estimator = estimator(0.5, 0.5);
     let step_rad = std::f64::consts::FRAC_PI_2 / 5.0;
     for _ in 0..5 {
@@ -96,7 +97,7 @@ fn a_quarter_turn_by_the_gyro_ends_in_the_north() {
 }
 
 #[test]
-fn without_a_gyro_the_wheels_tell_the_turn() {
+fn without_a_gyro_the_wheels_give_the_turn() {
     let mut estimator = estimator(0.5, 0.5);
     let told = Readings {
         turned_rad: None,
@@ -111,8 +112,8 @@ fn without_a_gyro_the_wheels_tell_the_turn() {
 }
 
 #[test]
-fn a_bump_counts_half_of_the_way_and_makes_the_robot_unsure() {
-    // What a step at full speed adds, after a first one without a bump.
+fn a_bump_halves_the_distance_and_increases_the_variance() {
+    // The distance and variance added by a step at full speed, after a first step without a bump.
     let added = |bumped: bool| {
         let mut estimator = estimator(0.5, 0.5);
         estimator.step(&readings([0.06, 0.06], 0.0, &[]));
@@ -151,14 +152,14 @@ fn wheels_that_speed_up_may_slip() {
     assert!(steady < 1e-4, "control: {steady}");
 }
 
-/// The robot believes in x = 0.5, and a beam to the east comes back after 1.47: the wall is on a
-/// line, so it must be at 2, and the robot at about 0.53.
+/// The estimated position is x = 0.5, and a beam to the east comes back after 1.47. The wall is on
+/// a line, so it must be at 2, and the robot at about 0.53.
 #[test]
-fn a_beam_moves_the_robot_by_the_gain_that_one_works_out_by_hand() {
+fn a_beam_moves_the_estimate_by_the_gain_calculated_by_hand() {
     let mut estimator = estimator(0.5, 0.5);
     estimator.step(&readings([0.0; 2], 0.0, &[beam(1.0, 0.0, 1.47)]));
-    // At caution 1.2: 1.2 cm and 1.2 % of the range, and a scale of ranges of 1.2 %. The step
-    // itself adds 1e-8 twice, and what counting whole ticks of 1 mm leaves open.
+    // With caution 1.2: 1.2 cm and 1.2 % of the range, and a scale of ranges of 1.2 %. The step
+    // itself adds 1e-8 twice, and the quantisation error of ticks of 1 mm.
     let prior = 1e-4 + 2e-8 + 1e-6 / 12.0;
     let measured = (0.012_f64 + 0.012 * 1.47).powi(2) + (0.012_f64 * 1.47).powi(2);
     let gain = prior / (prior + measured);
@@ -176,7 +177,7 @@ fn a_beam_moves_the_robot_by_the_gain_that_one_works_out_by_hand() {
 }
 
 #[test]
-fn a_beam_into_a_corner_or_beside_every_line_is_not_believed() {
+fn a_beam_into_a_corner_or_off_every_line_is_rejected() {
     for (x, y, range) in [(0.6, 0.8, 2.5), (1.0, 0.0, 1.1)] {
         let mut estimator = estimator(0.5, 0.0);
         estimator.step(&readings([0.0; 2], 0.0, &[beam(x, y, range)]));
@@ -189,8 +190,8 @@ fn a_beam_into_a_corner_or_beside_every_line_is_not_believed() {
     }
 }
 
-/// Four beams along x say that the robot stands at 0.7 and not at 0.5.
-fn doubtful(batch_check: bool, steps: usize) -> Estimator {
+/// Four beams along x show that the robot is at 0.7 and not at 0.5.
+fn after_disagreeing_beams(batch_check: bool, steps: usize) -> Estimator {
     let mut robot = robot();
     robot.estimator.batch_check = batch_check;
     let mut estimator = Estimator::new(&robot);
@@ -203,20 +204,21 @@ fn doubtful(batch_check: bool, steps: usize) -> Estimator {
 }
 
 #[test]
-fn where_several_beams_disagree_the_robot_doubts_its_place_along_their_axis() {
-    let mut found = doubtful(true, 1);
+fn several_disagreeing_beams_inflate_the_covariance_along_their_axis() {
+    let mut found = after_disagreeing_beams(true, 1);
     assert_eq!(found.pose().translation.x, 0.5, "two may be outliers");
-    found = doubtful(true, 3);
+    found = after_disagreeing_beams(true, 3);
     let moved = found.pose().translation.x;
     assert!(moved > 0.65, "all say that it stands at 0.7: {moved}");
     assert!(found.covariance()[(1, 1)] < 2e-4, "along y none disagrees");
-    let sure = doubtful(false, 4);
+    let sure = after_disagreeing_beams(false, 4);
     let stayed = sure.pose().translation.x;
     assert!(stayed == 0.5 && sure.covariance()[(0, 0)] < 2e-4, "control");
 }
 
-/// A robot that rolls 20 % less than its wheels count, in a corridor with a wall ahead.
-fn after_a_slow_way(wheel_bias: f64) -> f64 {
+/// Returns the position error of a robot that rolls 20 % less than its wheels count, in a corridor
+/// with a wall ahead.
+fn error_of_a_slow_robot(wheel_bias: f64) -> f64 {
     let mut robot = robot();
     robot.noise = 3.0;
     robot.wheel_bias = wheel_bias;
@@ -232,8 +234,8 @@ fn after_a_slow_way(wheel_bias: f64) -> f64 {
 }
 
 #[test]
-fn a_wheel_that_rolls_otherwise_during_a_whole_action_is_found_out() {
-    let (error, control) = (after_a_slow_way(0.05), after_a_slow_way(0.0));
+fn a_wheel_bias_that_lasts_an_action_is_estimated() {
+    let (error, control) = (error_of_a_slow_robot(0.05), error_of_a_slow_robot(0.0));
     assert!(error.abs() < 0.07, "of 0.21 without beams: {error}");
     assert!(
         control > 1.3 * error,
@@ -241,9 +243,9 @@ fn a_wheel_that_rolls_otherwise_during_a_whole_action_is_found_out() {
     );
 }
 
-/// Where the robot believes to be, where it is, and whether it has noticed that its wheels slip, after
-/// it turned back in a corridor and then saw the wall ahead. The wheels speed up alike, with 7.4 metres
-/// per square second, the robot with what the floor gives.
+/// Returns the estimated position, the true position and whether slip was detected. The robot turns
+/// back in a corridor and then sees the wall ahead. Both wheels accelerate with 7.4 metres per
+/// square second, the robot with what the floor allows.
 fn after_turning_back(floor: f64) -> (f64, f64, bool) {
     let mut estimator = estimator(1.5, 0.5);
     estimator.begin_action();
@@ -262,7 +264,7 @@ fn after_turning_back(floor: f64) -> (f64, f64, bool) {
 }
 
 #[test]
-fn wheels_that_spin_alike_are_found_out_by_the_beams() {
+fn beams_detect_wheels_that_spin_alike() {
     let (x, true_x, slips) = after_turning_back(2.9);
     assert!(
         slips && (x - true_x).abs() < 0.05,
@@ -277,7 +279,7 @@ fn wheels_that_spin_alike_are_found_out_by_the_beams() {
 }
 
 #[test]
-fn each_action_begins_without_knowing_how_the_wheels_will_roll() {
+fn each_action_begins_with_an_unknown_wheel_bias() {
     let mut estimator = estimator(0.5, 0.5);
     estimator.begin_action();
     for step in 1..=10 {
@@ -300,7 +302,7 @@ fn each_action_begins_without_knowing_how_the_wheels_will_roll() {
     );
 }
 
-/// Marks a beam of a robot that stands in the middle of a cell and heads east.
+/// Marks a beam of a robot in the middle of a cell, heading east.
 fn mark(map: &mut Surroundings, beam: &Return) {
     let ray = estimator(0.5, 0.5).ray(beam, UnitComplex::identity());
     mapper::mark(map, &ray, 1.0, [0.12, 3.0]);
@@ -324,7 +326,7 @@ fn a_beam_marks_free_cells_and_the_wall_that_it_ends_in() {
 }
 
 #[test]
-fn a_beam_that_hits_something_too_near_is_evidence_for_a_wall_and_moves_no_estimate() {
+fn a_beam_that_hits_something_too_near_is_evidence_for_a_wall_and_does_not_move_the_estimate() {
     let close = estimator(0.12, 0.5);
     let ray = |beam: &Return| close.ray(beam, UnitComplex::identity());
     let mut map = Surroundings::unknown([0, 0]);
@@ -352,7 +354,7 @@ fn a_beam_that_hits_something_too_near_is_evidence_for_a_wall_and_moves_no_estim
 }
 
 #[test]
-fn a_beam_that_ends_between_lines_says_nothing_and_a_lost_one_says_little() {
+fn a_beam_that_ends_between_lines_is_no_evidence_and_a_dropout_is_weak_evidence() {
     let mut map = Surroundings::unknown([0, 0]);
     let lost = Return {
         range_m: None,

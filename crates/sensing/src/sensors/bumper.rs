@@ -7,8 +7,8 @@ use super::{Push, ahead};
 /// The cosine of half a sector: 45 degrees to each side.
 const SECTOR: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Is the front and is the rear sector pushed by more than `threshold`, of a robot that heads as
-/// `rotation` says?
+/// Returns whether the front and the rear sector are pushed by more than `threshold`. `rotation` is
+/// the heading of the robot.
 pub(super) fn read(rotation: UnitComplex<f64>, pushes: &[Push], threshold: f64) -> [bool; 2] {
     let front = ahead(rotation);
     let hit = |way: f64| {
@@ -30,7 +30,7 @@ mod tests {
     }
 
     #[test]
-    fn each_sector_feels_what_lies_within_45_degrees() {
+    fn each_sector_covers_45_degrees_to_each_side() {
         let north = UnitComplex::new_unchecked(Complex::new(0.0, 1.0));
         assert_eq!(read(north, &[push(0.6, 0.8, 1.0)], 0.3), [true, false]);
         assert_eq!(read(north, &[push(0.6, -0.8, 1.0)], 0.3), [false, true]);

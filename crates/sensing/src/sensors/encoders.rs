@@ -1,9 +1,9 @@
-//! The encoders: ticks for what the wheels rolled.
+//! The encoders: the rolled distance of the wheels in ticks.
 
 use crate::EncoderParams;
 use xcs::random::Stream;
 
-/// Counts ticks of both wheels. A wheel is a little larger or smaller than the robot thinks.
+/// Counts ticks of both wheels. A wheel is slightly larger or smaller than its nominal size.
 #[derive(Debug, Clone)]
 pub(super) struct Encoders {
     tick: f64,
@@ -13,7 +13,7 @@ pub(super) struct Encoders {
 }
 
 impl Encoders {
-    /// The encoders of the robot that draws from `stream`, at a noise level.
+    /// Creates the encoders of the robot with `stream`, at a noise level.
     pub(super) fn new(params: &EncoderParams, level: f64, mut stream: Stream) -> Self {
         let mut scale = || 1.0 + level * params.scale * stream.normal();
         Self {
@@ -23,12 +23,12 @@ impl Encoders {
         }
     }
 
-    /// Counts from zero.
+    /// Resets the counts.
     pub(super) fn reset(&mut self) {
         self.ticks = [0; 2];
     }
 
-    /// How far the wheels rolled since the last reading, when they have rolled `travel` in all.
+    /// Returns the rolled distances since the last reading, given the total distances `travel`.
     pub(super) fn read(&mut self, travel: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|side| {
             let ticks = (travel[side] * self.scale[side] / self.tick).floor() as i64;

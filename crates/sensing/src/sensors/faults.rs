@@ -1,9 +1,9 @@
-//! Sensors that fail: what a broken one tells in place of what it should.
+//! Sensor faults: the readings of broken sensors.
 
 use crate::{FaultParams, Readings, Return, STEP_S};
 
-/// The faults of a robot, and since when it has them. No random number is drawn here: with and
-/// without faults the sensors that still work tell the same.
+/// The faults of a robot, and when they start. Faults draw no random numbers, so the readings of
+/// all working sensors are the same with and without faults.
 #[derive(Debug, Clone)]
 pub(super) struct Faults {
     params: FaultParams,
@@ -11,12 +11,12 @@ pub(super) struct Faults {
     dead_above: f64,
     /// How often the robot was put down; once before the first episode.
     pub(super) resets: u32,
-    /// How far the gyro has drifted, in radians a step.
+    /// The drift of the gyro, in radians per step.
     pub(super) drift_rad: f64,
 }
 
 impl Faults {
-    /// The faults that a robot is going to have.
+    /// Creates the faults, which start later.
     pub(super) fn new(params: &FaultParams) -> Self {
         let half = (params.dead_sector_deg / 2.0).to_radians();
         Self {
@@ -27,19 +27,20 @@ impl Faults {
         }
     }
 
-    /// The next episode begins.
+    /// Begins the next episode.
     pub(super) fn reset(&mut self) {
         self.resets = self.resets.saturating_add(1);
     }
 
-    /// Are they there? The arena puts the robot down once before the first episode.
-    pub(super) fn are_there(&self) -> bool {
+    /// Returns true if the faults have started. The arena puts the robot down once before the first
+    /// episode.
+    pub(super) fn have_started(&self) -> bool {
         self.resets.saturating_sub(1) >= self.params.from_episode
     }
 
-    /// The beams of a step, without those of the dead sector.
+    /// Removes the ranges of the beams in the dead sector.
     pub(super) fn blind(&self, beams: &mut [Return]) {
-        if self.params.dead_sector_deg == 0.0 || !self.are_there() {
+        if self.params.dead_sector_deg == 0.0 || !self.have_started() {
             return;
         }
         let is_dead = |beam: &&mut Return| beam.bearing.re >= self.dead_above;
@@ -49,13 +50,13 @@ impl Faults {
             .for_each(|beam| beam.range_m = None);
     }
 
-    /// What broken sensors tell instead.
+    /// Replaces the readings of broken sensors.
     pub(super) fn distort(&mut self, readings: &mut Readings<'_>) {
-        if !self.are_there() {
+        if !self.have_started() {
             return;
         }
         self.drift_rad += self.params.gyro_drift_radps2 * STEP_S * STEP_S;
-        readings.turned_rad = readings.turned_rad.map(|told| told + self.drift_rad);
+        readings.turned_rad = readings.turned_rad.map(|turn| turn + self.drift_rad);
         if self.params.stuck_encoder {
             readings.rolled_m[0] = 0.0;
         }
@@ -79,8 +80,8 @@ mod tests {
         }
     }
 
-    /// All faults, from the second episode on, in an episode.
-    fn told(episode: u32) -> ([f64; 2], f64, [bool; 2], Vec<bool>) {
+    /// Returns the readings in an episode when all faults start in the second episode.
+    fn readings_in(episode: u32) -> ([f64; 2], f64, [bool; 2], Vec<bool>) {
         let mut faults = Faults::new(&FaultParams {
             from_episode: 2,
             dead_sector_deg: 90.0,
@@ -114,16 +115,16 @@ mod tests {
     }
 
     #[test]
-    fn from_their_episode_on_broken_sensors_tell_something_else() {
-        let (rolled, turned, bumped, came_back) = told(2);
+    fn broken_sensors_give_wrong_readings_from_their_episode_on() {
+        let (rolled, turned, bumped, came_back) = readings_in(2);
         assert_eq!((rolled, bumped), ([0.0, 0.2], [false, true]));
         assert!((turned - 0.001).abs() < 1e-12, "{turned}");
         assert_eq!(came_back, [false, true, false, true]);
     }
 
     #[test]
-    fn before_it_they_tell_what_they_should() {
+    fn faults_change_nothing_before_their_episode() {
         let sound = ([0.1, 0.2], 0.0, [true; 2], vec![true; 4]);
-        assert_eq!(told(1), sound);
+        assert_eq!(readings_in(1), sound);
     }
 }

@@ -1,7 +1,7 @@
-//! The gyro: how far the robot turned.
+//! The gyro: the turned angle of the robot.
 //!
-//! It is made from the change of the heading and not from the engine's turn rate: the engine turns
-//! by the arc tangent of rate times substep, which is 3 % less at full rate.
+//! It measures the change of the heading and not the engine's turn rate. The engine turns by the
+//! arc tangent of rate times substep, which is 3 % less at full rate.
 
 use crate::{GyroParams, STEP_S};
 use xcs::random::Stream;
@@ -18,7 +18,7 @@ pub(super) struct Gyro {
 }
 
 impl Gyro {
-    /// The gyro of the robot that draws from `stream`, at a noise level.
+    /// Creates the gyro of the robot with `stream`, at a noise level.
     pub(super) fn new(params: &GyroParams, level: f64, mut stream: Stream) -> Self {
         Self {
             fitted: params.fitted,
@@ -30,12 +30,12 @@ impl Gyro {
         }
     }
 
-    /// What it tells about a step in which the robot turned by `turned_rad`.
+    /// Returns the reading of a step in which the robot turned by `turned_rad`.
     pub(super) fn read(&mut self, turned_rad: f64) -> Option<f64> {
         let noise_rad = self.noise_rad * self.stream.normal();
-        let told = turned_rad * self.scale + self.bias_rad + noise_rad;
+        let measured = turned_rad * self.scale + self.bias_rad + noise_rad;
         self.fitted
-            .then(|| told.clamp(-self.most_rad, self.most_rad))
+            .then(|| measured.clamp(-self.most_rad, self.most_rad))
     }
 }
 
@@ -48,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn without_noise_it_tells_the_turn_up_to_its_range() {
+    fn without_noise_the_gyro_measures_the_turn_up_to_its_range() {
         let mut gyro = Gyro::new(&GyroParams::default(), 0.0, stream());
         assert_eq!(gyro.read(0.25), Some(0.25));
         assert_eq!(
@@ -58,15 +58,15 @@ mod tests {
     }
 
     #[test]
-    fn it_drifts_at_rest_by_its_bias() {
+    fn at_rest_the_gyro_drifts_by_its_bias() {
         let mut gyro = Gyro::new(&GyroParams::default(), 1.0, stream());
-        let told: f64 = (0..2_000).filter_map(|_| gyro.read(0.0)).sum();
-        assert!((told - 2_000.0 * gyro.bias_rad).abs() < 0.02, "{told}");
+        let sum: f64 = (0..2_000).filter_map(|_| gyro.read(0.0)).sum();
+        assert!((sum - 2_000.0 * gyro.bias_rad).abs() < 0.02, "{sum}");
         assert!(gyro.bias_rad != 0.0);
     }
 
     #[test]
-    fn a_robot_without_a_gyro_is_told_nothing() {
+    fn a_robot_without_a_gyro_gets_no_reading() {
         let params = GyroParams {
             fitted: false,
             ..GyroParams::default()

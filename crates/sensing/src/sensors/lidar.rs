@@ -1,4 +1,4 @@
-//! The lidar: beams that go round, a few in every step.
+//! The lidar: rotating beams, a few in every step.
 
 use std::ops::Range;
 
@@ -9,16 +9,16 @@ use crate::readings::TOO_NEAR;
 use crate::{LidarParams, Return};
 use xcs::random::Stream;
 
-/// Steps of the simulation in a second.
+/// Simulation steps per second.
 const STEPS_PER_S: u64 = 20;
-/// The rate of the lidar counts in millionths of a hertz.
+/// The rate of the lidar is counted in millionths of a hertz.
 const PER_HZ: f64 = 1e6;
 
-/// The beams per step of the simulation as a fraction, so that beams are numbered without rounding.
+/// The beams per simulation step as a fraction, so that beams are numbered without rounding.
 #[derive(Debug, Clone, Copy)]
 struct Pace {
     beams: u64,
-    /// In so many steps.
+    /// The denominator of the fraction.
     steps: u64,
 }
 
@@ -30,7 +30,7 @@ impl Pace {
         }
     }
 
-    /// The numbers of the beams of a step, counted since the trial began.
+    /// Returns the numbers of the beams of a step, counted since the trial began.
     fn numbers(self, step: u64) -> Range<u64> {
         let sent_before = |step: u64| {
             let beams = u128::from(step) * u128::from(self.beams);
@@ -39,7 +39,7 @@ impl Pace {
         sent_before(step)..sent_before(step + 1)
     }
 
-    /// When during the step the beam of a number is sent, from 0 to below 1.
+    /// Returns the moment during the step when a beam is sent, from 0 to below 1.
     fn moment(self, step: u64, number: u64) -> f64 {
         let [step, number] = [step, number].map(u128::from);
         let late = number * u128::from(self.steps) - step * u128::from(self.beams);
@@ -61,7 +61,7 @@ pub(super) struct Lidar {
 }
 
 impl Lidar {
-    /// The lidar of the robot that draws from `stream`, at a noise level.
+    /// Creates the lidar of the robot with `stream`, at a noise level.
     pub(super) fn new(params: &LidarParams, level: f64, mut stream: Stream) -> Self {
         Self {
             bearings: params.bearings(),
@@ -74,7 +74,8 @@ impl Lidar {
         }
     }
 
-    /// The beams of a step during which the robot turns by `turned_rad`, in the order of time.
+    /// Measures the beams of a step during which the robot turns by `turned_rad`, in chronological
+    /// order.
     pub(super) fn scan(
         &mut self,
         terrain: &dyn Terrain,
@@ -102,7 +103,7 @@ impl Lidar {
         }
     }
 
-    /// One beam from `origin`.
+    /// Measures one beam from `origin`.
     fn measure(
         &mut self,
         terrain: &dyn Terrain,
@@ -134,7 +135,7 @@ impl Lidar {
     }
 }
 
-/// The rotation by an angle in radians.
+/// Returns the rotation by an angle in radians.
 fn rotation(angle_rad: f64) -> UnitComplex<f64> {
     let (sine, cosine) = libm::sincos(angle_rad);
     UnitComplex::new_unchecked(Complex::new(cosine, sine))
@@ -162,7 +163,7 @@ mod tests {
         }
     }
 
-    /// Counts the beams of so many steps, each of which must be the next one of its turn.
+    /// Counts the beams of `steps` steps, and requires that each is the next one of its turn.
     fn beams_in_order(beams: u32, rate_hz: f64, steps: u64) -> u64 {
         let params = LidarParams {
             beams,
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_beam_that_hits_something_too_near_is_told_from_one_that_does_not_come_back() {
+    fn a_beam_that_hits_something_too_near_differs_from_one_that_does_not_come_back() {
         let params = LidarParams {
             nearest_m: 0.2,
             range_m: 1.0,

@@ -1,4 +1,4 @@
-//! From what is true to what sensors tell. Here the true pose ends.
+//! Simulated sensors: from ground truth to readings. Code after the sensors has no true pose.
 
 mod bumper;
 mod encoders;
@@ -18,16 +18,16 @@ pub use self::ray::cast;
 use crate::{Readings, Return, Robot};
 use xcs::random::Stream;
 
-/// The cells that the robot drives through, counted to the east and to the north; beyond the
-/// border everything is a wall.
+/// The cells that the robot drives through, counted to the east and to the north. Beyond the border
+/// everything is a wall.
 pub trait Terrain {
-    /// Edge length of a cell in metres.
+    /// Returns the edge length of a cell in metres.
     fn cell_size_m(&self) -> f64;
 
-    /// Is the cell a wall?
+    /// Returns true if the cell is a wall.
     fn is_wall(&self, east: i32, north: i32) -> bool;
 
-    /// Is there a marker on the floor at a point of the grid frame, in metres?
+    /// Returns true if there is a marker on the floor at a point of the grid frame, in metres.
     fn is_marked(&self, point_m: Vector2<f64>) -> bool;
 }
 
@@ -40,7 +40,7 @@ pub struct Push {
     pub impulse_ns: f64,
 }
 
-/// The random numbers that the sensors draw from.
+/// The random streams of the sensors.
 #[derive(Debug, Clone)]
 pub struct Streams {
     /// For the lidar: its scale, and the noise of its beams.
@@ -51,15 +51,15 @@ pub struct Streams {
     pub gyro: Stream,
 }
 
-/// What truly happens to the robot during one step.
+/// The ground truth of one step.
 pub struct Moment<'a> {
     /// The number of the step since the trial began.
     pub step: u64,
-    /// The pose before it, in metres of the grid frame.
+    /// The pose before the step, in metres of the grid frame.
     pub before: Isometry2<f64>,
-    /// The pose after it.
+    /// The pose after the step.
     pub after: Isometry2<f64>,
-    /// How far each wheel has rolled since the reset, in metres.
+    /// The distance that each wheel has rolled since the reset, in metres.
     pub travel_m: [f64; 2],
     /// The pushes of walls.
     pub pushes: &'a [Push],
@@ -75,8 +75,8 @@ pub struct Sensors {
     faults: Faults,
 }
 
-/// Everything in the sensors that changes while they run. What differs from robot to robot, such
-/// as the scale of a wheel, is drawn from the seed again.
+/// The sensor state that changes over time. Properties that differ between robots, such as the
+/// scale of a wheel, are drawn from the seed again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SensorState {
     lidar: Stream,
@@ -89,7 +89,8 @@ pub struct SensorState {
 }
 
 impl Sensors {
-    /// The sensors of a robot. What differs from one to the next is drawn from `streams`.
+    /// Creates the sensors of a robot. Properties that differ between robots are drawn from
+    /// `streams`.
     pub fn new(robot: &Robot, streams: Streams) -> Self {
         let level = robot.noise;
         Self {
@@ -101,13 +102,13 @@ impl Sensors {
         }
     }
 
-    /// The robot was lifted and put down at rest: the next episode begins.
+    /// Begins the next episode, for which the robot was lifted and put down at rest.
     pub fn reset(&mut self) {
         self.encoders.reset();
         self.faults.reset();
     }
 
-    /// What the sensors tell about a step; `beams` is filled with the beams of the lidar.
+    /// Returns the readings of a step; fills `beams` with the beams of the lidar.
     pub fn read<'a>(
         &mut self,
         terrain: &dyn Terrain,
@@ -128,7 +129,7 @@ impl Sensors {
         readings
     }
 
-    /// A copy of the state.
+    /// Returns a copy of the state.
     pub fn state(&self) -> SensorState {
         SensorState {
             lidar: self.lidar.stream.clone(),
@@ -139,7 +140,7 @@ impl Sensors {
         }
     }
 
-    /// Puts a state back.
+    /// Restores a state.
     pub fn set_state(&mut self, state: &SensorState) {
         self.lidar.stream = state.lidar.clone();
         self.gyro.stream = state.gyro.clone();
@@ -149,13 +150,13 @@ impl Sensors {
     }
 }
 
-/// By how much the heading changed from one pose to another, in radians; at most half a turn.
+/// Returns the change of the heading between two poses, in radians; at most half a turn.
 fn turned(before: &Isometry2<f64>, after: &Isometry2<f64>) -> f64 {
     let turn = (before.rotation.inverse() * after.rotation).into_inner();
     libm::atan2(turn.im, turn.re)
 }
 
-/// A unit vector along the heading of a rotation.
+/// Returns the unit vector along the heading of a rotation.
 fn ahead(rotation: UnitComplex<f64>) -> Vector2<f64> {
     Vector2::new(rotation.re, rotation.im)
 }

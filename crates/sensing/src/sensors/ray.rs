@@ -32,8 +32,8 @@ pub fn cast(
     }
 }
 
-/// Along one axis: the first cell, the step to the next one, how far along the ray that begins,
-/// and how far it is from one to the next.
+/// Returns, along one axis: the first cell, the step to the next cell, the distance along the ray
+/// to the next cell, and the distance between further cells.
 fn axis(origin: f64, direction: f64, size_m: f64) -> (i32, i32, f64, f64) {
     let cell = floor(origin / size_m);
     let per_metre = 1.0 / direction.abs();

@@ -1,8 +1,8 @@
-//! Where the robot may be, in C99: once for percepts that are right, once for those that may be misread.
+//! Localisation in C99: one version for exact percepts, one for percepts with errors.
 
-/// Does a state look like what is perceived?
+/// Tests whether a state fits a percept.
 pub const LOOKS: &str = r"
-/* Does a state look like this, and were so many rewards found in it? */
+/* Returns 1 if a state has this percept and this number of collected rewards. */
 static inline int xcscr_looks(uint16_t at, uint16_t percept, uint8_t found)
 {
     const struct xcscr_state state = xcscr_state(at);
@@ -10,8 +10,8 @@ static inline int xcscr_looks(uint16_t at, uint16_t percept, uint8_t found)
 }
 ";
 
-/// What is believed when percepts are right.
-pub const LOCATE_RIGHTLY: &str = r"
+/// Localisation with exact percepts.
+pub const LOCATE_EXACT: &str = r"
 static inline void xcscr_believe_next(struct xcscr_tracker *tracker, uint8_t found)
 {
     uint16_t at;
@@ -22,7 +22,7 @@ static inline void xcscr_believe_next(struct xcscr_tracker *tracker, uint8_t fou
     }
 }
 
-/* Do all states that are believed look like this? */
+/* Returns 1 if the belief is not empty and all its states have this percept. */
 static inline int xcscr_is_right(const struct xcscr_tracker *tracker, uint16_t percept)
 {
     int any = 0;
@@ -39,7 +39,7 @@ static inline int xcscr_is_right(const struct xcscr_tracker *tracker, uint16_t p
     return any;
 }
 
-/* Believes in all states that look most like this. */
+/* Spreads the belief over all states whose percept differs least. */
 static inline void xcscr_look_around(struct xcscr_tracker *tracker, uint16_t percept)
 {
     int least = 9;
@@ -60,12 +60,12 @@ static inline void xcscr_look_around(struct xcscr_tracker *tracker, uint16_t per
     (void)xcscr_settle(tracker->belief);
 }
 
-/* Where the robot may be. That it bumped shows in what it perceives. */
+/* Updates the belief. A collision shows in the percept. */
 static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept, int bumped,
                                 int rewarded)
 {
     const uint8_t found = (uint8_t)(tracker->found + (rewarded != 0));
-    /* A reward that was not predicted, or did not come, still tells where the robot is. */
+    /* A reward that was not predicted, or did not come, still gives evidence about the state. */
     const uint8_t otherwise = (uint8_t)(tracker->found + (rewarded == 0));
 
     (void)bumped;
@@ -85,9 +85,9 @@ static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept,
 }
 ";
 
-/// What is believed when percepts may be misread.
-pub const LOCATE_DOUBTINGLY: &str = r"
-/* What is expected before anything is perceived, if anything is. */
+/// Localisation with observation errors.
+pub const LOCATE_NOISY: &str = r"
+/* Computes the belief before the percept. Returns 1 if any state is left. */
 static inline int xcscr_expect(struct xcscr_tracker *tracker{FELT_TYPES})
 {
     int any = 0;
@@ -103,7 +103,7 @@ static inline int xcscr_expect(struct xcscr_tracker *tracker{FELT_TYPES})
     return any;
 }
 
-/* How likely it is to observation_error so many cells. */
+/* Returns the probability of this number of observation errors, up to a factor. */
 static inline double xcscr_observation_error(int cells)
 {
     double likely = 1.0;
@@ -114,8 +114,8 @@ static inline double xcscr_observation_error(int cells)
     return likely;
 }
 
-/* Where the robot may be: all states weighed by what was expected, and by how much of what is perceived
- * would be wrong there. With a small probability it is anywhere. */
+/* Updates the belief. Each state is weighted by its prediction and by the number of observation errors
+ * that it implies. With a small probability the robot is in any state. */
 static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept, int bumped,
                                 int rewarded)
 {
@@ -144,41 +144,41 @@ static inline void xcscr_locate(struct xcscr_tracker *tracker, uint16_t percept,
 }
 ";
 
-/// What is known of where an action has led.
-pub struct Felt {
-    /// In words.
+/// The evidence about where an action has led.
+pub struct Evidence {
+    /// A description.
     pub words: &'static str,
-    /// As parameters.
+    /// The parameters.
     pub types: &'static str,
-    /// As arguments.
+    /// The arguments.
     pub names: &'static str,
-    /// Does the state `to` fit?
+    /// The condition that the state `to` fits.
     pub fits: &'static str,
-    /// A statement without which the compiler warns that something is not looked at.
+    /// A statement that suppresses the compiler's warning about an unused parameter.
     pub ignored: &'static str,
 }
 
-/// What is perceived there.
-pub const PERCEIVED: Felt = Felt {
-    words: "Where executing an action in a state leads, if it looks like this there after so many rewards.",
+/// The percept in the next state.
+pub const PERCEIVED: Evidence = Evidence {
+    words: "Adds the successor of an action if it has this percept and this number of collected rewards.",
     types: ", uint16_t percept, uint8_t found",
     names: ", percept, found",
     fits: " && xcscr_looks(to, percept, found)",
     ignored: "",
 };
 
-/// Only whether the robot stands where it was.
-pub const BUMPED: Felt = Felt {
-    words: "Where executing an action in a state leads: elsewhere, or nowhere if the robot bumped.",
+/// Only whether the robot has moved.
+pub const BUMPED: Evidence = Evidence {
+    words: "Adds the successor of an action if it fits whether the robot bumped into a wall.",
     types: ", int bumped",
     names: ", bumped",
     fits: " && (to == from) == bumped",
     ignored: "",
 };
 
-/// Nothing.
-pub const NOTHING: Felt = Felt {
-    words: "Where executing an action in a state leads.",
+/// No evidence.
+pub const NOTHING: Evidence = Evidence {
+    words: "Adds the successor of an action.",
     types: "",
     names: "",
     fits: "",

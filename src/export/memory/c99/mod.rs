@@ -1,11 +1,11 @@
-//! The policy with its maps as a C99 header.
+//! Exports the policy with its maps as a C99 header.
 
 mod locate;
 mod parts;
 
 use std::fmt::Write;
 
-use locate::{BUMPED, LOCATE_DOUBTINGLY, LOCATE_RIGHTLY, LOOKS, NOTHING, PERCEIVED};
+use locate::{BUMPED, LOCATE_EXACT, LOCATE_NOISY, LOOKS, NOTHING, PERCEIVED};
 use parts::{
     COMMON, DOUBLE_WEIGHT, EXACT_MOVES, FOLLOW, PERCEIVE, SETTLE_DOUBLE, SETTLE_WHOLE,
     SLIPPING_MOVES, TYPES, WHOLE_WEIGHT,
@@ -20,13 +20,13 @@ use crate::export::c99::{FUNCTIONS, IS_GREATER, actions};
 use crate::export::comments::C as COMMENTS;
 use crate::export::{Provenance, QuantisedPolicy, WeightedRule};
 
-/// How C writes demands.
+/// C syntax for conditions.
 const C: Language = Language {
     of: "c->",
     and: " && ",
 };
 
-/// Counting votes.
+/// The code that counts votes.
 const VOTES: &str = r"
 struct xcscr_votes {
     uint64_t value[XCSCR_ACTIONS];
@@ -39,7 +39,7 @@ static inline void xcscr_vote(struct xcscr_votes *votes, uint8_t action, {WEIGHT
     votes->weight[action] += weight;
 }
 
-/* The action of the greatest mean value, the first of equals; XCSCR_NO_ACTION if nobody voted. */
+/* Returns the action with the greatest mean value, the first of equals; XCSCR_NO_ACTION without votes. */
 static inline int8_t xcscr_elected(const struct xcscr_votes *votes)
 {
     int8_t best = XCSCR_NO_ACTION;
@@ -56,14 +56,14 @@ static inline int8_t xcscr_elected(const struct xcscr_votes *votes)
     return best;
 }
 
-/* The rules: each that matches votes for an action with a weight and a value. */
+/* Applies the rules. Each matching rule votes for an action with a weight and a value. */
 static inline int8_t xcscr_decide(const struct xcscr_context *c)
 {
     struct xcscr_votes votes = {{0}, {0}};
 
 ";
 
-/// How to use it.
+/// Usage in C.
 const CALLS: Calls = Calls {
     begin: "call xcscr_reset(&tracker)",
     step: "action = xcscr_perceive(&tracker, percept, bumped, rewarded);",
@@ -72,11 +72,11 @@ const CALLS: Calls = Calls {
 };
 
 const CONTEXT: &str = "\
-xcscr_context(&tracker) tells where the robot is believed to be: x cells to the east of the goal
-of its map, y to the north.
+xcscr_context(&tracker) returns the likeliest cell: x cells to the east of the goal of its map,
+y cells to the north.
 ";
 
-/// The header, with more code at its end.
+/// Returns the header, followed by `more` code.
 pub fn text(
     quantised: &QuantisedPolicy,
     maps: &MapTable,
@@ -106,14 +106,14 @@ pub fn text(
     text
 }
 
-/// What it takes, as lines for the leading comment.
+/// Returns the memory that the policy needs, as lines for the leading comment.
 fn costs(quantised: &QuantisedPolicy, maps: &MapTable) -> String {
     let mut text = format!("\n{}", maps.costs(quantised.actions(), 12));
     text.push_str("On an AVR the constants stay in flash memory.\n");
     if !maps.is_exact() {
         text.push_str(
             "Beliefs are bit for bit those of `xcscr evaluate` where a double has 64 bits and each operation is\n\
-             rounded (-ffp-contract=off); elsewhere states that are equally likely may be told apart otherwise.\n",
+             rounded (-ffp-contract=off); elsewhere ties between states may be resolved differently.\n",
         );
     }
     text
@@ -121,7 +121,7 @@ fn costs(quantised: &QuantisedPolicy, maps: &MapTable) -> String {
 
 fn figures(quantised: &QuantisedPolicy, maps: &MapTable) -> String {
     let mut text = format!(
-        "#define XCSCR_ACTIONS {}\n#define XCSCR_STATES {}\n#define XCSCR_GOAL 65535 /* in place of a state */\n#define XCSCR_REWARDS {} /* that the map knows */\n",
+        "#define XCSCR_ACTIONS {}\n#define XCSCR_STATES {}\n#define XCSCR_GOAL 65535 /* in place of a state */\n#define XCSCR_REWARDS {} /* on the maps */\n",
         quantised.actions(),
         maps.states().len(),
         maps.rewards()
@@ -129,14 +129,14 @@ fn figures(quantised: &QuantisedPolicy, maps: &MapTable) -> String {
     if maps.slip > 0.0 {
         let _ = writeln!(
             text,
-            "#define XCSCR_SLIP {:?} /* how likely another action is executed instead */",
+            "#define XCSCR_SLIP {:?} /* probability that another action is executed */",
             maps.slip
         );
     }
     if maps.observation_error > 0.0 {
         let _ = writeln!(
             text,
-            "#define XCSCR_OBSERVATION_ERROR {:?} /* how likely a cell is observed wrongly */",
+            "#define XCSCR_OBSERVATION_ERROR {:?} /* probability that a cell is observed wrongly */",
             maps.observation_error
         );
     }
@@ -150,7 +150,7 @@ fn weight(maps: &MapTable) -> &'static str {
     }
 }
 
-/// All states.
+/// Returns the table of states.
 fn table(maps: &MapTable) -> String {
     let mut text = String::from(
         "\nstatic const struct xcscr_state xcscr_states[XCSCR_STATES] XCSCR_TABLE = {\n",
@@ -174,7 +174,7 @@ fn table(maps: &MapTable) -> String {
     text
 }
 
-/// The rules as statements.
+/// Returns the rules as statements.
 fn rules(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = String::new();
     for vote in quantised.votes() {
@@ -210,7 +210,7 @@ fn rule(vote: &WeightedRule) -> String {
     }
 }
 
-/// The tracker, of the parts that these maps need.
+/// Returns the tracker, with the parts that these maps need.
 fn tracker(maps: &MapTable) -> String {
     let (settle, moves) = match (maps.is_exact(), maps.slip > 0.0) {
         (true, _) => (SETTLE_WHOLE, EXACT_MOVES),
@@ -218,9 +218,9 @@ fn tracker(maps: &MapTable) -> String {
         (false, true) => (SETTLE_DOUBLE, SLIPPING_MOVES),
     };
     let (felt, looks, locate) = match maps.observation_error > 0.0 {
-        true if maps.unfelt => (&NOTHING, "", LOCATE_DOUBTINGLY),
-        true => (&BUMPED, "", LOCATE_DOUBTINGLY),
-        false => (&PERCEIVED, LOOKS, LOCATE_RIGHTLY),
+        true if maps.unfelt => (&NOTHING, "", LOCATE_NOISY),
+        true => (&BUMPED, "", LOCATE_NOISY),
+        false => (&PERCEIVED, LOOKS, LOCATE_EXACT),
     };
     let begin = match maps.begin {
         Some(begin) => format!("at == {begin}"),

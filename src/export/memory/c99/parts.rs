@@ -1,55 +1,56 @@
-//! The tracker in C99, in parts: which are taken depends on whether moves slip and percepts are misread.
+//! The parts of the tracker in C99. Which parts are used depends on whether moves slip and on
+//! whether percepts have errors.
 
-/// The types that do not depend on anything.
+/// The types that are the same for all maps.
 pub const TYPES: &str = r"
-/* A state: a place on a map, and what was found before. */
+/* A state: a cell of a map, and the rewards collected so far. */
 struct xcscr_state {
     uint16_t next[XCSCR_ACTIONS]; /* the state that each action leads to, or XCSCR_GOAL */
-    uint16_t percept;             /* what is perceived there */
+    uint16_t percept;             /* the percept in this state */
     int8_t x;                     /* cells to the east of the goal */
-    int8_t y;                     /* cells to the north of it */
-    uint8_t map;                /* the number of the map: each is drawn around one goal */
-    uint8_t collected;                /* as bits: which rewards of the map were found */
+    int8_t y;                     /* cells to the north of the goal */
+    uint8_t map;                  /* the number of the map: each is drawn around one goal */
+    uint8_t collected;            /* a bit mask of the rewards of the map that were collected */
 };
 
-/* What rules look at. A step is 1 + 2 * action + 16 * percept, or 0 if there was none. */
+/* The input of the rules. A step is 1 + 2 * action + 16 * percept, or 0 if there was none. */
 struct xcscr_context {
     uint32_t last;    /* the last step */
-    uint32_t before;  /* the step before it */
-    uint16_t percept; /* what is perceived; where observations have errors, what should be */
+    uint32_t before;  /* the step before the last */
+    uint16_t percept; /* the percept; with observation errors, the percept of the likeliest state */
     int8_t x;         /* the likeliest state */
     int8_t y;
     uint8_t map;
     uint8_t collected;
 };
 
-/* What is remembered of an episode. */
+/* The state of an episode. */
 struct xcscr_tracker {
-    xcscr_weight belief[XCSCR_STATES]; /* how likely each state is */
-    xcscr_weight next[XCSCR_STATES];   /* the same while it is being computed */
+    xcscr_weight belief[XCSCR_STATES]; /* the probability of each state, up to a factor */
+    xcscr_weight next[XCSCR_STATES];   /* the next belief, while it is computed */
     uint32_t last;                     /* the last step */
-    uint32_t before;                   /* the step before it */
-    uint16_t percept;                  /* what is perceived */
-    int8_t action;                     /* what is done on it, or XCSCR_NO_ACTION */
-    uint8_t found;                     /* how many rewards were found */
+    uint32_t before;                   /* the step before the last */
+    uint16_t percept;                  /* the last percept */
+    int8_t action;                     /* the action chosen for it, or XCSCR_NO_ACTION */
+    uint8_t found;                     /* the number of rewards collected */
 };
 ";
 
-/// Beliefs in whole numbers.
+/// Integer beliefs.
 pub const WHOLE_WEIGHT: &str = r"
-/* How likely a state is; only the ratios count. */
+/* The weight of a state; only the ratios matter. */
 typedef uint16_t xcscr_weight;
 ";
 
-/// Beliefs in fractions.
+/// Floating-point beliefs.
 pub const DOUBLE_WEIGHT: &str = r"
 /* The probability of a state. */
 typedef double xcscr_weight;
 ";
 
-/// Forgets what is negligible, in whole numbers.
+/// Removes negligible states from integer beliefs.
 pub const SETTLE_WHOLE: &str = r"
-/* Forgets states that are unlikely; is any left? */
+/* Removes unlikely states. Returns 1 if any state is left. */
 static inline int xcscr_settle(xcscr_weight *belief)
 {
     uint32_t sum = 0;
@@ -70,9 +71,9 @@ static inline int xcscr_settle(xcscr_weight *belief)
 }
 ";
 
-/// The same in fractions, which then add up to 1.
+/// Like [`SETTLE_WHOLE`], for floating-point beliefs, which are normalised to a sum of 1.
 pub const SETTLE_DOUBLE: &str = r"
-/* Forgets states that are unlikely, and makes the others add up to 1; is any left? */
+/* Removes unlikely states and normalises the others to a sum of 1. Returns 1 if any state is left. */
 static inline int xcscr_settle(xcscr_weight *belief)
 {
     double sum = 0.0;
@@ -96,7 +97,7 @@ static inline int xcscr_settle(xcscr_weight *belief)
 }
 ";
 
-/// What all trackers share: reading states, rewards, the likeliest state, the context, votes.
+/// The parts that all trackers share: reading states, rewards, the likeliest state and the context.
 pub const COMMON: &str = r"
 static inline struct xcscr_state xcscr_state(uint16_t at)
 {
@@ -105,14 +106,14 @@ static inline struct xcscr_state xcscr_state(uint16_t at)
     return state;
 }
 
-/* How many rewards were found. */
+/* Returns the number of rewards collected. */
 static inline uint8_t xcscr_count(uint8_t collected)
 {
     return (uint8_t)((collected & 1) + (collected >> 1 & 1) + (collected >> 2 & 1) + (collected >> 3 & 1));
 }
 
-/* In how many of the eight cells around the robot two percepts differ. A goal that is not barred, 1, is
- * no letter: most cells are free, 0. */
+/* Returns in how many of the eight surrounding cells two percepts differ. The value 1 is not a cell
+ * state. It counts as 0 (free), because most cells are free. */
 static inline int xcscr_differences(uint16_t a, uint16_t b)
 {
     int differences = 0;
@@ -126,7 +127,7 @@ static inline int xcscr_differences(uint16_t a, uint16_t b)
     return differences;
 }
 
-/* The likeliest state, the first of several; XCSCR_GOAL if nothing is believed. */
+/* Returns the likeliest state, the first of several; XCSCR_GOAL if the belief is empty. */
 static inline uint16_t xcscr_likeliest(const struct xcscr_tracker *tracker)
 {
     xcscr_weight most = 0;
@@ -142,7 +143,7 @@ static inline uint16_t xcscr_likeliest(const struct xcscr_tracker *tracker)
     return likeliest;
 }
 
-/* What rules look at. */
+/* Returns the input of the rules. */
 static inline struct xcscr_context xcscr_context(const struct xcscr_tracker *tracker)
 {
     struct xcscr_context context = {0, 0, 0, 0, 0, 0, 0};
@@ -162,7 +163,8 @@ static inline struct xcscr_context xcscr_context(const struct xcscr_tracker *tra
 }
 ";
 
-/// Where an action leads. Filled in are what is felt after it, and the moves that may be executed.
+/// The successors of a state. The placeholders are filled with the evidence after the action and
+/// the moves that may be executed.
 pub const FOLLOW: &str = r"
 /* {FELT_WORDS} */
 static inline void xcscr_move(struct xcscr_tracker *tracker, uint16_t from, int8_t executed,
@@ -174,7 +176,7 @@ static inline void xcscr_move(struct xcscr_tracker *tracker, uint16_t from, int8
     }
 }
 
-/* The same for the last action and all that is believed; can anything come of it? */
+/* Computes the next belief after the last action. Returns 1 if any state is left. */
 static inline int xcscr_follow(struct xcscr_tracker *tracker{FELT_TYPES})
 {
     uint16_t from;
@@ -192,11 +194,11 @@ static inline int xcscr_follow(struct xcscr_tracker *tracker{FELT_TYPES})
 }
 ";
 
-/// The action that was chosen is executed.
+/// The chosen action is executed.
 pub const EXACT_MOVES: &str =
     "            xcscr_move(tracker, from, tracker->action, weight{FELT});";
 
-/// It is, or another one, each with the same chance.
+/// The chosen action is executed, or another one, each with the same probability.
 pub const SLIPPING_MOVES: &str = "            int8_t executed;
             xcscr_move(tracker, from, tracker->action, weight * (1.0 - XCSCR_SLIP){FELT});
             for (executed = 0; executed < XCSCR_ACTIONS; executed++) {
@@ -205,9 +207,9 @@ pub const SLIPPING_MOVES: &str = "            int8_t executed;
                 }
             }";
 
-/// What the robot's program calls.
+/// The functions that the robot's program calls.
 pub const PERCEIVE: &str = r"
-/* An episode begins. */
+/* Resets the tracker at the beginning of an episode. */
 static inline void xcscr_reset(struct xcscr_tracker *tracker)
 {
     uint16_t at;
@@ -222,7 +224,7 @@ static inline void xcscr_reset(struct xcscr_tracker *tracker)
     tracker->found = 0;
 }
 
-/* The action for what is perceived now, and what came of the action before it. */
+/* Returns the action for a percept. bumped and rewarded describe the result of the last action. */
 static inline int8_t xcscr_perceive(struct xcscr_tracker *tracker, uint16_t percept, int bumped,
                                     int rewarded)
 {

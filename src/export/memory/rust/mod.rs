@@ -1,4 +1,4 @@
-//! The policy with its maps as a Rust module without the standard library.
+//! Exports the policy with its maps as a `no_std` Rust module.
 
 mod parts;
 
@@ -13,25 +13,25 @@ use crate::export::comments::RUST as COMMENTS;
 use crate::export::rust::names;
 use crate::export::{Provenance, QuantisedPolicy, WeightedRule};
 use parts::{
-    EXACT_MOVES, LOCATE_DOUBTINGLY, LOCATE_RIGHTLY, SETTLE_DOUBLE, SETTLE_WHOLE, SLIPPING_MOVES,
-    TRACKER, TYPES, VOTES,
+    EXACT_MOVES, LOCATE_EXACT, LOCATE_NOISY, SETTLE_DOUBLE, SETTLE_WHOLE, SLIPPING_MOVES, TRACKER,
+    TYPES, VOTES,
 };
 
-/// How Rust writes demands.
+/// Rust syntax for conditions.
 const RUST: Language = Language {
     of: "c.",
     and: " && ",
 };
 
-/// How to use it.
+/// Usage in Rust.
 const CALLS: Calls = Calls {
-    begin: "make a Tracker::new()",
+    begin: "create a Tracker::new()",
     step: "let action = tracker.perceive(percept, bumped, rewarded);",
     percept: ", see below",
     none: " None:\ntake ",
 };
 
-/// The module.
+/// Returns the module.
 pub fn text(quantised: &QuantisedPolicy, maps: &MapTable, provenance: &Provenance) -> String {
     let mut text = COMMENTS.head(quantised, provenance);
     let costs = maps.costs(quantised.actions(), 13);
@@ -50,7 +50,7 @@ fn figures(quantised: &QuantisedPolicy, maps: &MapTable, provenance: &Provenance
     let mut text = format!(
         "\n/// The number of actions.\npub const ACTIONS: usize = {};\n/// Their names.\npub const \
          ACTION_NAMES: [&str; ACTIONS] = [{}];\n/// The number of states.\npub const STATES: usize = {};\n\
-         /// In place of a state.\npub const GOAL: u16 = u16::MAX;\n/// How many rewards the map knows.\npub const REWARDS: u8 = {};\n",
+         /// In place of a state.\npub const GOAL: u16 = u16::MAX;\n/// The number of rewards on the maps.\npub const REWARDS: u8 = {};\n",
         quantised.actions(),
         names(quantised, provenance),
         maps.states().len(),
@@ -59,23 +59,23 @@ fn figures(quantised: &QuantisedPolicy, maps: &MapTable, provenance: &Provenance
     if maps.slip > 0.0 {
         let _ = writeln!(
             text,
-            "/// How likely another action is executed instead.\npub const SLIP: f64 = {:?};",
+            "/// The probability that another action is executed.\npub const SLIP: f64 = {:?};",
             maps.slip
         );
     }
     if maps.observation_error > 0.0 {
         let _ = writeln!(
             text,
-            "/// How likely a cell is observed wrongly.\npub const OBSERVATION_ERROR: f64 = {:?};",
+            "/// The probability that a cell is observed wrongly.\npub const OBSERVATION_ERROR: f64 = {:?};",
             maps.observation_error
         );
     }
     text
 }
 
-/// All states.
+/// Returns the table of states.
 fn table(maps: &MapTable) -> String {
-    let mut text = String::from("\n/// All states.\npub static CHARTS: [State; STATES] = [\n");
+    let mut text = String::from("\n/// All states.\npub static STATE_TABLE: [State; STATES] = [\n");
     for state in maps.states() {
         let State {
             percept,
@@ -95,7 +95,7 @@ fn table(maps: &MapTable) -> String {
     text
 }
 
-/// The rules as statements.
+/// Returns the rules as statements.
 fn rules(quantised: &QuantisedPolicy, provenance: &Provenance) -> String {
     let mut text = String::new();
     for vote in quantised.votes() {
@@ -123,7 +123,7 @@ fn rule(vote: &WeightedRule) -> String {
     }
 }
 
-/// The tracker, of the parts that these maps need.
+/// Returns the tracker, with the parts that these maps need.
 fn tracker(maps: &MapTable) -> String {
     let (settle, zero, one) = match maps.is_exact() {
         true => (SETTLE_WHOLE, "0", "1"),
@@ -134,8 +134,8 @@ fn tracker(maps: &MapTable) -> String {
         false => EXACT_MOVES,
     };
     let locate = match maps.observation_error > 0.0 {
-        true => LOCATE_DOUBTINGLY,
-        false => LOCATE_RIGHTLY,
+        true => LOCATE_NOISY,
+        false => LOCATE_EXACT,
     };
     let (bumped, may_lead) = match maps.unfelt {
         true => ("_bumped", "|_, _, _| true"),

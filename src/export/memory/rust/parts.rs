@@ -1,45 +1,46 @@
-//! The tracker in Rust, in parts: which are taken depends on whether moves slip and percepts are misread.
+//! The parts of the tracker in Rust. Which parts are used depends on whether moves slip and on
+//! whether percepts have errors.
 
-/// The types that do not depend on anything.
+/// The types that are the same for all maps.
 pub const TYPES: &str = r"
-/// A state: a place on a map, and what was found before.
+/// A state: a cell of a map, and the rewards collected so far.
 #[derive(Clone, Copy)]
 pub struct State {
     /// The state that each action leads to, or `GOAL`.
     pub next: [u16; ACTIONS],
-    /// What is perceived there.
+    /// The percept in this state.
     pub percept: u16,
     /// Cells to the east of the goal.
     pub x: i8,
-    /// Cells to the north of it.
+    /// Cells to the north of the goal.
     pub y: i8,
-    /// The number of the map: each is drawn around one goal.
+    /// The number of the map. Each map is drawn around one goal.
     pub map: u8,
-    /// As bits: which rewards of the map were found.
+    /// A bit mask of the rewards of the map that were collected.
     pub collected: u8,
 }
 
-/// What rules look at. A step is 1 + 2 * action + 16 * percept, or 0 if there was none.
+/// The input of the rules. A step is 1 + 2 * action + 16 * percept, or 0 if there was none.
 #[derive(Clone, Copy, Default)]
 pub struct Context {
     /// The last step.
     pub last: u32,
-    /// The step before it.
+    /// The step before the last.
     pub before: u32,
-    /// What is perceived; where cells are misread, what should be.
+    /// The percept; with observation errors, the percept of the likeliest state.
     pub percept: u16,
     /// Of the likeliest state: cells to the east of the goal.
     pub x: i8,
-    /// Cells to the north of it.
+    /// Cells to the north of the goal.
     pub y: i8,
     /// The number of the map.
     pub map: u8,
-    /// As bits: which rewards of the map were found.
+    /// A bit mask of the rewards of the map that were collected.
     pub collected: u8,
 }
 ";
 
-/// Counting votes, and the head of the rules.
+/// The code that counts votes, and the head of the rules.
 pub const VOTES: &str = r"
 #[derive(Default)]
 struct Votes {
@@ -53,7 +54,8 @@ impl Votes {
         self.weight[action] += weight;
     }
 
-    /// The action of the greatest mean value, the first of equals; `None` if nobody voted.
+    /// Returns the action with the greatest mean value, the first of equals; `None` if there are no
+    /// votes.
     fn elected(&self) -> Option<u8> {
         let mut best: Option<usize> = None;
         for action in (0..ACTIONS).filter(|&action| self.weight[action] != 0) {
@@ -69,17 +71,17 @@ impl Votes {
     }
 }
 
-/// The rules: each that matches votes for an action with a weight and a value.
+/// Applies the rules. Each matching rule votes for an action with a weight and a value.
 fn decide(c: &Context) -> Option<u8> {
     let mut votes = Votes::default();
 ";
 
-/// Forgets what is negligible, in whole numbers.
+/// Removes negligible states from integer beliefs.
 pub const SETTLE_WHOLE: &str = r"
-/// How likely a state is; only the ratios count.
+/// The weight of a state; only the ratios matter.
 type Weight = u16;
 
-/// Forgets states that are unlikely; is any left?
+/// Removes unlikely states. Returns true if any state is left.
 fn settle(belief: &mut [Weight; STATES]) -> bool {
     let sum: u32 = belief.iter().map(|&weight| u32::from(weight)).sum();
     for weight in belief.iter_mut().filter(|weight| u32::from(**weight) * 10_000 <= sum) {
@@ -89,12 +91,13 @@ fn settle(belief: &mut [Weight; STATES]) -> bool {
 }
 ";
 
-/// The same in fractions, which then add up to 1.
+/// Like [`SETTLE_WHOLE`], for floating-point beliefs, which are normalised to a sum of 1.
 pub const SETTLE_DOUBLE: &str = r"
 /// The probability of a state.
 type Weight = f64;
 
-/// Forgets states that are unlikely, and makes the others add up to 1; is any left?
+/// Removes unlikely states and normalises the others to a sum of 1. Returns true if any state is
+/// left.
 fn settle(belief: &mut [Weight; STATES]) -> bool {
     let sum: f64 = belief.iter().sum();
     for weight in belief.iter_mut().filter(|weight| **weight <= {NEGLIGIBLE} * sum) {
@@ -108,40 +111,40 @@ fn settle(belief: &mut [Weight; STATES]) -> bool {
 }
 ";
 
-/// What all trackers share.
+/// The part that all trackers share.
 pub const TRACKER: &str = r"
-/// How many rewards were found.
+/// Returns the number of rewards collected in a state.
 fn found_in(state: &State) -> u8 {
     state.collected.count_ones() as u8
 }
 
-/// In how many of the eight cells around the robot two percepts differ. A goal that is not barred, 1,
-/// is no letter: most cells are free, 0.
+/// Returns in how many of the eight surrounding cells two percepts differ. The value 1 is not a cell
+/// state. It counts as 0 (free), because most cells are free.
 fn differences(a: u16, b: u16) -> u8 {
-    let letter = |percept: u16, cell: u16| match percept >> (2 * cell) & 3 {
+    let state = |percept: u16, cell: u16| match percept >> (2 * cell) & 3 {
         1 => 0,
-        letter => letter,
+        state => state,
     };
-    (0..8).map(|cell| u8::from(letter(a, cell) != letter(b, cell))).sum()
+    (0..8).map(|cell| u8::from(state(a, cell) != state(b, cell))).sum()
 }
 
-/// What is remembered of an episode.
+/// The state of an episode.
 #[derive(Clone)]
 pub struct Tracker {
-    /// How likely each state is.
+    /// The probability of each state, up to a factor.
     belief: [Weight; STATES],
-    /// The same while it is being computed.
+    /// The next belief, while it is computed.
     next: [Weight; STATES],
     last: u32,
     before: u32,
     percept: u16,
     found: u8,
-    /// What is done on what is perceived.
+    /// The action that was chosen for the last percept.
     pub action: Option<u8>,
 }
 
 impl Tracker {
-    /// At the beginning of an episode.
+    /// Creates a tracker at the beginning of an episode.
     pub fn new() -> Self {
         Self {
             belief: {BEGIN},
@@ -154,7 +157,8 @@ impl Tracker {
         }
     }
 
-    /// The action for what is perceived now, and what came of the action before it.
+    /// Returns the action for a percept. `bumped` and `rewarded` describe the result of the last
+    /// action.
     pub fn perceive(&mut self, percept: u16, bumped: bool, rewarded: bool) -> Option<u8> {
         if let Some(action) = self.action {
             self.before = self.last;
@@ -165,7 +169,7 @@ impl Tracker {
         self.action
     }
 
-    /// The likeliest state, the first of several; `None` if nothing is believed.
+    /// Returns the likeliest state, the first of several; `None` if the belief is empty.
     pub fn likeliest(&self) -> Option<u16> {
         let mut best = None;
         let mut most = {ZERO};
@@ -177,7 +181,7 @@ impl Tracker {
         best
     }
 
-    /// What rules look at.
+    /// Returns the input of the rules.
     pub fn context(&self) -> Context {
         let context = Context {
             last: self.last,
@@ -188,18 +192,19 @@ impl Tracker {
         let Some(likeliest) = self.likeliest() else {
             return context;
         };
-        let State { x, y, map, collected, .. } = CHARTS[usize::from(likeliest)];
+        let State { x, y, map, collected, .. } = STATE_TABLE[usize::from(likeliest)];
         Context { x, y, map, collected, ..context }
     }
 
-    /// Where an action may lead, if from and to fit; can anything come of it?
+    /// Computes the next belief after an action from the transitions that fit. Returns true if any
+    /// state is left.
     fn follow(&mut self, action: u8, fits: impl Fn(usize, &State, u16) -> bool) -> bool {
         self.next = [{ZERO}; STATES];
         for from in 0..STATES {
             let weight = self.belief[from];
             let mut lead = |executed: usize, weight: Weight| {
-                let to = CHARTS[from].next[executed];
-                if to != GOAL && fits(from, &CHARTS[usize::from(to)], to) {
+                let to = STATE_TABLE[from].next[executed];
+                if to != GOAL && fits(from, &STATE_TABLE[usize::from(to)], to) {
                     self.next[usize::from(to)] += weight;
                 }
             };
@@ -211,30 +216,30 @@ impl Tracker {
     }
 ";
 
-/// The action that was chosen is executed.
+/// The chosen action is executed.
 pub const EXACT_MOVES: &str = "                lead(usize::from(action), weight);";
 
-/// It is, or another one, each with the same chance.
+/// The chosen action is executed, or another one, each with the same probability.
 pub const SLIPPING_MOVES: &str = "                lead(usize::from(action), weight * (1.0 - SLIP));
                 for executed in (0..ACTIONS).filter(|&other| other != usize::from(action)) {
                     lead(executed, weight * (SLIP / (ACTIONS - 1) as f64));
                 }";
 
-/// What is believed when percepts are right.
-pub const LOCATE_RIGHTLY: &str = r"
-    /// Where the robot may be. That it bumped shows in what it perceives.
+/// Localisation with exact percepts.
+pub const LOCATE_EXACT: &str = r"
+    /// Updates the belief. A collision shows in the percept.
     fn locate(&mut self, percept: u16, _bumped: bool, rewarded: bool) {
         self.percept = percept;
         let looks = |state: &State, found: u8| state.percept == percept && found_in(state) == found;
         let Some(action) = self.action else {
             let mut believed = (0..STATES).filter(|&at| self.belief[at] > {ZERO}).peekable();
             let any = believed.peek().is_some();
-            if !any || !believed.all(|at| looks(&CHARTS[at], self.found)) {
+            if !any || !believed.all(|at| looks(&STATE_TABLE[at], self.found)) {
                 self.look_around(percept);
             }
             return;
         };
-        // A reward that was not predicted, or did not come, still tells where the robot is.
+        // A reward that was not predicted, or did not come, still gives evidence about the state.
         for found in [self.found + u8::from(rewarded), self.found + u8::from(!rewarded)] {
             if self.follow(action, |_, state, _| looks(state, found)) {
                 self.belief = self.next;
@@ -246,15 +251,15 @@ pub const LOCATE_RIGHTLY: &str = r"
         self.look_around(percept);
     }
 
-    /// Believes in all states that look most like this.
+    /// Spreads the belief over all states whose percept differs least.
     fn look_around(&mut self, percept: u16) {
         let found = self.found;
         let strange = |state: &State| match found_in(state) == found {
             true => differences(state.percept, percept),
             false => u8::MAX,
         };
-        let least = CHARTS.iter().map(strange).min().unwrap_or(u8::MAX);
-        for (state, weight) in CHARTS.iter().zip(&mut self.belief) {
+        let least = STATE_TABLE.iter().map(strange).min().unwrap_or(u8::MAX);
+        for (state, weight) in STATE_TABLE.iter().zip(&mut self.belief) {
             *weight = Weight::from(u8::from(least < u8::MAX && strange(state) == least));
         }
         settle(&mut self.belief);
@@ -262,10 +267,10 @@ pub const LOCATE_RIGHTLY: &str = r"
 }
 ";
 
-/// What is believed when percepts may be misread.
-pub const LOCATE_DOUBTINGLY: &str = r"
-    /// Where the robot may be: all states weighed by what was expected, and by how much of what is
-    /// perceived would be misread there. With a small probability it is anywhere.
+/// Localisation with observation errors.
+pub const LOCATE_NOISY: &str = r"
+    /// Updates the belief. Each state is weighted by its prediction and by the number of
+    /// observation errors that it implies. With a small probability the robot is in any state.
     fn locate(&mut self, percept: u16, {BUMPED}: bool, rewarded: bool) {
         let (expects, mislocalised) = match self.action {
             Some(action) => {
@@ -279,7 +284,7 @@ pub const LOCATE_DOUBTINGLY: &str = r"
             }
         };
         let mislocalised = if expects { mislocalised } else { 1.0 };
-        for (at, state) in CHARTS.iter().enumerate() {
+        for (at, state) in STATE_TABLE.iter().enumerate() {
             let wrong = differences(state.percept, percept) + u8::from(found_in(state) != self.found);
             let likely = (0..wrong).fold(1.0, |likely, _| likely * OBSERVATION_ERROR);
             let weight = self.next[at] * (1.0 - mislocalised) + mislocalised / STATES as f64;
@@ -287,7 +292,7 @@ pub const LOCATE_DOUBTINGLY: &str = r"
         }
         settle(&mut self.belief);
         let likeliest = self.likeliest();
-        self.percept = likeliest.map_or(percept, |at| CHARTS[usize::from(at)].percept);
+        self.percept = likeliest.map_or(percept, |at| STATE_TABLE[usize::from(at)].percept);
     }
 }
 ";

@@ -1,11 +1,11 @@
-//! Who writes down what is seen: turns events into messages, in the order of time.
+//! Converts episode events into log messages, in order of time.
 
 mod step;
 
 use foxglove::messages::{CubePrimitive, SceneEntity};
 
 use super::outbox::{For, Outbox};
-use super::way::Way;
+use super::trajectory::Trajectory;
 use crate::agent::Agent;
 use crate::arena::View;
 use crate::episode::{Episode, Learned, PolicyMap};
@@ -24,53 +24,53 @@ use crate::world::{Cell, Maze};
 use step::belief;
 use xcs::PredictionArray;
 
-/// What was learned is asked of so many cells in a step, on average.
+/// The average number of cells per step whose action values are queried.
 const CELLS_A_STEP: u32 = 64;
 
-/// Keeps what messages need beyond the event that they report.
+/// The state that messages need beyond the event they report.
 pub(super) struct EventLogger {
     robot: RobotShape,
     sensor: Sensor,
-    /// What a goal pays.
+    /// The reward for reaching a goal.
     goal: f64,
     heading: String,
-    /// What an episode is called, and how many there are.
+    /// The word for an episode, and the number of episodes.
     episodes: (&'static str, u32),
     transforms: Transforms,
     trail: Trail,
     curve: Curve,
     judge: Judge,
     start: Option<Cell>,
-    /// What was learned so far.
+    /// The learned policy so far.
     policy: Option<PolicyMap>,
-    /// In the file of the episode, and in that of the run.
+    /// The last shown state in the episode's file and in the run's file.
     shown: Shown,
     shown_in_run: Shown,
     was_optimal: bool,
-    /// When the robot could decide last: at the end of the last move.
+    /// The time of the last decision, which is the end of the last move.
     decided_ns: u64,
-    way: Way,
-    /// What the robot perceived when it decided last, and where one that only senses believes to be.
+    trajectory: Trajectory,
+    /// The percept at the last decision, and the estimated pose if the robot estimates its pose.
     perceived_cells: SceneEntity,
     belief: Vec<SceneEntity>,
     maze_shown: bool,
-    /// After every how many steps all cells are asked what was learned; never in a vast maze.
-    asks_every: Option<u32>,
-    /// Are the beams of the lidar written?
+    /// The number of steps between two queries of all cells; `None` in a very large maze.
+    query_interval: Option<u32>,
+    /// True if lidar beams are written.
     beams: bool,
 }
 
-/// How what was learned was shown last in a file: what has not changed is not repeated.
+/// The learned state last shown in a file. Unchanged parts are not repeated.
 #[derive(Default)]
 struct Shown {
-    /// What decides how its arrows look.
+    /// The marks that determine how the arrows look.
     marks: Option<Vec<policy::Mark>>,
     floor: Option<values::Floor>,
     columns: Option<Vec<CubePrimitive>>,
 }
 
 impl Shown {
-    /// All of it.
+    /// Returns the state in which all of a policy is shown.
     fn all(policy: &PolicyMap, maze: &Maze) -> Self {
         Self {
             marks: Some(policy::marks(Some(policy), maze)),
@@ -101,11 +101,11 @@ impl EventLogger {
             shown_in_run: Shown::default(),
             was_optimal: false,
             decided_ns: 0,
-            way: Way::new(maze.cell_size_m()),
+            trajectory: Trajectory::new(maze.cell_size_m()),
             perceived_cells: SceneEntity::default(),
             belief: Vec::new(),
             maze_shown: false,
-            asks_every: (!maze.is_vast()).then(|| {
+            query_interval: (!maze.is_vast()).then(|| {
                 (maze.free_cells().count() as u32)
                     .div_ceil(CELLS_A_STEP)
                     .max(1)
@@ -114,12 +114,12 @@ impl EventLogger {
         }
     }
 
-    /// The learning curve so far, and whether the policy was globally optimal.
+    /// Returns the learning curve so far, and whether the policy was globally optimal.
     pub fn memory(&self) -> (Curve, bool) {
         (self.curve.clone(), self.was_optimal)
     }
 
-    /// Goes on after episodes of which this is the memory; `policy` is what they taught.
+    /// Continues after episodes with this checkpoint; `policy` is their learned policy.
     pub fn resume(&mut self, (curve, was_optimal): (Curve, bool), policy: PolicyMap, maze: &Maze) {
         self.curve = curve.restored();
         self.was_optimal = was_optimal;
@@ -128,13 +128,13 @@ impl EventLogger {
         self.maze_shown = true;
     }
 
-    /// Begins with what was learned elsewhere.
-    pub fn know(&mut self, method: &dyn Agent, sensor: Sensor, maze: &Maze) {
+    /// Starts with a policy that was learned elsewhere.
+    pub fn warm_start(&mut self, method: &dyn Agent, sensor: Sensor, maze: &Maze) {
         self.policy = Some(PolicyMap::of(method, sensor, maze));
         self.was_optimal = self.judge.is_optimal(method, maze);
     }
 
-    /// An episode begins: everything that a viewer needs to draw its first picture.
+    /// Logs the start of an episode, with everything that a viewer needs for its first picture.
     pub fn began(
         &mut self,
         out: &mut Outbox,
@@ -146,7 +146,7 @@ impl EventLogger {
         self.decided_ns = time_ns;
         self.start = Some(view.cell);
         self.trail.restart(view);
-        self.way.restart(now);
+        self.trajectory.restart(now);
         let frames = self.transforms.along(&[now], belief(view, time_ns));
         out.send(For::Episode, Topic::Transforms, time_ns, frames)?;
         self.show_estimate(out, episode, 0, view)?;
@@ -175,7 +175,7 @@ impl EventLogger {
         out.send(For::Both, Topic::Log, time_ns, &begins)
     }
 
-    /// What stands still, and what the robot looks like.
+    /// Logs the static scene and the robot's body.
     fn show_maze_and_robot(
         &mut self,
         out: &mut Outbox,
@@ -192,7 +192,7 @@ impl EventLogger {
         out.send(For::Episode, Topic::Robot, time_ns, &robot)
     }
 
-    /// An episode is over and learned.
+    /// Logs the end of an episode, after learning.
     pub fn ended(
         &mut self,
         out: &mut Outbox,
@@ -208,7 +208,7 @@ impl EventLogger {
         self.show_learned(out, For::Episode, maze, time_ns)?;
         self.show_learned(out, For::Run, maze, time_ns)?;
         self.show_landscape(out, For::Run, maze, time_ns)?;
-        // The last step has shown it already, unless that is done more rarely.
+        // The last step has already written the trail to the episode's file if it was due.
         let to = if self.trail.is_due() {
             For::Run
         } else {
@@ -219,7 +219,7 @@ impl EventLogger {
             self.show_percept(out, time_ns)?;
         }
         out.send_json(For::Episode, Topic::Curve, time_ns, &self.curve)?;
-        // Nothing new, but viewers draw a state only up to its last message.
+        // The state is unchanged, but viewers draw it only up to its last message.
         let clear = ContactRecord::clear(episode.episode, episode.steps);
         out.send_json(For::Episode, Topic::Contact, time_ns, &clear)?;
         let population = Population::of(&learned.method.knowledge());
@@ -236,7 +236,7 @@ impl EventLogger {
         Ok(())
     }
 
-    /// What the policy is good for.
+    /// Evaluates the policy.
     fn outlook(&mut self, policy: &PolicyMap, learned: &Learned<'_>) -> Outlook {
         let Learned { method, view, .. } = *learned;
         let (maze, judge) = (view.maze, &mut self.judge);
@@ -259,7 +259,7 @@ impl EventLogger {
         out.send(to, Topic::Trail, time_ns, &self.trail.scene(time_ns))
     }
 
-    /// What was shown last in one of the files.
+    /// Returns the state last shown in one of the files.
     fn shown(&mut self, to: For) -> &mut Shown {
         match to {
             For::Run => &mut self.shown_in_run,
@@ -267,7 +267,7 @@ impl EventLogger {
         }
     }
 
-    /// What was learned, where it is another than was shown last.
+    /// Logs the learned policy where it differs from the last shown one.
     fn show_learned(
         &mut self,
         out: &mut Outbox,
@@ -277,7 +277,7 @@ impl EventLogger {
     ) -> Result<(), RecordError> {
         let marks = Some(policy::marks(self.policy.as_ref(), maze));
         if self.shown(to).marks != marks {
-            let arrows = policy::painted(self.policy.as_ref(), maze);
+            let arrows = policy::arrows(self.policy.as_ref(), maze);
             out.send(to, Topic::Policy, time_ns, &policy::scene(arrows, time_ns))?;
             self.shown(to).marks = marks;
         }
@@ -290,7 +290,7 @@ impl EventLogger {
         Ok(())
     }
 
-    /// The same as a landscape.
+    /// Logs the learned policy as a landscape.
     fn show_landscape(
         &mut self,
         out: &mut Outbox,

@@ -1,4 +1,4 @@
-//! What a step shows: why it was decided, the way that it took, and what was learned by it.
+//! The messages of a step: the reasons of the decision, the trajectory, and the learned changes.
 
 use std::iter::{Enumerate, Peekable};
 
@@ -15,14 +15,14 @@ use crate::record::topics::step::StepRecord;
 use crate::record::topics::{Topic, log, percept, policy, rays, scan};
 use crate::record::write::outbox::{For, Outbox};
 
-/// What happened during a move and was not written yet, oldest first.
+/// The events of a move that are not yet written, oldest first.
 struct Pending<'a> {
     hits: Peekable<Enumerate<std::slice::Iter<'a, Contact>>>,
     scans: Peekable<std::vec::IntoIter<(u64, LaserScan)>>,
 }
 
 impl EventLogger {
-    /// A step was taken.
+    /// Logs a step.
     pub fn stepped(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
         let end_ns = step.view.now().time_ns;
         let rule = RuleRecord::new(step, self.sensor, self.goal);
@@ -47,7 +47,8 @@ impl EventLogger {
             .contacts
             .iter()
             .for_each(|hit| self.trail.hit(step.view.maze, hit));
-        self.trail.step(&step.view, self.way.poses(), step.explored);
+        self.trail
+            .step(&step.view, self.trajectory.poses(), step.explored);
         if self.trail.is_due() {
             self.show_trail(out, For::Episode, end_ns)?;
         }
@@ -55,19 +56,19 @@ impl EventLogger {
         self.learned_a_step(out, step, end_ns)
     }
 
-    /// What was learned by a step, if it can be seen; in large mazes only now and then, because
-    /// every cell has to be asked.
+    /// Logs the learned changes of a step if anyone receives them. In large mazes this is done at
+    /// intervals, because every cell must be queried.
     fn learned_a_step(
         &mut self,
         out: &mut Outbox,
         step: &Step<'_>,
         time_ns: u64,
     ) -> Result<(), RecordError> {
-        let is_heard = out.episode.is_some() || out.tap.is_some();
-        let Some(rarely) = self.asks_every.filter(|_| is_heard) else {
+        let has_receiver = out.episode.is_some() || out.tap.is_some();
+        let Some(interval) = self.query_interval.filter(|_| has_receiver) else {
             return Ok(());
         };
-        if !step.step.is_multiple_of(rarely) {
+        if !step.step.is_multiple_of(interval) {
             return Ok(());
         }
         let maze = step.view.maze;
@@ -80,24 +81,24 @@ impl EventLogger {
         }
     }
 
-    /// The way of a step: poses, hits and scans, in the order of time.
+    /// Logs the trajectory of a step: poses, hits and scans, in order of time.
     fn moved(&mut self, out: &mut Outbox, step: &Step<'_>) -> Result<(), RecordError> {
-        self.way.follow(step.view.trace);
+        self.trajectory.follow(step.view.trace);
         let mut pending = Pending {
             hits: step.view.contacts.iter().enumerate().peekable(),
             scans: self.scans(&step.view, false).into_iter().peekable(),
         };
-        for stretch in self.way.stretches() {
-            self.show_before(stretch[0].time_ns, &mut pending, out, step)?;
+        for segment in self.trajectory.segments() {
+            self.show_before(segment[0].time_ns, &mut pending, out, step)?;
             let frames = self
                 .transforms
-                .along(stretch, belief(&step.view, stretch[0].time_ns));
-            out.send(For::Episode, Topic::Transforms, stretch[0].time_ns, frames)?;
+                .along(segment, belief(&step.view, segment[0].time_ns));
+            out.send(For::Episode, Topic::Transforms, segment[0].time_ns, frames)?;
         }
         self.show_before(u64::MAX, &mut pending, out, step)
     }
 
-    /// Hits and scans before a moment, in the order of time.
+    /// Logs hits and scans before a time, in order of time.
     fn show_before(
         &self,
         until_ns: u64,
@@ -122,7 +123,7 @@ impl EventLogger {
         }
     }
 
-    /// The scans of a move, if beams are recorded.
+    /// Returns the scans of a move, if beams are recorded.
     pub(super) fn scans(&self, view: &View<'_>, is_begin: bool) -> Vec<(u64, LaserScan)> {
         match self.beams {
             true => scan::scans(view, is_begin),
@@ -130,7 +131,7 @@ impl EventLogger {
         }
     }
 
-    /// Hit `number` of a step, from 0; only the first is worth a warning.
+    /// Logs hit `number` of a step, from 0; only the first one causes a warning.
     fn hit(
         &self,
         out: &mut Outbox,
@@ -153,7 +154,7 @@ impl EventLogger {
         }
     }
 
-    /// What a robot that senses believes at the end of an action.
+    /// Logs the estimated pose at the end of an action, if the robot estimates its pose.
     pub(super) fn show_estimate(
         &mut self,
         out: &mut Outbox,
@@ -174,14 +175,14 @@ impl EventLogger {
         }
     }
 
-    /// What the robot perceived when it decided last, and what it believes.
+    /// Logs the percept at the last decision and the estimated pose.
     pub(super) fn show_percept(&self, out: &mut Outbox, time_ns: u64) -> Result<(), RecordError> {
         let scene = percept::scene(self.perceived_cells.clone(), &self.belief);
         out.send(For::Episode, Topic::Percept, time_ns, &scene)
     }
 }
 
-/// What a robot that senses believed at a moment of what is seen.
+/// Returns the pose estimate at a time of the view, if the robot estimates its pose.
 pub(super) fn belief<'a>(view: &View<'a>, time_ns: u64) -> Option<&'a Estimate> {
     let at = view.trace.iter().position(|s| s.time_ns == time_ns)?;
     view.sensed?.estimates.get(at)

@@ -1,4 +1,4 @@
-//! What switches contribute: the success of every combination, and the effect of each switch.
+//! The contribution of switches: the success of every combination, and the effect of each switch.
 
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
@@ -13,14 +13,14 @@ use crate::study::statistics::{Interval, Proportion};
 const TOP: u32 = 40;
 const BARS: Size = (560, 170);
 const EFFECTS: u32 = 440;
-/// Room for the names of the switches, left of the bars.
+/// Width of the names of the switches, left of the bars.
 const NAMES: u32 = 190;
 const ROW: u32 = 20;
 
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// For each place a row: bars of the success of every combination, over a table of dots that
-/// tells which switches are on; and beside them the main effect of each switch.
+/// A row for each place. It has bars of the success of every combination, over a table of dots that
+/// shows which switches are on. The main effects of the switches are next to them.
 #[derive(Debug)]
 pub struct Ablation<'a> {
     arms: &'a [ArmRecords<'a>],
@@ -30,7 +30,7 @@ pub struct Ablation<'a> {
 }
 
 impl<'a> Ablation<'a> {
-    /// The chart of a study's arms; `None` when it switches nothing.
+    /// Creates the chart of a study's arms. `None` if the study has no switches.
     pub fn new(arms: &'a [ArmRecords<'a>]) -> Option<Self> {
         let switches = switches(arms);
         (!switches.is_empty()).then(|| Self {
@@ -41,7 +41,7 @@ impl<'a> Ablation<'a> {
         })
     }
 
-    /// The arms in one place, those with fewer switches on first.
+    /// Returns the arms in one place, those with fewer switches on first.
     fn combinations(&self, name: &Place) -> Vec<&ArmRecords<'a>> {
         let mut arms: Vec<_> = self
             .arms
@@ -155,7 +155,7 @@ impl Ablation<'_> {
         Ok(())
     }
 
-    /// Which switches are on, under the bars.
+    /// Draws the table under the bars, which shows the switches that are on.
     fn table<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
         let arms = self.combinations(&self.places[0]);
         let width = f64::from(theme.px(BARS.0)) / arms.len() as f64;
@@ -181,7 +181,7 @@ impl Ablation<'_> {
         root.draw_text(note, &theme.text(12).pos(CENTRED), (x, y))
     }
 
-    /// The main effects as dots with intervals, in percentage points.
+    /// Draws the main effects as dots with intervals, in percentage points.
     fn effects<DB: DrawingBackend>(
         &self,
         root: &DrawingArea<DB, Shift>,
@@ -221,7 +221,7 @@ impl Ablation<'_> {
         self.dots(root, &mut chart, theme, &own)
     }
 
-    /// A line for each effect: its name, its interval and its value.
+    /// Draws the name, the interval and the value of each effect.
     fn dots<DB: DrawingBackend>(
         &self,
         root: &DrawingArea<DB, Shift>,
@@ -252,7 +252,7 @@ impl Ablation<'_> {
         Ok(())
     }
 
-    /// The same axis for all places.
+    /// Returns the range of the axis, which is the same for all places.
     fn reach(&self) -> std::ops::Range<f64> {
         let intervals = self.effects.iter().map(|one| one.main_effect);
         let ends = intervals.flat_map(|one| [one.low.abs(), one.high.abs()]);

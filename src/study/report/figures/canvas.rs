@@ -1,4 +1,4 @@
-//! From a drawing to SVG and PNG.
+//! Renders a drawing as SVG and PNG.
 
 use plotters::coord::Shift;
 use plotters::drawing::DrawingAreaErrorKind;
@@ -9,36 +9,36 @@ use super::theme::Theme;
 /// Width and height in pixels.
 pub type Size = (u32, u32);
 
-/// What drawing gives.
+/// The result of drawing.
 pub type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
-/// The pixels of a PNG along each pixel of the figure.
+/// Pixels of a PNG per pixel of the figure, in each direction.
 const PNG_SCALE: u32 = 2;
-/// The pixels drawn along each pixel of a PNG, which smooths edges; [`smoothed`] knows that they are two.
+/// Drawn pixels per pixel of a PNG, in each direction, for smooth edges. [`smoothed`] assumes two.
 const SMOOTH: u32 = 2;
 
-/// Something that can be drawn on any backend.
+/// A figure that can be drawn on any backend.
 pub trait Drawing {
-    /// The size of the figure.
+    /// Returns the size of the figure.
     fn size(&self) -> Size;
 
-    /// Draws it.
+    /// Draws the figure.
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB>;
 }
 
-/// The drawing as an SVG document.
+/// Renders a drawing as an SVG document.
 pub fn svg(drawing: &impl Drawing) -> Result<String, String> {
     let mut text = String::new();
     let theme = Theme::new(1)?;
     let root = SVGBackend::with_string(&mut text, drawing.size()).into_drawing_area();
     paint(&root, drawing, theme)?;
     drop(root);
-    // Where DejaVu Sans is not installed, these are as wide.
+    // Verdana is as wide as DejaVu Sans, in case the latter is not installed.
     let fonts = "font-family=\"DejaVu Sans, Verdana, sans-serif\"";
     Ok(text.replace("font-family=\"sans-serif\"", fonts))
 }
 
-/// The drawing as a PNG file.
+/// Renders a drawing as a PNG file.
 pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>, String> {
     let theme = Theme::new(PNG_SCALE * SMOOTH)?;
     let (width, height) = drawing.size();
@@ -64,8 +64,8 @@ fn paint<DB: DrawingBackend>(
     painted.map_err(|fault| fault.to_string())
 }
 
-/// The mean of each square of 2 x 2 pixels of three bytes, in rows of `stride` bytes. Written out,
-/// since it costs most of a figure where it is not optimised.
+/// Returns the mean of each square of 2 x 2 pixels of three bytes, in rows of `stride` bytes. The
+/// sum is written out, because without optimisation it takes most of a figure's time.
 fn smoothed(pixels: &[u8], stride: usize) -> Vec<u8> {
     let mut small = Vec::with_capacity(pixels.len() / 4);
     for rows in pixels.chunks_exact(stride * 2) {

@@ -1,4 +1,4 @@
-//! Success curves: the share of trials that had found an optimal policy, episode by episode.
+//! Success curves: the share of trials that have found an optimal policy, by episode.
 
 use plotters::coord::Shift;
 use plotters::coord::combinators::WithKeyPoints;
@@ -12,7 +12,7 @@ use crate::study::statistics::{Lifetime, Point, Survival};
 
 const PANEL: Size = (340, 300);
 const TOP: u32 = 36;
-/// Room for the shortest names beside the table of trials still searching, and beside longer ones.
+/// Minimum width of the names next to the table of unsolved trials, and the margin of longer names.
 const NAMES: u32 = 176;
 const BESIDE_NAMES: u32 = 50;
 const ROW: u32 = 17;
@@ -20,8 +20,8 @@ const ROW: u32 = 17;
 type Chart<'a, DB> =
     ChartContext<'a, DB, Cartesian2d<WithKeyPoints<RangedCoordu32>, RangedCoordf64>>;
 
-/// 1 - Kaplan-Meier with 95 % bands for each series, a panel for each place, and under it how
-/// many trials were still searching.
+/// A panel for each place, with 1 - Kaplan-Meier and its 95 % band for each series. A table below
+/// shows how many trials are still searching.
 #[derive(Debug)]
 pub struct Curves<'a>(pub(super) &'a Panels<'a>);
 
@@ -49,7 +49,7 @@ impl Curves<'_> {
         NAMES.max(BESIDE_NAMES + widest(&self.0.series))
     }
 
-    /// The names of the series, which head the rows of the table and explain the colours.
+    /// Draws the names of the series, which label the rows of the table and explain the colours.
     fn names<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
         let style = theme.text(12).pos(FROM_LEFT);
         root.draw_text("still searching", &style, (theme.ipx(8), row(theme, 0)))?;
@@ -122,7 +122,7 @@ impl Curves<'_> {
         Ok(())
     }
 
-    /// How many trials still search at some episodes, under the chart.
+    /// Draws the number of trials that are still searching at some episodes, under the chart.
     fn still_searching<DB: DrawingBackend>(
         &self,
         root: &DrawingArea<DB, Shift>,
@@ -142,12 +142,12 @@ impl Curves<'_> {
     }
 }
 
-/// The middle of a row of the table; row 0 is its heading.
+/// Returns the vertical middle of a row of the table. Row 0 is its heading.
 fn row(theme: Theme, row: usize) -> i32 {
     theme.ipx((TOP + PANEL.1 + row as u32 * ROW + ROW / 2 + 4) as i32)
 }
 
-/// The corners of a staircase through the points, up to the last episode.
+/// Returns the corners of a staircase through the points, up to the last episode.
 fn staircase(points: &[Point], episodes: u32, share: impl Fn(&Point) -> f64) -> Vec<(u32, f64)> {
     let mut corners = Vec::new();
     let mut before = 0.0;

@@ -12,7 +12,7 @@ const PANEL: Size = (360, 300);
 const TOP: u32 = 36;
 const ROW: u32 = 17;
 
-/// For each place a panel, for each series the mean steps of each episode with its interval.
+/// A panel for each place, with the mean steps of each episode and their interval for each series.
 #[derive(Debug)]
 pub struct Episodes<'a> {
     panels: &'a Panels<'a>,
@@ -21,7 +21,7 @@ pub struct Episodes<'a> {
 }
 
 impl<'a> Episodes<'a> {
-    /// The chart of these panels; by arm, its curve.
+    /// Creates the chart of these panels from the curve of each arm.
     pub fn new(panels: &'a Panels<'a>, curves: &'a [Vec<CurvePoint>]) -> Self {
         Self { panels, curves }
     }

@@ -10,45 +10,47 @@ use crate::study::analysis::summary::ArmSummary;
 use crate::study::protocol::Arm;
 
 const TOP: u32 = 62;
-/// The name of the panel, and below it that of the setting of the rows.
+/// Height of the panel's name, and below it the name of the row setting.
 const CAPTION: u32 = 46;
 const LABELS: u32 = 52;
-/// Room for the values of the setting of the rows, and for its name.
+/// Width of the values and the name of the row setting.
 const LEFT: u32 = 130;
 const CELL: Size = (76, 44);
 const GAP: u32 = 24;
-/// Panels beside each other.
+/// Maximum number of panels in a row.
 const MOST_COLUMNS: usize = 3;
-/// The most values of a setting.
+/// Maximum number of values of a setting.
 const MOST_VALUES: usize = 12;
-/// The least width, for the note.
+/// Minimum width, for the note.
 const NOTE: u32 = 560;
 
-/// For each world, method, arena and sensor a panel, in which each cell is a combination of two swept values.
+/// A panel for each world, method, arena and sensor. Each cell is a combination of two swept
+/// values.
 #[derive(Debug)]
 pub struct Heat<'a> {
-    /// The names of the settings of the columns and of the rows.
+    /// The names of the column setting and the row setting.
     keys: [String; 2],
     /// Their values.
     values: [Vec<Value>; 2],
-    panels: Vec<(String, Vec<Spot<'a>>)>,
+    panels: Vec<(String, Vec<Entry<'a>>)>,
 }
 
-/// Column, row, and what came out there.
-type Spot<'a> = (usize, usize, &'a ArmSummary);
+/// Column, row, and the result there.
+type Entry<'a> = (usize, usize, &'a ArmSummary);
 
 impl<'a> Heat<'a> {
-    /// The map of these arms; `None` unless exactly two settings are swept, with few values each.
+    /// Creates the heat map of these arms. `None` unless exactly two settings are swept, with few
+    /// values each.
     pub fn new(arms: &[Arm], summaries: &'a [ArmSummary]) -> Option<Self> {
         let keys: Vec<&String> = arms.first()?.variant.0.keys().collect();
         let [first, second] = keys[..] else {
             return None;
         };
         let mut values = [Vec::new(), Vec::new()];
-        let mut panels: Vec<(String, Vec<Spot<'a>>)> = Vec::new();
+        let mut panels: Vec<(String, Vec<Entry<'a>>)> = Vec::new();
         for (arm, summary) in arms.iter().zip(summaries) {
             let (column, row) = (arm.variant.0.get(first)?, arm.variant.0.get(second)?);
-            let spot = (
+            let entry = (
                 index_of(&mut values[0], column),
                 index_of(&mut values[1], row),
                 summary,
@@ -61,8 +63,8 @@ impl<'a> Heat<'a> {
             ];
             let name = names.join(", ");
             match panels.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, spots)) => spots.push(spot),
-                None => panels.push((name, vec![spot])),
+                Some((_, entries)) => entries.push(entry),
+                None => panels.push((name, vec![entry])),
             }
         }
         let fits = values
@@ -122,20 +124,20 @@ impl Drawing for Heat<'_> {
         let note = "the share of optimal trials, and below the environment steps until then (IQM)";
         root.draw_text(note, &theme.text(12).pos(CENTRED), (middle, theme.ipx(42)))?;
         let mut panels = self.panels.iter().enumerate();
-        panels.try_for_each(|(number, (name, spots))| {
+        panels.try_for_each(|(number, (name, entries))| {
             let (width, height) = self.panel_size();
             let (row, column) = (number / self.columns(), number % self.columns());
             let corner = (column as u32 * width, TOP + row as u32 * height);
             self.axes(root, theme, corner, name)?;
-            spots
+            entries
                 .iter()
-                .try_for_each(|spot| Self::cell(root, theme, corner, spot))
+                .try_for_each(|entry| Self::cell(root, theme, corner, entry))
         })
     }
 }
 
 impl Heat<'_> {
-    /// The name of a panel, and the names and values of both settings.
+    /// Draws the name of a panel, and the names and values of both settings.
     fn axes<DB: DrawingBackend>(
         &self,
         root: &DrawingArea<DB, Shift>,
@@ -165,12 +167,12 @@ impl Heat<'_> {
         root.draw_text(&self.keys[1], &beside, corner)
     }
 
-    /// A combination, the darker the more trials were optimal.
+    /// Draws the cell of a combination. More optimal trials make it darker.
     fn cell<DB: DrawingBackend>(
         root: &DrawingArea<DB, Shift>,
         theme: Theme,
         (left, top): (u32, u32),
-        (column, row, arm): &Spot<'_>,
+        (column, row, arm): &Entry<'_>,
     ) -> Drawn<DB> {
         let share = arm.successes as f64 / arm.trials.max(1) as f64;
         let x = left + LEFT + *column as u32 * CELL.0;
@@ -179,7 +181,7 @@ impl Heat<'_> {
         let corners = corners.map(|(x, y)| (theme.px(x) as i32, theme.px(y) as i32));
         let fill = colour(BLUE).mix(0.06 + 0.94 * share).filled();
         root.draw(&Rectangle::new(corners, fill))?;
-        // Light letters on dark cells.
+        // Light text on dark cells.
         let ink = if share > 0.55 { WHITE } else { INK };
         let text = |size| theme.text(size).pos(CENTRED).color(&ink);
         let at = |down: u32| (theme.px(x + CELL.0 / 2) as i32, theme.px(y + down) as i32);

@@ -1,4 +1,4 @@
-//! The paper's Figure 4: when did the policy become globally optimal?
+//! The paper's Figure 4: when the policy first became globally optimal.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -9,14 +9,14 @@ use super::panels::Panels;
 use super::theme::{CENTRED, FAINT, INK, Theme, colour, ticks};
 use crate::study::analysis::summary::ArmRecords;
 
-/// About how many bars a panel has.
+/// Approximate number of bars in a panel.
 const BARS: u32 = 18;
 const PANEL: Size = (330, 140);
 const LEFT: u32 = 62;
 const TOP: u32 = 58;
 const BOTTOM: u32 = 46;
 
-/// A panel for each series (rows) and place (columns), all on the same axes.
+/// A panel for each series (rows) and place (columns), all with the same axes.
 #[derive(Debug)]
 pub struct Histograms<'a>(pub(super) &'a Panels<'a>);
 
@@ -49,7 +49,7 @@ impl Drawing for Histograms<'_> {
     }
 }
 
-/// What stands around the panels.
+/// Draws the titles around the panels.
 fn frame<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, theme: Theme, width: u32) -> Drawn<DB> {
     let (wide, high) = root.dim_in_pixel();
     let (wide, high) = (wide as i32, high as i32);
@@ -84,7 +84,7 @@ fn panel<DB: DrawingBackend>(
         .shrink(corner, (theme.px(PANEL.0), theme.px(PANEL.1)))
 }
 
-/// Who, how many, and how sure.
+/// Draws the name of the series, its successes and their interval.
 fn label<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     theme: Theme,
@@ -110,7 +110,7 @@ fn label<DB: DrawingBackend>(
     area.draw_text(&text, &style, (right, theme.ipx(42)))
 }
 
-/// What the panels have in common.
+/// The properties that all panels share.
 struct Bars {
     width: u32,
     highest: u32,
@@ -158,7 +158,7 @@ impl Bars {
     }
 }
 
-/// How many first optimal episodes lie in each bin; episode 1 lies in the first.
+/// Counts the first optimal episodes in each bin. Episode 1 is in the first bin.
 fn counts(records: &ArmRecords<'_>, width: u32, episodes: u32) -> Vec<u32> {
     let mut counts = vec![0; episodes.div_ceil(width) as usize];
     for lifetime in records.lifetimes() {
@@ -178,6 +178,6 @@ fn highest(panels: &Panels<'_>, width: u32) -> u32 {
             highest = highest.max(counts.into_iter().flatten().max().unwrap_or(0));
         }
     }
-    // Room for the label above the bars.
+    // Leave room for the label above the bars.
     highest + highest.div_ceil(4)
 }

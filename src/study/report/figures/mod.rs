@@ -1,4 +1,4 @@
-//! Figures of a study, as SVG and PNG. Only this folder knows the drawing library.
+//! Figures of a study, as SVG and PNG. Only this module uses the drawing library.
 
 mod ablation;
 mod canvas;
@@ -52,10 +52,11 @@ const HEAT: Subject = Subject {
 };
 const ABLATION: Subject = Subject {
     name: "ablation",
-    caption: "What each switch contributes",
+    caption: "Contribution of each switch",
 };
 
-/// Draws the figures of a study, whose arms these are, into its folder, and tells which there are.
+/// Draws the figures of a study into its folder, and returns them. `arms` are the study's
+/// summaries.
 ///
 /// # Errors
 /// When a figure cannot be drawn or written.

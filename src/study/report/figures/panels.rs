@@ -1,9 +1,9 @@
-//! How the arms of a study are laid out: a column for each place, a series for each method.
+//! The layout of a study's arms: a column for each place, a series for each method.
 
 use crate::study::analysis::summary::ArmRecords;
 use crate::study::protocol::Arm;
 
-/// The arms of a study as a table: where the trials ran, and who ran.
+/// The arms of a study as a table of places and series.
 #[derive(Debug)]
 pub struct Panels<'a> {
     /// Episodes of a trial.
@@ -13,12 +13,12 @@ pub struct Panels<'a> {
     /// Methods, with the settings that a sweep varies.
     pub series: Vec<String>,
     records: &'a [ArmRecords<'a>],
-    /// Place and series of each arm.
-    spots: Vec<(usize, usize)>,
+    /// The place and the series of each arm.
+    positions: Vec<(usize, usize)>,
 }
 
 impl<'a> Panels<'a> {
-    /// The table of these arms.
+    /// Arranges these arms.
     pub fn new(records: &'a [ArmRecords<'a>], episodes: u32) -> Self {
         let several = |differs: fn(&Arm, &Arm) -> bool| {
             records
@@ -41,34 +41,34 @@ impl<'a> Panels<'a> {
             format!("{}{arena}{sensor}", arm.world)
         };
         let (mut places, mut series) = (Vec::new(), Vec::new());
-        let spot = |ArmRecords { arm, .. }: &ArmRecords<'_>| {
+        let position = |ArmRecords { arm, .. }: &ArmRecords<'_>| {
             let who = format!("{} {}", arm.method_name(), arm.variant);
             let column = index_of(&mut places, place(arm));
             (column, index_of(&mut series, who.trim_end().to_owned()))
         };
-        let spots = records.iter().map(spot).collect();
+        let positions = records.iter().map(position).collect();
         Self {
             episodes,
             places,
             series,
             records,
-            spots,
+            positions,
         }
     }
 
-    /// Which arm is the one of this series in this place.
+    /// Returns the arm of a series in a place.
     pub fn arm(&self, place: usize, series: usize) -> Option<usize> {
-        let mut spots = self.spots.iter();
-        spots.position(|spot| *spot == (place, series))
+        let mut positions = self.positions.iter();
+        positions.position(|position| *position == (place, series))
     }
 
-    /// The trials of one series in one place.
+    /// Returns the trials of a series in a place.
     pub fn at(&self, place: usize, series: usize) -> Option<&'a ArmRecords<'a>> {
         Some(&self.records[self.arm(place, series)?])
     }
 }
 
-/// The place of a name in a list, to which it is added if it is new.
+/// Returns the index of a name in a list. Adds the name if it is new.
 fn index_of(names: &mut Vec<String>, name: String) -> usize {
     names
         .iter()

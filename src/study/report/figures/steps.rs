@@ -1,4 +1,4 @@
-//! What it took: environment steps until the policy was globally optimal.
+//! Environment steps until the policy was globally optimal.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -11,7 +11,7 @@ use crate::study::analysis::summary::ArmSummary;
 use crate::study::statistics::{Interval, Proportion};
 
 const TOP: u32 = 58;
-/// The axis of a panel, and the room for its figures.
+/// Width of a panel's axis, and of its figures.
 const AXIS: u32 = 220;
 const FIGURES: u32 = 96;
 const CAPTION: u32 = 26;
@@ -19,12 +19,13 @@ const LABELS: u32 = 46;
 /// The width of the note under the title.
 const NOTE: u32 = 760;
 const ROW: u32 = 18;
-/// Panels beside each other.
+/// Maximum number of panels in a row.
 const MOST_COLUMNS: usize = 3;
-/// Longer names, as sweeps of many settings have them, would leave no room for the rest.
+/// Maximum length of a name. Longer names, as in sweeps of many settings, leave no room for the
+/// chart.
 const LONGEST_NAME: usize = 60;
 
-/// Environment steps and share of optimal trials, of one series in one place.
+/// Environment steps and share of optimal trials of one series in one place.
 #[derive(Debug, Clone, Copy)]
 struct Cost {
     series: usize,
@@ -53,12 +54,12 @@ impl Cost {
     }
 }
 
-/// For each place a panel, for each series a row: steps on a logarithmic axis, and how many trials
-/// were optimal. The fewest steps stand out.
+/// A panel for each place, with a row for each series: steps on a logarithmic axis, and the share
+/// of optimal trials. The fewest steps are highlighted.
 #[derive(Debug)]
 pub struct Steps<'a> {
     panels: &'a Panels<'a>,
-    /// By place.
+    /// The costs in each place.
     costs: Vec<Vec<Cost>>,
     /// The exponents of 10 at which axes begin and end.
     from: u32,
@@ -66,7 +67,7 @@ pub struct Steps<'a> {
 }
 
 impl<'a> Steps<'a> {
-    /// The chart of these panels, whose arms these are. `None` when names are too long.
+    /// Creates the chart of these panels. `arms` are their summaries. `None` if a name is too long.
     pub fn new(panels: &'a Panels<'a>, arms: &[ArmSummary]) -> Option<Self> {
         if panels.series.iter().any(|name| name.len() > LONGEST_NAME) {
             return None;
@@ -88,7 +89,7 @@ impl<'a> Steps<'a> {
         })
     }
 
-    /// Room for the names of the series.
+    /// Returns the width of the names of the series.
     fn names(&self) -> u32 {
         widest(&self.panels.series) + 24
     }
@@ -101,7 +102,7 @@ impl<'a> Steps<'a> {
         CAPTION + self.panels.series.len() as u32 * ROW + LABELS
     }
 
-    /// The left upper corner of a panel.
+    /// Returns the upper left corner of a panel.
     fn corner(&self, place: usize) -> (u32, u32) {
         let (row, column) = (place / self.columns(), place % self.columns());
         let left = self.names() + column as u32 * (AXIS + FIGURES);
@@ -153,7 +154,7 @@ impl Steps<'_> {
         })
     }
 
-    /// Where a number of steps and a series meet, in pixels.
+    /// Returns the position of a number of steps in the row of a series, in pixels.
     fn at(&self, theme: Theme, place: usize, steps: f64, series: usize) -> (i32, i32) {
         let (left, top) = self.corner(place);
         let share =
@@ -163,7 +164,7 @@ impl Steps<'_> {
         (x as i32, y as i32)
     }
 
-    /// A line at each power of ten, with its number below.
+    /// Draws a line at each power of ten, with its number below.
     fn axis<DB: DrawingBackend>(
         &self,
         root: &DrawingArea<DB, Shift>,
@@ -208,7 +209,7 @@ impl Steps<'_> {
         root.draw(&Circle::new(at(value), theme.ipx(4), style))
     }
 
-    /// The figures right of the axis, and the name left of the first one in a row.
+    /// Draws the figures right of the axis, and the name left of the first panel in a row.
     fn words<DB: DrawingBackend>(
         &self,
         root: &DrawingArea<DB, Shift>,
@@ -231,7 +232,7 @@ impl Steps<'_> {
     }
 }
 
-/// Where a number stands on an axis of exponents; 0 steps beside 1.
+/// Returns the position of a number on an axis of exponents. 0 steps are at 1.
 fn exponent(steps: f64) -> f64 {
     steps.max(1.0).log10()
 }

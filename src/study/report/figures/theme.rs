@@ -1,14 +1,14 @@
-//! What all figures share: sizes, letters and colours.
+//! Sizes, fonts and colours that all figures share.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
-/// DejaVu Sans, cut down to Latin letters; embedded, so that figures need no installed font and
-/// are the same everywhere.
+/// DejaVu Sans, reduced to Latin letters. Embedded, so that figures need no installed font and are
+/// the same everywhere.
 const FONT: &[u8] = include_bytes!("../../../../assets/font/DejaVuSans-latin.ttf");
 
-/// Colours that colour-blind people can tell apart (Okabe and Ito 2008), the plain ones first.
+/// Colours that colour-blind people can distinguish (Okabe and Ito 2008), the plain ones first.
 const COLOURS: [RGBColor; 8] = [
     RGBColor(90, 90, 90),
     RGBColor(86, 180, 233),
@@ -20,40 +20,40 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
 ];
 
-/// The most series that can be told apart.
+/// Maximum number of series with different colours.
 pub const MOST_SERIES: usize = COLOURS.len();
-/// The series whose colours marks have where nothing else is told apart.
+/// The series whose colour is used for ordinary marks.
 pub const BLUE: usize = 2;
-/// The series whose colours marks have that stand out.
+/// The series whose colour is used for highlighted marks.
 pub const RED: usize = 3;
-/// Text with its place in the middle, and at the middle of its left or right end.
+/// Text anchored at its centre.
 pub const CENTRED: Pos = Pos {
     h_pos: HPos::Center,
     v_pos: VPos::Center,
 };
-/// See [`CENTRED`].
+/// Text anchored at the middle of its left end.
 pub const FROM_LEFT: Pos = Pos {
     h_pos: HPos::Left,
     v_pos: VPos::Center,
 };
-/// See [`CENTRED`].
+/// Text anchored at the middle of its right end.
 pub const FROM_RIGHT: Pos = Pos {
     h_pos: HPos::Right,
     v_pos: VPos::Center,
 };
-/// Text and axes.
+/// The colour of text and axes.
 pub const INK: RGBColor = RGBColor(34, 34, 34);
-/// Grid lines.
+/// The colour of grid lines.
 pub const FAINT: RGBColor = RGBColor(225, 225, 225);
 
-/// How large a figure is drawn: all sizes are multiplied by this.
+/// The scale of a figure. All sizes are multiplied by it.
 #[derive(Debug, Clone, Copy)]
 pub struct Theme {
     scale: u32,
 }
 
 impl Theme {
-    /// A theme in which every pixel of the figure has `scale` x `scale` pixels.
+    /// Creates a theme in which every pixel of the figure has `scale` x `scale` pixels.
     ///
     /// # Errors
     /// When the embedded font cannot be read.
@@ -63,22 +63,22 @@ impl Theme {
         Ok(Self { scale })
     }
 
-    /// A length in pixels.
+    /// Returns a length in pixels.
     pub fn px(self, length: u32) -> u32 {
         length * self.scale
     }
 
-    /// A signed length in pixels.
+    /// Returns a signed length in pixels.
     pub fn ipx(self, length: i32) -> i32 {
         length * i32::try_from(self.scale).unwrap_or(1)
     }
 
-    /// Text of this size.
+    /// Returns the text style of this size.
     pub fn text(self, size: u32) -> TextStyle<'static> {
         ("sans-serif", self.px(size)).into_font().color(&INK)
     }
 
-    /// A line of this width.
+    /// Returns the line style of this colour and width.
     pub fn line(self, colour: impl Into<RGBAColor>, width: u32) -> ShapeStyle {
         ShapeStyle {
             color: colour.into(),
@@ -88,18 +88,18 @@ impl Theme {
     }
 }
 
-/// How wide the longest of some names is in small letters.
+/// Returns the approximate width of the longest name in small text.
 pub fn widest(names: &[String]) -> u32 {
     let letters = names.iter().map(|name| name.chars().count()).max();
     7 * letters.unwrap_or(0) as u32
 }
 
-/// The colour of a series.
+/// Returns the colour of a series.
 pub fn colour(series: usize) -> RGBColor {
     COLOURS[series % COLOURS.len()]
 }
 
-/// Round places on an axis of episodes: at most seven, from 0 on.
+/// Returns round ticks for an axis of episodes: at most seven, starting at 0.
 pub fn ticks(episodes: u32) -> Vec<u32> {
     let step = [1, 2, 5, 10, 20, 30, 50, 100, 200, 500]
         .into_iter()

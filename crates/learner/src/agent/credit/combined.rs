@@ -1,9 +1,10 @@
 //! XCSCR: the combined reward method of the paper.
 //!
-//! Four mechanisms in a fixed order, each in its own file and with its own switch:
-//! 1. [`short_term_filter`](crate::agent::credit::short_term_filter): a collision lowers the value of the rules that caused it, at once;
+//! Four mechanisms run in a fixed order. Each has its own file and its own switch:
+//! 1. [`short_term_filter`](crate::agent::credit::short_term_filter): a collision lowers the value of the rules that
+//!    caused it, at once;
 //! 2. [`learning_rate`](crate::agent::credit::learning_rate): successes are learned fast, failures slowly;
-//! 3. [`imprinting`](crate::agent::credit::imprinting): after a failure, one of the best policies so far is rehearsed;
+//! 3. [`imprinting`](crate::agent::credit::imprinting): after a failure, one of the best policies so far is replayed;
 //! 4. [`step_threshold`](crate::agent::credit::step_threshold): the time allowed shrinks toward the best policy.
 
 use crate::agent::credit::experts::{self, Experts};
@@ -23,8 +24,8 @@ use xcs::{Action, Percept};
 use xcs::{MatchSet, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
-/// The method `xcscr` (paper, section III and figure 1.c); with all four mechanisms switched off,
-/// the methods `adapted-even` and `adapted-discounted`; with [`Experts`], `xcscr-coevolved`.
+/// The method `xcscr` (paper, section III and figure 1.c). With all four mechanisms switched off it
+/// is `adapted-even` or `adapted-discounted`; with [`Experts`] it is `xcscr-coevolved`.
 #[derive(Debug, Clone)]
 pub struct Combined {
     xcs: Xcs,
@@ -36,15 +37,15 @@ pub struct Combined {
     filter: ShortTermFilter,
     learning_rate: LearningRate,
     imprinting: Imprinting,
-    /// Who decides what is rehearsed, in `xcscr-coevolved`.
+    /// The experts that choose what is replayed, in `xcscr-coevolved`.
     experts: Option<Experts>,
     step_threshold: StepThreshold,
-    /// The auxiliary rewards of this episode, which are shared out with r_l at its end.
+    /// The sum of the auxiliary rewards of this episode, shared out with r_l at its end.
     found: f64,
 }
 
 impl Combined {
-    /// Surroundings a learner; `stream` decides about imprinting. The parameters must have been checked.
+    /// Wraps an XCS. `stream` drives the random choices of imprinting. The parameters must have been checked.
     pub fn new(xcs: Xcs, params: Params, stream: Stream) -> Self {
         Self {
             filter: ShortTermFilter::new(&params),
@@ -61,17 +62,17 @@ impl Combined {
         }
     }
 
-    /// The same with experts that co-evolve; the streams are for their choices, the keeper of
-    /// \[PS\], and the cloner.
+    /// Adds co-evolving experts. The streams are for their choices, the policy selector and the
+    /// behaviour cloner.
     pub fn with_experts(mut self, streams: [Stream; 3]) -> Self {
         let (xcs, goal) = (&self.xcs, self.params.goal);
         self.experts = Some(Experts::new(xcs.params(), xcs.actions(), goal, streams));
         self
     }
 
-    /// What is rehearsed after an episode, if anything is (Alg. 2): one of the best policies, each of
-    /// its steps with its share of the reward of a success (Alg. 4).
-    fn rehearsal(&mut self, reached_goal: bool, policy: &Policy) -> Option<Vec<ReplayedStep>> {
+    /// Returns the steps to replay after an episode, if any (Alg. 2): one of the best policies, each step with its
+    /// share of the reward of a success (Alg. 4).
+    fn replay(&mut self, reached_goal: bool, policy: &Policy) -> Option<Vec<ReplayedStep>> {
         let (shortest, params) = (self.shortest, &self.params);
         let succeeded = |policy: &Policy| {
             let reward = params.long_term(true, policy.len());
@@ -97,11 +98,11 @@ impl Agent for Combined {
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let set = self.match_set.action_set(action);
-        let set = set.expect("consider comes before credit and forms [M]");
+        let set = set.expect("`observe` is called before `update` and forms [M]");
         let reward = self.params.short_term(outcome);
         let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let beta = self.learning_rate.after_collision();
-        self.filter.answer(&mut self.xcs, &set, reward, beta);
+        self.filter.apply(&mut self.xcs, &set, reward, beta);
         self.found += outcome.found();
         self.stack
             .push(&mut self.xcs, set, self.params.stack_evolution);
@@ -122,8 +123,8 @@ impl Agent for Combined {
         let evolution = self.params.stack_evolution;
         self.stack
             .unwind(&mut self.xcs, &shares, learning_rate, evolution);
-        let rehearsed = self.rehearsal(reached_goal, &policy);
-        if let Some(replayed_steps) = &rehearsed {
+        let replayed = self.replay(reached_goal, &policy);
+        if let Some(replayed_steps) = &replayed {
             let beta = self.learning_rate.after(true);
             imprinting::clone_behaviour(&mut self.xcs, replayed_steps, beta);
         }
@@ -133,7 +134,7 @@ impl Agent for Combined {
         EndCredit {
             long_term_reward,
             learning_rate,
-            imprinted: rehearsed.is_some(),
+            imprinted: replayed.is_some(),
         }
     }
 
@@ -150,7 +151,7 @@ impl Agent for Combined {
     }
 
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
-        knowledge.bring_to(&mut self.xcs)
+        knowledge.initialise(&mut self.xcs)
     }
 
     fn rule_count(&self) -> usize {
@@ -161,9 +162,9 @@ impl Agent for Combined {
         saved::bytes_of(&(
             self.xcs.learned(),
             self.shortest,
-            self.imprinting.kept(),
-            self.step_threshold.kept(),
-            self.experts.as_ref().map(Experts::kept),
+            self.imprinting.state(),
+            self.step_threshold.state(),
+            self.experts.as_ref().map(Experts::state),
         ))
     }
 

@@ -1,10 +1,10 @@
 //! Experts that co-evolve with the learner: the future work of the paper (end of section III-B).
 //!
-//! The paper keeps its best policies in a list, draws one at random after a failure, and rehearses
-//! it word for word (Alg. 2 to 4). Here two XCS of their own do that. The *keeper* chooses the
-//! policy: it perceives where the failure ended, and is paid by whether the next episode reaches the
-//! goal. The *cloner* learns from the best policies what their steps are worth, and its rules
-//! generalise: it also advises on the way on which the robot failed.
+//! The paper stores its best policies in a list, draws one at random after a failure and replays it
+//! unchanged (Alg. 2 to 4). Here two separate XCS do this. The *policy selector* chooses the
+//! policy: it perceives where the failure ended, and is rewarded if the next episode reaches the
+//! goal. The *behaviour cloner* learns the values of the steps of the best policies. Its rules
+//! generalise, so it also advises on the path on which the robot failed.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,43 +12,44 @@ use crate::agent::credit::imprinting::{Imprinting, Policy, ReplayedStep};
 use xcs::random::Stream;
 use xcs::{self, Action, Learned, MatchSet, Percept, PredictionArray, Xcs};
 
-/// The most policies between which the keeper chooses.
+/// The maximum number of policies among which the policy selector chooses.
 const MOST_POLICIES: usize = 4;
-/// The chance that the keeper tries any policy instead of the one that it rates best.
+/// The probability that the policy selector tries a random policy instead of the best-rated one.
 const EXPLORE: f64 = 0.5;
 
-/// Keeper and cloner.
+/// The policy selector and the behaviour cloner.
 #[derive(Debug, Clone)]
 pub(super) struct Experts {
     policy_selector: Xcs,
     behaviour_cloner: Xcs,
-    /// What the keeper is paid for a success.
+    /// The reward of the policy selector for a success.
     goal: f64,
-    kept: Kept,
+    state: State,
 }
 
-/// What learning changes in them beside their rules.
+/// The learned state of the experts besides their rules.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Kept {
+pub(super) struct State {
     stream: Stream,
-    /// What the keeper chose after the failure before, and where.
+    /// The percept and policy of the policy selector's last choice, until it is rewarded.
     chosen: Option<(Percept, Action)>,
-    /// The least share of the reward that a step of the best policies got.
+    /// The least share of the reward that any step of the best policies received.
     least_share: f64,
 }
 
-/// All that they keep from one episode to the next: of keeper, cloner, and beside their rules.
-pub(super) type Remembered = (Learned, Learned, Kept);
+/// The learned state of policy selector and behaviour cloner, and the state besides their rules.
+pub(super) type SavedState = (Learned, Learned, State);
 
 impl Experts {
-    /// For a robot with `actions` actions; the streams are for choices, keeper and cloner.
+    /// Creates experts for a robot with `actions` actions. The streams are for choices, policy
+    /// selector and behaviour cloner.
     pub fn new(xcs: &xcs::Params, actions: usize, goal: f64, streams: [Stream; 3]) -> Self {
         let [stream, policy_selector, behaviour_cloner] = streams;
         Self {
             policy_selector: Xcs::new(xcs.clone(), MOST_POLICIES, policy_selector),
             behaviour_cloner: Xcs::new(xcs.clone(), actions, behaviour_cloner),
             goal,
-            kept: Kept {
+            state: State {
                 stream,
                 chosen: None,
                 least_share: f64::INFINITY,
@@ -56,9 +57,9 @@ impl Experts {
         }
     }
 
-    /// What is rehearsed after an episode, if anything is, in place of what Alg. 2 would draw: the
-    /// policy that the keeper chooses, and what the cloner advises for the way of the failure.
-    /// `succeeded` makes examples of a policy, as if it had just succeeded.
+    /// Returns the steps to replay after an episode, if any, in place of the draw of Alg. 2: the
+    /// policy chosen by the policy selector, and the behaviour cloner's advice for the failed path.
+    /// `succeeded` assigns shares to the steps of a policy, as if it had just succeeded.
     pub fn after(
         &mut self,
         reached_goal: bool,
@@ -68,14 +69,14 @@ impl Experts {
     ) -> Option<Vec<ReplayedStep>> {
         self.judge(reached_goal);
         if reached_goal {
-            imprinting.keep(policy);
-            if imprinting.keeps(policy) {
+            imprinting.store(policy);
+            if imprinting.contains(policy) {
                 self.study(&succeeded(policy));
             }
             return None;
         }
         let (failed_at, _) = policy.last()?;
-        let mut replayed_steps = succeeded(self.choose(imprinting.rehearsable()?, failed_at));
+        let mut replayed_steps = succeeded(self.choose(imprinting.replayable()?, failed_at));
         let advice = self.advise(policy.iter().map(|(percept, _)| *percept));
         let is_new = |one: &ReplayedStep| {
             replayed_steps
@@ -87,9 +88,9 @@ impl Experts {
         Some(replayed_steps)
     }
 
-    /// Pays the keeper for what it chose before this episode.
+    /// Rewards the policy selector for its choice before this episode.
     fn judge(&mut self, reached_goal: bool) {
-        let Some((percept, action)) = self.kept.chosen.take() else {
+        let Some((percept, action)) = self.state.chosen.take() else {
             return;
         };
         let set = self.policy_selector.matching_action_set(&percept, action);
@@ -99,12 +100,12 @@ impl Experts {
         self.policy_selector.evolve(&set);
     }
 
-    /// Teaches the cloner one of the best policies: each step is worth its share, any other action
-    /// there nothing.
+    /// Trains the behaviour cloner on one of the best policies: the target of each step is its
+    /// share, the target of any other action there is 0.
     fn study(&mut self, policy: &[ReplayedStep]) {
         let mut match_set = MatchSet::default();
         for step in policy {
-            self.kept.least_share = self.kept.least_share.min(step.share);
+            self.state.least_share = self.state.least_share.min(step.share);
             self.behaviour_cloner
                 .form_match_set(&step.percept, &mut match_set);
             for action in Action::all(self.behaviour_cloner.actions()) {
@@ -123,32 +124,33 @@ impl Experts {
         }
     }
 
-    /// The policy to be rehearsed after a failure that ended in `percept`; there must be one.
+    /// Chooses the policy to replay after a failure that ended in `percept`. `policies` must not be
+    /// empty.
     fn choose<'a>(&mut self, policies: &'a [Policy], percept: &Percept) -> &'a Policy {
         let mut match_set = MatchSet::default();
         self.policy_selector.form_match_set(percept, &mut match_set);
         let values = self.policy_selector.predict(&match_set);
         let among = &policies[..policies.len().min(MOST_POLICIES)];
-        let explores = self.kept.stream.chance(EXPLORE);
-        let drawn = self.kept.stream.below(among.len());
+        let explores = self.state.stream.chance(EXPLORE);
+        let drawn = self.state.stream.below(among.len());
         let at = if explores {
             drawn
         } else {
             best(&values, among.len())
         };
-        self.kept.chosen = Action::new(at).map(|action| (*percept, action));
+        self.state.chosen = Action::new(at).map(|action| (*percept, action));
         &among[at]
     }
 
-    /// What the cloner would have done on the way, where it is sure: where one action alone is
-    /// worth at least half of what the least step of the best policies is.
-    fn advise(&self, way: impl IntoIterator<Item = Percept>) -> Vec<ReplayedStep> {
+    /// Returns the behaviour cloner's actions along a path where it is certain: exactly one action
+    /// is best, and its value is at least half the least share of a step of the best policies.
+    fn advise(&self, path: impl IntoIterator<Item = Percept>) -> Vec<ReplayedStep> {
         let mut advice: Vec<ReplayedStep> = Vec::new();
-        for percept in way {
+        for percept in path {
             let values = self.behaviour_cloner.values(&percept);
             let mut best = values.best_actions();
             let (action, share) = (best.next(), values.greatest().unwrap_or(0.0));
-            let is_sure = best.next().is_none() && share >= 0.5 * self.kept.least_share;
+            let is_sure = best.next().is_none() && share >= 0.5 * self.state.least_share;
             let is_new = advice.iter().all(|step| step.percept != percept);
             advice.extend(
                 action
@@ -163,37 +165,38 @@ impl Experts {
         advice
     }
 
-    /// What learning has changed so far.
-    pub fn kept(&self) -> Remembered {
+    /// Returns the learned state.
+    pub fn state(&self) -> SavedState {
         let (policy_selector, behaviour_cloner) = (
             self.policy_selector.learned(),
             self.behaviour_cloner.learned(),
         );
-        (policy_selector, behaviour_cloner, self.kept.clone())
+        (policy_selector, behaviour_cloner, self.state.clone())
     }
 
-    /// Goes on from what was kept; `false` if it is damaged.
-    fn resume(&mut self, (policy_selector, behaviour_cloner, kept): Remembered) -> bool {
-        let sound = kept
+    /// Resumes from a learned state; `false` if the state is damaged.
+    fn resume(&mut self, (policy_selector, behaviour_cloner, state): SavedState) -> bool {
+        let valid = state
             .chosen
             .is_none_or(|(_, action)| action.index() < MOST_POLICIES)
-            && kept.least_share >= 0.0;
-        self.kept = kept;
-        sound
+            && state.least_share >= 0.0;
+        self.state = state;
+        valid
             && self.policy_selector.resume(policy_selector)
             && self.behaviour_cloner.resume(behaviour_cloner)
     }
 }
 
-/// The experts, if there are any, go on from what was kept; `false` if it is damaged or not theirs.
-pub(super) fn resume(experts: &mut Option<Experts>, kept: Option<Remembered>) -> bool {
-    match (experts, kept) {
-        (Some(experts), Some(kept)) => experts.resume(kept),
-        (experts, kept) => experts.is_none() && kept.is_none(),
+/// Resumes the experts, if any, from a learned state; `false` if the state is damaged or does not
+/// fit.
+pub(super) fn resume(experts: &mut Option<Experts>, state: Option<SavedState>) -> bool {
+    match (experts, state) {
+        (Some(experts), Some(state)) => experts.resume(state),
+        (experts, state) => experts.is_none() && state.is_none(),
     }
 }
 
-/// The first of the best-rated of `count` policies.
+/// Returns the index of the first best-rated policy among the first `count`.
 fn best(values: &PredictionArray, count: usize) -> usize {
     let rated = |at: usize| values.as_slice()[at].unwrap_or(f64::NEG_INFINITY);
     (1..count).fold(
@@ -229,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn the_keeper_learns_after_which_failure_which_policy_helps() {
+    fn the_policy_selector_learns_which_policy_helps_after_which_failure() {
         let mut experts = experts();
         let policies = [0, 1].map(|it| vec![(percept("0000"), action(it))]);
         let helps = |failed: &str| usize::from(failed == "1100");
@@ -245,17 +248,17 @@ mod tests {
     }
 
     #[test]
-    fn the_cloner_advises_what_the_best_policy_does_and_is_silent_before_it_knows_one() {
+    fn the_behaviour_cloner_advises_the_best_policy_and_gives_no_advice_without_one() {
         let mut experts = experts();
-        let way = [percept("0001"), percept("1000")];
-        assert_eq!(experts.advise(way), []);
+        let path = [percept("0001"), percept("1000")];
+        assert_eq!(experts.advise(path), []);
         let policy = [0, 1].map(|at| ReplayedStep {
-            percept: way[at],
+            percept: path[at],
             action: action(at + 1),
             share: [900.0, 1000.0][at],
         });
         (0..200).for_each(|_| experts.study(&policy));
-        let advice = experts.advise(way.into_iter().chain(way));
+        let advice = experts.advise(path.into_iter().chain(path));
         let actions: Vec<_> = advice.iter().map(|step| step.action.index()).collect();
         assert_eq!(actions, [1, 2], "{advice:?}");
     }

@@ -8,10 +8,10 @@ use xcs::Xcs;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
 
-/// A policy as it was executed: the percept and action of each step.
+/// An executed policy: the percept and action of each step.
 pub(super) type Policy = Vec<(Percept, Action)>;
 
-/// A step of a policy that is rehearsed, and the share of the reward that it gets.
+/// A step of a replayed policy, and its share of the reward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ReplayedStep {
     pub percept: Percept,
@@ -19,7 +19,7 @@ pub(super) struct ReplayedStep {
     pub share: f64,
 }
 
-/// The steps of a policy with their shares, the last one first.
+/// Returns the steps of a policy with their shares, last step first.
 pub(super) fn replayed_steps(policy: &[(Percept, Action)], shares: &Shares) -> Vec<ReplayedStep> {
     let steps = policy.iter().rev().zip(shares.backward());
     steps
@@ -31,19 +31,19 @@ pub(super) fn replayed_steps(policy: &[(Percept, Action)], shares: &Shares) -> V
         .collect()
 }
 
-/// Keeps the best executed policies, and decides when one of them is rehearsed.
+/// Stores the best executed policies, and decides when one of them is replayed.
 #[derive(Debug, Clone)]
 pub(super) struct Imprinting {
     on: bool,
     theta_x: f64,
-    /// \[PS\]: different policies of the same, shortest length.
+    /// \[PS\]: distinct policies of the same, shortest length.
     policies: Vec<Policy>,
     stream: Stream,
 }
 
-/// What learning changes in it: \[PS\], and the stream that decides.
+/// The state that learning changes: \[PS\], and the random stream.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Kept(Vec<Policy>, Stream);
+pub(super) struct State(Vec<Policy>, Stream);
 
 impl Imprinting {
     pub fn new(params: &Params, stream: Stream) -> Self {
@@ -55,42 +55,42 @@ impl Imprinting {
         }
     }
 
-    /// What learning has changed so far.
-    pub fn kept(&self) -> Kept {
-        Kept(self.policies.clone(), self.stream.clone())
+    /// Returns the learned state.
+    pub fn state(&self) -> State {
+        State(self.policies.clone(), self.stream.clone())
     }
 
-    /// Goes on from what was kept; `false` if it is damaged.
-    pub fn resume(&mut self, Kept(policies, stream): Kept) -> bool {
+    /// Resumes from a learned state; `false` if the state is damaged.
+    pub fn resume(&mut self, State(policies, stream): State) -> bool {
         (self.policies, self.stream) = (policies, stream);
         self.policies.iter().all(|policy| !policy.is_empty())
     }
 
-    /// Alg. 2: a success updates \[PS\]; a failure names, with probability 1 - theta_x, one of its
-    /// policies to be rehearsed.
+    /// Alg. 2: a success updates \[PS\]. After a failure, returns one of its policies to replay,
+    /// with probability 1 - theta_x.
     pub fn after(&mut self, reached_goal: bool, policy: &Policy) -> Option<&Policy> {
         if reached_goal {
-            self.keep(policy);
+            self.store(policy);
             return None;
         }
-        self.rehearsable()?;
+        self.replayable()?;
         self.stream.choose(&self.policies)
     }
 
-    /// Alg. 2 for those who choose by themselves: the policies of \[PS\], if one of them is to be
-    /// rehearsed after a failure.
-    pub fn rehearsable(&mut self) -> Option<&[Policy]> {
-        let rehearses = self.on && self.stream.unit() > self.theta_x;
-        Some(&self.policies[..]).filter(|all| rehearses && !all.is_empty())
+    /// Alg. 2 without the random choice: returns all policies of \[PS\] if one of them is to be
+    /// replayed after a failure.
+    pub fn replayable(&mut self) -> Option<&[Policy]> {
+        let replays = self.on && self.stream.unit() > self.theta_x;
+        Some(&self.policies[..]).filter(|all| replays && !all.is_empty())
     }
 
-    /// Is the policy in \[PS\]?
-    pub fn keeps(&self, policy: &Policy) -> bool {
+    /// Returns true if the policy is in \[PS\].
+    pub fn contains(&self, policy: &Policy) -> bool {
         self.policies.contains(policy)
     }
 
-    /// Alg. 3: a shorter policy replaces the set, a different one of the same length joins it.
-    pub fn keep(&mut self, policy: &Policy) {
+    /// Alg. 3: a shorter policy replaces the set; a different policy of the same length is added.
+    pub fn store(&mut self, policy: &Policy) {
         if !self.on {
             return;
         }
@@ -103,8 +103,8 @@ impl Imprinting {
     }
 }
 
-/// Alg. 4: every (percept, action) pair of a policy is updated as if the policy had just
-/// succeeded, each with its share of the reward.
+/// Alg. 4: updates every (percept, action) pair of a policy toward its share of the reward, as if
+/// the policy had just succeeded.
 pub(super) fn clone_behaviour(xcs: &mut Xcs, replayed_steps: &[ReplayedStep], beta: f64) {
     for step in replayed_steps {
         let cloned = xcs.matching_action_set(&step.percept, step.action);
@@ -118,7 +118,7 @@ mod tests {
     use xcs;
     use xcscr_robot::streams::StreamName;
 
-    /// A policy that takes these actions in as many different percepts.
+    /// Returns a policy that takes these actions in as many different percepts.
     fn policy(actions: &[usize]) -> Policy {
         let step = |(at, &action): (usize, &usize)| {
             let percept = Percept::from_bits((0..8).map(|bit| at >> bit & 1 == 1));
@@ -142,7 +142,11 @@ mod tests {
         imprinting.after(true, &policy(&[0, 1, 2]));
         imprinting.after(true, &policy(&[0, 1, 3]));
         imprinting.after(true, &policy(&[0, 1, 2]));
-        assert_eq!(lengths(&imprinting), [3, 3], "the same policy joins once");
+        assert_eq!(
+            lengths(&imprinting),
+            [3, 3],
+            "the same policy is added once"
+        );
         imprinting.after(true, &policy(&[0, 0, 0, 0]));
         assert_eq!(lengths(&imprinting), [3, 3], "a longer policy is ignored");
         imprinting.after(true, &policy(&[2, 1]));
@@ -154,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn algorithm_2_rehearses_after_failures_only_with_probability_one_minus_theta_x() {
+    fn algorithm_2_replays_after_failures_only_with_probability_one_minus_theta_x() {
         let share = |theta_x| {
             let mut imprinting = imprinting(theta_x);
             assert!(
@@ -165,15 +169,15 @@ mod tests {
                 imprinting.after(true, &policy(&[0, 1])).is_none(),
                 "a success"
             );
-            let rehearsals = (0..1000).filter(|_| imprinting.after(false, &policy(&[1])).is_some());
-            rehearsals.count()
+            let replays = (0..1000).filter(|_| imprinting.after(false, &policy(&[1])).is_some());
+            replays.count()
         };
         assert_eq!((share(0.0), share(1.0)), (1000, 0));
         assert!((650..750).contains(&share(0.3)), "{}", share(0.3));
     }
 
     #[test]
-    fn switched_off_it_never_rehearses() {
+    fn it_never_replays_when_switched_off() {
         let params = Params {
             imprinting: false,
             theta_x: 0.0,
@@ -185,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn algorithm_4_pays_every_pair_of_the_policy_its_share() {
+    fn algorithm_4_updates_every_pair_of_the_policy_with_its_share() {
         let policy = policy(&[0, 1, 0]);
         let params = xcs::Params {
             dont_care: 0.0,

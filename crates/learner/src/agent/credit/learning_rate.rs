@@ -2,7 +2,7 @@
 
 use crate::agent::params::Params;
 
-/// Chooses the rate with which a collision or the end of an episode is learned.
+/// The learning rates for collisions and for the ends of episodes.
 #[derive(Debug, Clone)]
 pub(super) struct LearningRate {
     success: f64,
@@ -11,7 +11,7 @@ pub(super) struct LearningRate {
 }
 
 impl LearningRate {
-    /// Switched off, all rates are `beta`.
+    /// Creates the learning rates. With switching off, all rates are `beta`.
     pub fn new(params: &Params, beta: f64) -> Self {
         if params.learning_rate_switching {
             Self {
@@ -28,7 +28,7 @@ impl LearningRate {
         }
     }
 
-    /// The rate after a success or a failure.
+    /// Returns the rate after a success or a failure.
     pub fn after(&self, reached_goal: bool) -> f64 {
         if reached_goal {
             self.success
@@ -37,7 +37,7 @@ impl LearningRate {
         }
     }
 
-    /// The rate of the short-term filter.
+    /// Returns the rate of the short-term filter.
     pub fn after_collision(&self) -> f64 {
         self.collision
     }
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn switched_off_all_are_learned_alike() {
+    fn all_rates_are_equal_when_switched_off() {
         let params = Params {
             learning_rate_switching: false,
             ..Params::default()

@@ -1,4 +1,4 @@
-//! Who is credited, with what, and when: standard XCS, and the mechanisms of the paper.
+//! Credit assignment: standard XCS, and the mechanisms of the paper.
 
 mod combined;
 mod experts;
@@ -15,7 +15,7 @@ pub use standard::Standard;
 use crate::agent::StepCredit;
 use xcs::{ActionSet, MatchSet, Xcs};
 
-/// What there is to say of a step whose \[M\] and \[A\] these are, before anything is updated.
+/// Describes a step from its \[M\] and \[A\], before any update.
 pub(super) fn step_credit(
     xcs: &Xcs,
     match_set: &MatchSet,

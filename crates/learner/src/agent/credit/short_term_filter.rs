@@ -3,7 +3,7 @@
 use crate::agent::params::Params;
 use xcs::{ActionSet, Xcs};
 
-/// Answers severe short-term rewards at once, and only in the rules that caused them.
+/// Applies severe short-term rewards at once, and only to the rules that caused them.
 #[derive(Debug, Clone)]
 pub(super) struct ShortTermFilter {
     on: bool,
@@ -18,9 +18,9 @@ impl ShortTermFilter {
         }
     }
 
-    /// Alg. 1: up to the threshold theta_rs, \[A\] is updated toward its value plus the reward,
-    /// at learning rate `beta`. As printed, repeated collisions have no floor.
-    pub fn answer(&self, xcs: &mut Xcs, set: &ActionSet, reward: f64, beta: f64) {
+    /// Alg. 1: if the reward is at most theta_rs, updates \[A\] toward its value plus the reward,
+    /// at learning rate `beta`. As printed in the paper, repeated collisions have no lower bound.
+    pub fn apply(&self, xcs: &mut Xcs, set: &ActionSet, reward: f64, beta: f64) {
         if !self.on || reward > self.threshold {
             return;
         }
@@ -39,7 +39,8 @@ mod tests {
     use xcs::{self, MatchSet};
     use xcscr_robot::streams::StreamName;
 
-    /// The value of the chosen action (of two, in one percept) after a reward was answered twice.
+    /// Returns the values of two actions in one percept after a reward was applied twice to the
+    /// first.
     fn values_after(reward: f64, params: &Params) -> [Option<f64>; 2] {
         let percept = "0110".parse().unwrap();
         let stream = Stream::new(1, StreamName::Evolution);
@@ -48,15 +49,15 @@ mod tests {
         xcs.form_match_set(&percept, &mut set);
         let chosen = set.action_set(Action::new(0).unwrap()).unwrap();
         let filter = ShortTermFilter::new(params);
-        filter.answer(&mut xcs, &chosen, reward, 0.2);
-        filter.answer(&mut xcs, &chosen, reward, 0.2);
+        filter.apply(&mut xcs, &chosen, reward, 0.2);
+        filter.apply(&mut xcs, &chosen, reward, 0.2);
         [0, 1].map(|i| xcs.values(&percept).get(Action::new(i).unwrap()))
     }
 
     #[test]
-    fn algorithm_1_lowers_the_worth_of_the_colliding_action_only() {
-        // First update of a young rule: all the way to 0 - 50. Second: the mean of -50 and
-        // (-50 - 50) is -75.
+    fn algorithm_1_lowers_the_value_of_the_colliding_action_only() {
+        // First update of a new rule: all the way to 0 - 50. Second: the mean of -50 and (-50 - 50)
+        // is -75.
         assert_eq!(
             values_after(-50.0, &Params::default()),
             [Some(-75.0), Some(0.0)]
@@ -69,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn switched_off_it_answers_nothing() {
+    fn it_does_nothing_when_switched_off() {
         let params = Params {
             short_term_filter: false,
             ..Params::default()

@@ -1,4 +1,4 @@
-//! The reward stack \[R\] and how a long-term reward is shared out along it.
+//! The reward stack \[R\], and the sharing of a long-term reward along it.
 
 use crate::agent::params::{Params, Sharing, StackEvolution};
 use xcs::{Action, Percept};
@@ -11,7 +11,7 @@ pub(super) struct RewardStack {
 }
 
 impl RewardStack {
-    /// Adds the latest action set, in which the GA may run now.
+    /// Adds the latest action set. With [`StackEvolution::EachStep`], the GA may run in it now.
     pub fn push(&mut self, xcs: &mut Xcs, set: ActionSet, evolution: StackEvolution) {
         if evolution == StackEvolution::EachStep {
             xcs.evolve(&set);
@@ -19,12 +19,12 @@ impl RewardStack {
         self.sets.push(set);
     }
 
-    /// The steps so far.
+    /// Returns the number of steps so far.
     pub fn len(&self) -> usize {
         self.sets.len()
     }
 
-    /// The policy that was executed: the percept and action of each step.
+    /// Returns the executed policy: the percept and action of each step.
     pub fn policy(&self) -> Vec<(Percept, Action)> {
         self.sets
             .iter()
@@ -32,8 +32,8 @@ impl RewardStack {
             .collect()
     }
 
-    /// Empties the stack and updates each set with its share of the reward, the latest first, at
-    /// learning rate `beta`; then the GA may run in it, unless it did before.
+    /// Empties the stack and updates each set with its share of the reward, latest first, at
+    /// learning rate `beta`. With [`StackEvolution::AfterCredit`], the GA may then run in the set.
     pub fn unwind(&mut self, xcs: &mut Xcs, shares: &Shares, beta: f64, evolution: StackEvolution) {
         for (set, share) in self.sets.drain(..).rev().zip(shares.backward()) {
             xcs.update(&set, share, beta);
@@ -44,7 +44,7 @@ impl RewardStack {
     }
 }
 
-/// What each step of an episode gets of its long-term reward.
+/// The share of the long-term reward for each step of an episode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shares {
     reward: f64,
@@ -52,8 +52,8 @@ pub(super) struct Shares {
 }
 
 impl Shares {
-    /// Shares of the reward r_l among `steps` steps, where `shortest` is the length of the
-    /// shortest success so far in the trial; a failure that is shorter is paid in full, too.
+    /// Shares the reward r_l among `steps` steps. `shortest` is the length of the shortest success
+    /// so far in the trial. A failure that is shorter also gets full shares.
     pub fn new(reward: f64, steps: usize, shortest: usize, params: &Params) -> Self {
         match params.sharing {
             Sharing::Even => {
@@ -75,7 +75,7 @@ impl Shares {
         }
     }
 
-    /// r_a of the last step, of the one before it, and so on (Eq. 8 and 9).
+    /// Returns r_a of the last step, of the step before it, and so on (Eq. 8 and 9).
     pub fn backward(&self) -> impl Iterator<Item = f64> {
         let gamma = self.gamma;
         std::iter::successors(Some(self.reward), move |share| Some(share * gamma))
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn equation_8_pays_the_shortest_success_in_full_by_default() {
+    fn equation_8_gives_the_shortest_success_full_shares_by_default() {
         let even = sharing(Sharing::Even);
         let shares = Shares::new(1000.0, 10, 10, &even);
         assert_eq!(shares.backward().nth(3), Some(1000.0));

@@ -1,4 +1,4 @@
-//! Standard XCS and XCSAM: the reward travels back one step at a time, as in Q-learning.
+//! Standard XCS and XCSAM: the reward propagates back one step at a time, as in Q-learning.
 
 use crate::agent::credit::step_credit;
 use crate::agent::explorer::Explorer;
@@ -10,11 +10,11 @@ use xcs::{Action, Percept};
 use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
 
-/// The methods `xcs` and, around a learner with an adaptive mapping, `xcsam`: the previous \[A\]
-/// is updated with its reward plus gamma times the greatest value of the present percept; the last
-/// \[A\] of an episode with its reward alone.
+/// The methods `xcs` and, with an adaptive mapping, `xcsam`. The previous \[A\] is updated with its
+/// reward plus gamma times the greatest value of the present percept. The last \[A\] of an episode
+/// is updated with its reward alone.
 ///
-/// [`XcsPayment`] says which rewards these are, [`StepLimitUpdate`] what the step limit means.
+/// [`XcsPayment`] selects the rewards, [`StepLimitUpdate`] the treatment of the step limit.
 #[derive(Debug, Clone)]
 pub struct Standard {
     xcs: Xcs,
@@ -31,14 +31,14 @@ pub struct Standard {
 #[derive(Debug, Clone)]
 struct Waiting {
     set: ActionSet,
-    /// What it is paid at once.
+    /// Its immediate reward.
     reward: f64,
-    /// The greatest value of its percept, when its action was chosen.
+    /// The greatest value of its percept when the action was chosen.
     greatest: f64,
 }
 
 impl Standard {
-    /// Surroundings a learner; the parameters must have been checked.
+    /// Wraps an XCS. The parameters must have been checked.
     pub fn new(xcs: Xcs, params: Params) -> Self {
         Self {
             xcs,
@@ -50,7 +50,7 @@ impl Standard {
         }
     }
 
-    /// Pays an action set its reward and what followed it.
+    /// Updates an action set with its reward plus the discounted value of the next percept.
     fn learn(&mut self, waiting: &Waiting, followed: f64) {
         let Waiting { set, greatest, .. } = waiting;
         let payoff = waiting.reward + followed;
@@ -73,7 +73,7 @@ impl Agent for Standard {
         values
     }
 
-    /// Explores, as Butz and Wilson do, only actions that rules of \[M\] advocate.
+    /// Explores only actions that rules of \[M\] advocate, as Butz and Wilson do.
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose_advocated(values);
         Choice::of_rules(action, explores)
@@ -81,7 +81,7 @@ impl Agent for Standard {
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
         let set = self.match_set.action_set(action);
-        let set = set.expect("consider comes before credit and forms [M]");
+        let set = set.expect("`observe` is called before `update` and forms [M]");
         let reward = self.params.short_term(outcome);
         let credit = step_credit(&self.xcs, &self.match_set, &set, reward);
         let greatest = self.greatest;
@@ -131,7 +131,7 @@ impl Agent for Standard {
     }
 
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
-        knowledge.bring_to(&mut self.xcs)
+        knowledge.initialise(&mut self.xcs)
     }
 
     fn rule_count(&self) -> usize {

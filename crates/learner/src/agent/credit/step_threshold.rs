@@ -2,7 +2,7 @@
 
 use crate::agent::params::Params;
 
-/// The most steps of an episode; shrinks toward the lengths of successful ones.
+/// The maximum number of steps of an episode. It shrinks toward the lengths of successful episodes.
 #[derive(Debug, Clone)]
 pub(super) struct StepThreshold {
     learns: bool,
@@ -19,24 +19,24 @@ impl StepThreshold {
         }
     }
 
-    /// What learning has changed so far.
-    pub fn kept(&self) -> f64 {
+    /// Returns the learned threshold.
+    pub fn state(&self) -> f64 {
         self.threshold
     }
 
-    /// Goes on from what was kept; `false` if it cannot have come from where this began.
+    /// Resumes from a learned threshold; `false` if it is below 1 or above the initial one.
     pub fn resume(&mut self, threshold: f64) -> bool {
         let fits = (1.0..=self.threshold).contains(&threshold);
         self.threshold = threshold;
         fits
     }
 
-    /// The whole steps that the threshold allows.
+    /// Returns the threshold in whole steps, rounded down.
     pub fn steps(&self) -> u32 {
         self.threshold as u32
     }
 
-    /// Eq. 10 after a success of `steps` steps, when the threshold is larger.
+    /// Applies Eq. 10 after a success of `steps` steps, if the threshold is larger.
     pub fn learn(&mut self, steps: usize) {
         let steps = steps as f64;
         if self.learns && self.threshold > steps {
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn switched_off_it_stays() {
+    fn it_does_not_change_when_switched_off() {
         let params = Params {
             learning_step_threshold: false,
             ..Params::default()

@@ -1,7 +1,7 @@
-//! Evidence that several cells share a percept: one percept and one move have led to different percepts.
+//! Detects perceptual aliasing: the same percept and move have led to different percepts.
 //!
-//! A move that slips leads elsewhere, too, so the direction in which the robot has really moved is inferred first, from
-//! the cells that both percepts show. What cannot be told in this way counts only as long as no move was seen to slip.
+//! A slip leads elsewhere, too. The direction of the actual move is therefore inferred first, from the
+//! cells that both percepts show. Moves of unknown direction count only while no slip was observed.
 
 use std::collections::BTreeMap;
 
@@ -11,27 +11,28 @@ use crate::agent::estimator::map::association::{MapStep, RobotModel};
 use crate::agent::estimator::map::bump::Bump;
 use xcs::Percept;
 
-/// Contradictions that are needed: a percept may be misread, and what is met once or twice hardly matters.
-const NEEDED: u32 = 3;
-/// Steps without a slip after which all moves are taken for exact.
+/// The number of contradictions required. Percepts may have errors, and rare contradictions matter
+/// little.
+const LEAST_CONTRADICTIONS: u32 = 3;
+/// The number of steps without a slip after which all moves are treated as exact.
 const STEPS_WITHOUT_SLIP: u32 = 64;
 
-/// What has followed each percept and move, and how often that was contradictory.
+/// The percept that followed each percept and move, and the number of contradictions.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Aliasing {
-    /// By percept and direction of a move that is certain: the percept after it, or `None` for a goal.
+    /// By percept and direction of a certain move: the next percept, or `None` for a goal.
     moves: BTreeMap<(Percept, u8), Option<Percept>>,
-    /// The same by percept and chosen action, right if no move slips.
+    /// By percept and chosen action: the next percept. Correct if no move slips.
     choices: BTreeMap<(Percept, u8), Option<Percept>>,
     contradicted_moves: u32,
     contradicted_choices: u32,
-    /// Moves that went another way than the chosen one.
+    /// The number of moves in another direction than the chosen one.
     slipped: u32,
     steps: u32,
 }
 
 impl Aliasing {
-    /// Learns from a step and the percept after it, `None` at a goal.
+    /// Learns from a step and the next percept (`None` at a goal).
     pub fn learn(
         &mut self,
         percept: &Percept,
@@ -47,7 +48,7 @@ impl Aliasing {
         let possible: Vec<usize> = robot.possible_moves(step, around.as_ref()).collect();
         let chosen = robot.motion.certain(step.action);
         if chosen.is_some_and(|chosen| !possible.contains(&chosen)) {
-            // None is possible where a cell was misread.
+            // No move is possible if a cell was observed wrongly.
             self.slipped += u32::from(!possible.is_empty());
         }
         let next = next.copied();
@@ -64,10 +65,11 @@ impl Aliasing {
         self.contradicted_choices += u32::from(before != next);
     }
 
-    /// Do several cells share a percept?
+    /// Returns true if there is enough evidence that several cells share a percept.
     pub fn is_certain(&self) -> bool {
         let are_exact = self.slipped == 0 && self.steps >= STEPS_WITHOUT_SLIP;
-        self.contradicted_moves >= NEEDED || are_exact && self.contradicted_choices >= NEEDED
+        self.contradicted_moves >= LEAST_CONTRADICTIONS
+            || are_exact && self.contradicted_choices >= LEAST_CONTRADICTIONS
     }
 }
 
@@ -78,7 +80,7 @@ mod tests {
     use crate::agent::estimator::map::place::{CellState, Surroundings, Vision, percept_of};
     use xcs::Action;
 
-    /// A corridor from west to east, at its western end, in its middle, and at its eastern end.
+    /// The western end, the middle or the eastern end of a corridor from west to east.
     fn corridor(free: [bool; 2]) -> Surroundings {
         let mut around = [CellState::Wall; 8];
         for (at, _) in [6, 2].into_iter().zip(free).filter(|one| one.1) {
@@ -87,7 +89,7 @@ mod tests {
         around
     }
 
-    /// Learns from moves to the east between such places, as often as that.
+    /// Learns from moves to the east between these surroundings, repeated `times` times.
     fn learned(moves: &[(Surroundings, Surroundings)], times: usize) -> Aliasing {
         let robot = RobotModel {
             motion: MotionModel::known(4),
@@ -110,9 +112,9 @@ mod tests {
     }
 
     #[test]
-    fn one_percept_from_which_a_move_leads_to_two_is_that_of_several_cells_unless_moves_slip() {
+    fn different_results_of_a_move_indicate_aliasing_unless_moves_slip() {
         let [west, middle, east] = [[false, true], [true, true], [true, false]].map(corridor);
-        // Of a corridor of four cells and one of three: the second cells share a percept.
+        // From a corridor of four cells and one of three: their second cells share a percept.
         let exact = [(west, middle), (middle, middle), (middle, east)];
         assert!(learned(&exact, 30).is_certain());
         assert!(!learned(&exact, 3).is_certain(), "too few steps");

@@ -1,4 +1,4 @@
-//! How likely each state is.
+//! Beliefs: probability distributions over states.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,26 +6,26 @@ use crate::agent::model::pomdp::{GOAL, Pomdp};
 use crate::agent::model::slips::each_other;
 use xcs::{Action, Percept};
 
-/// States that are less likely than this are forgotten.
+/// States less likely than this are dropped.
 pub const NEGLIGIBLE: f64 = 1e-4;
 
-/// States in order, each with its probability; they add up to 1. Empty: nothing is believed.
+/// States in ascending order with their probabilities, which sum to 1. Empty if nothing is known.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Belief(Vec<(u32, f64)>);
 
-/// What may come of an action.
+/// A possible result of an action.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branch {
-    /// How likely it is.
+    /// The probability of this result.
     pub probability: f64,
-    /// The number of the percept that comes.
+    /// The number of the resulting percept.
     pub look: u32,
-    /// What is believed then.
+    /// The belief after this percept.
     pub belief: Belief,
 }
 
 impl Belief {
-    /// Each of some states, in ascending order, equally likely.
+    /// The uniform belief over some states, given in ascending order.
     pub fn even(states: impl IntoIterator<Item = u32>) -> Self {
         Self(states.into_iter().map(|state| (state, 1.0)).collect()).normalised()
     }
@@ -35,18 +35,18 @@ impl Belief {
         &self.0
     }
 
-    /// Is nothing believed?
+    /// Returns true if the belief contains no state.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The likeliest state with its probability, the first of several.
+    /// Returns the most likely state with its probability; the first one if several are equal.
     pub fn likeliest(&self) -> Option<(u32, f64)> {
         let better = |best: (u32, f64), one: (u32, f64)| if one.1 > best.1 { one } else { best };
         self.0.iter().copied().reduce(better)
     }
 
-    /// What follows from an action, by percept; the goal, where nothing is perceived, is left out.
+    /// Returns the results of an action by percept. The goal is left out: nothing is perceived there.
     pub fn branches(&self, pomdp: &Pomdp, action: Action) -> Vec<Branch> {
         let mut reached = self.reached(pomdp, action);
         reached.sort_unstable_by_key(|&(look, state, _)| (look, state));
@@ -60,7 +60,7 @@ impl Belief {
             .collect()
     }
 
-    /// Percept, state and probability of all that an action may lead to; states can come twice.
+    /// Returns percept, state and probability of each result of an action. States can appear twice.
     fn reached(&self, pomdp: &Pomdp, action: Action) -> Vec<(u32, u32, f64)> {
         let mut reached = Vec::with_capacity(self.0.len() * 2);
         self.each_move(pomdp, action, |_, next, weight| {
@@ -71,7 +71,7 @@ impl Belief {
         reached
     }
 
-    /// Every state, where an action may lead from it, and how likely both are.
+    /// Visits every state and successor with their joint probability.
     fn each_move(&self, pomdp: &Pomdp, action: Action, mut visit: impl FnMut(u32, u32, f64)) {
         let each = each_other(pomdp.slip(), pomdp.actions());
         for &(state, weight) in &self.0 {
@@ -88,8 +88,8 @@ impl Belief {
         }
     }
 
-    /// What is believed after an action, before anything is perceived; of which may be known whether the
-    /// robot stayed where it was.
+    /// Returns the belief after an action and before the next percept. `stayed` says whether the robot
+    /// stayed in its cell, if known.
     pub fn expected(&self, pomdp: &Pomdp, action: Action, stayed: Option<bool>) -> Self {
         let mut reached = Vec::with_capacity(self.0.len());
         self.each_move(pomdp, action, |state, next, weight| {
@@ -98,13 +98,13 @@ impl Belief {
                 reached.push((0, next, weight));
             }
         });
-        // In the order of the moves, so that sums are the same wherever they are computed.
+        // In state order, so that sums are the same on every machine.
         reached.sort_by_key(|&(_, state, _)| state);
         Self::merged(&reached).normalised()
     }
 
-    /// What is believed when something was perceived that fits more or less to each of so many
-    /// `states`; with the probability `mislocalised`, or if nothing is expected, any of them may be true.
+    /// Returns the belief after a percept that fits each of `states` states with likelihood `fits`. With
+    /// probability `mislocalised`, or if `expected` is empty, every state is possible.
     pub fn weighed(
         expected: &Self,
         mislocalised: f64,
@@ -126,7 +126,7 @@ impl Belief {
         Self(weighed.collect()).normalised()
     }
 
-    /// What an action costs, without what follows it.
+    /// Returns the expected immediate cost of an action.
     pub fn cost_of_acting(&self, pomdp: &Pomdp, action: Action) -> f64 {
         let mut cost = pomdp.cost_of_step();
         if pomdp.rewards().is_none() {
@@ -149,14 +149,14 @@ impl Belief {
         Self(states)
     }
 
-    /// What is believed after an action and the percept that came; empty when it cannot have come.
+    /// Returns the belief after an action and a percept; empty if the percept was impossible.
     pub fn after(&self, pomdp: &Pomdp, action: Action, percept: &Percept) -> Self {
         let Some(look) = pomdp.look_of(percept) else {
             return Self::default();
         };
         let mut reached = self.reached(pomdp, action);
         reached.retain(|one| one.0 == look);
-        // In the order of the moves, so that sums are the same wherever they are computed.
+        // In state order, so that sums are the same on every machine.
         reached.sort_by_key(|&(_, state, _)| state);
         Self::merged(&reached).normalised()
     }
@@ -169,15 +169,15 @@ impl Belief {
         self
     }
 
-    /// A number that is the same for beliefs that agree in their states and, in sixteen levels, in
-    /// how likely these are beside the likeliest.
+    /// Returns a hash of the states and their probabilities. The probabilities are quantised to sixteen
+    /// levels, relative to the most likely state.
     pub fn key(&self) -> u64 {
         let greatest = self.likeliest().map_or(1.0, |one| one.1);
         let mut key = 0xcbf2_9ce4_8422_2325_u64;
         for &(state, weight) in &self.0 {
             let level = (weight / greatest * 16.0).round() as u64;
             if level > 0 {
-                // The finaliser of SplitMix64: two beliefs in 2^64 meet by accident.
+                // The finaliser of SplitMix64: two beliefs in 2^64 collide by chance.
                 key = (key ^ (u64::from(state) << 5 | level)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
                 key ^= key >> 29;
                 key = key.wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,4 +1,4 @@
-//! Which state the robot is in: the percept is the state, or a cell of a map that the learner draws itself.
+//! State estimators: the percept itself is the state, or the state is a cell of a learned map.
 
 pub mod aliasing;
 pub mod belief;

@@ -1,4 +1,4 @@
-//! The policy of a learner with a map: rules that are distilled from the plan, or the plan itself.
+//! The policy of a learner with a map: rules distilled from the plan, or the plan itself.
 
 use super::{MapLearner, TOLERATED};
 use crate::agent::StepCredit;
@@ -9,18 +9,18 @@ use crate::agent::policy::examples::Examples;
 use crate::agent::policy::plan::planned_values;
 use xcs::{Action, Classifier, Percept, PredictionArray};
 
-/// The most contexts that are remembered as met when driving.
+/// The maximum number of contexts stored while driving.
 const MOST_MET: usize = 4096;
 
 impl MapLearner {
-    /// Returns the policy's action values where an episode begins with a percept.
+    /// Returns the policy's action values at the beginning of an episode with this percept.
     pub fn values(&self, percept: &Percept) -> PredictionArray {
         let mut begun = Tracker::default();
         begun.perceive(&self.map, percept);
         self.values_of(&begun)
     }
 
-    /// Returns the policy's action values for a belief and what was met last.
+    /// Returns the policy's action values for a belief and the latest steps.
     pub(super) fn values_of(&self, tracker: &Tracker) -> PredictionArray {
         let (map, actions) = (&self.map, self.actions);
         match self.policy {
@@ -50,9 +50,9 @@ impl MapLearner {
         credit
     }
 
-    /// Notes the context that was met when nothing was explored, and in the records of the rules that chose the action
-    /// whether it was right. Returns whether the rules need correction: the action was mostly wrong in this context,
-    /// or no rule matched.
+    /// Stores the context of a step without exploration, and records in the rules that chose the action
+    /// whether it was right. Returns true if the rules need correction: the action was mostly wrong in
+    /// this context, or no rule matched.
     pub(super) fn meet(&mut self, action: Action) -> bool {
         if self.policy == PolicyKind::Plan || self.explores() || self.tracker.belief().is_empty() {
             return false;
@@ -77,20 +77,21 @@ impl MapLearner {
         distillation.counts(met) && (wrong || !acted)
     }
 
-    /// Corrects the rules by what was planned and by what they met. With observation errors, the last steps may be ones
-    /// that no simulated episode had: rules look at them only if they lose too much without.
+    /// Corrects the rules by the plan and by the stored contexts. With observation errors, the last steps
+    /// may differ from those of all simulated episodes. So rules match them only if they lose too much
+    /// otherwise.
     pub(super) fn distil(&mut self) {
         let learned = &mut self.learned;
         let before = std::mem::take(&mut learned.rules);
-        // All rollouts draw the same numbers, and none of those that learning draws.
-        let luck = learned.stream.clone();
+        // All rollouts draw the same random numbers, which learning does not use.
+        let rollout_stream = learned.stream.clone();
         let mut least_lost = f64::INFINITY;
         for &view in View::fit_for(&self.map) {
             let distillation = Distillation::on(&self.map, view, &self.xcs);
             let mut rules = before.clone();
             let (planner, stream) = (&mut learned.planner, &mut learned.stream);
             distillation.correct(&mut rules, &learned.met, planner, stream);
-            let lost = distillation.lost(&rules, planner, &mut luck.clone());
+            let lost = distillation.lost(&rules, planner, &mut rollout_stream.clone());
             if lost < least_lost {
                 (learned.rules, least_lost) = (rules, lost);
             }
@@ -100,7 +101,7 @@ impl MapLearner {
         }
     }
 
-    /// Plans on where moves are exact, until nothing changes any more, as is done for what rules learn from.
+    /// Plans until nothing changes any more if moves are exact, as for the examples of rules.
     pub(super) fn settle(&mut self) {
         let (pomdp, planner) = (&self.map.pomdp, &mut self.learned.planner);
         for start in 0..self.map.starts() {
@@ -109,7 +110,7 @@ impl MapLearner {
     }
 }
 
-/// Forgets the rarest context, the first of several, if there are as many as there may be.
+/// Removes the rarest context, the first one of several, if the maximum number is reached.
 fn make_room(met: &mut Examples, most: usize) {
     if met.len() < most {
         return;

@@ -1,4 +1,4 @@
-//! Candidates for rules that foretell a collision, and the evidence for and against them.
+//! Candidate rules that predict a collision, and the evidence for and against them.
 
 use std::collections::BTreeMap;
 
@@ -10,51 +10,51 @@ use crate::agent::power;
 use xcs::Condition;
 use xcs::Percept;
 
-/// The power with which weight grows with the share of bumps that were predicted.
+/// The exponent of a candidate's weight as a function of its share of predicted bumps.
 const EMPHASIS: u32 = 8;
 
-/// A condition that may foretell a collision.
+/// A condition that may predict a collision.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(in crate::agent) struct Candidate {
     pub condition: Condition,
-    /// All that speaks for and against it, here and where it was brought from.
+    /// All evidence for and against it, here and in earlier worlds.
     pub tally: Tally,
 }
 
-/// What is known of the collisions of one action, or of all in the same frame.
+/// The collision model of one action, or of all actions in a common frame.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(in crate::agent) struct Bumps {
-    /// In each percept, how often the action bumped (hits) and moved (misses).
+    /// By percept, how often the action bumped (hits) and moved (misses).
     evidence: BTreeMap<Percept, Tally>,
     candidates: Vec<Candidate>,
-    /// Counts the changes of forecasts.
+    /// The number of changes of forecasts.
     version: u64,
-    /// By how much bumps or moves must be ahead in a percept to count.
+    /// The lead of bumps or moves in a percept that is required for a verdict.
     margin: u32,
-    /// The evidence once more, by condition; counted when the first candidates are made.
+    /// The evidence by condition; counted when the first candidates are created.
     #[serde(skip)]
     coverage: Option<Coverage>,
 }
 
 impl Bumps {
-    /// The candidates.
+    /// Returns the candidates.
     pub fn candidates(&self) -> &[Candidate] {
         &self.candidates
     }
 
-    /// Takes a candidate from another world.
-    pub fn bring(&mut self, condition: Condition, tally: Tally) {
+    /// Adds a candidate from another world.
+    pub fn warm_start(&mut self, condition: Condition, tally: Tally) {
         self.candidates.push(Candidate { condition, tally });
     }
 
-    /// Is there room in the counts of a memory from a file?
+    /// Returns true if the counts of a model read from a file leave room for more.
     pub fn is_sound(&self) -> bool {
         let evidence = self.evidence.values().all(|tally| tally.is_sound());
         let mut candidates = self.candidates.iter();
         evidence && candidates.all(|c| c.tally.is_sound())
     }
 
-    /// Learns that the action bumped or moved; true if that changes a forecast.
+    /// Learns that the action bumped or moved. Returns true if a forecast changes.
     pub fn learn(&mut self, percept: &Percept, bumped: bool) -> bool {
         let tally = self.evidence.entry(*percept).or_default();
         let before = verdict(*tally, self.margin);
@@ -66,13 +66,13 @@ impl Bumps {
         if let Some(coverage) = self.coverage.as_mut().filter(|_| after != before) {
             coverage.change(percept, before, after);
         }
-        let changes = after != before && self.judge(percept, before, after);
+        let changes = after != before && self.re_evaluate(percept, before, after);
         self.version += u64::from(changes);
         changes
     }
 
-    /// Judges everything anew, because bumps or moves must be ahead by another margin now to count.
-    pub fn demand(&mut self, margin: u32) {
+    /// Sets the lead that is required for a verdict, and re-evaluates everything.
+    pub fn set_margin(&mut self, margin: u32) {
         let before = std::mem::replace(&mut self.margin, margin);
         if before == margin {
             return;
@@ -87,24 +87,24 @@ impl Bumps {
             .iter()
             .filter(|(_, tally)| verdict(**tally, margin) == Some(true))
         {
-            self.predict(percept);
+            self.add_candidates(percept);
         }
         self.drop_inaccurate();
     }
 
-    /// Another number after each change of a forecast.
+    /// Returns a number that changes with the forecasts.
     pub fn version(&self) -> u64 {
         self.version
     }
 
-    /// The most bumps that a candidate predicted.
+    /// Returns the greatest number of bumps that a candidate predicted.
     pub fn most_hits(&self) -> u32 {
         let hits = self.candidates.iter().map(|c| c.tally.hits);
         hits.max().unwrap_or(0)
     }
 
-    /// The weight of the candidates that foretell a bump in a percept, and of all; one with `best`
-    /// hits weighs 1.
+    /// Returns the weight of the candidates that predict a bump in a percept, and of all candidates. A
+    /// candidate with `best` hits has weight 1.
     pub fn votes(&self, percept: &Percept, best: u32) -> [f64; 2] {
         let mut votes = [0.0; 2];
         for candidate in &self.candidates {
@@ -117,15 +117,20 @@ impl Bumps {
         votes
     }
 
-    /// Judges the candidates anew after the verdict on a percept has changed; true if that changes
-    /// a forecast.
-    fn judge(&mut self, changed: &Percept, before: Option<bool>, after: Option<bool>) -> bool {
+    /// Re-evaluates the candidates after the verdict on a percept has changed. Returns true if a forecast
+    /// changes.
+    fn re_evaluate(
+        &mut self,
+        changed: &Percept,
+        before: Option<bool>,
+        after: Option<bool>,
+    ) -> bool {
         let recounted = self.recount(changed, before, after);
-        let predicted = after == Some(true) && self.predict(changed);
-        self.drop_inaccurate() || recounted || predicted
+        let added = after == Some(true) && self.add_candidates(changed);
+        self.drop_inaccurate() || recounted || added
     }
 
-    /// Counts the verdict on a percept anew; true if that may change a forecast.
+    /// Recounts the verdict on a percept. Returns true if a forecast may change.
     fn recount(&mut self, changed: &Percept, before: Option<bool>, after: Option<bool>) -> bool {
         let mut changes = false;
         for candidate in &mut self.candidates {
@@ -138,8 +143,9 @@ impl Bumps {
         changes
     }
 
-    /// Makes candidates for a percept in which the action bumps; false if it is predicted already.
-    fn predict(&mut self, percept: &Percept) -> bool {
+    /// Creates candidates for a percept in which the action bumps. Returns false if the bump is already
+    /// predicted.
+    fn add_candidates(&mut self, percept: &Percept) -> bool {
         let mut predicted = self.candidates.iter().map(|c| c.condition);
         if predicted.any(|condition| condition.matches(percept)) {
             return false;
@@ -158,7 +164,7 @@ impl Bumps {
         true
     }
 
-    /// Drops the candidates that were wrong too often; true if there are any.
+    /// Drops inaccurate candidates. Returns true if there were any.
     fn drop_inaccurate(&mut self) -> bool {
         let before = self.candidates.len();
         self.candidates

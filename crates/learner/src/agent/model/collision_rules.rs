@@ -1,16 +1,16 @@
 //! General rules about collisions, learned from a bump or two.
 //!
-//! A table must bump into every wall of every cell. The percept shows the walls, so one rule per
-//! direction can foretell them all; but which bits are the wall's is not told. At the first bump
-//! of an action, every condition of at most two alleles that matches the percept becomes a
-//! candidate. Later bumps favour those that predicted them, moves drop those that were wrong, and
-//! the candidates vote. The conditions are those of XCS, and so are the fitness-like weights; the
-//! rules say nothing of a maze, only of the percept, so they hold in the next maze, too.
+//! A table must bump into every wall of every cell. But the percept shows the walls, so one rule per
+//! direction can predict all bumps. Which bits show the wall is learned. At the first bump of an action,
+//! every condition of at most two alleles that matches the percept becomes a candidate. Later bumps
+//! favour the candidates that predicted them, moves drop the wrong ones, and the candidates vote.
+//! Conditions and fitness-like weights are those of XCS. The rules depend only on the percept, so they
+//! also hold in the next maze.
 //!
-//! A bump to the north may also tell about the east: if the first bits of the percept are a ring
-//! around the robot, and the actions are directions, then a rule for one action may hold for every
-//! other one, turned. Such rules stand for election beside those of each action; where they do not
-//! hold, moves soon prove them wrong.
+//! A bump to the north may also be informative about the east. This requires that the first bits of the
+//! percept are a ring around the robot and that actions are directions. Then a rule for one action may
+//! hold for every other one after a rotation (rotational symmetry). Such rules compete with those of each
+//! action. Where they do not hold, moves soon refute them.
 
 use crate::agent::model::CollisionRule;
 use crate::agent::model::bumps::Bumps;
@@ -18,105 +18,105 @@ use crate::agent::model::tally::Tally;
 use crate::agent::power;
 use xcs::{Action, ByAction, Percept};
 
-/// A collision that is predicted with more certainty than this is believed outright: far from the
-/// goal, even a small doubt would promise more than all that is known.
-const BELIEVED: f64 = 0.5;
+/// A collision predicted with more certainty than this counts as certain. Far from the goal, even a small
+/// doubt would give it a higher optimistic value than all known actions.
+const CERTAIN: f64 = 0.5;
 
 /// The rules for all actions.
 #[derive(Debug, Clone)]
 pub(in crate::agent) struct CollisionRules {
     count: usize,
-    /// The bits of the percept that lie in a ring around the robot; 0 if none do.
+    /// The number of bits of the percept that form a ring around the robot; 0 if none do.
     ring: usize,
-    /// The power to which a forecast is raised before it is believed.
+    /// The exponent applied to a forecast.
     certainty: u32,
-    /// Rules for one action each.
+    /// Rules for single actions.
     actions: ByAction<Bumps>,
-    /// Rules for every action, on the percept turned as far as the action is from the first one.
-    turned: Bumps,
+    /// Rules for every action, on the percept rotated by the angle between the action and the first one.
+    rotated: Bumps,
 }
 
 impl CollisionRules {
-    /// Nothing is known of `actions` actions in percepts whose first `ring` bits form a ring.
+    /// Creates an untrained rule set for `actions` actions. The first `ring` bits of percepts form a
+    /// ring.
     pub fn new(actions: usize, ring: usize, certainty: u32) -> Self {
         Self {
             count: actions,
             ring,
             certainty,
             actions: Default::default(),
-            turned: Bumps::default(),
+            rotated: Bumps::default(),
         }
     }
 
-    /// Takes rules from another world; those of every action only if percepts are turned here.
-    pub fn bring(&mut self, rules: &[CollisionRule]) {
+    /// Adds rules from another world; those for every action only if percepts are rotated here.
+    pub fn warm_start(&mut self, rules: &[CollisionRule]) {
         for rule in rules {
             let bumps = match rule.action {
                 Some(action) => &mut self.actions[action.index()],
-                None if self.ring > 0 => &mut self.turned,
+                None if self.ring > 0 => &mut self.rotated,
                 None => continue,
             };
             let (hits, misses) = (rule.hits, rule.misses);
-            bumps.bring(rule.condition, Tally { hits, misses });
+            bumps.warm_start(rule.condition, Tally { hits, misses });
         }
     }
 
-    /// What learning has changed so far.
+    /// Returns the learned state.
     pub fn kept(&self) -> (&ByAction<Bumps>, &Bumps) {
-        (&self.actions, &self.turned)
+        (&self.actions, &self.rotated)
     }
 
-    /// Goes on from what was kept; `false` if there is no room in the counts.
-    pub fn resume(&mut self, (actions, turned): (ByAction<Bumps>, Bumps)) -> bool {
-        (self.actions, self.turned) = (actions, turned);
-        let mut all = self.actions.iter().chain([&self.turned]);
+    /// Restores a learned state. Returns `false` if its counts leave no room for further counting.
+    pub fn resume(&mut self, (actions, rotated): (ByAction<Bumps>, Bumps)) -> bool {
+        (self.actions, self.rotated) = (actions, rotated);
+        let mut all = self.actions.iter().chain([&self.rotated]);
         all.all(Bumps::is_sound)
     }
 
-    /// Learns that an action bumped or moved; true if that may change a forecast.
+    /// Learns that an action bumped or moved. Returns true if a forecast may change.
     pub fn learn(&mut self, percept: &Percept, action: Action, bumped: bool) -> bool {
         let own = self.actions[action.index()].learn(percept, bumped);
-        let turned = self.turn(percept, action);
-        self.ring > 0 && self.turned.learn(&turned, bumped) || own
+        let rotated = self.rotate(percept, action);
+        self.ring > 0 && self.rotated.learn(&rotated, bumped) || own
     }
 
-    /// Bumps or moves must be ahead by this margin in a percept to count: where moves slip, one try
-    /// tells little.
-    pub fn demand(&mut self, margin: u32) {
-        let all = self.actions.iter_mut().chain([&mut self.turned]);
-        all.for_each(|bumps| bumps.demand(margin));
+    /// Sets the required lead of bumps or moves in a percept. If moves slip, one try is weak evidence.
+    pub fn set_margin(&mut self, margin: u32) {
+        let all = self.actions.iter_mut().chain([&mut self.rotated]);
+        all.for_each(|bumps| bumps.set_margin(margin));
     }
 
-    /// How firmly it is believed that an action bumps in a percept, 0 to 1.
+    /// Returns the certainty that an action bumps in a percept, from 0 to 1.
     pub fn belief(&self, percept: &Percept, action: Action) -> f64 {
         let bump = power(self.forecast(percept, action), self.certainty);
-        if bump > BELIEVED { 1.0 } else { bump }
+        if bump > CERTAIN { 1.0 } else { bump }
     }
 
-    /// How likely an action bumps in a percept, 0 to 1, by the vote of the candidates.
+    /// Returns the probability that an action bumps in a percept, by the vote of the candidates.
     fn forecast(&self, percept: &Percept, action: Action) -> f64 {
         let own = &self.actions[action.index()];
-        let best = own.most_hits().max(self.turned.most_hits());
+        let best = own.most_hits().max(self.rotated.most_hits());
         let [own_bump, own_all] = own.votes(percept, best);
-        let [turned_bump, turned_all] = self.turned.votes(&self.turn(percept, action), best);
+        let [rotated_bump, rotated_all] = self.rotated.votes(&self.rotate(percept, action), best);
         match best {
             0 => 0.0,
-            _ => (own_bump + turned_bump) / (own_all + turned_all),
+            _ => (own_bump + rotated_bump) / (own_all + rotated_all),
         }
     }
 
-    /// Another number after each change of a forecast.
+    /// Returns a number that changes with the forecasts.
     pub fn version(&self) -> u64 {
         let own: u64 = self.actions.iter().map(Bumps::version).sum();
-        1 + own + self.turned.version()
+        1 + own + self.rotated.version()
     }
 
-    /// The rules that have a say: those with at least half of the most hits of their kind.
+    /// Returns the influential rules: those with at least half of the most hits of their kind.
     pub fn rules(&self) -> Vec<CollisionRule> {
         let own =
             Action::all(self.count).map(|action| (Some(action), &self.actions[action.index()]));
         let with_say = |(action, bumps): (Option<Action>, &Bumps)| {
-            let least = bumps.most_hits().max(self.turned.most_hits()).div_ceil(2);
+            let least = bumps.most_hits().max(self.rotated.most_hits()).div_ceil(2);
             let rule = |condition, Tally { hits, misses }| CollisionRule {
                 condition,
                 action,
@@ -128,15 +128,15 @@ impl CollisionRules {
                 .map(|c| rule(c.condition, c.tally))
                 .collect::<Vec<_>>()
         };
-        [(None, &self.turned)]
+        [(None, &self.rotated)]
             .into_iter()
             .chain(own)
             .flat_map(with_say)
             .collect()
     }
 
-    /// The percept as it looks to someone who faces the way of the action.
-    fn turn(&self, percept: &Percept, action: Action) -> Percept {
+    /// Rotates the percept into the frame of a robot that faces the direction of the action.
+    fn rotate(&self, percept: &Percept, action: Action) -> Percept {
         percept.turned(action.index() * self.ring / self.count, self.ring)
     }
 }
@@ -162,14 +162,14 @@ mod tests {
     }
 
     #[test]
-    fn before_the_first_bump_nothing_is_foretold() {
+    fn before_the_first_bump_nothing_is_predicted() {
         let mut rules = rules();
         learn(&mut rules, "0110", false);
         assert_eq!(forecast(&rules, "0110", 0), 0.0);
         assert_eq!(forecast(&rules, "1001", 0), 0.0);
     }
 
-    /// The wall shows as 01 in the first two bits; 11 there is the goal.
+    /// The first two bits are 01 for the wall, and 11 for the goal.
     const SEEN: [(&str, bool); 7] = [
         ("01011000", true),
         ("00011000", false),
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn bumps_of_one_action_tell_about_another_one_turned_until_moves_say_otherwise() {
+    fn rules_of_one_action_hold_for_another_after_rotation_until_moves_refute_them() {
         let mut rules = rules();
         SEEN.iter()
             .for_each(|(percept, bumped)| learn(&mut rules, percept, *bumped));
@@ -217,23 +217,26 @@ mod tests {
     }
 
     #[test]
-    fn rules_of_every_action_stay_behind_where_percepts_are_not_turned() {
+    fn rules_of_every_action_are_not_transferred_if_percepts_are_not_rotated() {
         let mut first = rules();
         SEEN.iter()
             .for_each(|(percept, bumped)| learn(&mut first, percept, *bumped));
         let mut next = CollisionRules::new(4, 0, 1);
-        next.bring(&first.rules());
-        assert!(forecast(&next, "01010000", 0) > 0.7, "its own rules come");
+        next.warm_start(&first.rules());
+        assert!(
+            forecast(&next, "01010000", 0) > 0.7,
+            "its own rules are transferred"
+        );
         assert_eq!(forecast(&next, "00010000", 1), 0.0);
     }
 
     #[test]
-    fn rules_that_are_brought_along_foretell_at_once() {
+    fn transferred_rules_predict_at_once() {
         let mut first = rules();
         SEEN.iter()
             .for_each(|(percept, bumped)| learn(&mut first, percept, *bumped));
         let mut next = rules();
-        next.bring(&first.rules());
+        next.warm_start(&first.rules());
         for of in [0, 1] {
             let (there, here) = (
                 forecast(&first, "01010000", of),

@@ -1,24 +1,24 @@
-//! What speaks for and against every condition of one or two alleles, counted as it comes in.
+//! Incremental counts of the evidence for and against every condition of one or two alleles.
 
 use std::collections::BTreeMap;
 
 use crate::agent::model::tally::{Tally, verdict};
 use xcs::{Condition, Percept};
 
-/// Percepts wider than this get candidates of one allele only; there would be too many of two.
+/// The maximum width of percepts with candidates of two alleles. Wider ones would have too many pairs.
 const WIDEST_FOR_PAIRS: usize = 64;
 
-/// By condition: in how many of the percepts that it matches the action bumped, and in how many it
-/// moved. A percept matches one condition of each pair of alleles, so that a new verdict costs the
-/// same however many percepts there are.
+/// By condition, the number of matching percepts in which the action bumped, and in which it moved. A
+/// percept matches one condition of each pair of alleles. So the cost of a new verdict is independent of
+/// the number of percepts.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Coverage {
-    /// By pair of alleles, in the order of [`pairs`], and their two values.
+    /// By pair of alleles, in the order of [`pairs`], and by the values of the two alleles.
     tallies: Vec<[Tally; 4]>,
 }
 
 impl Coverage {
-    /// Counts what is known of percepts of one width, by verdicts with this margin.
+    /// Counts the evidence on percepts of one width, with verdicts at this margin.
     pub fn of(width: usize, evidence: &BTreeMap<Percept, Tally>, margin: u32) -> Self {
         let mut coverage = Self {
             tallies: vec![Default::default(); pairs(width).count()],
@@ -29,7 +29,7 @@ impl Coverage {
         coverage
     }
 
-    /// The verdict on a percept has changed.
+    /// Updates the counts after the verdict on a percept has changed.
     pub fn change(&mut self, percept: &Percept, before: Option<bool>, after: Option<bool>) {
         for (tallies, alleles) in self.tallies.iter_mut().zip(pairs(percept.width())) {
             let tally = &mut tallies[values(percept, alleles)];
@@ -38,7 +38,7 @@ impl Coverage {
         }
     }
 
-    /// All conditions of one or two alleles that match a percept, and what is counted of them.
+    /// Returns all conditions of one or two alleles that match a percept, with their counts.
     pub fn conditions(&self, percept: &Percept) -> impl Iterator<Item = (Condition, Tally)> {
         let tallies = self.tallies.iter().zip(pairs(percept.width()));
         tallies.map(move |(tallies, alleles)| {
@@ -48,7 +48,7 @@ impl Coverage {
     }
 }
 
-/// All pairs of alleles, and each allele with itself.
+/// Returns all pairs of alleles, including each allele with itself.
 fn pairs(width: usize) -> impl Iterator<Item = [usize; 2]> {
     let second = move |first| match width > WIDEST_FOR_PAIRS {
         true => first..first + 1,
@@ -57,7 +57,7 @@ fn pairs(width: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..width).flat_map(move |first| second(first).map(move |second| [first, second]))
 }
 
-/// Which of the four values two alleles have.
+/// Returns the index of the values of two alleles.
 fn values(percept: &Percept, [first, second]: [usize; 2]) -> usize {
     2 * usize::from(percept.bit(first)) + usize::from(percept.bit(second))
 }

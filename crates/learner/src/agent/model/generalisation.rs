@@ -1,5 +1,4 @@
-//! General rules that foretell what an action does, as they are read and carried from maze to
-//! maze.
+//! General rules that predict the effects of actions. They are exported and transferred between mazes.
 
 use std::collections::BTreeSet;
 
@@ -8,26 +7,25 @@ use serde::{Deserialize, Serialize};
 use xcs::Action;
 use xcs::Condition;
 
-/// What `xcscr-plus` has learned about moving, apart from any maze.
+/// What `xcscr-plus` has learned about moving, independently of a maze.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Generalisation {
-    /// When an action ends in a collision.
+    /// The rules that predict collisions.
     pub collisions: Vec<CollisionRule>,
-    /// Which action leads back.
+    /// The rules that predict which action undoes another.
     pub returns: Vec<ReturnRule>,
 }
 
-/// The most that a rule may have counted.
+/// The maximum count of a rule.
 const MOST_COUNTED: u32 = 1_000_000_000;
-/// Every rule about collisions is asked at every step.
+/// The maximum number of collision rules. Every one of them is evaluated at every step.
 const MOST_COLLISION_RULES: usize = 10_000;
 
 impl Generalisation {
-    /// Accepts rules about `actions` actions, none of them twice, whose counts can be.
+    /// Checks that the rules are distinct, apply to `actions` actions, and have valid counts.
     ///
-    /// # Errors
-    /// What is wrong with the first rule that cannot be.
+    /// # Errors Describes the first invalid rule.
     pub fn check(&self, actions: usize) -> Result<(), String> {
         let number = self.collisions.len();
         if number > MOST_COLLISION_RULES {
@@ -84,30 +82,30 @@ impl ReturnRule {
     }
 }
 
-/// Percepts that match the condition foretell a collision.
+/// A rule that predicts a collision in percepts that match its condition.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CollisionRule {
-    /// Which percepts it matches.
+    /// The condition on the percept.
     pub condition: Condition,
-    /// Of which action it speaks. `None`: of every action, if the bits of the percept that lie in
-    /// a ring around the robot are turned first, so that those ahead come first.
+    /// The action to which the rule applies. `None`: every action. Then the bits in a ring around the
+    /// robot are rotated first, so that those ahead come first.
     pub action: Option<Action>,
-    /// Matching percepts in which the action bumped; at least 1, at most a billion.
+    /// The number of matching percepts in which the action bumped; at least 1, at most a billion.
     pub hits: u32,
-    /// Matching percepts in which it moved; at most a billion.
+    /// The number of matching percepts in which the action moved; at most a billion.
     pub misses: u32,
 }
 
-/// Any action is undone by the one that is `turn` numbers further, counted in a circle.
+/// A rule that the action `turn` numbers further, modulo the number of actions, undoes any action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReturnRule {
-    /// How many numbers further.
+    /// The difference between the action numbers.
     pub turn: Action,
-    /// How often that led back; at most a billion.
+    /// How often the action led back; at most a billion.
     pub hits: u32,
-    /// How often it led elsewhere; at most a billion.
+    /// How often the action led elsewhere; at most a billion.
     pub misses: u32,
 }
 
@@ -135,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn rules_that_cannot_be_are_named() {
+    fn invalid_rules_are_named_in_the_error() {
         let check = |collisions, returns| {
             Generalisation {
                 collisions,

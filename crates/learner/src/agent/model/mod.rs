@@ -1,4 +1,4 @@
-//! What follows an action: counts of what was met, rules that generalise them, and a maze whose states are hidden.
+//! Models of what follows an action: counted transitions, rules that generalise them, and a POMDP.
 
 pub(super) mod bumps;
 pub(super) mod collision_rules;

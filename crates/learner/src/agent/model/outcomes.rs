@@ -1,12 +1,11 @@
-//! Everything that followed a pair of percept and action, and what that means.
+//! The outcomes of a pair of percept and action, and their interpretation.
 
 use serde::{Deserialize, Serialize};
 
 use crate::agent::model::slips::{Evidence, Slips};
 use xcs::random::Stream;
 
-/// What followed a pair: the reward, the number of the next percept (`None` at a goal), and how
-/// often that was seen.
+/// An outcome of a pair: the reward, the number of the next percept (`None` at a goal), and its count.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     pub reward: f64,
@@ -14,28 +13,28 @@ pub struct Outcome {
     pub count: u32,
 }
 
-/// A pair that was tried so often has nothing new to tell.
+/// The number of tries after which a pair counts as known.
 const MANY: u32 = 20;
 
-/// Everything that followed one pair.
+/// All outcomes of one pair.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Outcomes {
     all: Vec<Outcome>,
     pub(super) leads_to: Leads,
 }
 
-/// Where a pair leads unless it slips; `Unknown` where no moves do.
+/// Where a pair leads unless it slips; `Unknown` if no moves slip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) enum Leads {
     #[default]
     Unknown,
     /// To a percept, or the goal.
     To(Option<usize>),
-    /// Here and there: its percept is that of several places.
+    /// To different percepts: several cells share the pair's percept.
     Elsewhere,
 }
 
-/// The mean of `value` over outcomes, each by its frequency; 0 over none.
+/// Returns the mean of `value` over outcomes, weighted by frequency; 0 for none.
 pub fn mean<'a>(
     outcomes: impl IntoIterator<Item = &'a Outcome>,
     value: impl Fn(&Outcome) -> f64,
@@ -49,22 +48,22 @@ pub fn mean<'a>(
 }
 
 impl Outcomes {
-    /// How often the pair was tried.
+    /// Returns how often the pair was tried.
     pub fn tries(&self) -> u32 {
         self.all.iter().map(|outcome| outcome.count).sum()
     }
 
-    /// The mean of `value` over all outcomes, each by its frequency; 0 for an untried pair.
+    /// Returns the mean of `value` over all outcomes, weighted by frequency; 0 for an untried pair.
     pub fn mean(&self, value: impl Fn(&Outcome) -> f64) -> f64 {
         mean(&self.all, value)
     }
 
-    /// Everything that followed, in the order in which it was first seen.
+    /// Returns all outcomes in the order of their first appearance.
     pub fn all(&self) -> &[Outcome] {
         &self.all
     }
 
-    /// The percept that always followed; `None` if there were several, or a goal, or none.
+    /// Returns the percept that always followed; `None` for several ones, a goal, or an untried pair.
     pub fn only_next(&self) -> Option<usize> {
         match self.all[..] {
             [only] => only.next,
@@ -72,14 +71,14 @@ impl Outcomes {
         }
     }
 
-    /// How often a percept followed, or a goal.
+    /// Returns how often a percept or a goal followed.
     fn count_of(&self, next: Option<usize>) -> u32 {
         let same = self.all.iter().filter(|outcome| outcome.next == next);
         same.map(|outcome| outcome.count).sum()
     }
 
-    /// The percept that followed most often, or a goal, and by how much more often than any other;
-    /// `None` if nothing followed.
+    /// Returns the most frequent next percept or goal, and its lead over the second one; `None` for an
+    /// untried pair.
     pub(super) fn likeliest(&self) -> Option<(Option<usize>, u32)> {
         let counts = self.all.iter().map(|o| (o.next, self.count_of(o.next)));
         let (likeliest, count) = counts.rev().max_by_key(|&(_, count)| count)?;
@@ -88,8 +87,8 @@ impl Outcomes {
         Some((likeliest, count - most))
     }
 
-    /// The percept, or the goal, to which the pair leads unless it slips: what followed more often
-    /// than anything else, by enough of a lead, or most often of many tries.
+    /// Returns where the pair leads unless it slips: the most frequent result, if its lead is large
+    /// enough or if there were many tries.
     pub(super) fn believed(&self, slips: Slips) -> Leads {
         let Some((likeliest, lead)) = self.likeliest().filter(|_| slips.any()) else {
             return Leads::Unknown;
@@ -102,15 +101,16 @@ impl Outcomes {
         }
     }
 
-    /// Do slips explain everything that followed but what followed most often?
+    /// Returns true if slips explain all outcomes other than the most frequent one.
     pub(super) fn is_explained(&self, slips: Slips) -> bool {
         let tries = self.tries();
         let likeliest = self.likeliest();
         likeliest.is_none_or(|(next, _)| slips.explain(tries - self.count_of(next), tries))
     }
 
-    /// What the pair, of this percept, tells of slips; a collision costs more than a `step`.
-    pub(super) fn tell(&self, percept: usize, step: f64, evidence: &mut Evidence) {
+    /// Adds this pair's evidence of slips. `percept` is the pair's percept. A collision costs more than a
+    /// `step`.
+    pub(super) fn add_evidence(&self, percept: usize, step: f64, evidence: &mut Evidence) {
         let bumps = |o: &&Outcome| o.next == Some(percept) && o.reward < step;
         let bumped: u32 = self.all.iter().filter(bumps).map(|o| o.count).sum();
         let tries = self.tries();
@@ -126,13 +126,13 @@ impl Outcomes {
         }
     }
 
-    /// The percepts that followed.
+    /// Returns the percepts that followed.
     pub fn nexts(&self) -> impl Iterator<Item = usize> {
         self.all.iter().filter_map(|outcome| outcome.next)
     }
 
-    /// Where the pair most often led from `percept`, and in which share of its tries; `None` when
-    /// it stayed there, ended in a goal, or cost more than a `step`.
+    /// Returns the most frequent result of the pair and its share; `None` if it stayed in `percept`,
+    /// ended in a goal, or cost more than a `step`.
     pub fn likeliest_move(&self, percept: usize, step: f64) -> Option<(usize, f64)> {
         let likeliest = self.all.iter().rev().max_by_key(|o| o.count)?;
         let next = likeliest
@@ -141,7 +141,7 @@ impl Outcomes {
         Some((next, f64::from(likeliest.count) / f64::from(self.tries())))
     }
 
-    /// Do the counts leave room, and do the numbers name one of `met` percepts?
+    /// Returns true if the counts leave room for more and the numbers refer to one of `met` percepts.
     pub(super) fn is_sound(&self, met: usize, slips: Slips) -> bool {
         let known = |o: &Outcome| {
             o.reward.is_finite() && o.next.is_none_or(|next| next < met) && o.count > 0
@@ -152,7 +152,7 @@ impl Outcomes {
             && tries <= u64::from(u32::MAX / 2)
     }
 
-    /// Counts an outcome; true unless it is one more of what always happened.
+    /// Counts an outcome. Returns true if it is new or if there are several outcomes.
     pub(super) fn count(&mut self, reward: f64, next: Option<usize>) -> bool {
         let known = self
             .all
@@ -170,7 +170,7 @@ impl Outcomes {
         true
     }
 
-    /// One of the outcomes, each as likely as it was seen to be.
+    /// Draws an outcome by frequency.
     pub(super) fn draw(&self, stream: &mut Stream) -> Option<Outcome> {
         let mut left = stream.below(self.tries().max(1) as usize);
         let stops = |outcome: &&Outcome| {

@@ -1,8 +1,8 @@
-//! A maze that is known, and a robot that is not sure where in it it is: a partially observable
-//! Markov decision process whose moves may slip (Kaelbling, Littman and Cassandra 1998).
+//! A known maze with an uncertain robot position: a partially observable Markov decision process whose
+//! moves may slip (Kaelbling, Littman and Cassandra 1998).
 //!
-//! [`Pomdp`] says what moves do and what is perceived, [`Belief`] how likely each state is, and
-//! [`BeliefPlanner`] what the best action costs.
+//! [`Pomdp`] holds the transitions and percepts, [`Belief`] the probability of each state, and
+//! [`BeliefPlanner`] the expected costs of actions.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,28 +11,29 @@ use crate::agent::model::rewards::RewardModel;
 use crate::agent::model::slips::each_other;
 use xcs::{Action, MAX_ACTIONS, Percept};
 
-/// In place of a state: the goal, where the episode ends.
+/// The pseudo-state of the goal, where the episode ends.
 pub const GOAL: u32 = u32::MAX;
 
-/// States, what is perceived in each, and what each action does there. Every step costs 1, unless
-/// there are [`RewardModel`].
+/// States, their percepts, and the effects of actions. Every step costs 1, unless there is a
+/// [`RewardModel`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Pomdp {
     actions: usize,
-    /// The probability that another action than the chosen one is executed ([`each_other`]).
+    /// The probability that an action other than the chosen one is executed ([`each_other`]).
     slip: f64,
-    /// By state and action: the state that it leads to when executed, or [`GOAL`].
+    /// By state and action: the next state when the action is executed, or [`GOAL`].
     next: Vec<u32>,
     /// By state: the number of its percept.
     looks: Vec<u32>,
-    /// All percepts, in order.
+    /// All percepts, sorted.
     percepts: Vec<Percept>,
     rewards: Option<RewardModel>,
 }
 
 impl Pomdp {
-    /// States by their percepts; `next` gives the state, or [`GOAL`], that an executed action leads
-    /// to. With probability `slip` another action than the chosen one is executed, each with the same chance.
+    /// Creates the process from the percepts of its states. `next` returns the next state of an executed
+    /// action, or [`GOAL`]. With probability `slip`, one of the other actions is executed, each equally
+    /// likely.
     pub fn new(
         actions: usize,
         slip: f64,
@@ -57,43 +58,43 @@ impl Pomdp {
         }
     }
 
-    /// The same where more is paid than at the goal.
-    pub fn with_prizes(self, rewards: RewardModel) -> Self {
+    /// Adds auxiliary rewards.
+    pub fn with_rewards(self, rewards: RewardModel) -> Self {
         let rewards = Some(rewards);
         Self { rewards, ..self }
     }
 
-    /// The number of states, the goal not counted.
+    /// Returns the number of states without the goal.
     pub fn states(&self) -> usize {
         self.looks.len()
     }
 
-    /// The number of percepts.
+    /// Returns the number of percepts.
     pub fn looks(&self) -> usize {
         self.percepts.len()
     }
 
-    /// The number of actions.
+    /// Returns the number of actions.
     pub fn actions(&self) -> usize {
         self.actions
     }
 
-    /// The probability that a move slips.
+    /// Returns the probability that a move slips.
     pub fn slip(&self) -> f64 {
         self.slip
     }
 
-    /// What is perceived in a state.
+    /// Returns the percept of a state.
     pub fn percept(&self, state: u32) -> &Percept {
         &self.percepts[self.look(state) as usize]
     }
 
-    /// The number of what is perceived in a state: the same for states that look alike.
+    /// Returns the number of a state's percept, which is the same for aliased states.
     pub fn look(&self, state: u32) -> u32 {
         self.looks[state as usize]
     }
 
-    /// The number of a percept; `None` when no state looks like that.
+    /// Returns the number of a percept; `None` if no state has it.
     pub fn look_of(&self, percept: &Percept) -> Option<u32> {
         self.percepts
             .binary_search(percept)
@@ -101,23 +102,23 @@ impl Pomdp {
             .map(|at| at as u32)
     }
 
-    /// The state that an executed action leads to, or [`GOAL`].
+    /// Returns the next state of an executed action, or [`GOAL`].
     pub fn next(&self, state: u32, executed: Action) -> u32 {
         self.next[state as usize * self.actions + executed.index()]
     }
 
-    /// All states that look like this.
+    /// Returns all states with this percept.
     pub fn alike(&self, look: u32) -> impl Iterator<Item = u32> + '_ {
         let states = 0..self.states() as u32;
         states.filter(move |&state| self.look(state) == look)
     }
 
-    /// What is believed when an episode begins anywhere and looks like this.
+    /// Returns the belief at the beginning of an episode that starts anywhere with this percept.
     pub fn first_belief(&self, look: u32) -> Belief {
         Belief::even(self.alike(look))
     }
 
-    /// Does every number in it mean something?
+    /// Returns true if all numbers are valid.
     pub fn is_sound(&self) -> bool {
         let (states, looks) = (self.states(), self.percepts.len());
         (1..=MAX_ACTIONS).contains(&self.actions)
@@ -135,36 +136,35 @@ impl Pomdp {
                 .is_none_or(|rewards| rewards.is_sound(states))
     }
 
-    /// What is paid on the way.
+    /// Returns the auxiliary rewards.
     pub fn rewards(&self) -> Option<&RewardModel> {
         self.rewards.as_ref()
     }
 
-    /// What a later step counts for, beside the one now.
+    /// Returns the discount per step.
     pub fn discount(&self) -> f64 {
         self.rewards().map_or(1.0, |rewards| rewards.discount)
     }
 
-    /// What every step costs.
+    /// Returns the cost of every step.
     pub fn cost_of_step(&self) -> f64 {
         if self.rewards.is_none() { 1.0 } else { 0.0 }
     }
 
-    /// What a move from a state to the next costs beside that, without what follows it.
+    /// Returns the additional immediate cost of a move from one state to another.
     pub fn cost_of_move(&self, state: u32, next: u32) -> f64 {
         self.rewards()
             .map_or(0.0, |rewards| -rewards.gain(state, next))
     }
 
-    /// The steps from the goal at which one is as well off as with such a cost, were there nothing
-    /// but the goal.
+    /// Converts a cost to the equivalent number of steps from the goal without auxiliary rewards.
     pub fn in_steps(&self, cost: f64) -> f64 {
         self.rewards()
             .map_or(cost, |rewards| rewards.in_steps(-cost))
     }
 
-    /// What each state costs one who sees the state (value iteration), at most `most`; without prizes
-    /// that is the expected steps to the goal.
+    /// Returns the cost of each state, at most `most`, if states are fully observable (value iteration).
+    /// Without auxiliary rewards, this is the expected number of steps to the goal.
     pub fn costs_when_seen(&self, most: f64) -> Vec<f64> {
         let mut costs = vec![0.0; self.states()];
         for _ in 0..most.max(1.0) as u64 * 10 {

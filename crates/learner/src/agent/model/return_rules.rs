@@ -1,19 +1,18 @@
-//! General rules about ways back, learned from a step or two.
+//! General rules about inverse actions, learned from a step or two.
 //!
-//! "A move is undone by the action that is half a turn further": whether that is so, and how far
-//! one has to turn, is not told but counted. Where it holds, the way back need not be tried in
-//! every cell.
+//! An example is "an action is undone by the one half a turn further". Whether such a rule holds, and for
+//! which turn, is estimated from counts. Where it holds, the way back need not be tried in every cell.
 
 use crate::agent::model::ReturnRule;
 use crate::agent::model::slips::Slips;
 use crate::agent::model::transitions::Transitions;
 use xcs::{Action, ByAction};
 
-/// A rule is believed from so many successes on ...
+/// A rule is used from this number of successes on ...
 const LEAST_HITS: u32 = 2;
-/// ... that are at least this share of its trials.
+/// ... if they are at least this share of its trials.
 const LEAST_ACCURACY: f64 = 0.9;
-/// Counts in files lie below this, so that there is room to count on.
+/// The maximum count in files, which leaves room for further counting.
 const MOST_COUNTED: u32 = u32::MAX / 4;
 
 /// For each turn from one action to the next, how often it led back.
@@ -22,14 +21,14 @@ pub(in crate::agent) struct ReturnRules {
     actions: usize,
     /// By turn: how often it led back, and how often elsewhere.
     counts: Counts,
-    /// A rule is believed from such a share of successes on.
+    /// The least share of successes of a rule that is used.
     least_accuracy: f64,
 }
 
 pub(in crate::agent) type Counts = ByAction<[u32; 2]>;
 
 impl ReturnRules {
-    /// Nothing is known of `actions` actions.
+    /// Creates an untrained rule set for `actions` actions.
     pub fn new(actions: usize) -> Self {
         Self {
             actions,
@@ -38,45 +37,45 @@ impl ReturnRules {
         }
     }
 
-    /// Takes rules from another world.
+    /// Adds rules from another world.
     pub fn bring(&mut self, rules: &[ReturnRule]) {
         for rule in rules {
             self.counts[rule.turn.index()] = [rule.hits, rule.misses];
         }
     }
 
-    /// Allows for slips, on the way there or on the way back.
+    /// Lowers the required accuracy to allow for slips on the way there and on the way back.
     pub fn allow(&mut self, slips: Slips) {
         self.least_accuracy = LEAST_ACCURACY * slips.intended() * slips.intended();
     }
 
-    /// What learning has changed so far.
+    /// Returns the learned counts.
     pub fn kept(&self) -> Counts {
         self.counts
     }
 
-    /// Goes on from what was kept; `false` if there is no room in the counts.
+    /// Restores learned counts. Returns `false` if they leave no room for further counting.
     pub fn resume(&mut self, counts: Counts) -> bool {
         self.counts = counts;
         counts.iter().flatten().all(|&count| count <= MOST_COUNTED)
     }
 
-    /// Learns whether `next`, taken right after a move by `first`, led back; true if that changes
-    /// what is believed.
+    /// Learns whether `next`, executed right after a move by `first`, led back. Returns true if the set
+    /// of rules in use changes.
     pub fn learn(&mut self, first: Action, next: Action, back: bool) -> bool {
         let turn = turn(first, next, self.actions);
-        let before = self.is_believed(self.counts[turn]);
+        let before = self.is_used(self.counts[turn]);
         self.counts[turn][usize::from(!back)] += 1;
-        self.is_believed(self.counts[turn]) != before
+        self.is_used(self.counts[turn]) != before
     }
 
-    /// Is a move by `first` believed to be undone by `next`?
+    /// Returns true if `next` is predicted to undo a move by `first`.
     pub fn undoes(&self, first: Action, next: Action) -> bool {
-        self.is_believed(self.counts[turn(first, next, self.actions)])
+        self.is_used(self.counts[turn(first, next, self.actions)])
     }
 
-    /// The percept to which an action is predicted to lead back; `before` are the pairs that were
-    /// followed by the present one.
+    /// Returns the percept to which an action is predicted to lead back. `before` holds the pairs that
+    /// led to the current percept.
     pub fn way_back(
         &self,
         memory: &Transitions,
@@ -92,19 +91,19 @@ impl ReturnRules {
         before.find(leads_back).map(|&(from, _)| from)
     }
 
-    /// The rules that are believed.
+    /// Returns the rules in use.
     pub fn rules(&self) -> impl Iterator<Item = ReturnRule> {
         let turns = Action::all(self.actions).zip(self.counts.iter());
-        let believed = turns.filter(|&(_, &count)| self.is_believed(count));
-        believed.map(|(turn, &[hits, misses])| ReturnRule { turn, hits, misses })
+        let used = turns.filter(|&(_, &count)| self.is_used(count));
+        used.map(|(turn, &[hits, misses])| ReturnRule { turn, hits, misses })
     }
 
-    fn is_believed(&self, [hits, misses]: [u32; 2]) -> bool {
+    fn is_used(&self, [hits, misses]: [u32; 2]) -> bool {
         hits >= LEAST_HITS && f64::from(hits) >= self.least_accuracy * f64::from(hits + misses)
     }
 }
 
-/// How far one has to turn from one of `actions` actions to the next.
+/// Returns the turn from one of `actions` actions to the next.
 fn turn(first: Action, next: Action, actions: usize) -> usize {
     (next.index() + actions - first.index()) % actions
 }
@@ -125,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn going_back_twice_in_any_direction_is_enough_to_believe_in_it() {
+    fn going_back_twice_in_any_direction_is_enough_to_use_the_rule() {
         let mut rules = ReturnRules::new(4);
         learn(&mut rules, [0, 2], true);
         assert!(undoing(&rules, 0).is_empty());
@@ -137,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_that_often_leads_elsewhere_is_not_believed() {
+    fn a_turn_that_often_leads_elsewhere_is_not_used() {
         let mut rules = ReturnRules::new(4);
         for back in [true, true, false, true] {
             learn(&mut rules, [0, 2], back);

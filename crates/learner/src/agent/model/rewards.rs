@@ -1,33 +1,34 @@
-//! What is paid on the way to the goal, and what is best then.
+//! Auxiliary rewards and their effect on the optimal policy.
 
 use serde::{Deserialize, Serialize};
 
 use crate::agent::model::pomdp::GOAL;
 
-/// No way costs more steps than this.
+/// The maximum length of a path in steps.
 pub const MOST_STEPS: f64 = 4000.0;
-/// Discounts with which neither a sum of rewards is without end nor only the next one counts.
+/// The range of discounts: sums of rewards are finite, and later rewards count.
 const DISCOUNTS: [f64; 2] = [0.01, 0.999_999];
-/// What the goal is worth at least.
+/// The least value of the goal.
 const LEAST_GOAL: f64 = 1e-6;
 
-/// Rewards on the way. With them the best policy is no longer the one of the fewest steps, but the
-/// one of the greatest discounted sum of all rewards, as the methods that learn values have it.
+/// Auxiliary rewards. With them, the optimal policy maximises the discounted sum of all rewards, as in
+/// value-based methods, and not the number of steps.
 ///
-/// Sums are counted from that of walking for ever. So counted a step is worth nothing, a reward on
-/// the way what it pays, and the goal what it pays and that the walking has an end.
+/// Values are relative to walking forever. Relative to that, a step has the value 0, and an auxiliary
+/// reward its amount. The goal has its reward plus the saved cost of all further steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RewardModel {
     pub(super) discount: f64,
-    /// What arriving at the goal is worth.
+    /// The value of arriving at the goal.
     goal: f64,
-    /// By state: what was found in all to be in it. The difference is what a move pays.
+    /// By state: the sum of collected rewards. The difference between two states is the reward of the
+    /// move.
     found: Vec<f64>,
 }
 
 impl RewardModel {
-    /// With a discount per step, for a goal that pays `goal` where each step pays `step`; `found`
-    /// tells what was found in all to be in a state.
+    /// Creates the model from the discount per step and the rewards of the goal and of a step. `found` is
+    /// the sum of the rewards collected in each state.
     pub fn new(discount: f64, goal: f64, step: f64, found: Vec<f64>) -> Self {
         let discount = discount.clamp(DISCOUNTS[0], DISCOUNTS[1]);
         let goal = goal - discount * step / (1.0 - discount);
@@ -38,7 +39,7 @@ impl RewardModel {
         }
     }
 
-    /// What a move gains at once.
+    /// Returns the immediate gain of a move.
     pub(super) fn gain(&self, state: u32, next: u32) -> f64 {
         match next {
             GOAL => self.goal,
@@ -46,8 +47,8 @@ impl RewardModel {
         }
     }
 
-    /// The steps from the goal at which one is as well off, were there nothing but the goal: fewer
-    /// than none, where there is more.
+    /// Converts a value to the equivalent number of steps from the goal without auxiliary rewards. The
+    /// result is negative for greater values.
     pub(super) fn in_steps(&self, value: f64) -> f64 {
         let steps = 1.0 + libm::log(value / self.goal) / libm::log(self.discount);
         match value > 0.0 {

@@ -1,27 +1,27 @@
-//! How often moves slip, as far as is seen, and what that means for what is believed.
+//! Estimates how often moves slip, and how much evidence is needed as a result.
 //!
-//! A move that slips does what another action would have done. So what an action does is what mostly
-//! came of it, and what else came says how often moves slip: one number, which all pairs tell together.
+//! A slip has the effect of another action. So the most frequent outcome of a pair is its effect, and the
+//! rarer outcomes show how often moves slip. This is one number, estimated from all pairs.
 
 use serde::{Deserialize, Serialize};
 
-/// Moves slip if pairs that bump have moved, or the other way round, so often, and in such a share of
-/// what was tried: in places that merely look alike, walls are seen.
+/// Moves slip if pairs that bump have also moved, or vice versa, at least this often and in this share of
+/// all tries. Cells that are merely aliased are ruled out, because walls are visible.
 const LEAST_EVIDENCE: u32 = 3;
 const LEAST_SHARE: f64 = 0.003;
-/// What came mostly is believed when it is so many times as likely as that only slips have come.
+/// The most frequent outcome is accepted if it is this many times as likely as a series of slips ...
 const CERTAIN: f64 = 50.0;
-/// ... but after so much of a lead at the latest.
+/// ... but after this lead at the latest.
 const LONGEST_LEAD: u32 = 8;
-/// More came of a pair than slips explain if it is more than they make expect by so many deviations, and
-/// one more.
+/// Slips do not explain the rarer outcomes of a pair if these exceed the expected number by this many
+/// standard deviations, plus one.
 const DEVIATIONS: f64 = 4.0;
-/// An estimate that differs by less than this share of it is no news.
+/// The relative difference below which two estimates count as equal.
 const SAME: f64 = 0.1;
 
-/// Returns how likely each other action is when a move slips with probability `slip`: another action than the chosen one is
-/// executed, each of the others with the same chance. This is what `arena.slip` means, and what all of the learner means
-/// by slip.
+/// Returns the probability of each other action when a move slips with probability `slip`: an action
+/// other than the chosen one is executed, each equally likely. This is the meaning of `arena.slip`, and
+/// of slip everywhere in the learner.
 pub fn each_other(slip: f64, actions: usize) -> f64 {
     slip / actions.saturating_sub(1).max(1) as f64
 }
@@ -32,21 +32,21 @@ pub struct Slips {
     share: f64,
 }
 
-/// What speaks for slips.
+/// The evidence of slips.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Evidence {
-    /// All tries.
+    /// The number of all tries.
     pub all: u32,
-    /// Tries of pairs that sometimes bump and sometimes move on, the rarer ones.
+    /// The number of the rarer tries of pairs that sometimes bump and sometimes move.
     pub mixed: u32,
-    /// Tries of pairs that mostly move on ...
+    /// The number of tries of pairs that mostly move ...
     pub moves: u32,
-    /// ... and those of them of which something else came.
+    /// ... and of those among them with another outcome.
     pub odd: u32,
 }
 
 impl Evidence {
-    /// The share of moves that slip.
+    /// Returns the share of moves that slip.
     pub fn slips(self) -> Slips {
         let share = |part: u32, all: u32| f64::from(part) / f64::from(all.max(1));
         let is_clear = self.mixed >= LEAST_EVIDENCE && share(self.mixed, self.all) >= LEAST_SHARE;
@@ -60,12 +60,12 @@ impl Evidence {
 }
 
 impl Slips {
-    /// Do any moves slip?
+    /// Returns true if any moves slip.
     pub fn any(self) -> bool {
         self.share > 0.0
     }
 
-    /// By how many tries what mostly came of a pair must be ahead of anything else to be believed.
+    /// Returns the lead that the most frequent outcome of a pair needs to be accepted.
     pub fn lead(self) -> u32 {
         if !self.any() {
             return 1;
@@ -80,8 +80,8 @@ impl Slips {
         lead
     }
 
-    /// Do slips explain that of so many tries of a pair so many were odd? If not, it is a pair of several
-    /// places that look alike.
+    /// Returns true if slips explain `odd` rarer outcomes in `tries` tries of a pair. If they do not,
+    /// several cells share the pair's percept.
     pub fn explain(self, odd: u32, tries: u32) -> bool {
         let tries = f64::from(tries);
         let expected = self.share * tries;
@@ -89,19 +89,19 @@ impl Slips {
         f64::from(odd) <= expected + DEVIATIONS * deviation + 1.0
     }
 
-    /// The share of moves that do what was chosen.
+    /// Returns the share of moves that execute the chosen action.
     pub fn intended(self) -> f64 {
         1.0 - self.share
     }
 
-    /// What is left of a promise after a step that is tried until it does not slip.
+    /// Returns the discount of an optimistic value over a step that is repeated until it does not slip.
     pub fn discount(self, gamma: f64) -> f64 {
         self.intended() * gamma / (1.0 - self.share * gamma)
     }
 
-    /// What a percept is value of whose actions these are the values, those left out that leave the
-    /// robot where it is or of which nothing is known: the best one is chosen, and at a slip each
-    /// of the others is as likely. Who is left where he was chooses again.
+    /// Returns the value of a percept from the values of its actions. `None` marks actions that leave the
+    /// robot in place or are unknown. The best action is chosen, and a slip executes each other one with
+    /// equal probability. A robot left in place chooses again.
     pub fn value(self, values: &[Option<f64>], gamma: f64) -> f64 {
         let known = || values.iter().flatten();
         let best = known().copied().fold(0.0, f64::max);
@@ -114,13 +114,13 @@ impl Slips {
         (self.intended() * best + each * others) / (1.0 - each * gamma * stays as f64)
     }
 
-    /// Is another estimate practically the same?
+    /// Returns true if another estimate is practically the same.
     pub fn is_like(self, other: Self) -> bool {
         self.any() == other.any()
             && (self.share - other.share).abs() <= SAME * self.share.max(other.share)
     }
 
-    /// Can that be?
+    /// Returns true if the estimate is valid.
     pub fn is_sound(self) -> bool {
         (0.0..=1.0).contains(&self.share)
     }
@@ -135,13 +135,13 @@ mod tests {
     }
 
     #[test]
-    fn the_more_moves_slip_the_more_tries_it_takes_to_believe_what_a_pair_does() {
+    fn the_more_moves_slip_the_greater_the_required_lead() {
         let leads = [0.0, 0.01, 0.05, 0.1, 0.25, 0.6].map(|share| slips(share).lead());
         assert_eq!(leads, [1, 1, 2, 2, 4, 8]);
     }
 
     #[test]
-    fn pairs_with_several_outcomes_tell_of_slips_only_if_some_bump_and_move_on() {
+    fn several_outcomes_are_evidence_of_slips_only_if_some_pairs_bump_and_move() {
         let evidence = Evidence {
             all: 100,
             mixed: 5,
@@ -153,7 +153,7 @@ mod tests {
             mixed: 0,
             ..evidence
         };
-        assert!(!control.slips().any(), "places that look alike");
+        assert!(!control.slips().any(), "aliased cells");
     }
 
     #[test]
@@ -164,10 +164,10 @@ mod tests {
         assert!(!slips(0.05).explain(10, 20), "few slip");
     }
 
-    /// A corridor in which one step leads to a goal worth 1 and the others nowhere: by the equation
-    /// of Bellman, iterated.
+    /// A corridor in which one step leads to a goal with value 1 and the others nowhere, by iterating the
+    /// Bellman equation.
     #[test]
-    fn who_is_left_where_he_was_chooses_again() {
+    fn a_robot_left_in_place_chooses_again() {
         let mut iterated = 0.0;
         for _ in 0..1_000 {
             iterated = 0.7 * 1.0 + 0.1 * 0.5 + 0.2 * 0.9 * iterated;

@@ -1,13 +1,13 @@
-//! What speaks for a collision, and what against it.
+//! Counts of evidence for and against a collision.
 
 use serde::{Deserialize, Serialize};
 
-/// A candidate is dropped when fewer of its forecasts than this came true.
+/// The least share of correct forecasts of a candidate.
 const LEAST_ACCURACY: f64 = 0.9;
-/// Counts in files lie below this, so that there is room to count on.
+/// The maximum count in files, which leaves room for further counting.
 const MOST_COUNTED: u32 = u32::MAX / 4;
 
-/// Percepts in which an action bumped, and in which it moved.
+/// The numbers of percepts in which an action bumped, and in which it moved.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(in crate::agent) struct Tally {
     pub hits: u32,
@@ -41,8 +41,8 @@ impl Tally {
     }
 }
 
-/// Does a percept count as one where the action bumps? `None` where nothing is known, or where neither
-/// is ahead by this margin.
+/// Returns whether the action bumps in a percept; `None` if nothing is known or the lead is below the
+/// margin.
 pub(super) fn verdict(Tally { hits, misses }: Tally, margin: u32) -> Option<bool> {
     (hits + misses > 0 && hits.abs_diff(misses) >= margin).then_some(hits > misses)
 }

@@ -1,4 +1,4 @@
-//! Remembered transitions: what followed each pair of percept and action, and how often.
+//! A transition model: counts what followed each pair of percept and action.
 
 use std::collections::BTreeMap;
 
@@ -9,29 +9,29 @@ use crate::agent::model::slips::{Evidence, Slips};
 use xcs::random::Stream;
 use xcs::{Action, ByAction, MAX_ACTIONS, Percept};
 
-/// One step, after it is known what came of it.
+/// A step with its result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transition {
     pub percept: Percept,
     pub action: Action,
     pub reward: f64,
-    /// What was perceived afterwards; `None` at a goal.
+    /// The next percept; `None` at a goal.
     pub next: Option<Percept>,
 }
 
-/// All percepts that were met, numbered in the order of meeting, and what followed their pairs.
+/// All percepts, numbered in order of their first appearance, and the outcomes of their pairs.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Transitions {
     numbers: BTreeMap<Percept, usize>,
     percepts: Vec<Percept>,
     pairs: Vec<ByAction<Outcomes>>,
-    /// The pairs in the order in which they were first tried.
+    /// The pairs in the order of their first try.
     tried: Vec<(usize, Action)>,
     slips: Slips,
 }
 
 impl Transitions {
-    /// The number of a percept, which is met now if it never was.
+    /// Returns the number of a percept. Adds the percept if it is new.
     pub fn meet(&mut self, percept: &Percept) -> usize {
         let next = self.percepts.len();
         let number = *self.numbers.entry(*percept).or_insert(next);
@@ -42,12 +42,12 @@ impl Transitions {
         number
     }
 
-    /// The number of a percept; `None` if it was never met.
+    /// Returns the number of a percept; `None` if it never appeared.
     pub fn number_of(&self, percept: &Percept) -> Option<usize> {
         self.numbers.get(percept).copied()
     }
 
-    /// Do all numbers, in a memory that was read from a file, name what they should?
+    /// Returns true if all numbers of a model read from a file are valid.
     pub fn is_sound(&self) -> bool {
         let met = self.percepts.len();
         let named =
@@ -64,39 +64,40 @@ impl Transitions {
             && self.tried.iter().all(tried)
     }
 
-    /// The percepts that were met in their own order, each with its number.
+    /// Returns the known percepts in sorted order, each with its number.
     pub fn sorted(&self) -> impl Iterator<Item = (&Percept, usize)> {
         self.numbers
             .iter()
             .map(|(percept, &number)| (percept, number))
     }
 
-    /// The percepts that were met, by number.
+    /// Returns the known percepts by number.
     pub fn percepts(&self) -> &[Percept] {
         &self.percepts
     }
 
-    /// What followed a pair.
+    /// Returns the outcomes of a pair.
     pub fn outcomes(&self, percept: usize, action: Action) -> &Outcomes {
         &self.pairs[percept][action.index()]
     }
 
-    /// How often moves slip, by the last estimate.
+    /// Returns the last estimate of how often moves slip.
     pub fn slips(&self) -> Slips {
         self.slips
     }
 
-    /// The share of moves that slip, estimated from all pairs. A collision costs more than a `step`.
+    /// Estimates the share of moves that slip from all pairs. A collision costs more than a `step`.
     fn estimated_slips(&self, step: f64) -> Slips {
         let mut evidence = Evidence::default();
         for &(percept, action) in &self.tried {
             self.outcomes(percept, action)
-                .tell(percept, step, &mut evidence);
+                .add_evidence(percept, step, &mut evidence);
         }
         evidence.slips()
     }
 
-    /// Where moves slip: did more come of some pair than slips explain? Then several cells share its percept.
+    /// Returns true if moves slip and slips do not explain the outcomes of some pair. Then several cells
+    /// share its percept.
     pub fn is_refuted(&self) -> bool {
         let mut tried = self.tried.iter();
         let unexplained = |&(percept, action): &(usize, Action)| {
@@ -105,8 +106,8 @@ impl Transitions {
         self.slips.any() && tried.any(unexplained)
     }
 
-    /// Estimates how often moves slip; true if that is news. A collision costs more than a `step`.
-    pub fn notice_slips(&mut self, step: f64) -> bool {
+    /// Updates the slip estimate; returns true if it changed. A collision costs more than a `step`.
+    pub fn update_slips(&mut self, step: f64) -> bool {
         let slips = self.estimated_slips(step);
         let is_news = !slips.is_like(self.slips);
         if is_news {
@@ -117,7 +118,7 @@ impl Transitions {
         is_news
     }
 
-    /// Is it known what a pair does? Where no moves slip, it is after one try.
+    /// Returns true if the effect of a pair is known: after one try if no moves slip.
     pub fn is_known(&self, percept: usize, action: Action) -> bool {
         let outcomes = self.outcomes(percept, action);
         match self.slips.any() {
@@ -126,8 +127,8 @@ impl Transitions {
         }
     }
 
-    /// The percept to which a pair is known to lead, unless it slips; where no moves slip, the one
-    /// that always followed. `None` if there is none, or a goal.
+    /// Returns the percept to which a pair leads unless it slips. If no moves slip, this is the percept
+    /// that always followed. Returns `None` if there is none, or for a goal.
     pub fn next(&self, percept: usize, action: Action) -> Option<usize> {
         let outcomes = self.outcomes(percept, action);
         match outcomes.leads_to {
@@ -137,15 +138,16 @@ impl Transitions {
         }
     }
 
-    /// Do slips explain what came of the actions of a percept? If not, several places look like it.
+    /// Returns true if slips explain the outcomes of a percept's actions. Otherwise several cells share
+    /// it.
     pub fn is_explained(&self, percept: usize) -> bool {
         let mut pairs = self.pairs[percept].iter();
         pairs.all(|outcomes| outcomes.leads_to != Leads::Elsewhere)
     }
 
-    /// May what is known of a pair be some slips in a row? So it may if it stays where it is although a
-    /// move is `predicted`, or leads where another action leads, too; not once it has twice the lead that
-    /// is asked for.
+    /// Returns true if the estimated effect of a pair may be caused by several slips in a row. This is
+    /// possible if the pair stays in place although a move is `predicted`, or if another action leads to
+    /// the same percept. It is ruled out once the pair has twice the required lead.
     pub fn is_doubtful(&self, percept: usize, action: Action, predicted: bool) -> bool {
         let outcomes = self.outcomes(percept, action);
         let Leads::To(next) = outcomes.leads_to else {
@@ -162,12 +164,12 @@ impl Transitions {
             }
     }
 
-    /// Was it a slip that `next` followed a pair?
+    /// Returns true if the transition of a pair to `next` was a slip.
     pub fn slipped(&self, percept: usize, action: Action, next: usize) -> bool {
         self.slips.any() && self.next(percept, action) != Some(next)
     }
 
-    /// The mean of `value` over what followed a pair, without slips.
+    /// Returns the mean of `value` over the outcomes of a pair, without slips.
     pub fn mean(&self, percept: usize, action: Action, value: impl Fn(&Outcome) -> f64) -> f64 {
         let outcomes = self.outcomes(percept, action);
         match outcomes.leads_to {
@@ -176,8 +178,8 @@ impl Transitions {
         }
     }
 
-    /// Remembers a transition; true if a plan over what is known may change, where a pair is
-    /// known that was tried `known_after` times.
+    /// Adds a transition. Returns true if plans on the known part of the model may change. A pair is
+    /// known after `known_after` tries.
     pub fn learn(&mut self, step: &Transition, known_after: u32) -> bool {
         let met = self.percepts.len();
         let percept = self.meet(&step.percept);
@@ -191,8 +193,7 @@ impl Transitions {
         news || outcomes.tries() <= known_after || self.percepts.len() > met
     }
 
-    /// A remembered transition: any tried pair, each with the same chance, and one of its
-    /// outcomes by frequency.
+    /// Draws a transition: a uniformly random tried pair, and one of its outcomes by frequency.
     pub fn recall(&self, stream: &mut Stream) -> Option<Transition> {
         let &(percept, action) = stream.choose(&self.tried)?;
         let Outcome { reward, next, .. } = self.outcomes(percept, action).draw(stream)?;
@@ -233,8 +234,8 @@ mod tests {
         assert!((200..300).contains(&bumps.count()));
     }
 
-    /// A corridor of three percepts, walked to and fro `rounds` times; every third move slips, and one
-    /// that slips bumps.
+    /// A corridor of three percepts, traversed in both directions `rounds` times. With `slips`, every
+    /// third move slips and bumps.
     fn corridor(rounds: usize, slips: bool) -> Transitions {
         let mut memory = Transitions::default();
         let mut here = 0_usize;
@@ -265,28 +266,28 @@ mod tests {
     }
 
     #[test]
-    fn where_moves_slip_a_pair_is_known_by_what_mostly_comes_of_it() {
+    fn if_moves_slip_a_pair_is_known_by_its_most_frequent_outcome() {
         let east = Action::new(1).unwrap();
         let mut memory = corridor(12, true);
         let bumped = memory.outcomes(0, east).all().len();
         assert!(bumped > 1, "control: some of its moves slipped");
         assert_eq!(memory.next(0, east), None, "before slips are noticed");
-        assert!(memory.notice_slips(-1.0));
+        assert!(memory.update_slips(-1.0));
         let next = memory.next(0, east).map(|next| memory.percepts()[next]);
         assert_eq!(next, Some(Percept::from_word(1, 2)));
-        assert!(!memory.notice_slips(-1.0), "no more news");
+        assert!(!memory.update_slips(-1.0), "no more news");
         assert!(memory.is_sound());
     }
 
     #[test]
-    fn control_where_no_move_slips_none_is_noticed_and_one_try_makes_a_pair_known() {
+    fn control_if_no_move_slips_none_is_noticed_and_one_try_makes_a_pair_known() {
         let mut memory = corridor(12, false);
-        assert!(!memory.notice_slips(-1.0));
+        assert!(!memory.update_slips(-1.0));
         assert!(memory.is_known(0, Action::new(1).unwrap()));
     }
 
     #[test]
-    fn one_more_of_what_always_happened_is_no_news() {
+    fn repeating_the_only_outcome_changes_nothing() {
         let mut memory = Transitions::default();
         assert!(memory.learn(&step("00", -1.0, Some("01")), 1));
         assert!(!memory.learn(&step("00", -1.0, Some("01")), 1));

@@ -1,4 +1,5 @@
-//! Planned exploration: the way to the nearest action that promises more than what is known.
+//! Planned exploration: the path to the nearest action whose optimistic value exceeds the known
+//! value.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,44 +11,45 @@ use crate::agent::planner::sweeping::PlannedValues;
 use xcs::random::Stream;
 use xcs::{Action, MAX_ACTIONS};
 
-/// A promise must exceed what is known by this share of it.
+/// The minimum relative amount by which an optimistic value must exceed the known value.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Percepts among which a way is looked for that was left by a slip.
+/// The number of percepts searched for a path that was left by a slip.
 const NEAR: usize = 50;
 
-/// What exploration is planned on.
+/// The model that exploration plans on.
 pub(in crate::agent) struct Model<'a> {
     pub memory: &'a Transitions,
     pub known: &'a PlannedValues,
     pub collisions: &'a CollisionRules,
 }
 
-/// Searches forward from the present percept, in the belief that an untried action leads straight
-/// to the goal unless a collision or a way back is predicted. The way that is found is followed
-/// until there is news.
+/// Searches forward from the present percept. An untried action is assumed to lead straight to the
+/// goal, unless a collision or a return is predicted. The path found is followed until something
+/// new is learned.
 #[derive(Debug, Clone)]
 pub(in crate::agent) struct Exploration {
     actions: usize,
-    /// What an untried action is believed to be worth above the floor, and one that bumps; that is
-    /// never worth trying.
+    /// The optimistic value of an untried action above the floor, and the value of an action that
+    /// collides. A certain collision is never worth trying.
     goal: f64,
     collision: f64,
     step: f64,
-    /// What is left of the way, the next step last.
-    way: Vec<(usize, Action)>,
-    /// Counts what was learned that may change a promise, from 1.
+    /// The rest of the path, next step last.
+    path: Vec<(usize, Action)>,
+    /// Counts changes of the model that may change an optimistic value, from 1.
     version: u64,
-    /// By percept: the version in which nothing promised more than what is known.
-    content: Vec<u64>,
+    /// By percept: the version in which no optimistic value exceeded the known value.
+    exhausted: Vec<u64>,
     forecasts: Forecasts,
     search: Search,
 }
 
-/// By percept: what its untried actions are believed to be worth, and when that was looked up.
+/// By percept: the optimistic values of its untried actions, and the version that they were
+/// computed in.
 #[derive(Debug, Clone, Default)]
 struct Forecasts(Vec<(u64, [f64; MAX_ACTIONS])>);
 
-/// A search, kept so that its memory is used again.
+/// A search, retained to reuse its allocations.
 #[derive(Debug, Clone, Default)]
 struct Search {
     number: u32,
@@ -64,7 +66,7 @@ struct Reached {
     search: u32,
     /// The step that led to it; `None` where the search began.
     before: Option<(usize, Action)>,
-    /// The share of a promise that is left of it on the way.
+    /// The discount of an optimistic value along the path.
     factor: f64,
 }
 
@@ -75,72 +77,76 @@ impl Exploration {
             goal: params.goal - floor,
             collision: (params.collision - floor).min(0.0),
             step: params.step,
-            way: Vec::new(),
+            path: Vec::new(),
             version: 1,
-            content: Vec::new(),
+            exhausted: Vec::new(),
             forecasts: Forecasts::default(),
             search: Search::default(),
         }
     }
 
-    /// What learning has changed between two episodes: the version, and what is content.
+    /// Returns the state that learning changes between two episodes: the version, and the exhausted
+    /// percepts.
     pub fn kept(&self) -> (u64, &[u64]) {
-        (self.version, &self.content)
+        (self.version, &self.exhausted)
     }
 
-    /// Goes on from what was kept.
-    pub fn resume(&mut self, (version, content): (u64, Vec<u64>)) {
-        (self.version, self.content) = (version, content);
+    /// Resumes from a saved state.
+    pub fn resume(&mut self, (version, exhausted): (u64, Vec<u64>)) {
+        (self.version, self.exhausted) = (version, exhausted);
     }
 
-    /// Something was learned that may change a promise.
+    /// Invalidates the plan, because the model changed in a way that may change an optimistic
+    /// value.
     pub fn wake(&mut self) {
         self.version += 1;
-        self.way.clear();
+        self.path.clear();
     }
 
-    /// Forgets where it was going: the robot was put elsewhere.
+    /// Discards the path at the beginning of an episode.
     pub fn begin(&mut self) {
-        self.way.clear();
+        self.path.clear();
     }
 
-    /// The way was left: what follows a best action of a percept that promises nothing new does
-    /// not, either.
+    /// Marks the successor `to` of a best action as exhausted if `from` is exhausted.
     pub fn follow(&mut self, from: usize, to: usize) {
-        if self.is_content(from) {
-            self.set_content(to);
+        if self.is_exhausted(from) {
+            self.set_exhausted(to);
         }
     }
 
-    fn is_content(&self, percept: usize) -> bool {
-        self.content.get(percept) == Some(&self.version)
+    fn is_exhausted(&self, percept: usize) -> bool {
+        self.exhausted.get(percept) == Some(&self.version)
     }
 
-    fn set_content(&mut self, percept: usize) {
-        let room = self.content.len().max(percept + 1);
-        self.content.resize(room, 0);
-        self.content[percept] = self.version;
+    fn set_exhausted(&mut self, percept: usize) {
+        let length = self.exhausted.len().max(percept + 1);
+        self.exhausted.resize(length, 0);
+        self.exhausted[percept] = self.version;
     }
 
-    /// The next step of exploration; `None` where nothing promises more than what is known.
+    /// Returns the next step of exploration; `None` if no optimistic value exceeds the known value.
     pub fn next(&mut self, from: usize, model: &Model<'_>, stream: &mut Stream) -> Option<Action> {
-        let is_on_the_way = self.way.last().is_some_and(|&(percept, _)| percept == from);
-        if !is_on_the_way && !self.rejoin(from, model) {
-            self.way.clear();
-            if self.is_content(from) {
+        let is_on_path = self
+            .path
+            .last()
+            .is_some_and(|&(percept, _)| percept == from);
+        if !is_on_path && !self.rejoin(from, model) {
+            self.path.clear();
+            if self.is_exhausted(from) {
                 return None;
             }
             self.find(from, model, stream);
-            if self.way.is_empty() {
-                self.set_content(from);
+            if self.path.is_empty() {
+                self.set_exhausted(from);
             }
         }
-        self.way.pop().map(|(_, action)| action)
+        self.path.pop().map(|(_, action)| action)
     }
 
-    /// After a slip: finds the way again, if it is near; false if it is not.
+    /// Returns to the path after a slip if it is near; otherwise returns false.
     fn rejoin(&mut self, from: usize, model: &Model<'_>) -> bool {
-        if self.way.is_empty() || !model.memory.slips().any() {
+        if self.path.is_empty() || !model.memory.slips().any() {
             return false;
         }
         self.search.begin(from, model.memory.percepts().len());
@@ -148,9 +154,9 @@ impl Exploration {
             let Some((factor, percept)) = self.search.pop() else {
                 return false;
             };
-            if let Some(at) = self.way.iter().position(|&(on_it, _)| on_it == percept) {
-                self.way.truncate(at + 1);
-                self.search.trace(percept, &mut self.way);
+            if let Some(at) = self.path.iter().position(|&(on_it, _)| on_it == percept) {
+                self.path.truncate(at + 1);
+                self.search.trace(percept, &mut self.path);
                 return true;
             }
             for action in Action::all(self.actions) {
@@ -162,7 +168,7 @@ impl Exploration {
         false
     }
 
-    /// Finds the most promising way.
+    /// Finds the path with the greatest optimistic value.
     fn find(&mut self, from: usize, model: &Model<'_>, stream: &mut Stream) {
         let mut best = model.known.value(from) * (1.0 + NEGLIGIBLE);
         self.search.begin(from, model.memory.percepts().len());
@@ -170,7 +176,7 @@ impl Exploration {
             if factor * self.goal < best {
                 break;
             }
-            let values = self.believed_values(percept, model);
+            let values = self.optimistic_values(percept, model);
             for action in Action::all(self.actions) {
                 let moves = values[action.index()] > 0.0;
                 let is_doubtful = model.memory.is_doubtful(percept, action, moves);
@@ -189,13 +195,12 @@ impl Exploration {
             }
         }
         if let Some(&(last, action)) = stream.choose(&self.search.ends) {
-            self.way.push((last, action));
-            self.search.trace(last, &mut self.way);
+            self.path.push((last, action));
+            self.search.trace(last, &mut self.path);
         }
     }
 
-    /// Where a known pair leads, and what is left of a promise on the way; `None` if it leads nowhere
-    /// else.
+    /// Returns the successor of a known pair, and the discount of the step; `None` if it leads nowhere else.
     fn step(&self, percept: usize, action: Action, model: &Model<'_>) -> Option<(usize, f64)> {
         let Model { memory, known, .. } = model;
         if memory.slips().any() && memory.is_explained(percept) {
@@ -208,10 +213,11 @@ impl Exploration {
         Some((next, share * known.gamma()))
     }
 
-    /// What the untried actions of a percept are believed to be worth, where no way back is.
-    fn believed_values(&mut self, percept: usize, model: &Model<'_>) -> [f64; MAX_ACTIONS] {
-        let room = self.forecasts.0.len().max(percept + 1);
-        self.forecasts.0.resize(room, (0, [0.0; MAX_ACTIONS]));
+    /// Returns the optimistic values of the untried actions of a percept, ignoring predicted
+    /// returns.
+    fn optimistic_values(&mut self, percept: usize, model: &Model<'_>) -> [f64; MAX_ACTIONS] {
+        let length = self.forecasts.0.len().max(percept + 1);
+        self.forecasts.0.resize(length, (0, [0.0; MAX_ACTIONS]));
         let (version, values) = &mut self.forecasts.0[percept];
         if *version != model.collisions.version() {
             *version = model.collisions.version();
@@ -239,7 +245,7 @@ impl Search {
         self.open.push((1_f64.to_bits(), Reverse(from)));
     }
 
-    /// The reached percept with the greatest factor.
+    /// Removes and returns the reached percept with the greatest factor.
     fn pop(&mut self) -> Option<(f64, usize)> {
         loop {
             let (bits, Reverse(percept)) = self.open.pop()?;
@@ -251,7 +257,7 @@ impl Search {
         }
     }
 
-    /// A step leads to a percept.
+    /// Records a step that leads to a percept.
     fn push(&mut self, factor: f64, to: usize, step: (usize, Action)) {
         let reached = &mut self.reached[to];
         if reached.search == self.number && reached.factor >= factor {
@@ -265,7 +271,7 @@ impl Search {
         self.open.push((factor.to_bits(), Reverse(to)));
     }
 
-    /// A way may end here, with this value; ways of equal value are collected.
+    /// Offers an end of a path with its value. Ends of equal value are collected.
     fn offer(&mut self, value: f64, end: (usize, Action), best: &mut f64) {
         if value > *best {
             *best = value;
@@ -276,11 +282,11 @@ impl Search {
         }
     }
 
-    /// The steps that lead to a percept, the last one first.
-    fn trace(&self, last: usize, way: &mut Vec<(usize, Action)>) {
+    /// Appends the steps that lead to a percept, last step first.
+    fn trace(&self, last: usize, path: &mut Vec<(usize, Action)>) {
         let mut percept = last;
         while let Some((before, action)) = self.reached[percept].before {
-            way.push((before, action));
+            path.push((before, action));
             percept = before;
         }
     }

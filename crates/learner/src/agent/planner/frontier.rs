@@ -1,4 +1,4 @@
-//! Finding the goal, and what is not yet known: the robot's own sketch of where it has been.
+//! Frontier exploration: a local map of visited cells, and paths to unvisited ones.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -11,25 +11,25 @@ use crate::agent::estimator::map::place::{CellState, Place, Surroundings, offset
 use xcs::Action;
 use xcs::random::Stream;
 
-/// Where the robot has been, counted from where episodes begin. As long as what is perceived agrees, all are
-/// taken to begin in one place, and share a sketch; once it does not, each is sketched by itself.
+/// A local map of visited cells, relative to the cell where episodes begin. While observations agree, all episodes
+/// are assumed to begin in one cell and share a map. After a contradiction, each episode has its own map.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LocalMap {
     cell_map: CellCounts,
     visited: BTreeSet<Place>,
-    /// Does it hold episodes before this one, too?
+    /// True if the map contains earlier episodes, too.
     shared: bool,
-    /// Was anything perceived that did not agree?
+    /// True if an observation contradicted the map.
     doubted: bool,
     #[serde(skip)]
     here: Place,
-    /// What is perceived here.
+    /// The surroundings perceived here.
     #[serde(skip)]
     around: Option<Surroundings>,
 }
 
 impl LocalMap {
-    /// The robot perceives this after a step, or at the beginning.
+    /// Adds the surroundings perceived after a step (`last`), or at the beginning of an episode.
     pub fn perceive(&mut self, last: Option<&MapStep>, around: &Surroundings, robot: &RobotModel) {
         if let Some(last) = last {
             self.here = self.here.plus(likeliest_move(last, around, robot));
@@ -44,15 +44,15 @@ impl LocalMap {
         }
     }
 
-    /// Was any of this seen otherwise before?
+    /// Returns true if the surroundings contradict the map.
     fn contradicts(&self, around: &Surroundings) -> bool {
         let mut cells = self.cell_map.compare(self.here, around);
         self.cell_map.cell_state(self.here) == Some(CellState::Wall)
             || cells.any(|(_, agrees)| !agrees)
     }
 
-    /// Episodes begin here and there, or moves slip, or cells are misread: of what is sketched nothing is left but
-    /// what only this episode has drawn.
+    /// Handles a contradiction: episodes begin in different cells, moves slip or observations have errors. Drops a
+    /// map that is shared with earlier episodes.
     fn doubt(&mut self) {
         if self.shared {
             *self = Self::default();
@@ -60,7 +60,7 @@ impl LocalMap {
         self.doubted = true;
     }
 
-    /// The episode ends.
+    /// Ends the episode.
     pub fn end(&mut self) {
         let doubted = self.doubted;
         if doubted {
@@ -70,16 +70,15 @@ impl LocalMap {
         (self.here, self.around) = (Place::ORIGIN, None);
     }
 
-    /// Can a sketch look like this?
+    /// Returns true if the map is valid.
     pub fn is_sound(&self) -> bool {
         let mut visited = self.visited.iter();
         self.cell_map.is_sound() && visited.all(|place| place.reach() <= FURTHEST)
     }
 
-    /// An action of which nobody can tell what comes of it here; if there is none, the one that leads
-    /// toward the nearest goal or free cell in which the robot has not been; any action if there is
-    /// none either. Chance decides between several. If `passes_goals`, no goal counts while anything else can be
-    /// reached.
+    /// Returns an action whose outcome here is unknown. If there is none, returns the first action toward the nearest
+    /// unvisited goal or free cell. If there is none either, returns any action. Ties are broken at random. With
+    /// `passes_goals`, goals count only if nothing else is reachable.
     pub fn explore(
         &self,
         motion: &MotionModel,
@@ -88,39 +87,40 @@ impl LocalMap {
         stream: &mut Stream,
     ) -> Action {
         let mut likely: Vec<Action> = Action::all(motion.actions()).collect();
-        let is_untold = |action: &Action| {
+        let is_unknown = |action: &Action| {
             self.around
                 .is_some_and(|around| motion.leave_open(*action, &around, feels_bumps))
         };
         let is_new = |place| !self.visited.contains(&place);
         let is_no_goal =
             |place| is_new(place) && self.cell_map.cell_state(place) != Some(CellState::Goal);
-        let mut news: Vec<Action> = likely.iter().copied().filter(is_untold).collect();
-        if news.is_empty() && passes_goals {
-            news = self.nearest(motion, is_no_goal);
+        let mut preferred: Vec<Action> = likely.iter().copied().filter(is_unknown).collect();
+        if preferred.is_empty() && passes_goals {
+            preferred = self.nearest(motion, is_no_goal);
         }
-        if news.is_empty() {
-            news = self.nearest(motion, is_new);
+        if preferred.is_empty() {
+            preferred = self.nearest(motion, is_new);
         }
-        if !news.is_empty() {
-            likely = news;
+        if !preferred.is_empty() {
+            likely = preferred;
         }
         *stream.choose(&likely).expect("there is an action")
     }
 
-    /// The first actions of the shortest ways to the nearest places that are sought.
+    /// Returns the first actions of the shortest paths to the nearest cells that `is_sought`
+    /// accepts.
     fn nearest(&self, motion: &MotionModel, is_sought: impl Fn(Place) -> bool) -> Vec<Action> {
         let certain = |action| Some((action, offset(motion.certain(action)?)));
         let moves: Vec<_> = Action::all(motion.actions()).filter_map(certain).collect();
-        let mut ways = Ways::default();
-        let Some(start) = ways.at(self.here) else {
+        let mut paths = PathTable::default();
+        let Some(start) = paths.at(self.here) else {
             return Vec::new();
         };
         *start = Some((0, 0));
         let mut queue = VecDeque::from([self.here]);
         let (mut found, mut firsts) = (u32::MAX, 0);
         while let Some(place) = queue.pop_front() {
-            let Some((steps, first)) = ways.at(place).and_then(|way| *way) else {
+            let Some((steps, first)) = paths.at(place).and_then(|path| *path) else {
                 continue;
             };
             if steps > found {
@@ -134,7 +134,7 @@ impl LocalMap {
                 let to = place.plus(by);
                 let leads_on = match self.cell_map.cell_state(to) {
                     Some(CellState::Free) => true,
-                    // There the episode ends.
+                    // The episode would end there.
                     Some(CellState::Goal) => is_sought(to),
                     _ => false,
                 };
@@ -146,10 +146,10 @@ impl LocalMap {
                 } else {
                     first
                 };
-                match ways.at(to) {
-                    Some(Some(way)) if way.0 == steps + 1 => way.1 |= first,
-                    Some(way @ None) => {
-                        *way = Some((steps + 1, first));
+                match paths.at(to) {
+                    Some(Some(path)) if path.0 == steps + 1 => path.1 |= first,
+                    Some(path @ None) => {
+                        *path = Some((steps + 1, first));
                         queue.push_back(to);
                     }
                     _ => {}
@@ -161,15 +161,15 @@ impl LocalMap {
     }
 }
 
-/// By place: the steps from where a search began, and the first actions of the shortest paths there as bits.
-struct Ways(Vec<Option<(u32, u32)>>);
+/// By cell: the number of steps from the start of a search, and the first actions of the shortest paths as bits.
+struct PathTable(Vec<Option<(u32, u32)>>);
 
-impl Ways {
-    /// One place more than a map has, on each side.
+impl PathTable {
+    /// One cell more than a map has, on each side.
     const REACH: i32 = FURTHEST as i32 + 1;
     const SIDE: i32 = 2 * Self::REACH + 1;
 
-    /// The entry of a place; `None` if it is too far away for a map.
+    /// Returns the entry of a cell; `None` if it is too far away for a map.
     fn at(&mut self, place: Place) -> Option<&mut Option<(u32, u32)>> {
         let [east, north] = [place.east, place.north].map(|along| i32::from(along) + Self::REACH);
         let is_near = [east, north]
@@ -179,7 +179,7 @@ impl Ways {
     }
 }
 
-impl Default for Ways {
+impl Default for PathTable {
     fn default() -> Self {
         Self(vec![None; (Self::SIDE * Self::SIDE) as usize])
     }
@@ -194,7 +194,7 @@ mod tests {
     const EAST: usize = 2;
     const WEST: usize = 6;
 
-    /// A corridor from west to east, of so many cells and with a goal at its western end.
+    /// A corridor from west to east with this many cells, and a goal at its western end.
     struct Corridor(usize);
 
     impl Corridor {
@@ -205,12 +205,12 @@ mod tests {
             around
         }
 
-        /// Takes down an episode that comes by these cells.
-        fn walk(&self, sketch: &mut LocalMap, cells: &[usize]) {
-            let ways = cells
+        /// Adds an episode that visits these cells.
+        fn walk(&self, map: &mut LocalMap, cells: &[usize]) {
+            let actions = cells
                 .windows(2)
-                .map(|way| if way[1] > way[0] { EAST } else { WEST });
-            let steps = cells.iter().zip(ways).map(|(at, action)| MapStep {
+                .map(|pair| if pair[1] > pair[0] { EAST } else { WEST });
+            let steps = cells.iter().zip(actions).map(|(at, action)| MapStep {
                 around: self.around(*at),
                 action: Action::new(action).unwrap(),
                 found: 0.0,
@@ -218,7 +218,7 @@ mod tests {
             });
             let lasts = std::iter::once(None).chain(steps.map(Some));
             for (at, last) in cells.iter().zip(lasts) {
-                sketch.perceive(last.as_ref(), &self.around(*at), &robot());
+                map.perceive(last.as_ref(), &self.around(*at), &robot());
             }
         }
     }
@@ -232,41 +232,40 @@ mod tests {
         }
     }
 
-    fn heads(sketch: &LocalMap, passes_goals: bool) -> usize {
+    fn heads(map: &LocalMap, passes_goals: bool) -> usize {
         let mut stream = Stream::new(1, 0_u64);
         let motion = MotionModel::known(8);
-        let action = sketch.explore(&motion, true, passes_goals, &mut stream);
+        let action = map.explore(&motion, true, passes_goals, &mut stream);
         action.index()
     }
 
     #[test]
-    fn a_goal_is_walked_past_while_anything_else_is_new() {
+    fn a_goal_is_passed_while_any_other_cell_is_new() {
         let heads = |cells, passes_goals| {
-            let mut sketch = LocalMap::default();
-            Corridor(cells).walk(&mut sketch, &[0, 1, 2, 1, 0]);
-            heads(&sketch, passes_goals)
+            let mut map = LocalMap::default();
+            Corridor(cells).walk(&mut map, &[0, 1, 2, 1, 0]);
+            heads(&map, passes_goals)
         };
         assert_eq!(heads(4, true), EAST);
         assert_eq!(heads(3, true), WEST, "nothing else is new");
         assert_eq!(heads(4, false), WEST, "control");
     }
 
-    /// Where a robot heads from the third cell, if its last episode began in this one and came as far as to the
-    /// fifth.
+    /// Returns the heading of a robot in the third cell whose last episode went from cell `begun` to the fifth cell.
     fn heads_after(begun: usize) -> (usize, LocalMap) {
-        let (corridor, mut sketch) = (Corridor(9), LocalMap::default());
-        corridor.walk(&mut sketch, &(begun..5).collect::<Vec<_>>());
-        sketch.end();
-        corridor.walk(&mut sketch, &[2]);
-        (heads(&sketch, false), sketch)
+        let (corridor, mut map) = (Corridor(9), LocalMap::default());
+        corridor.walk(&mut map, &(begun..5).collect::<Vec<_>>());
+        map.end();
+        corridor.walk(&mut map, &[2]);
+        (heads(&map, false), map)
     }
 
     #[test]
-    fn what_an_episode_has_seen_is_not_new_in_the_next_if_both_begin_in_the_same_place() {
-        let (heads, sketch) = heads_after(2);
+    fn cells_seen_in_one_episode_are_not_new_in_the_next_if_both_begin_in_the_same_cell() {
+        let (heads, map) = heads_after(2);
         assert_eq!(heads, WEST);
-        assert!(sketch.visited.len() == 3 && !sketch.doubted);
-        let (_, sketch) = heads_after(0);
-        assert!(sketch.visited.len() == 1 && sketch.doubted, "control");
+        assert!(map.visited.len() == 3 && !map.doubted);
+        let (_, map) = heads_after(0);
+        assert!(map.visited.len() == 1 && map.doubted, "control");
     }
 }

@@ -1,4 +1,4 @@
-//! Which action is best: prioritised sweeping over percepts, RTDP-Bel over beliefs; and where to explore.
+//! Planners: prioritised sweeping over percepts, RTDP-Bel over beliefs, and exploration.
 
 pub mod exploration;
 pub mod frontier;

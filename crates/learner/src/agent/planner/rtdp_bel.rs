@@ -10,34 +10,35 @@ use crate::agent::model::rewards::MOST_STEPS;
 use xcs::random::Stream;
 use xcs::{Action, MAX_ACTIONS, PredictionArray};
 
-/// The most beliefs of which costs are kept; then all are forgotten.
+/// The maximum number of beliefs with stored costs. Beyond it, all costs are dropped.
 pub const MOST_BELIEFS: usize = 500_000;
 
-/// How often all states of a belief are imagined to be true, at most, until its costs settle.
+/// The maximum number of sweeps over the states of a belief until its costs converge.
 const MOST_SWEEPS: usize = 16;
 
-/// After how many weighed states that stops. One decision then takes some 50 ms at most.
+/// The number of weighed states after which sweeping stops. One decision then takes some 50 ms at
+/// most.
 const MOST_WEIGHED: usize = 300_000;
 
-/// The most steps of an imagined episode.
-const MOST_IMAGINED_STEPS: u32 = 100;
+/// The maximum number of steps of a simulated episode.
+const MOST_SIMULATED_STEPS: u32 = 100;
 
-/// What an imagined episode took.
+/// The effort of a simulated episode.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Effort {
-    /// The states of all beliefs on the way.
+    /// The number of states in all beliefs on the path.
     pub weighed: usize,
-    /// By how much the cost of a belief changed, at most.
+    /// The greatest change of the cost of a belief.
     pub change: f64,
 }
 
-/// Costs that differ by less than this from another are equal.
+/// Returns the difference below which a cost counts as equal to another.
 fn tie(cost: f64) -> f64 {
     1e-9 * cost.abs().min(1.0)
 }
 
-/// What is expected to come to pass after each action: steps to the goal or, where there are
-/// prizes, its value, taken from nothing.
+/// The expected cost of each action: steps to the goal or, with auxiliary rewards, the negated
+/// value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Costs {
     costs: [f64; MAX_ACTIONS],
@@ -45,23 +46,23 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// By action.
+    /// Returns the costs by action.
     pub fn as_slice(&self) -> &[f64] {
         &self.costs[..self.actions]
     }
 
-    /// By action, in steps from the goal (see [`Pomdp::in_steps`]).
+    /// Returns the costs by action, in steps from the goal (see [`Pomdp::in_steps`]).
     pub fn in_steps<'a>(&'a self, pomdp: &'a Pomdp) -> impl Iterator<Item = f64> + 'a {
         let costs = self.as_slice().iter();
         costs.map(|&cost| pomdp.in_steps(cost))
     }
 
-    /// How many steps more an action costs than the best.
+    /// Returns by how many steps an action costs more than the best.
     pub fn regret(&self, action: Action, pomdp: &Pomdp) -> f64 {
         pomdp.in_steps(self.costs[action.index()]) - pomdp.in_steps(self.least())
     }
 
-    /// The least.
+    /// Returns the least cost.
     pub fn least(&self) -> f64 {
         self.as_slice()
             .iter()
@@ -69,7 +70,7 @@ impl Costs {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The first action that costs least.
+    /// Returns the first action with the least cost.
     pub fn best(&self) -> Action {
         let least = self.least();
         let mut actions = Action::all(self.actions);
@@ -78,18 +79,18 @@ impl Costs {
     }
 }
 
-/// Costs of beliefs. They begin at the cost if the state were seen, which is never above the real cost. Beliefs with the same
-/// [key](Belief::key) share a cost, which can be above that of one of them.
+/// Costs of beliefs. A cost is initialised as if the state were fully observed, which never exceeds the real cost.
+/// Beliefs with the same [key](Belief::key) share a cost, which can exceed the real cost of one of them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct BeliefPlanner {
-    /// By state: its cost when it is seen.
+    /// By state: its cost under full observability.
     seen: Vec<f64>,
     /// By key of a belief.
     costs: BTreeMap<u64, f64>,
 }
 
 impl BeliefPlanner {
-    /// A planner that has not planned yet.
+    /// Creates a planner without stored costs.
     pub fn new(pomdp: &Pomdp) -> Self {
         Self {
             seen: pomdp.costs_when_seen(MOST_STEPS),
@@ -97,12 +98,12 @@ impl BeliefPlanner {
         }
     }
 
-    /// Was it made for this world?
+    /// Returns true if the planner was created for this world.
     pub fn belongs_to(&self, pomdp: &Pomdp) -> bool {
         self.seen == Self::new(pomdp).seen && self.costs.values().all(|cost| cost.is_finite())
     }
 
-    /// The cost of a state that is seen.
+    /// Returns the cost of a state under full observability.
     pub fn cost_when_seen(&self, state: u32) -> f64 {
         self.seen[state as usize]
     }
@@ -117,12 +118,12 @@ impl BeliefPlanner {
         })
     }
 
-    /// What each action costs in a belief, as far as it was planned.
+    /// Returns the cost of each action in a belief, as planned so far.
     pub fn costs(&self, pomdp: &Pomdp, belief: &Belief) -> Costs {
         self.look_ahead(pomdp, belief).0
     }
 
-    /// The same, where moves are exact after imagining until nothing changes any more.
+    /// Like [`costs`](Self::costs). If moves are exact, first simulates until the costs converge.
     pub fn settled_costs(&mut self, pomdp: &Pomdp, belief: &Belief) -> Costs {
         if pomdp.slip() == 0.0 {
             self.settle(pomdp, belief);
@@ -130,7 +131,7 @@ impl BeliefPlanner {
         self.costs(pomdp, belief)
     }
 
-    /// Imagines exact moves from each state of a belief, until no cost changes any more or the work is too much.
+    /// Simulates exact moves from each state of a belief, until the costs converge or the work exceeds a limit.
     pub fn settle(&mut self, pomdp: &Pomdp, belief: &Belief) {
         let mut weighed = 0;
         for _ in 0..MOST_SWEEPS {
@@ -150,9 +151,9 @@ impl BeliefPlanner {
         }
     }
 
-    /// The value of each action in a belief: less by 1 for each step from the goal. Of actions that cost
-    /// the same, the first is worth most: beyond the others may be beliefs that no imagined episode
-    /// came to, and that cost more than is known.
+    /// Returns the value of each action in a belief: less by 1 for each step from the goal. Of actions with equal
+    /// costs, the first has the greatest value. The others may lead to beliefs that no simulated episode visited,
+    /// which may cost more than known.
     pub fn values(&self, pomdp: &Pomdp, belief: &Belief) -> PredictionArray {
         let mut values = PredictionArray::new(pomdp.actions());
         let costs = self.costs(pomdp, belief);
@@ -165,12 +166,12 @@ impl BeliefPlanner {
         values
     }
 
-    /// The number of beliefs of which costs are kept.
+    /// Returns the number of beliefs with stored costs.
     pub fn beliefs(&self) -> usize {
         self.costs.len()
     }
 
-    /// The costs of the actions, and what the best of them may lead to.
+    /// Returns the costs of the actions, and the branches of the best one.
     fn look_ahead(&self, pomdp: &Pomdp, belief: &Belief) -> (Costs, Vec<Branch>) {
         let mut costs = Costs {
             costs: [0.0; MAX_ACTIONS],
@@ -190,8 +191,8 @@ impl BeliefPlanner {
         (costs, best.map_or_else(Vec::new, |best| best.1))
     }
 
-    /// One imagined episode from a state, in which `belief` is believed at first: greedy, and each
-    /// belief on the way gets its cost.
+    /// Simulates one greedy episode from a state with initial belief `belief`, and updates the cost
+    /// of each belief on the path.
     pub fn imagine(
         &mut self,
         pomdp: &Pomdp,
@@ -203,7 +204,8 @@ impl BeliefPlanner {
         self.follow(pomdp, start, belief, next)
     }
 
-    /// The same, where `next` gives the state after an action, or [`GOAL`].
+    /// Like [`imagine`](Self::imagine), with `next` as the transition function; it returns [`GOAL`]
+    /// at a goal.
     fn follow(
         &mut self,
         pomdp: &Pomdp,
@@ -212,16 +214,16 @@ impl BeliefPlanner {
         mut next: impl FnMut(u32, Action) -> u32,
     ) -> Effort {
         let (mut state, mut effort) = (start, Effort::default());
-        for _ in 0..MOST_IMAGINED_STEPS {
+        for _ in 0..MOST_SIMULATED_STEPS {
             let (costs, branches) = self.look_ahead(pomdp, &belief);
             effort.weighed += belief.states().len();
-            effort.change = effort.change.max(self.keep(&belief, costs.least()));
+            effort.change = effort.change.max(self.store(&belief, costs.least()));
             state = next(state, costs.best());
             if state == GOAL {
                 break;
             }
             let look = pomdp.look(state);
-            // Forgotten states may come true.
+            // States that the belief dropped may be the true ones.
             let Some(branch) = branches.into_iter().find(|branch| branch.look == look) else {
                 break;
             };
@@ -230,8 +232,8 @@ impl BeliefPlanner {
         effort
     }
 
-    /// Keeps the cost of a belief, and tells by how much it has changed.
-    fn keep(&mut self, belief: &Belief, cost: f64) -> f64 {
+    /// Stores the cost of a belief, and returns the absolute change.
+    fn store(&mut self, belief: &Belief, cost: f64) -> f64 {
         if self.costs.len() >= MOST_BELIEFS {
             self.costs.clear();
         }
@@ -241,7 +243,7 @@ impl BeliefPlanner {
     }
 }
 
-/// The state after an action, or [`GOAL`].
+/// Draws the state after an action, or [`GOAL`].
 pub fn moved(pomdp: &Pomdp, state: u32, action: Action, stream: &mut Stream) -> u32 {
     if pomdp.slip() == 0.0 || !stream.chance(pomdp.slip()) {
         return pomdp.next(state, action);

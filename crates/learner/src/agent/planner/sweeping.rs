@@ -1,9 +1,8 @@
-//! What is known to be worth how much: values of what was tried, and of ways back that are
-//! predicted, kept up to date step by step.
+//! Values of percepts over tried pairs and predicted returns, updated incrementally.
 //!
-//! Where moves slip, a value counts steps alone: a collision by a slip costs no more than a step. For
-//! who is far from the goal, all that is to come there is worth less than the collisions that slips
-//! cost on the way, and it would be best never to set out.
+//! If moves slip, rewards count no lower than a step: a collision after a slip costs no more than a step. Otherwise,
+//! far from the goal, the collisions of slips on the path would outweigh the discounted reward, and never moving
+//! would be best.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -15,45 +14,45 @@ use crate::agent::params::Params;
 use xcs::LabelledExample;
 use xcs::{Action, ByAction};
 
-/// Changes of a value by less than this share of it are not passed on.
+/// Relative changes of a value below this are not propagated.
 const NEGLIGIBLE: f64 = 1e-9;
-/// The same where nothing is new, and only the odds of a pair have changed: they are not known that
-/// well. Measured with slipping moves (Maze4, slip 0.1 and 0.25, 60 trials): policies as good as
-/// with a billionth, at an eighth of the time; with a ten-thousandth training collides more.
+/// The same if no pair is new, and only the probabilities of a pair changed: they are not known
+/// that precisely. Measured with slipping moves (Maze4, slip 0.1 and 0.25, 60 trials): policies as
+/// good as with 1e-9, at an eighth of the time; with 1e-4 training collides more.
 const NEGLIGIBLE_ODDS: f64 = 1e-5;
-/// The same where moves slip, and all values depend on each other. With a billionth a step takes half as
-/// long again in 40 x 40 rooms.
+/// The same if moves slip and all values depend on each other. With 1e-9 a step takes 1.5 times as long in 40 x 40
+/// rooms.
 const NEGLIGIBLE_SLIPPING: f64 = 1e-7;
 /// Actions whose values differ by less than this share are equally good.
 const TIE: f64 = 1e-7;
-/// A greater discount would leave values without a floor.
+/// The maximum discount; above it values would have no floor.
 const GREATEST_DISCOUNT: f64 = 0.999_999;
-/// Values that may be updated at the beginning, and so many more with each step; what is left waits
-/// for later steps. Where moves are exact, this is more than there ever is to do. With noise every
-/// value depends a little on all others, and far more could be done at each step. Too few updates
-/// cost quality: with 32 a step, policies in Maze4 took a quarter more steps at slip 0.1 and 0.25.
+/// The number of value updates allowed at the beginning; each step allows `UPDATES_PER_STEP` more.
+/// The rest waits for later steps. With exact moves, this exceeds the total work. With noise every
+/// value depends slightly on all others, and each step could use far more. Too few updates cost
+/// quality: with 32 a step, policies in Maze4 took a quarter more steps at slip 0.1 and 0.25.
 const FIRST_UPDATES: usize = 100_000;
 const UPDATES_PER_STEP: usize = 1_024;
-/// Updates at once where nothing is new, and only the odds of a pair have changed.
+/// The maximum number of updates per call if only the probabilities of a pair changed.
 const UPDATES_FOR_ODDS: usize = 1_024;
-/// Places in the queue for each percept, on average, before it is tidied up.
-const MOST_PLACES: usize = 4;
+/// The average number of queue entries per percept above which the queue is compacted.
+const MOST_ENTRIES: usize = 4;
 
-/// By percept: the pairs that were followed by it.
+/// By percept: the pairs that led to it.
 pub(in crate::agent) type Before = Vec<Vec<(usize, Action)>>;
 
-/// How many values may be updated, and the percepts of those that wait for it, each with the bits of
-/// the value for which it is.
+/// The number of updates allowed, and the percepts that wait for an update, each with the bits of
+/// the value that it is queued with.
 type Waiting = (usize, Vec<(u64, Reverse<usize>)>);
 
-/// The value of each percept under the best policy over what is known, by prioritised sweeping
-/// (Moore and Atkeson 1993): a change is passed backward, the greatest values first, and touches
-/// only what depends on it. PlannedValues is what was tried and, until it is tried, the way back of a move
-/// that has always led to the same percept: exploration spares it, so examples must trust it.
+/// The value of each percept under the best policy over known pairs, by prioritised sweeping (Moore and Atkeson
+/// 1993). A change propagates backward, greatest values first, and only to values that depend on it. Known pairs are
+/// the tried pairs and, until they are tried, the predicted returns of moves. Exploration does not try predicted
+/// returns, so the examples must rely on them.
 ///
-/// Values are counted from that of walking for ever, `step / (1 - gamma)`. So counted, a value is
-/// `gamma` to the power of the steps to the goal, times a constant: it stays exact thousands of
-/// steps away, and 0 means that no way is known.
+/// Values are relative to the value of walking for ever, `step / (1 - gamma)`. A value is then
+/// `gamma` to the power of the steps to the goal, times a constant. It stays exact thousands of
+/// steps away, and 0 means that no path is known.
 #[derive(Debug, Clone)]
 pub(in crate::agent) struct PlannedValues {
     actions: usize,
@@ -63,13 +62,13 @@ pub(in crate::agent) struct PlannedValues {
     values: Vec<f64>,
     before: Before,
     returns: ReturnRules,
-    /// Percepts whose value is to be updated, the greatest first.
+    /// Percepts that wait for an update, greatest value first.
     queue: BinaryHeap<(u64, Reverse<usize>)>,
-    /// How many values may be updated.
+    /// The number of updates allowed.
     updates: usize,
-    /// By percept: has anything changed on which its value depends, since that was updated?
+    /// By percept: true if a value that it depends on changed since its last update.
     stale: Vec<bool>,
-    /// Percepts of which the example may have changed.
+    /// Percepts whose example may have changed.
     touched: Vec<usize>,
 }
 
@@ -89,23 +88,23 @@ impl PlannedValues {
         }
     }
 
-    /// Moves slip more or less than was believed: works out everything anew.
+    /// Recomputes all values after the slip probability changed.
     pub fn reconsider(&mut self, memory: &Transitions) {
         self.returns.allow(memory.slips());
         (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
-        self.pass_on(memory, usize::MAX, NEGLIGIBLE_SLIPPING);
+        self.propagate(memory, usize::MAX, NEGLIGIBLE_SLIPPING);
     }
 
-    /// What learning has changed so far: the values, how many may be updated and which wait for it,
-    /// what came before each percept, and the rules about ways back.
+    /// Returns the learned state: the values, the updates allowed and waiting, the predecessors of
+    /// each percept, and the counts of the return rules.
     pub fn kept(&self) -> (&[f64], Waiting, &Before, Counts) {
         let queue = self.queue.clone().into_sorted_vec();
         let waiting = (self.updates, queue);
         (&self.values, waiting, &self.before, self.returns.kept())
     }
 
-    /// Goes on from what was kept; `false` if it is not about the percepts of the memory, or there is
-    /// no room in the counts.
+    /// Resumes from a learned state; `false` if the state does not fit the percepts of `memory`, or a count is out of
+    /// range.
     pub fn resume(
         &mut self,
         (values, waiting, before, returns): (Vec<f64>, Waiting, Before, Counts),
@@ -125,11 +124,11 @@ impl PlannedValues {
                 .iter()
                 .all(|value| value.is_finite() && *value >= 0.0)
             && pairs.all(|&(percept, action)| percept < known && action.index() < self.actions)
-            && self.go_on_waiting(waiting)
+            && self.resume_waiting(waiting)
     }
 
-    /// Goes on with what was waiting; `false` if that is not known, or not in its order.
-    fn go_on_waiting(&mut self, (updates, queue): Waiting) -> bool {
+    /// Resumes the waiting updates; `false` if a percept is unknown or waits twice.
+    fn resume_waiting(&mut self, (updates, queue): Waiting) -> bool {
         self.updates = updates;
         for &(_, Reverse(percept)) in &queue {
             match self.stale.get_mut(percept) {
@@ -141,38 +140,38 @@ impl PlannedValues {
         true
     }
 
-    /// The value of walking for ever, from which all others are counted.
+    /// Returns the value of walking for ever, which all other values are relative to.
     pub fn floor(&self) -> f64 {
         self.step / (1.0 - self.gamma)
     }
 
-    /// The discount.
+    /// Returns the discount.
     pub fn gamma(&self) -> f64 {
         self.gamma
     }
 
-    /// The value of a percept above the floor; 0 if no way to a goal is known.
+    /// Returns the value of a percept above the floor; 0 if no path to a goal is known.
     pub fn value(&self, percept: usize) -> f64 {
         self.values.get(percept).copied().unwrap_or(0.0)
     }
 
-    /// The rules about ways back.
+    /// Returns the inverse-action rules.
     pub fn returns(&self) -> &ReturnRules {
         &self.returns
     }
 
-    /// Takes rules about ways back from another world.
+    /// Adopts inverse-action rules from another world.
     pub fn bring(&mut self, returns: &[ReturnRule]) {
         self.returns.bring(returns);
     }
 
-    /// The percept to which an untried action is predicted to lead back.
+    /// Returns the percept to which an untried action is predicted to return.
     pub fn way_back(&self, memory: &Transitions, percept: usize, action: Action) -> Option<usize> {
         let before = self.before.get(percept)?;
         self.returns.way_back(memory, before, (percept, action))
     }
 
-    /// Takes note of what followed a pair, and passes on what that changes.
+    /// Records the successor of a pair, and propagates the change.
     pub fn learn(&mut self, memory: &Transitions, pair: (usize, Action), next: Option<usize>) {
         let met = memory.percepts().len();
         self.values.resize(met, 0.0);
@@ -190,15 +189,15 @@ impl PlannedValues {
             false => (UPDATES_FOR_ODDS, NEGLIGIBLE_ODDS),
         };
         self.update(memory, pair.0, negligible);
-        // There, a way back may have opened or closed.
+        // The prediction of a return may have changed there.
         let nexts = memory.outcomes(pair.0, pair.1).nexts();
         nexts.for_each(|next| self.push(next, self.values[pair.0]));
         self.updates = self.updates.saturating_add(UPDATES_PER_STEP);
-        self.pass_on(memory, most, negligible);
+        self.propagate(memory, most, negligible);
     }
 
-    /// Takes note of whether `next`, taken right after a move by `first`, led back, and passes on
-    /// what that changes; true if it changes what is predicted.
+    /// Records whether `next`, right after a move by `first`, led back, and propagates the change.
+    /// Returns true if a prediction changed.
     pub fn learn_return(
         &mut self,
         memory: &Transitions,
@@ -208,14 +207,14 @@ impl PlannedValues {
         let news = self.returns.learn(first, next, back);
         if news {
             (0..self.values.len()).for_each(|percept| self.push(percept, self.values[percept]));
-            self.pass_on(memory, usize::MAX, NEGLIGIBLE);
+            self.propagate(memory, usize::MAX, NEGLIGIBLE);
         }
         news
     }
 
-    /// Updates what waits for it, at most so many values. What has not changed is skipped: places
-    /// in the queue are often many for one percept.
-    fn pass_on(&mut self, memory: &Transitions, most: usize, negligible: f64) {
+    /// Updates waiting values, at most `most` of them. Percepts without changes are skipped: a
+    /// percept often has several entries in the queue.
+    fn propagate(&mut self, memory: &Transitions, most: usize, negligible: f64) {
         let mut left = most.min(self.updates);
         self.updates -= left;
         while left > 0
@@ -227,21 +226,22 @@ impl PlannedValues {
             }
         }
         self.updates += left;
-        if self.queue.len() > MOST_PLACES * self.values.len() {
+        if self.queue.len() > MOST_ENTRIES * self.values.len() {
             self.tidy();
         }
     }
 
-    /// Leaves of what waits one place for each percept, the first.
+    /// Reduces the queue to one entry for each waiting percept, the first.
     pub fn tidy(&mut self) {
         let mut queue = std::mem::take(&mut self.queue).into_vec();
-        queue.sort_unstable_by_key(|&(place, Reverse(percept))| (percept, Reverse(place)));
+        queue.sort_unstable_by_key(|&(entry, Reverse(percept))| (percept, Reverse(entry)));
         queue.dedup_by_key(|&mut (_, percept)| percept);
         queue.retain(|&(_, Reverse(percept))| self.stale[percept]);
         self.queue = queue.into();
     }
 
-    /// The value of a pair above the floor, if it does not slip; `None` if nothing is known of it.
+    /// Returns the value of a pair above the floor, if the move does not slip; `None` if the pair
+    /// is not known.
     fn value_of(&self, memory: &Transitions, percept: usize, action: Action) -> Option<f64> {
         if !memory.is_known(percept, action) {
             let back = self.way_back(memory, percept, action)?;
@@ -257,14 +257,14 @@ impl PlannedValues {
         }))
     }
 
-    /// The greatest value of the pairs of a percept; 0 if none of them leads to a goal.
+    /// Returns the greatest value of the pairs of a percept; 0 if none of them leads to a goal.
     fn greatest(&self, memory: &Transitions, percept: usize) -> f64 {
         let values = Action::all(self.actions);
         let values = values.filter_map(|action| self.value_of(memory, percept, action));
         values.fold(0.0, f64::max)
     }
 
-    /// The value of a percept where moves slip.
+    /// Returns the value of a percept if moves slip.
     fn slipping_value(&self, memory: &Transitions, percept: usize) -> f64 {
         if !memory.is_explained(percept) {
             return self.greatest(memory, percept);
@@ -290,7 +290,7 @@ impl PlannedValues {
         }
         let greater = value.max(old);
         let is_great = (value - old).abs() > negligible * greater;
-        // From where its own moves lead, a way back may lead here.
+        // A return may lead here from where its own moves lead.
         let own = Action::all(self.actions).filter_map(|action| memory.next(percept, action));
         let before = std::mem::take(&mut self.before[percept]);
         let depends = |&&(other, action): &&(usize, Action)| {
@@ -307,14 +307,15 @@ impl PlannedValues {
         self.before[percept] = before;
     }
 
-    /// The value of a percept is to be updated, because one of `value` has changed.
+    /// Queues a percept for an update, because a value of `value` changed.
     fn push(&mut self, percept: usize, value: f64) {
-        // Values are not negative, so that their bits are in their order.
+        // Values are not negative, so their bits sort in the same order.
         self.queue.push((value.to_bits(), Reverse(percept)));
         self.stale[percept] = true;
     }
 
-    /// The examples that may have changed since this was asked last, by the number of the percept.
+    /// Returns the examples that may have changed since the last call, by the number of the
+    /// percept.
     pub fn news(&mut self, memory: &Transitions) -> Vec<(usize, LabelledExample)> {
         let mut touched = std::mem::take(&mut self.touched);
         touched.sort_unstable();
@@ -327,8 +328,8 @@ impl PlannedValues {
             .collect()
     }
 
-    /// Returns the values of the actions in a percept, those of the best exactly alike; nothing where no path to a
-    /// goal is known.
+    /// Returns the values of the actions in a percept. The best actions have exactly equal values. Empty if no path
+    /// to a goal is known.
     pub fn action_values(
         &self,
         memory: &Transitions,
@@ -351,12 +352,12 @@ impl PlannedValues {
         })
     }
 
-    /// Is an action one of the best in a percept, as far as is known?
+    /// Returns true if an action is one of the best in a percept, as far as known.
     pub fn is_best(&self, memory: &Transitions, percept: usize, action: Action) -> bool {
         self.value(percept) > 0.0 && self.labelled_example(memory, percept).best[action.index()]
     }
 
-    /// What is best in a percept.
+    /// Returns the labelled example of a percept: its best actions.
     fn labelled_example(&self, memory: &Transitions, percept: usize) -> LabelledExample {
         let value = self.values[percept];
         let greatest = match memory.slips().any() {

@@ -1,12 +1,12 @@
-//! Contexts that a robot on the maps meets, in which rules can be compared.
+//! Contexts that a robot meets on the maps, for comparing rules.
 
 use crate::agent::estimator::map::state_map::Map;
 use crate::agent::estimator::map::tracker::{Felt, Tracker};
 use crate::agent::model::pomdp::GOAL;
 use xcs::{Action, Percept};
 
-/// The contexts in all states, and those one and two moves from them; from every so manieth state only,
-/// if that would be more than about so many.
+/// Returns the contexts in all states, and the contexts one and two moves from them. Beyond about `most` contexts,
+/// moves are followed only from every n-th state.
 pub fn contexts(map: &Map, most: usize) -> Vec<Percept> {
     let states = map.pomdp.states();
     let ways = (1 + map.pomdp.actions()).pow(2);

@@ -1,4 +1,4 @@
-//! What a condition on a context demands, part by part: coordinates as limits, all else as bits.
+//! The demands of a condition on a context, by part: coordinates as limits, all else as bits.
 
 use crate::agent::estimator::map::cell_counts::FURTHEST;
 use crate::agent::estimator::map::state_map::MOST_PAYING;
@@ -8,50 +8,50 @@ use xcs::Condition;
 /// A part of a context.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// What is perceived.
+    /// The percept.
     Percept,
-    /// Cells to the east of the goal.
+    /// Number of cells east of the goal.
     X,
-    /// Cells to the north of it.
+    /// Number of cells north of the goal.
     Y,
     /// The number of the map.
-    Chart,
-    /// Which rewards of the map were found.
-    Eaten,
-    /// The last step: was there one, its action, its percept.
+    Map,
+    /// The rewards of the map that were collected.
+    Collected,
+    /// The last step: whether there was one, its action, its percept.
     Last,
-    /// The step before it.
+    /// The step before the last.
     Before,
 }
 
-/// What is demanded of a part.
+/// A demand on a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Demand {
     /// These bits have these values.
     Bits {
-        /// The bits that are looked at.
+        /// Mask of the specified bits.
         care: u32,
         /// Their values.
         value: u32,
     },
-    /// It is greater.
+    /// The coordinate is greater than this.
     Above(i16),
-    /// It is not greater.
+    /// The coordinate is at most this.
     AtMost(i16),
 }
 
-/// The parts in the order in which a context holds them.
+/// The parts in their order in a context.
 const PARTS: [(Part, usize); 7] = [
     (Part::Percept, PERCEPT_BITS),
     (Part::X, COORDINATE_BITS),
     (Part::Y, COORDINATE_BITS),
-    (Part::Chart, MAP_BITS),
-    (Part::Eaten, MOST_PAYING),
+    (Part::Map, MAP_BITS),
+    (Part::Collected, MOST_PAYING),
     (Part::Last, STEP_BITS),
     (Part::Before, STEP_BITS),
 ];
 
-/// All that a condition on a context demands.
+/// Returns all demands of a condition on a context.
 pub fn demands(condition: &Condition) -> Vec<(Part, Demand)> {
     let mut demands = Vec::new();
     let mut from = 0;
@@ -70,7 +70,7 @@ pub fn demands(condition: &Condition) -> Vec<(Part, Demand)> {
     demands
 }
 
-/// The limits of a coordinate: it is greater than the last of the ones, and than none of the zeros.
+/// Returns the limits of a coordinate from the position of its last one bit and its first zero bit.
 fn limits(one: Option<usize>, zero: Option<usize>) -> Vec<Demand> {
     let limit = |bit: usize| bit as i16 - FURTHEST as i16;
     let above = one.map(|bit| Demand::Above(limit(bit)));

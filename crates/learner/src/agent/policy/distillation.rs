@@ -1,60 +1,58 @@
-//! How rules are corrected on a map: by what was planned, by what they met in imagined episodes and by
-//! what they met when they drove.
+//! Distillation of rules on a map: from the plan, from simulated episodes, and from contexts met while driving.
 
 use crate::agent::estimator::map::state_map::Map;
 use crate::agent::estimator::map::tracker::{PARTS, View};
 use crate::agent::explorer::exploit;
 use crate::agent::planner::rtdp_bel::BeliefPlanner;
-use crate::agent::policy::examples::{Example, Examples, imagine, labelled_examples};
-use crate::agent::policy::rollouts::rehearse;
+use crate::agent::policy::examples::{Example, Examples, labelled_examples, simulate};
+use crate::agent::policy::rollouts::roll_out;
 use xcs::random::Stream;
 use xcs::{
     Action, Induction, LabelledExample, LabelledExamples, Params, Percept, Population,
     PredictionArray, Record,
 };
 
-/// How often rules act on the map, at most, and learn from what they met there, if moves slip and if they do not.
+/// The maximum number of rounds of dataset aggregation, with slipping and with exact moves.
 const ROUNDS: usize = 6;
 const ROUNDS_OF_EXACT: usize = 20;
-/// Where moves slip, an action is good if it costs at most so many steps more than the best, and a
-/// context counts if it came so often; where cells are misread, the same when driving.
+/// If moves slip, an action is good if it costs at most this many steps more than the best. A
+/// context counts if it was met this often. With observation errors, the same applies to driving.
 const TOLERANCE: f64 = 0.1;
 const LEAST_OFTEN: f64 = 4.5;
-/// Where they do not, costs that differ by less are equal.
+/// With exact moves, costs that differ by less are equal.
 const EXACT: f64 = 1e-6;
-/// Imagined episodes, if moves slip or cells are misread.
-const IMAGINED: u32 = 300;
-/// Simulated episodes from each state in which rules act, if they do not: chance decides between
-/// actions that the rules hold for equally good, as it does when they drive. On large maps there are fewer,
-/// and this many in all.
+/// The number of simulated episodes if moves slip or observations have errors.
+const SIMULATED: u32 = 300;
+/// With exact moves, the number of simulated episodes from each state in which the rules act. Ties between actions
+/// are broken at random, as in driving. Large maps get fewer, up to the second number in total.
 const SIMULATED_OF_TIES: u32 = 8;
 const SIMULATED_OF_LARGE: u32 = 2400;
 
-/// How rules are corrected on a map.
+/// The distillation of rules on a map.
 pub struct Distillation<'a> {
     map: &'a Map,
     view: View,
     params: &'a Params,
     observation_error: bool,
     rounds: usize,
-    /// Imagined episodes from each state: as planned, and in which rules act.
+    /// Simulated episodes from each state: with the plan acting, and with the rules acting.
     planned: u32,
     acted: u32,
-    /// By how many steps an action of a example may be worse than the best, and how often its context must come.
+    /// The maximum regret of a good action in steps, and the minimum weight of a context.
     tolerance: f64,
     least_often: f64,
-    /// The same when driving.
+    /// The same for contexts met while driving.
     allowed: f64,
     least_met: f64,
 }
 
 impl<'a> Distillation<'a> {
-    /// The course on this map, for a population with these parameters whose rules look at no more than this.
+    /// Creates the distillation for a map. `params` are those of the population; the rules see only `view`.
     pub fn on(map: &'a Map, view: View, params: &'a Params) -> Self {
         let slips = map.pomdp.slip() > 0.0;
         let (rounds, planned, acted) = match slips {
             true => {
-                let episodes = IMAGINED.div_ceil(map.starts());
+                let episodes = SIMULATED.div_ceil(map.starts());
                 (ROUNDS, episodes, episodes)
             }
             false => {
@@ -86,18 +84,18 @@ impl<'a> Distillation<'a> {
         }
     }
 
-    /// Did a context come often enough when driving to learn from it?
+    /// Returns true if a context was met often enough while driving to learn from it.
     pub fn counts(&self, met: &Example) -> bool {
         met.weight >= self.least_met
     }
 
-    /// Is an action right that costs so many steps more than the best?
+    /// Returns true if an action with this regret in steps counts as right.
     pub fn approves(&self, regret: f64) -> bool {
         regret <= self.allowed
     }
 
-    /// Makes rules agree with what was met when driving and with imagined episodes, first as planned, then such
-    /// in which they act, until they meet nothing new and agree with all.
+    /// Distils rules from contexts met while driving and from simulated episodes. The plan acts first, then the rules
+    /// act, until they meet no new context and agree with all examples.
     pub fn correct(
         &self,
         rules: &mut Population,
@@ -105,10 +103,10 @@ impl<'a> Distillation<'a> {
         planner: &mut BeliefPlanner,
         stream: &mut Stream,
     ) {
-        let mut cases = Examples::new();
+        let mut examples = Examples::new();
         *rules = self.view.part_of(rules);
-        self.imagine(self.planned, |_, _| None, planner, stream, &mut cases);
-        let mut labelled_examples = self.labelled_examples(&cases, met);
+        self.simulate(self.planned, |_, _| None, planner, stream, &mut examples);
+        let mut labelled_examples = self.labelled_examples(&examples, met);
         for _ in 0..self.rounds {
             Induction::in_parts(PARTS, Record::Steps).learn(
                 rules,
@@ -118,13 +116,13 @@ impl<'a> Distillation<'a> {
             let chosen = |context: &Percept, stream: &mut Stream| {
                 Some(exploit(&self.values(rules, context), stream))
             };
-            let known = cases.len();
-            self.imagine(self.acted, chosen, planner, stream, &mut cases);
-            labelled_examples = self.labelled_examples(&cases, met);
+            let known = examples.len();
+            self.simulate(self.acted, chosen, planner, stream, &mut examples);
+            labelled_examples = self.labelled_examples(&examples, met);
             let agrees = |labelled_example: &LabelledExample| {
                 labelled_example.agrees_with(&self.values(rules, &labelled_example.percept))
             };
-            if cases.len() == known
+            if examples.len() == known
                 && labelled_examples
                     .iter()
                     .all(|(_, labelled_example)| agrees(labelled_example))
@@ -134,11 +132,11 @@ impl<'a> Distillation<'a> {
         }
     }
 
-    /// The share of their steps that rules lose where cells are misread as often as they are; nothing, if they
-    /// never are.
+    /// Returns the mean regret of the rules per step, in simulated episodes with observation errors; 0 without
+    /// observation errors.
     pub fn lost(&self, rules: &Population, planner: &BeliefPlanner, stream: &mut Stream) -> f64 {
         match self.observation_error {
-            true => rehearse(self.map, planner, rules, IMAGINED, stream),
+            true => roll_out(self.map, planner, rules, SIMULATED, stream),
             false => 0.0,
         }
     }
@@ -147,38 +145,38 @@ impl<'a> Distillation<'a> {
         rules.sums(context).array(self.map.pomdp.actions(), false)
     }
 
-    /// The examples of what was imagined and met.
-    fn labelled_examples(&self, imagined: &Examples, met: &Examples) -> LabelledExamples {
-        let mut cases = imagined.clone();
+    /// Returns the labelled examples of the simulated and driven contexts.
+    fn labelled_examples(&self, simulated: &Examples, met: &Examples) -> LabelledExamples {
+        let mut examples = simulated.clone();
         for (context, met) in met.iter().filter(|(_, met)| self.counts(met)) {
-            let case = cases.entry(self.view.of(context)).or_default();
-            *case = case.with(met);
+            let example = examples.entry(self.view.of(context)).or_default();
+            *example = example.with(met);
         }
         labelled_examples(
-            &cases,
+            &examples,
             self.map.pomdp.actions(),
             self.tolerance,
             self.least_often,
         )
     }
 
-    fn imagine(
+    fn simulate(
         &self,
         rounds: u32,
         chosen: impl Fn(&Percept, &mut Stream) -> Option<Action>,
         planner: &mut BeliefPlanner,
         stream: &mut Stream,
-        cases: &mut Examples,
+        examples: &mut Examples,
     ) {
         let starts = (0..rounds).flat_map(|_| 0..self.map.starts());
-        imagine(
+        simulate(
             self.map,
             planner,
             starts,
             chosen,
             |context| self.view.of(&context),
             stream,
-            cases,
+            examples,
         );
     }
 }
@@ -191,8 +189,8 @@ mod tests {
     use crate::agent::estimator::map::tracker::{CONTEXT_BITS, Felt, PERCEPT_BITS, Tracker};
     use crate::agent::model::pomdp::{GOAL, Pomdp};
 
-    /// Two places that look different: from the first the one action leads to the goal, from the second the other.
-    fn two_places(slip: f64) -> Map {
+    /// Two states with different percepts. From the first, one action leads to the goal; from the second, the other.
+    fn two_states(slip: f64) -> Map {
         let seen = [0, 1].map(|bits| sight(&Percept::from_word(bits, PERCEPT_BITS), 0));
         let next = |state: usize, action: Action| match action.index() == state {
             true => GOAL,
@@ -207,10 +205,10 @@ mod tests {
         }
     }
 
-    /// What rules choose that learn from imagined episodes and from one context that was met when driving,
-    /// so often, and looks like the first place, but is the second.
+    /// Returns the actions that rules choose after learning from simulated episodes and from one context that was met
+    /// `met_times` times while driving. The context looks like the first state, but is the second.
     fn chosen_after(met_times: u32, slip: f64) -> Vec<usize> {
-        let map = two_places(slip);
+        let map = two_states(slip);
         let params = Params::default();
         let (mut planner, mut stream) = (BeliefPlanner::new(&map.pomdp), Stream::new(1, 1_u64));
         let costs = planner.settled_costs(&map.pomdp, &Belief::even([1]));
@@ -239,13 +237,13 @@ mod tests {
     }
 
     #[test]
-    fn what_was_met_when_driving_teaches_what_no_imagined_episode_does() {
+    fn contexts_met_while_driving_teach_what_no_simulated_episode_does() {
         assert_eq!(chosen_after(0, 0.0), [0]);
         assert_eq!(chosen_after(1, 0.0), [1]);
     }
 
     #[test]
-    fn where_moves_slip_it_teaches_from_the_fifth_time_on() {
+    fn with_slip_a_context_counts_from_the_fifth_time_on() {
         assert_eq!(chosen_after(4, 0.1), [0]);
         assert_eq!(chosen_after(5, 0.1), [1]);
     }

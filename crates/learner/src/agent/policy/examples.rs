@@ -1,6 +1,7 @@
-//! What rules are to be learned from: imagined episodes on the map, and what they met when they drove.
+//! Examples for rules: simulated episodes on the map, and contexts met while driving.
 //!
-//! What was met makes a case for each context, and cases make examples: this context, these actions.
+//! Costs are aggregated by context, and each aggregate makes a labelled example: a context and its
+//! best actions.
 
 use std::collections::BTreeMap;
 
@@ -14,31 +15,31 @@ use crate::agent::planner::rtdp_bel::{BeliefPlanner, Costs, moved};
 use xcs::random::Stream;
 use xcs::{Action, ByAction, LabelledExample, LabelledExamples, Percept};
 
-/// The most steps of an imagined episode.
+/// The maximum number of steps of a simulated episode.
 pub const MOST_STEPS: u32 = 100;
 
-/// What is known of a context: how often it came, and what each action cost there, added up.
+/// The aggregate of a context: how often it was met, and the summed costs of each action.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Example {
-    /// How often it came.
+    /// How often the context was met.
     pub weight: f64,
     costs: ByAction<f64>,
 }
 
 impl Example {
-    /// Can a case look like this?
+    /// Returns true if the aggregate is valid.
     pub fn is_sound(&self) -> bool {
         self.weight >= 1.0 && is_count(&self.weight) && !self.costs.iter().any(|cost| cost.is_nan())
     }
 
-    /// Adds that the context came once more, and what actions cost.
+    /// Adds one more occurrence of the context, with the costs of its actions.
     pub fn add(&mut self, costs: &Costs, map: &Map) {
         self.weight += 1.0;
         let sums = self.costs.iter_mut().zip(costs.in_steps(&map.pomdp));
         sums.for_each(|(sum, cost)| *sum += cost);
     }
 
-    /// Both together.
+    /// Returns the sum of both.
     pub fn with(&self, other: &Self) -> Self {
         let mut both = *self;
         both.weight += other.weight;
@@ -47,28 +48,28 @@ impl Example {
         both
     }
 
-    /// The mean cost of the best action.
+    /// Returns the mean cost of the best action.
     pub fn least(&self, actions: usize) -> f64 {
         let costs = self.costs[..actions].iter();
         costs.copied().fold(f64::INFINITY, f64::min) / self.weight
     }
 
-    /// How much more an action costs than the best.
+    /// Returns how much more an action costs than the best, on average.
     pub fn regret(&self, action: Action, actions: usize) -> f64 {
         self.costs[action.index()] / self.weight - self.least(actions)
     }
 }
 
-/// A robot in an imagined episode: where it is, and what it remembers.
+/// A robot in a simulated episode.
 pub struct Walker {
     /// Its state on the map.
     pub state: u32,
-    /// What it remembers and believes.
+    /// Its state estimate.
     pub tracker: Tracker,
 }
 
 impl Walker {
-    /// Acts, and tells whether that leads to the goal.
+    /// Takes an action, and returns true if it leads to the goal.
     pub fn arrives(&mut self, map: &Map, action: Action, stream: &mut Stream) -> bool {
         let before = self.state;
         self.state = moved(&map.pomdp, before, action, stream);
@@ -87,44 +88,44 @@ impl Walker {
 /// Examples by context, in order.
 pub type Examples = BTreeMap<Percept, Example>;
 
-/// The examples of cases that came at least `least_often`, the most frequent first: best are the actions
-/// that cost at most `tolerance` more than the best.
+/// Returns the labelled examples of contexts with a weight of at least `least_often`, most frequent first. An action
+/// is best if its regret is at most `tolerance`.
 pub fn labelled_examples(
-    cases: &Examples,
+    examples: &Examples,
     actions: usize,
     tolerance: f64,
     least_often: f64,
 ) -> LabelledExamples {
-    let mut often: Vec<_> = cases.iter().collect();
-    often.retain(|(_, case)| case.weight >= least_often);
+    let mut often: Vec<_> = examples.iter().collect();
+    often.retain(|(_, example)| example.weight >= least_often);
     often.sort_by(|a, b| b.1.weight.total_cmp(&a.1.weight));
     let mut labelled_examples = LabelledExamples::default();
-    for (number, (context, case)) in often.into_iter().enumerate() {
+    for (number, (context, example)) in often.into_iter().enumerate() {
         let mut best = ByAction::default();
         for action in Action::all(actions) {
-            best[action.index()] = case.regret(action, actions) <= tolerance;
+            best[action.index()] = example.regret(action, actions) <= tolerance;
         }
         let labelled_example = LabelledExample {
             percept: *context,
             best,
-            value: -case.least(actions),
+            value: -example.least(actions),
         };
         labelled_examples.give(number, labelled_example);
     }
     labelled_examples
 }
 
-/// Imagines episodes from the given states, acting as `choose` says in a context (or as planned,
-/// where that says nothing), and adds what it met to the cases. Where moves are exact, what was met is planned for until that
-/// changes nothing any more: rules that err lead to where no plan has been.
-pub fn imagine(
+/// Simulates episodes from the given states, and adds the contexts met to the examples. The agent acts as `choose`
+/// returns, or by the plan if that is `None`. If moves are exact, each belief met is planned until its costs
+/// converge: wrong rules lead to beliefs that no plan has visited.
+pub fn simulate(
     map: &Map,
     planner: &mut BeliefPlanner,
     starts: impl Iterator<Item = u32>,
     choose: impl Fn(&Percept, &mut Stream) -> Option<Action>,
     look: impl Fn(Percept) -> Percept,
     stream: &mut Stream,
-    cases: &mut Examples,
+    examples: &mut Examples,
 ) {
     let mut known = BTreeMap::new();
     for start in starts {
@@ -139,7 +140,7 @@ pub fn imagine(
             let costs = *known
                 .entry(tracker.belief().key())
                 .or_insert_with(|| planner.settled_costs(&map.pomdp, tracker.belief()));
-            cases.entry(context).or_default().add(&costs, map);
+            examples.entry(context).or_default().add(&costs, map);
             let action = choose(&context, stream).unwrap_or_else(|| costs.best());
             if walker.arrives(map, action, stream) {
                 break;

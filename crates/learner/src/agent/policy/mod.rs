@@ -1,4 +1,4 @@
-//! Policies over percepts: what chooses where nothing is left to explore.
+//! Policies: the choice of actions when nothing is left to explore.
 
 pub mod contexts;
 pub mod distillation;
@@ -10,11 +10,10 @@ mod rules;
 
 pub(super) use rules::RulePolicy;
 
-/// What chooses the actions that exploit what was planned. It is the whole difference between
-/// `xcscr-plus` and `r-max`.
+/// The policy that exploits the plan. It is the only difference between `xcscr-plus` and `r-max`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PolicyKind {
-    /// Rules into which the decisions of the plan are distilled.
+    /// Rules, distilled from the decisions of the plan.
     Rules,
     /// The plan itself, with one row per state.
     Plan,

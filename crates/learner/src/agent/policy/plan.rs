@@ -7,7 +7,7 @@ use crate::agent::estimator::map::tracker::Tracker;
 use crate::agent::planner::rtdp_bel::BeliefPlanner;
 use xcs::PredictionArray;
 
-/// Maps, and what was planned on them: enough to choose without rules.
+/// A map and the plan on it: enough to choose actions without rules.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ReadPlan")]
 pub struct BeliefPlan {
@@ -15,7 +15,7 @@ pub struct BeliefPlan {
     planner: BeliefPlanner,
 }
 
-/// A plan as it stands in a file, which nobody has looked at.
+/// A plan as read from a file, not yet validated.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ReadPlan {
@@ -30,47 +30,47 @@ impl TryFrom<ReadPlan> for BeliefPlan {
         let ReadPlan { map, planner } = read;
         match planner.belongs_to(&map.pomdp) {
             true => Ok(Self { map, planner }),
-            false => Err("the plan is not one for its cell_maps"),
+            false => Err("the plan does not fit its map"),
         }
     }
 }
 
 impl BeliefPlan {
-    /// What was planned on a map.
+    /// Creates a plan from a map and the planner on it.
     pub fn new(map: Map, planner: BeliefPlanner) -> Self {
         Self { map, planner }
     }
 
-    /// The mapped places.
+    /// Returns the map.
     pub fn map(&self) -> &Map {
         &self.map
     }
 
-    /// The number of beliefs that were planned for.
+    /// Returns the number of beliefs with planned costs.
     pub fn beliefs(&self) -> usize {
         self.planner.beliefs()
     }
 
-    /// Plans on for what is remembered.
+    /// Continues planning for the tracked belief.
     pub fn plan_for(&mut self, tracker: &Tracker) {
         plan_for(&mut self.planner, &self.map, tracker);
     }
 
-    /// What the plan makes of what is remembered.
+    /// Returns the values of the actions for the tracked belief.
     pub fn values(&self, tracker: &Tracker, actions: usize) -> PredictionArray {
         planned_values(&self.planner, &self.map, tracker, actions)
     }
 }
 
-/// Plans on for what is believed, until nothing changes any more, where cells are misread and moves are
-/// exact: what is misread leads to beliefs that no imagined episode comes to.
+/// Plans for the tracked belief until the costs converge, if observations have errors and moves are exact.
+/// Observation errors lead to beliefs that no simulated episode visits.
 pub fn plan_for(planner: &mut BeliefPlanner, map: &Map, tracker: &Tracker) {
     if map.observation_error > 0.0 && map.pomdp.slip() == 0.0 {
         planner.settle(&map.pomdp, tracker.belief());
     }
 }
 
-/// What a plan makes of what is remembered: no action has a value where nothing is believed.
+/// Returns the values of the actions for the tracked belief; without values if the belief is empty.
 pub fn planned_values(
     planner: &BeliefPlanner,
     map: &Map,

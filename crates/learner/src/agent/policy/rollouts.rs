@@ -1,4 +1,4 @@
-//! Rules put to the test in imagined episodes in which cells are misread as often as they are.
+//! Roll-outs of rules in simulated episodes with observation errors.
 
 use crate::agent::estimator::map::place::{CellState, around, percept_of};
 use crate::agent::estimator::map::state_map::Map;
@@ -9,9 +9,9 @@ use crate::agent::policy::examples::{MOST_STEPS, Walker};
 use xcs::random::Stream;
 use xcs::{Percept, Population};
 
-/// The share of the steps that is lost in so many episodes in which the rules choose, and chance where none
-/// matches, by what the plan expects of each action.
-pub fn rehearse(
+/// Returns the mean regret per step over `episodes` episodes, according to the plan. The rules choose the actions, or
+/// chance if none matches.
+pub fn roll_out(
     map: &Map,
     planner: &BeliefPlanner,
     rules: &Population,
@@ -26,7 +26,7 @@ pub fn rehearse(
         };
         for _ in 0..MOST_STEPS {
             let Walker { state, tracker } = &mut walker;
-            tracker.perceive(map, &observation_error(map, *state, stream));
+            tracker.perceive(map, &noisy_percept(map, *state, stream));
             let costs = planner.costs(&map.pomdp, tracker.belief());
             let values = rules.sums(&tracker.context(map));
             let values = values.array(map.pomdp.actions(), false);
@@ -41,8 +41,8 @@ pub fn rehearse(
     lost / f64::from(steps.max(1))
 }
 
-/// What is perceived in a state, if each cell may be misread for one of the other two state.
-fn observation_error(map: &Map, state: u32, stream: &mut Stream) -> Percept {
+/// Draws the percept of a state. Each cell may be observed as one of the other two cell states.
+fn noisy_percept(map: &Map, state: u32, stream: &mut Stream) -> Percept {
     let state = around(map.pomdp.percept(state)).map(|state| {
         let others = match state {
             CellState::Free => [CellState::Wall, CellState::Goal],

@@ -1,4 +1,4 @@
-//! A policy of rules: the decisions of a plan, distilled by sequential covering (CN2, Clark and Niblett 1989).
+//! A rule policy: the decisions of a plan, distilled by sequential covering (CN2, Clark and Niblett 1989).
 
 use crate::agent::StepCredit;
 use crate::agent::credit::step_credit;
@@ -32,7 +32,7 @@ impl RulePolicy {
         &self.xcs
     }
 
-    /// Takes new examples, by the number of their percept, and corrects the rules if any example has changed.
+    /// Adds examples, by the number of their percept, and corrects the rules if any example changed.
     pub fn distil(&mut self, examples: Vec<(usize, LabelledExample)>) {
         for (number, example) in examples {
             self.examples.give(number, example);
@@ -42,7 +42,7 @@ impl RulePolicy {
         }
     }
 
-    /// Returns the value of each action in a percept, and forms the match set of [`credit`](Self::credit).
+    /// Returns the value of each action in a percept, and forms the match set for [`credit`](Self::credit).
     pub fn predict(&mut self, percept: &Percept) -> PredictionArray {
         self.xcs
             .match_without_covering(percept, &mut self.match_set);
@@ -57,7 +57,7 @@ impl RulePolicy {
         step_credit(&self.xcs, &self.match_set, &action_set, short_term_reward)
     }
 
-    /// The part of the policy that learning changes, for a checkpoint.
+    /// Returns the learned state, for a checkpoint.
     pub fn state(&self) -> (Learned, &LabelledExamples) {
         (self.xcs.learned(), &self.examples)
     }
@@ -71,8 +71,8 @@ impl RulePolicy {
         let fits = |(number, example): (usize, &LabelledExample)| {
             percepts.get(number) == Some(&example.percept) && example.value.is_finite()
         };
-        let sound = examples.iter().all(fits) && self.xcs.resume(rules);
+        let valid = examples.iter().all(fits) && self.xcs.resume(rules);
         self.examples = examples;
-        sound
+        valid
     }
 }

@@ -1,4 +1,4 @@
-//! Tabular rivals on the same percepts, so that every claim about rules has its control.
+//! Tabular baselines on the same percepts, as controls for the rule learners.
 
 mod params;
 mod table;
@@ -24,19 +24,19 @@ use xcs::random::Stream;
 use xcs::{Action, Percept};
 use xcscr_robot::arena::Outcome;
 
-/// How a table of values is learned (Sutton and Barto 2018).
+/// The algorithms that learn a table of values (Sutton and Barto 2018).
 #[derive(Debug, Clone, Serialize, Deserialize)]
 enum Algorithm {
-    /// Toward the reward plus the best value after it.
+    /// Learns toward the reward plus the best next value.
     QLearning,
-    /// Toward the reward plus the value of the action that was really chosen after it.
+    /// Learns toward the reward plus the value of the next action actually chosen.
     SarsaLambda(Traces),
     /// Q-learning that replays remembered transitions, drawn from the stream.
     DynaQ(Transitions, Stream),
 }
 
 impl Algorithm {
-    /// What is remembered, by algorithms with a model.
+    /// Returns the remembered transitions of algorithms with a model.
     fn memory(&self) -> Option<&Transitions> {
         match self {
             Self::DynaQ(memory, _) => Some(memory),
@@ -44,7 +44,7 @@ impl Algorithm {
         }
     }
 
-    /// Does its memory, if it has one, name what it should?
+    /// Returns true if its transitions, if any, are valid.
     fn is_sound(&self) -> bool {
         self.memory().is_none_or(Transitions::is_sound)
     }
@@ -57,13 +57,13 @@ pub struct Tabular {
     params: Params,
     own: TabularParams,
     table: Table,
-    /// The percept under consideration.
+    /// The present percept.
     percept: Option<Percept>,
     /// The last step.
     pending: Option<Pending>,
 }
 
-/// A step before it is known what came after it.
+/// A step whose successor is not known yet.
 #[derive(Debug, Clone, Copy)]
 struct Pending {
     percept: Percept,
@@ -72,18 +72,18 @@ struct Pending {
 }
 
 impl Tabular {
-    /// Q-learning, for `actions` actions. All parameters must have been checked.
+    /// Creates Q-learning for `actions` actions. All parameters must have been checked.
     pub fn q_learning(actions: usize, params: Params, own: TabularParams) -> Self {
         Self::new(Algorithm::QLearning, actions, params, own)
     }
 
-    /// Sarsa(lambda).
+    /// Creates Sarsa(lambda).
     pub fn sarsa_lambda(actions: usize, params: Params, own: TabularParams) -> Self {
         let algorithm = Algorithm::SarsaLambda(Traces::default());
         Self::new(algorithm, actions, params, own)
     }
 
-    /// Dyna-Q, which draws what it replays from `stream`.
+    /// Creates Dyna-Q, which draws the transitions to replay from `stream`.
     pub fn dyna_q(actions: usize, params: Params, own: TabularParams, stream: Stream) -> Self {
         let algorithm = Algorithm::DynaQ(Transitions::default(), stream);
         Self::new(algorithm, actions, params, own)
@@ -100,8 +100,8 @@ impl Tabular {
         }
     }
 
-    /// Goes on with an algorithm and a table from a file; `None` if they are another algorithm's, or damaged.
-    fn going_on(mut self, (algorithm, table): (Algorithm, Rows)) -> Option<Self> {
+    /// Resumes from an algorithm and a table; `None` if they belong to another algorithm, or are damaged.
+    fn resumed(mut self, (algorithm, table): (Algorithm, Rows)) -> Option<Self> {
         let is_same = discriminant(&self.algorithm) == discriminant(&algorithm);
         let fits = is_same && algorithm.is_sound();
         self.algorithm = Some(algorithm).filter(|_| fits)?;
@@ -109,7 +109,7 @@ impl Tabular {
         Some(self)
     }
 
-    /// Learns the pending step, now that it is known what came after it.
+    /// Learns the pending step, once its successor is known.
     fn learn(&mut self, next: Option<Percept>, next_action: Option<Action>) {
         let Some(Pending {
             percept,
@@ -170,7 +170,7 @@ impl Agent for Tabular {
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        let percept = self.percept.expect("consider comes before credit");
+        let percept = self.percept.expect("`observe` is called before `update`");
         if matches!(self.algorithm, Algorithm::SarsaLambda(_)) {
             self.learn(Some(percept), Some(action));
         }
@@ -186,7 +186,8 @@ impl Agent for Tabular {
         }
     }
 
-    /// What came after the last step of a failure was never perceived, so it is not learned.
+    /// Ends the episode. The percept after the last step of a failure is never perceived, so that
+    /// step is not learned.
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
         if reached_goal {
@@ -227,7 +228,7 @@ impl Agent for Tabular {
     }
 
     fn restore(&self, saved: &[u8]) -> Result<Box<dyn Agent>, RestoreError> {
-        let method = self.clone().going_on(saved::read(saved)?);
+        let method = self.clone().resumed(saved::read(saved)?);
         Ok(Box::new(method.ok_or(RestoreError::Foreign)?))
     }
 }

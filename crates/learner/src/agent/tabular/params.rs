@@ -1,4 +1,4 @@
-//! Parameters of the tabular rivals.
+//! Parameters of the tabular baselines.
 
 use xcs::settings;
 
@@ -8,7 +8,7 @@ settings! {
     /// Parameters of `q-learning`, `sarsa-lambda` and `dyna-q`. Rewards and the discount are
     /// those of all methods (`reward.*`).
     pub struct TabularParams {
-        /// alpha: the learning rate of Q-learning, Sarsa and Dyna-Q. In a maze without chance, 1 is
+        /// alpha: the learning rate of Q-learning, Sarsa and Dyna-Q. In a deterministic maze, 1 is
         /// best.
         alpha: f64 = 1.0, in 1e-6..=1.0;
         /// lambda: the decay of Sarsa's eligibility traces.

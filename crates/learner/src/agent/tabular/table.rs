@@ -7,7 +7,7 @@ use crate::agent::model::transitions::Transition;
 use xcs::PredictionArray;
 use xcs::{Action, ByAction, Percept};
 
-/// Q: the value of each action in each percept that was met; 0 where nothing was learned.
+/// Q: the value of each action in each percept met; 0 if nothing was learned.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
     actions: usize,
@@ -25,12 +25,12 @@ impl Table {
         }
     }
 
-    /// What learning has changed so far.
+    /// Returns the learned rows.
     pub fn rows(&self) -> &Rows {
         &self.rows
     }
 
-    /// A table for so many actions with rows from a file; `None` if one is damaged.
+    /// Creates a table with rows from a file; `None` if a number is not finite.
     pub fn with_rows(actions: usize, rows: Rows) -> Option<Self> {
         let is_sound = rows
             .values()
@@ -43,24 +43,24 @@ impl Table {
         self.actions
     }
 
-    /// The number of pairs that were met.
+    /// Returns the number of pairs of a percept met and an action.
     pub fn len(&self) -> usize {
         self.rows.len() * self.actions
     }
 
-    /// Q of a pair.
+    /// Returns Q of a pair.
     pub fn get(&self, percept: &Percept, action: Action) -> f64 {
         self.rows
             .get(percept)
             .map_or(0.0, |row| row[action.index()])
     }
 
-    /// Q of a pair, to be changed.
+    /// Returns a mutable reference to Q of a pair.
     pub fn entry(&mut self, percept: Percept, action: Action) -> &mut f64 {
         &mut self.rows.entry(percept).or_default()[action.index()]
     }
 
-    /// The greatest Q of a percept; 0 at a goal.
+    /// Returns the greatest Q of a percept; 0 at a goal.
     pub fn greatest(&self, percept: Option<&Percept>) -> f64 {
         let row = percept.and_then(|percept| self.rows.get(percept));
         row.map_or(0.0, |row| {
@@ -68,14 +68,14 @@ impl Table {
         })
     }
 
-    /// Q of all actions in a percept.
+    /// Returns Q of all actions in a percept.
     pub fn values(&self, percept: &Percept) -> PredictionArray {
         let mut array = PredictionArray::new(self.actions);
         Action::all(self.actions).for_each(|action| array.set(action, self.get(percept, action)));
         array
     }
 
-    /// The whole table.
+    /// Returns the whole table.
     pub fn knowledge(&self) -> Knowledge {
         let rows = self.rows.iter().map(|(percept, row)| {
             (
@@ -86,7 +86,7 @@ impl Table {
         Knowledge::Table(rows.collect())
     }
 
-    /// One step of Q-learning: toward the reward plus the discounted greatest value after it.
+    /// Performs one Q-learning update: toward the reward plus the discounted greatest next value.
     pub fn q_update(&mut self, transition: &Transition, alpha: f64, gamma: f64) {
         let target = transition.reward + gamma * self.greatest(transition.next.as_ref());
         let q = self.entry(transition.percept, transition.action);

@@ -6,18 +6,18 @@ use crate::agent::model::transitions::Transition;
 use crate::agent::tabular::table::Table;
 use xcs::{Action, Percept};
 
-/// How much each pair of this episode is still responsible for (replacing traces).
+/// The eligibility of each pair of this episode (replacing traces).
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Traces {
     pairs: Vec<(Percept, Action, f64)>,
 }
 
 impl Traces {
-    /// Traces weaker than this are forgotten.
-    const FAINT: f64 = 1e-4;
+    /// Traces weaker than this are dropped.
+    const NEGLIGIBLE: f64 = 1e-4;
 
-    /// One step of Sarsa(lambda); `next` is the action chosen after the transition. `decay` is
-    /// gamma times lambda.
+    /// Performs one Sarsa(lambda) update. `next` is the action chosen after the transition; `decay`
+    /// is gamma times lambda.
     pub fn learn(
         &mut self,
         table: &mut Table,
@@ -33,17 +33,17 @@ impl Traces {
         } = *transition;
         let after = transition.next.zip(next);
         let after = after.map_or(0.0, |(percept, action)| table.get(&percept, action));
-        let surprise = reward + gamma * after - table.get(&percept, action);
+        let td_error = reward + gamma * after - table.get(&percept, action);
         self.pairs.retain(|(p, a, _)| (*p, *a) != (percept, action));
         self.pairs.push((percept, action, 1.0));
         for (percept, action, trace) in &mut self.pairs {
-            *table.entry(*percept, *action) += alpha * surprise * *trace;
+            *table.entry(*percept, *action) += alpha * td_error * *trace;
             *trace *= decay;
         }
-        self.pairs.retain(|(.., trace)| *trace > Self::FAINT);
+        self.pairs.retain(|(.., trace)| *trace > Self::NEGLIGIBLE);
     }
 
-    /// Forgets all traces at the end of an episode.
+    /// Clears all traces at the end of an episode.
     pub fn clear(&mut self) {
         self.pairs.clear();
     }

@@ -1,22 +1,22 @@
-//! The belief bound without slips: dynamic programming over sets of cells (LAO*; Hansen and
-//! Zilberstein 2001). A cell is in a set as often as there are starts from which the robot would now
-//! be there, so that the sets are beliefs.
+//! The unknown-start optimum without slips: dynamic programming over sets of cells (LAO*; Hansen
+//! and Zilberstein 2001). A cell is in a set once for each start from which the robot would now be
+//! there, so the sets are beliefs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::agent::pomdp::{GOAL, Pomdp};
 use xcs::Action;
 
-/// States in ascending order, all of which look alike; one can come several times.
+/// States in ascending order, with equal percepts. A state can occur several times.
 type Set = Vec<u32>;
 
-/// The most work: states that are moved by one action each, in all sets that are weighed. Beyond, it
-/// would take more than a moment.
+/// The maximum work: states times actions in all sets that are evaluated. More would take
+/// noticeably long.
 const MOST_MOVES: usize = 10_000_000;
-/// The most states in the sets whose costs are kept.
-const MOST_KEPT: usize = 2_000_000;
+/// The maximum number of states in the sets with stored costs.
+const MOST_STORED: usize = 2_000_000;
 
-/// Mean steps over the starts; `None` when there are too many sets to weigh.
+/// Returns the mean steps over the starts; `None` if there are too many sets.
 pub fn steps(pomdp: &Pomdp, starts: &[u32], seen: &[f64]) -> Option<f64> {
     let firsts = split(pomdp, starts.to_vec());
     let mut search = Search {
@@ -24,7 +24,7 @@ pub fn steps(pomdp: &Pomdp, starts: &[u32], seen: &[f64]) -> Option<f64> {
         seen,
         costs: BTreeMap::new(),
         moves: 0,
-        kept: 0,
+        stored: 0,
     };
     loop {
         let mut visited = BTreeSet::new();
@@ -44,7 +44,7 @@ pub fn steps(pomdp: &Pomdp, starts: &[u32], seen: &[f64]) -> Option<f64> {
     Some(total.sum::<f64>() / starts.len() as f64)
 }
 
-/// Groups states by how they look.
+/// Groups states by percept.
 fn split(pomdp: &Pomdp, mut states: Set) -> Vec<Set> {
     states.sort_unstable_by_key(|&state| (pomdp.look(state), state));
     let alike = states.chunk_by(|&a, &b| pomdp.look(a) == pomdp.look(b));
@@ -53,15 +53,16 @@ fn split(pomdp: &Pomdp, mut states: Set) -> Vec<Set> {
 
 struct Search<'a> {
     pomdp: &'a Pomdp,
-    /// By state: what it costs when it is seen, which is never more than what it costs.
+    /// By state: its cost under full observability, a lower bound of its cost.
     seen: &'a [f64],
     costs: BTreeMap<Set, f64>,
     moves: usize,
-    kept: usize,
+    stored: usize,
 }
 
 impl Search<'_> {
-    /// Mean steps from the states of a set, as far as it is known, and never too many.
+    /// Returns the mean steps from the states of a set, as far as known. The value is a lower
+    /// bound.
     fn cost(&self, set: &Set) -> f64 {
         self.costs.get(set).copied().unwrap_or_else(|| {
             let sum: f64 = set.iter().map(|&state| self.seen[state as usize]).sum();
@@ -69,12 +70,12 @@ impl Search<'_> {
         })
     }
 
-    /// Improves the costs of all sets that the best actions lead to, the last ones first; true if
-    /// one changed, `None` when it is too much work.
+    /// Improves the costs of all sets that the best actions lead to, last ones first. Returns true
+    /// if a cost changed, and `None` if the work exceeds the limit.
     fn improve(&mut self, first: &Set, visited: &mut BTreeSet<Set>) -> Option<bool> {
         let mut changed = false;
-        // A list instead of recursion, which corridors would let grow beyond the stack. Each set
-        // comes with those that follow it and are still to be improved before it.
+        // An explicit stack instead of recursion, which could overflow in long corridors. Each set
+        // is stored with its successors that must be improved first.
         let mut open = vec![self.visit(first, visited)?];
         while let Some((_, after)) = open.last_mut() {
             if let Some(next) = after.pop() {
@@ -89,12 +90,12 @@ impl Search<'_> {
         Some(changed)
     }
 
-    /// Begins with a set: the sets that its best action leads to, the first of them last.
+    /// Visits a set and returns the sets that its best action leads to, in reverse order.
     fn visit(&mut self, set: &Set, visited: &mut BTreeSet<Set>) -> Option<(Set, Vec<Set>)> {
         visited.insert(set.clone());
-        // It is weighed now, and once more when those after it are settled.
+        // The set is evaluated now, and again when its successors are settled.
         self.moves += 2 * set.len() * self.pomdp.actions();
-        if self.moves > MOST_MOVES || self.kept > MOST_KEPT {
+        if self.moves > MOST_MOVES || self.stored > MOST_STORED {
             return None;
         }
         let (_, mut after) = self.best(set);
@@ -102,18 +103,18 @@ impl Search<'_> {
         Some((set.clone(), after))
     }
 
-    /// Gives a set its cost; true if it had another one.
+    /// Stores the cost of a set; returns true if the cost changed.
     fn settle(&mut self, set: Set) -> bool {
         let (cost, _) = self.best(&set);
         let changed = (cost - self.cost(&set)).abs() > 1e-9;
         let size = set.len();
         if self.costs.insert(set, cost).is_none() {
-            self.kept += size;
+            self.stored += size;
         }
         changed
     }
 
-    /// The least cost of an action, and the sets that it leads to.
+    /// Returns the least cost over the actions, and the sets that the action leads to.
     fn best(&self, set: &Set) -> (f64, Vec<Set>) {
         let after = |action: Action| {
             let next = set.iter().map(|&state| self.pomdp.next(state, action));

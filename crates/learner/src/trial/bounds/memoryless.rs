@@ -1,4 +1,4 @@
-//! The best policy that has one action for each percept: branch and bound.
+//! The memoryless optimum, the best policy with one action for each percept: branch and bound.
 
 use std::collections::VecDeque;
 
@@ -6,14 +6,14 @@ use super::{Estimate, MOST_STEPS};
 use crate::agent::pomdp::{GOAL, Pomdp};
 use xcs::Action;
 
-/// Partial policies that are looked at, at most.
+/// The maximum number of partial policies that are searched.
 const MOST_POLICIES: usize = 100_000;
-/// The most work: states, each time that all of them are looked at once with one action. Beyond, it
-/// would take more than a moment.
+/// The maximum work, in states visited per action and evaluation. More would take noticeably long.
 const MOST_LOOKS: usize = 1_000_000_000;
 
-/// Mean steps of the best policy over the starts, without slips. When there are too many policies
-/// to rule all others out, `error` says how much better than the best one found they may be.
+/// Returns the mean steps of the best policy over the starts, without slips. If there are too many
+/// policies to search, `error` bounds how much better than the best one found an unsearched policy
+/// may be.
 pub fn steps(pomdp: &Pomdp, starts: &[u32]) -> Estimate {
     let mut search = Search {
         pomdp,
@@ -30,13 +30,13 @@ pub fn steps(pomdp: &Pomdp, starts: &[u32]) -> Estimate {
     }
 }
 
-/// The work for a partial policy, which is tried with every action, and searched for what to decide.
+/// The work for a partial policy, which is evaluated with every action and searched for conflicts.
 fn per_policy(pomdp: &Pomdp) -> usize {
     let looks = pomdp.looks() + pomdp.actions() + 1;
     (pomdp.states() * pomdp.actions() * looks).max(1)
 }
 
-/// By state: the states and actions that lead there; the goal comes last.
+/// By state: the predecessor states and actions. The goal comes last.
 fn before(pomdp: &Pomdp) -> Vec<Vec<(u32, Action)>> {
     let mut before = vec![Vec::new(); pomdp.states() + 1];
     for state in 0..pomdp.states() as u32 {
@@ -59,17 +59,17 @@ struct Search<'a> {
     before: Vec<Vec<(u32, Action)>>,
     /// The mean steps of the best policy so far.
     least: f64,
-    /// How many more partial policies may be looked at.
+    /// The number of partial policies that may still be searched.
     left: usize,
-    /// No policy that was never looked at takes less than this.
+    /// A lower bound of the mean steps of all policies that were not searched.
     skipped: f64,
 }
 
-/// By percept: the action of a policy, if that is decided.
+/// By percept: the action of a policy, if decided.
 type Policy = Vec<Option<Action>>;
 
 impl Search<'_> {
-    /// Tries all policies that decide what is still open, unless none can be the best.
+    /// Searches all completions of a policy, unless none can be the best.
     fn branch(&mut self, policy: &mut Policy) {
         let distances = self.distances(policy);
         let bound = self.mean(&distances);
@@ -99,8 +99,8 @@ impl Search<'_> {
         policy[look] = None;
     }
 
-    /// Steps to the goal from each state if what is open may be decided state by state;
-    /// [`MOST_STEPS`] where no way leads there.
+    /// Returns steps to the goal from each state if open decisions may differ between states;
+    /// [`MOST_STEPS`] if there is no path.
     fn distances(&self, policy: &Policy) -> Vec<u32> {
         let mut distances = vec![MOST_STEPS; self.pomdp.states()];
         let mut queue = VecDeque::from([(self.pomdp.states(), 0)]);
@@ -126,7 +126,8 @@ impl Search<'_> {
         steps.sum::<f64>() / self.starts.len() as f64
     }
 
-    /// The open percept with the most states among those for which no action is best in all states.
+    /// Returns the open percept with the most states among the percepts without an action that is
+    /// best in all their states.
     fn conflict(&self, policy: &Policy, distances: &[u32]) -> Option<usize> {
         let states = 0..self.pomdp.states() as u32;
         let alike = |look: usize| {

@@ -1,5 +1,5 @@
-//! What can be reached at best in a world: by one who always knows the cell, by one who knows the
-//! world but not where the episode began, and by one who knows only the present percept.
+//! The best possible mean steps in a world: with a known cell, with a known world but unknown
+//! start, and with only the present percept.
 
 mod belief;
 mod memoryless;
@@ -13,43 +13,43 @@ use xcscr_robot::sensor::Sensor;
 use xcscr_robot::streams::StreamName;
 use xcscr_robot::world::{Cell, Maze, Paths};
 
-/// An episode is given up after so many steps, where a policy may walk in circles.
+/// The step limit of an episode, because a policy may walk in circles.
 const MOST_STEPS: u32 = 100;
-/// Imagined episodes from each start from which an estimate is planned.
+/// Simulated episodes from each start for planning an estimate.
 const PLANNED: usize = 100;
-/// Episodes that an estimate is the mean of.
+/// Simulated episodes for the mean of an estimate.
 const RUNS: usize = 5_000;
-/// The most cells of a world that an estimate is made for; beyond, planning takes minutes.
+/// The maximum number of cells of a world for an estimate; more would take minutes.
 const MOST_PLANNED: usize = 400;
-/// The most cells of a world that beliefs and policies are weighed for.
+/// The maximum number of cells of a world for beliefs and memoryless policies.
 const MOST_WEIGHED: usize = 1 << 16;
-/// What it costs where no way leads to a goal.
+/// The cost if no path leads to a goal.
 const NEVER: f64 = 65_535.0;
 
-/// Mean steps to a goal over all starts, at best.
+/// Minimum mean steps to a goal over all starts.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Bounds {
-    /// What the robot perceives.
+    /// The percept.
     pub sensor: Sensor,
-    /// The probability that another move is made than the chosen one (`arena.slip`).
+    /// The probability that a move other than the chosen one is made (`arena.slip`).
     pub slip: f64,
-    /// The cell is known throughout. Exact.
+    /// The full-state optimum: the cell is always known. Exact.
     pub full: f64,
-    /// The world is known, and what was perceived and done since the start, but not the start.
-    /// `None` when there are too many sets of cells to weigh, or where moves slip too many cells.
+    /// The unknown-start optimum: the world and the history since the start are known, but not the
+    /// start. `None` if there are too many sets of cells, or, with slip, too many cells.
     pub belief: Option<Estimate>,
-    /// Only the present percept is known: the best of the policies that have one action for each
-    /// percept, its episodes given up after 100 steps. `None` when moves slip, or in a world of too
-    /// many cells.
+    /// The memoryless optimum: the best policy with one action for each percept, with episodes
+    /// limited to 100 steps. `None` with slip, or in a world with too many cells.
     pub memoryless: Option<Estimate>,
 }
 
-/// A number, and how far off it may be.
+/// A number and its possible error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
     /// Mean steps.
     pub steps: f64,
-    /// 0 where it is exact; otherwise half the width of a 95 % interval, or how much less it may be.
+    /// 0 if exact; otherwise half the width of a 95 % interval, or by how much the true value may
+    /// be lower.
     pub error: f64,
 }
 
@@ -60,9 +60,9 @@ impl Estimate {
 }
 
 impl Bounds {
-    /// The bounds of a world for a robot that perceives with `sensor` and slips with probability
-    /// `slip`. At slip 0 they are exact; otherwise the belief bound is what a plan takes that was
-    /// made by real-time dynamic programming, on average over 5,000 imagined episodes.
+    /// Computes the bounds of a world for a robot with `sensor` and slip probability `slip`. At
+    /// slip 0 they are exact. Otherwise the unknown-start optimum is estimated: the mean of 5,000
+    /// simulated episodes with a plan from real-time dynamic programming.
     pub fn new(maze: &Maze, sensor: Sensor, slip: f64) -> Self {
         let paths = Paths::with_slip(maze, slip);
         let steps = |cell| paths.expected_steps(maze, cell).unwrap_or(NEVER);
@@ -92,12 +92,13 @@ impl Bounds {
         }
     }
 
-    /// The belief bound alone, at slip 0; it is found once for a maze and its clones.
+    /// Returns only the unknown-start optimum at slip 0. It is computed once for a maze and its
+    /// clones.
     pub fn of_belief(maze: &Maze, sensor: Sensor) -> Option<f64> {
         let paths = Paths::new(maze);
         let steps = |cell| paths.expected_steps(maze, cell).unwrap_or(NEVER);
         if let Some(start) = maze.start() {
-            // Who begins in a known cell and makes exact moves always knows the cell.
+            // With a known start and exact moves, the cell is always known.
             return Some(steps(start));
         }
         maze.once(sensor.name(), || {
@@ -111,12 +112,12 @@ impl Bounds {
     }
 }
 
-/// The free cells that are no goal.
+/// Returns the free cells that are not goals.
 fn cells(maze: &Maze) -> impl Iterator<Item = Cell> + '_ {
     maze.free_cells().filter(|&cell| !maze.is_goal(cell))
 }
 
-/// A world for one who knows it, and the states in which an episode can start.
+/// Returns the true world as a POMDP, and the states in which an episode can start.
 fn known(maze: &Maze, sensor: Sensor, slip: f64) -> (Pomdp, Vec<u32>) {
     let cells: Vec<Cell> = cells(maze).collect();
     let place = |cell: &Cell| (cell.row, cell.col);
@@ -144,7 +145,7 @@ fn known(maze: &Maze, sensor: Sensor, slip: f64) -> (Pomdp, Vec<u32>) {
     (pomdp, starts.map(state).collect())
 }
 
-/// The starts that look like one of them: what is believed when an episode begins.
+/// Returns the initial belief of an episode: the starts with this percept.
 fn alike(pomdp: &Pomdp, starts: &[u32], look: u32) -> Belief {
     Belief::even(
         starts
@@ -154,7 +155,7 @@ fn alike(pomdp: &Pomdp, starts: &[u32], look: u32) -> Belief {
     )
 }
 
-/// What a plan takes on average.
+/// Estimates the mean steps of a plan.
 fn estimate(pomdp: &Pomdp, starts: &[u32]) -> Estimate {
     let mut stream = Stream::new(1, StreamName::Replay);
     let mut planner = BeliefPlanner::new(pomdp);
@@ -183,7 +184,7 @@ fn estimate(pomdp: &Pomdp, starts: &[u32]) -> Estimate {
     }
 }
 
-/// The steps of an episode that follows a plan.
+/// Returns the steps of an episode that follows a plan.
 fn run_once(
     pomdp: &Pomdp,
     planner: &BeliefPlanner,
@@ -215,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn slips_mean_the_same_to_the_learners_planner_and_to_value_iteration_on_the_true_maze() {
+    fn the_learners_planner_and_value_iteration_on_the_true_maze_agree_on_slips() {
         let maze = maze4();
         for slip in [0.0, 0.1, 0.25, 0.6] {
             let (pomdp, _) = known(&maze, Sensor::Position, slip);
@@ -237,7 +238,7 @@ mod tests {
         let (pomdp, _) = known(&maze, Sensor::Position, 0.75);
         let mut stream = Stream::new(1, StreamName::Replay);
         let action = Action::new(1).unwrap();
-        // In the start cell only east leads elsewhere.
+        // In the start cell only the action east leads elsewhere.
         let chosen = (0..10_000)
             .filter(|_| moved(&pomdp, 0, action, &mut stream) != 0)
             .count();

@@ -1,40 +1,41 @@
-//! Many robots in one maze that do not feel each other.
+//! Several robots in copies of one maze, without interaction.
 
 use super::{PhysicsArena, PhysicsError, PhysicsParams, blocks, check_fit, simulation};
 use crate::arena::{Arena, Outcome, View};
 use crate::world::{Cell, Maze};
 use xcs::Action;
 
-/// Robots in copies of one maze, one to a lane, that act together. Each lane has the bits of a
-/// [`PhysicsArena`] with its seed: the robots share the shape of the walls and nothing else.
+/// Robots that act together in copies of one maze, one robot per lane. Each lane is bit-identical
+/// to a [`PhysicsArena`] with its seed. The robots share nothing but the shape of the walls.
 pub struct BatchArena {
     arenas: Vec<PhysicsArena>,
     lanes: Lanes,
 }
 
-/// What can be seen of all robots after a reset or an action, in columns; each has one entry per
+/// The observable state of all robots after a reset or an action, in columns with one entry per
 /// lane.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Lanes {
-    /// The cell in which the robot believes to stand.
+    /// The robot's estimated cells.
     pub cells: Vec<Cell>,
-    /// Position in the map frame, in metres.
+    /// The x coordinate in the map frame, in metres.
     pub x_m: Vec<f64>,
-    /// Position in the map frame, in metres.
+    /// The y coordinate in the map frame, in metres.
     pub y_m: Vec<f64>,
-    /// The heading as `[cosine, sine]` of the angle from the x axis of the map frame, counter-clockwise.
+    /// The heading as `[cosine, sine]` of the angle from the x axis of the map frame,
+    /// counter-clockwise.
     pub headings: Vec<[f64; 2]>,
     /// Simulation time since the lane began, in nanoseconds.
     pub times_ns: Vec<u64>,
-    /// What came of the last action; `None` after a reset.
+    /// The outcome of the last action; `None` after a reset.
     pub outcomes: Vec<Option<Outcome>>,
 }
 
 impl BatchArena {
-    /// One lane for each seed, with the robot in the first start cell.
+    /// Creates one lane for each seed, with the robot in the first start cell.
     ///
     /// # Errors
-    /// As those of [`PhysicsArena::new`].
+    /// The same as [`PhysicsArena::new`].
     pub fn new(maze: &Maze, params: &PhysicsParams, seeds: &[u64]) -> Result<Self, PhysicsError> {
         params.check()?;
         check_fit(maze, params)?;
@@ -45,50 +46,50 @@ impl BatchArena {
             lanes: Lanes::new(seeds.len()),
         };
         for lane in 0..seeds.len() {
-            batch.note(lane, None);
+            batch.record(lane, None);
         }
         Ok(batch)
     }
 
-    /// The number of lanes.
+    /// Returns the number of lanes.
     pub fn len(&self) -> usize {
         self.arenas.len()
     }
 
-    /// Are there no lanes?
+    /// Returns true if there are no lanes.
     pub fn is_empty(&self) -> bool {
         self.arenas.is_empty()
     }
 
-    /// Puts the robot of a lane at rest into the middle of `start`, a free cell; a lane that does
-    /// not exist has none.
+    /// Puts the robot of a lane at rest in the middle of `start`, a free cell. Does nothing if the
+    /// lane does not exist.
     pub fn reset(&mut self, lane: usize, start: Cell) {
         if let Some(arena) = self.arenas.get_mut(lane) {
             arena.reset(start);
-            self.note(lane, None);
+            self.record(lane, None);
         }
     }
 
-    /// Lets each robot act, by the number of its lane. One without an action stays as it is.
+    /// Lets each robot take the action at its lane number. Robots without an action do not move.
     pub fn act(&mut self, actions: &[Action]) -> &Lanes {
         for (lane, &action) in actions.iter().enumerate().take(self.len()) {
             let outcome = self.arenas[lane].act(action);
-            self.note(lane, Some(outcome));
+            self.record(lane, Some(outcome));
         }
         &self.lanes
     }
 
-    /// What can be seen of all robots now.
+    /// Returns the current observable state of all robots.
     pub fn lanes(&self) -> &Lanes {
         &self.lanes
     }
 
-    /// All that can be seen of one robot: its path, its hits and what it senses.
+    /// Returns the full view of one robot: its path, its collisions and its sensor readings.
     pub fn view(&self, lane: usize) -> Option<View<'_>> {
         self.arenas.get(lane).map(Arena::view)
     }
 
-    fn note(&mut self, lane: usize, outcome: Option<Outcome>) {
+    fn record(&mut self, lane: usize, outcome: Option<Outcome>) {
         let arena = &self.arenas[lane];
         let now = arena.view().now();
         let pose = now.robot_in_map;

@@ -1,4 +1,4 @@
-//! What the engine tells about contacts, and the hits that are made of it.
+//! The engine's contact events, and the collisions derived from them.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -14,22 +14,22 @@ use xcscr_sensing::Push;
 /// The cosine of the largest angle between a frontal hit and the direction of travel.
 const FRONTAL: f64 = 0.7;
 
-/// The cosine of the largest angle between normals of one face, as contacts have them.
+/// The cosine of the largest angle between contact normals of one wall face.
 const SAME_FACE: f64 = 0.99;
 
 /// Collects the pushes of a step.
 ///
-/// Only contact forces count: the engine's `Started` comes up to a prediction distance before
+/// Only contact forces count. The engine's `Started` event comes up to a prediction distance before
 /// the touch, and is not repeated while the contact lasts. A force of zero raises no event. The
-/// engine wants handlers that can be shared between threads, hence the lock; it is taken in the
-/// few steps with contact only, and never contended.
+/// engine requires thread-safe handlers, hence the lock. The lock is only taken in the few steps
+/// with contact, and is never contended.
 pub(super) struct Listener {
     robot: ColliderHandle,
     pushes: Mutex<Vec<Push>>,
 }
 
 impl Listener {
-    /// Listens to contacts of the `robot`.
+    /// Listens to contacts of `robot`.
     pub(super) fn new(robot: ColliderHandle) -> Self {
         Self {
             robot,
@@ -37,7 +37,7 @@ impl Listener {
         }
     }
 
-    /// The pushes since they were last cleared.
+    /// Returns the pushes since they were last cleared.
     pub(super) fn pushes(&mut self) -> &mut Vec<Push> {
         self.pushes
             .get_mut()
@@ -83,7 +83,7 @@ impl EventHandler for Listener {
     fn handle_soft_body_tear_event(&self, _: &SoftBodySet, _: &SoftBodyTearEvent) {}
 }
 
-/// Does a wall in the direction `normal` stop a robot on its way `along`? (Unit vectors.)
+/// Returns true if a wall in direction `normal` stops a robot driving along `along` (unit vectors).
 pub(super) fn is_frontal(normal: Vector2<f64>, along: Vector2<f64>) -> bool {
     normal.dot(&along) > FRONTAL
 }
@@ -100,25 +100,25 @@ fn add(pushes: &mut Vec<Push>, push: Push) {
     }
 }
 
-/// Do two unit normals belong to one face of a wall?
+/// Returns true if two unit normals belong to one face of a wall.
 fn same_face(one: Vector2<f64>, other: Vector2<f64>) -> bool {
     one.dot(&other) > SAME_FACE
 }
 
-/// The hits of one action: one for each face that was touched.
+/// The collisions of one action: one for each face that was touched.
 #[derive(Debug, Default)]
 pub(super) struct Hits(Vec<Contact>);
 
 impl Hits {
-    /// Forgets all hits.
+    /// Removes all collisions.
     pub(super) fn clear(&mut self) {
         self.0.clear();
     }
 
-    /// Begins a hit like `contact`, or adds one step to the hit against the same face.
+    /// Starts a collision like `contact`, or adds one step to the collision with the same face.
     ///
-    /// The hit's impulse is that of its hardest step, which stops the robot. In the steps after
-    /// it the wall only resists the motors until they have turned round.
+    /// The impulse of a collision is that of its hardest step, which stops the robot. In the
+    /// following steps the wall only resists the motors until they have reversed.
     pub(super) fn add(&mut self, contact: Contact) {
         let normal = contact.normal_in_map;
         let mut hits = self.0.iter_mut();
@@ -128,7 +128,7 @@ impl Hits {
         }
     }
 
-    /// The sum of the impulses of all frontal hits for a robot on its way `along`.
+    /// Returns the total impulse of all frontal collisions for a robot driving along `along`.
     pub(super) fn frontal_impulse_ns(&self, along: Vector2<f64>) -> f64 {
         let hits = self.0.iter();
         hits.filter(|hit| is_frontal(hit.normal_in_map, along))
@@ -136,7 +136,7 @@ impl Hits {
             .sum()
     }
 
-    /// The hits, oldest first.
+    /// Returns the collisions, oldest first.
     pub(super) fn contacts(&self) -> &[Contact] {
         &self.0
     }

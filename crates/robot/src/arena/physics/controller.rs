@@ -5,19 +5,19 @@ use nalgebra::{Point2, Vector2};
 use super::motion::{Command, Motion};
 use super::params::PhysicsParams;
 
-/// What the robot is about.
+/// The phase of a manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     /// Turning on the spot.
     Turn,
-    /// On its way to the next cell.
+    /// Driving to the next cell.
     Drive,
-    /// On its way back after a hit.
+    /// Driving back after a collision.
     Back,
 }
 
-/// The plan of one action; lengths in metres of the grid frame. Needs no trigonometry: angles are compared as sines
-/// and chords.
+/// The plan of one action; lengths in metres of the grid frame. It needs no trigonometry, because
+/// angles are compared as sines and chords.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Maneuver {
     phase: Phase,
@@ -26,13 +26,13 @@ pub(super) struct Maneuver {
     cell_size_m: f64,
     /// Unit vector of travel.
     along: Vector2<f64>,
-    /// 1 when the front leads, -1 when the rear does.
+    /// 1 when driving forward, -1 when driving backward.
     facing: f64,
 }
 
 impl Maneuver {
-    /// From `home`, the middle of a cell, one cell in the direction of the unit vector `along`. Front or
-    /// rear leads, whichever needs the smaller turn.
+    /// Plans a move from `home`, the middle of a cell, by one cell along the unit vector `along`.
+    /// The robot drives forward or backward, whichever needs the smaller turn.
     pub(super) fn new(
         home: Point2<f64>,
         along: Vector2<f64>,
@@ -50,28 +50,29 @@ impl Maneuver {
         }
     }
 
-    /// Would a wall ahead keep the robot from the next cell? Not once it is there: then it has
-    /// overshot, and touches the wall behind that cell.
+    /// Returns true if a wall ahead would keep the robot from reaching the next cell. Past the
+    /// border of that cell the answer is false: a contact there means that the robot overshot and
+    /// touched the wall behind the cell.
     pub(super) fn is_stopped_by_walls(&self, seen: &Motion) -> bool {
         self.phase == Phase::Drive && self.ahead(seen) > 0.5 * self.cell_size_m
     }
 
-    /// Has it hit a wall?
+    /// Returns true once the robot has hit a wall.
     pub(super) fn backs_off(&self) -> bool {
         self.phase == Phase::Back
     }
 
-    /// Does the front lead, and not the rear?
+    /// Returns true when driving forward.
     pub(super) fn front_leads(&self) -> bool {
         self.facing > 0.0
     }
 
-    /// Unit vector of travel.
+    /// Returns the unit vector of travel.
     pub(super) fn along(&self) -> Vector2<f64> {
         self.along
     }
 
-    /// Back to where it came from, without turning round.
+    /// Switches to driving back to the start without turning round.
     pub(super) fn back_off(&mut self) {
         self.phase = Phase::Back;
         self.target = self.home;
@@ -79,7 +80,7 @@ impl Maneuver {
         self.facing = -self.facing;
     }
 
-    /// What to do next; `None` once the robot has arrived.
+    /// Returns the next command; `None` once the robot has arrived.
     pub(super) fn command(&mut self, seen: &Motion, params: &PhysicsParams) -> Option<Command> {
         let face = self.facing * (seen.pose.rotation * Vector2::x());
         if self.phase == Phase::Turn {
@@ -93,7 +94,7 @@ impl Maneuver {
         self.drive(face, seen, params)
     }
 
-    /// Turns as fast as it can still stop in time.
+    /// Turns as fast as it can while still able to stop in time.
     fn turn(&self, face: Vector2<f64>, params: &PhysicsParams) -> Command {
         let chord = (2.0 - 2.0 * face.dot(&self.along)).max(0.0).sqrt();
         let rate = (2.0 * params.turn_deceleration_radps2 * chord)
@@ -106,7 +107,7 @@ impl Maneuver {
         }
     }
 
-    /// Drives toward the target, holding heading and track.
+    /// Drives toward the target while holding heading and track.
     fn drive(&self, face: Vector2<f64>, seen: &Motion, params: &PhysicsParams) -> Option<Command> {
         let ahead = self.ahead(seen);
         if ahead.abs() < params.arrival_m && seen.forward_mps.abs() < params.arrival_mps {
@@ -127,12 +128,12 @@ impl Maneuver {
         })
     }
 
-    /// From the robot to the target.
+    /// Returns the vector from the robot to the target.
     fn missing(&self, seen: &Motion) -> Vector2<f64> {
         self.target.coords - seen.pose.translation.vector
     }
 
-    /// How far the target is ahead; negative once the robot has passed it.
+    /// Returns the distance to the target along the direction of travel; negative once passed.
     fn ahead(&self, seen: &Motion) -> f64 {
         self.missing(seen).dot(&self.along)
     }

@@ -1,24 +1,24 @@
-//! Why a maze cannot be simulated.
+//! Errors when building a physics arena.
 
 use crate::world::Cell;
 use xcs::bounds::OutOfRange;
 
-/// A physics arena that cannot be built.
+/// The physics arena cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PhysicsError {
-    /// A setting lies outside of its range.
+    /// A setting is out of range.
     #[error(transparent)]
     Setting(#[from] OutOfRange),
     /// The edges of the world join; a robot cannot drive through a border.
     #[error(
-        "world `{world}` joins its edges (`\"wrap\": true`), which no physical floor does; use `--arena grid`, or close its border with walls"
+        "world `{world}` joins its edges (`\"wrap\": true`), which cannot be simulated; use `--arena grid`, or close its border with walls"
     )]
     JoinedEdges {
         /// The world's name.
         world: String,
     },
-    /// The world has diagonal moves, which lead through the corners of walls.
+    /// The world has diagonal moves, which cut the corners of walls.
     #[error(
         "world `{world}` has eight moves, and a diagonal one would cut the corners of walls; use `--arena grid`, or set `\"moves\": 4`"
     )]
@@ -45,7 +45,7 @@ pub enum PhysicsError {
         cell: Cell,
         /// The middle of this cell in the map frame, in metres.
         at_m: [f64; 2],
-        /// From the middle of this cell to the wall, in metres.
+        /// The distance from the middle of this cell to the wall, in metres.
         distance_m: f64,
         /// The robot's radius in metres.
         radius_m: f64,
@@ -57,7 +57,7 @@ pub enum PhysicsError {
         /// allowed value of `physics.radius_m`.
         largest_radius_m: Option<f64>,
     },
-    /// The world is so large that the engine's single precision cannot hold a millimetre.
+    /// The world is too wide: the engine's single precision could not resolve a millimetre.
     #[error(
         "world `{world}` is {extent_m:.0} m wide, more than the {limit_m:.0} m that can be simulated; use smaller cells (`cell_size_m`), or `--arena grid`"
     )]
@@ -69,14 +69,14 @@ pub enum PhysicsError {
         /// The largest side allowed, in metres.
         limit_m: f64,
     },
-    /// The walls are too many to simulate.
+    /// The maze has too many walls to simulate.
     #[error(
         "world `{world}` needs {count} wall blocks, more than the {limit} that can be simulated; use `--arena grid`"
     )]
     TooManyWalls {
         /// The world's name.
         world: String,
-        /// Rectangles that cover its walls.
+        /// The number of rectangles that cover the walls.
         count: usize,
         /// The largest number allowed.
         limit: usize,

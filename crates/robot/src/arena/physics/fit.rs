@@ -5,8 +5,8 @@ use crate::world::{Cell, Direction, Maze};
 
 /// Accepts a robot that fits into every cell.
 ///
-/// The robot drives along the middles of cells. In a cell next to a wall it has half a cell to that wall,
-/// and it needs its radius and the distance at which a move counts as finished
+/// The robot drives along the middles of cells. In a cell next to a wall it has half a cell to that
+/// wall. It needs its radius plus the distance at which a move counts as finished
 /// ([`PhysicsParams::arrival_m`]).
 ///
 /// # Errors
@@ -43,7 +43,7 @@ fn rounded_down_mm(length_m: f64) -> f64 {
     (length_m * 1000.0 + 1e-6).floor() / 1000.0
 }
 
-/// Returns whether the settings allow this radius.
+/// Returns true if the settings allow this radius.
 fn is_allowed(radius_m: f64, params: &PhysicsParams) -> bool {
     let params = PhysicsParams {
         radius_m,
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_does_not_fit_is_refused_with_the_place_and_what_would_fit() {
+    fn a_robot_that_does_not_fit_is_refused_with_the_cell_and_the_sizes_that_fit() {
         let message = refusal(0.25, 0.3).unwrap();
         for part in [
             "`hall`",
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sizes_that_the_refusal_names_do_fit() {
+    fn the_sizes_in_the_refusal_fit() {
         assert_eq!(refusal(0.668, 0.3), None);
         assert_eq!(refusal(0.25, 0.091), None);
         assert!(refusal(0.667, 0.3).is_some(), "control: a millimetre less");

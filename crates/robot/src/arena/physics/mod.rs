@@ -1,19 +1,19 @@
-//! The maze as a physics simulation: a robot with two wheels drives from cell to cell.
+//! The maze as a physics simulation: a two-wheeled robot drives from cell to cell.
 //!
-//! An action is one bounded manoeuvre (`controller`): the robot turns, then drives one cell; when
-//! it hits a wall, it backs off to where it came from. The wheels push with what the floor's
-//! friction allows (`robot`), the engine rapier2d does the rest (`simulation`), 20 steps per
-//! second. Steps that touch no wall are integrated in closed form (`shortcut`).
+//! An action is one bounded manoeuvre (`controller`): the robot turns, then drives one cell. When
+//! it hits a wall, it backs off to where it came from. The wheels push with the force that the
+//! floor's friction allows (`robot`). The engine rapier2d simulates the rest (`simulation`) at 20
+//! steps per second. Steps that touch no wall are integrated in closed form (`shortcut`).
 //!
-//! How the robot knows where it is, is one of two ways ([`Localisation`]). *Estimated*: it has
-//! only what its sensors tell. Sensors, estimator and what it makes out around itself are the
-//! crate `xcscr-sensing`; neither that nor `controller` can name the maze or the true pose
-//! (`sensing` brings both together). *Told*: for percepts that are looked up in the maze, it is told its true
-//! pose with some noise (`noise`), and `discretiser` looks up the cell.
+//! The robot is localised in one of two ways ([`Localisation`]). *Estimated*: the robot has only
+//! its sensor readings. Sensors, estimator and local map are in the crate `xcscr-sensing`. Neither
+//! that crate nor `controller` can access the maze or the true pose; `sensing` connects both sides.
+//! *Told*: for percepts looked up in the maze, the robot gets its true pose with some noise
+//! (`noise`), and `discretiser` looks up the cell.
 //!
-//! All lengths are in metres and all speeds in m/s, whatever the size of a cell. Inside of this folder all poses
-//! are in the grid frame, whose origin is the south-western corner of the grid, x to the east, y to the north.
-//! What the trait [`Arena`] reports is in the map frame.
+//! All lengths are in metres and all speeds in m/s, whatever the size of a cell. Inside this folder
+//! all poses are in the grid frame: origin in the south-western corner of the grid, x to the east,
+//! y to the north. The trait [`Arena`] reports poses in the map frame.
 
 mod batch;
 mod cautious;
@@ -67,24 +67,27 @@ pub use xcscr_sensing::{
     BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams,
 };
 
-/// Duration of a physics step ([`STEP_S`]) in nanoseconds, for clocks that never drift.
+/// Duration of a physics step ([`STEP_S`]) in nanoseconds, as an integer so that clocks never
+/// drift.
 const STEP_NS: u64 = 50_000_000;
 /// Solver iterations per step; each is a substep of the motion.
 const SOLVER_ITERATIONS: usize = 2;
 /// The largest number of wall blocks; the engine needs about a kilobyte for each.
 const MAX_BLOCKS: usize = 262_144;
-/// The longest side of a world in metres: the engine's single precision holds a quarter of a millimetre there.
+/// The longest side of a world in metres. At this distance the engine's single precision resolves a
+/// quarter of a millimetre.
 const MAX_EXTENT_M: f64 = 4096.0;
 
-/// A robot in a maze, simulated at 20 Hz. Same maze, settings and noise: same bits.
+/// A robot in a maze, simulated at 20 Hz. The same maze, settings and noise give bit-identical
+/// results.
 pub struct PhysicsArena {
     maze: Maze,
     params: PhysicsParams,
-    /// The same when it drives carefully.
+    /// The settings for cautious driving.
     careful: PhysicsParams,
     simulation: Simulation,
-    /// The engine's first moment, to which every reset returns.
-    pristine: State,
+    /// The initial state of the engine, restored by every reset.
+    initial: State,
     wheels: Wheels,
     noise: Noise,
     /// Physics steps since the trial began.
@@ -92,16 +95,16 @@ pub struct PhysicsArena {
     cell: Cell,
     trace: Vec<Sample>,
     hits: Hits,
-    /// `None` for a robot that is told where it is.
+    /// `None` for a robot that gets the true pose.
     sensing: Option<Box<Sensing>>,
 }
 
 impl PhysicsArena {
-    /// An arena with the robot in the first start cell. All noise follows from `seed`.
+    /// Creates an arena with the robot in the first start cell. All noise follows from `seed`.
     ///
     /// # Errors
-    /// When a setting is out of range, or the world makes no sense in physics: joined edges,
-    /// eight moves, cells too small for the robot, too many walls, or more than 4,096 m of them.
+    /// When a setting is out of range, or the world cannot be simulated: joined edges, eight moves,
+    /// cells too small for the robot, too many walls, or a side of more than 4,096 m.
     pub fn new(maze: Maze, params: PhysicsParams, seed: u64) -> Result<Self, PhysicsError> {
         params.check()?;
         check_fit(&maze, &params)?;
@@ -109,14 +112,14 @@ impl PhysicsArena {
         Ok(Self::among(walls, maze, params, seed))
     }
 
-    /// The same with walls that were built for the maze, which may be shared, and checked settings.
+    /// Creates an arena from checked settings and prebuilt walls, which may be shared.
     fn among(walls: SharedShape, maze: Maze, params: PhysicsParams, seed: u64) -> Self {
         let start = maze.starts().next();
         let cell = start.unwrap_or(maze.goals()[0]);
         let pose = eastward(maze.centre_in_grid(cell));
         let simulation = Simulation::new(walls, pose, &params);
         let mut arena = Self {
-            pristine: simulation.state(),
+            initial: simulation.state(),
             noise: Noise::new(&params, Stream::new(seed, StreamName::Physics)),
             sensing: Sensing::new(&params, maze.cell_size_m(), seed),
             wheels: Wheels::default(),
@@ -133,19 +136,20 @@ impl PhysicsArena {
         arena
     }
 
-    /// Has the engine given up the robot, because its motion is no number any more? Never seen.
+    /// Returns true if the engine has dropped the robot because its motion became NaN. Never
+    /// observed.
     pub fn lost_robot(&self) -> bool {
         self.simulation.lost_robot()
     }
 
-    /// Drives until the manoeuvre ends. True when it did within the time.
+    /// Drives until the manoeuvre ends. Returns true if it ended in time.
     fn perform(&mut self, maneuver: &mut Maneuver) -> bool {
         let bias = self.noise.wheel_bias();
-        for _ in 0..self.most_steps() {
+        for _ in 0..self.max_steps() {
             let motion = self.motion();
             let seen = self.measure(motion);
             let Some(command) = maneuver.command(&seen, self.profile(false)) else {
-                self.believe(&seen);
+                self.update_cell(&seen);
                 return true;
             };
             self.drive(command, &motion, bias, false);
@@ -154,16 +158,16 @@ impl PhysicsArena {
             }
         }
         let seen = self.measure(self.motion());
-        self.believe(&seen);
+        self.update_cell(&seen);
         false
     }
 
-    /// Physics steps after which an action is given up.
-    fn most_steps(&self) -> u64 {
+    /// Returns the number of physics steps after which an action times out.
+    fn max_steps(&self) -> u64 {
         (self.params.time_out_s / STEP_S).round() as u64
     }
 
-    /// How the robot drives that notices that its wheels slip, or does not.
+    /// Returns the driving settings, given whether wheel slip is detected.
     fn profile(&self, slips: bool) -> &PhysicsParams {
         match self.params.cautious.when {
             Care::Always => &self.careful,
@@ -172,7 +176,7 @@ impl PhysicsArena {
         }
     }
 
-    /// Brings a command to the wheels, and their force to the floor.
+    /// Applies a command to the wheels, and the force of the wheels to the floor.
     fn drive(&mut self, command: Command, motion: &Motion, bias: [f64; 2], slips: bool) {
         let [left, right] = self.noise.wheel_noise();
         let excess = [bias[0] + left, bias[1] + right];
@@ -185,7 +189,7 @@ impl PhysicsArena {
             .push(body, motion, excess, friction, &self.params);
     }
 
-    /// The friction of the floor below the left and the right wheel.
+    /// Returns the friction of the floor below the left and right wheel.
     fn friction(&self, motion: &Motion) -> [f64; 2] {
         let usual = self.params.friction;
         if !self.maze.has_floor() {
@@ -200,7 +204,7 @@ impl PhysicsArena {
         })
     }
 
-    /// Lets one step pass. True when a wall pushed against the direction `along`.
+    /// Simulates one step. Returns true if a wall pushed against the direction `along`.
     fn step(&mut self, along: Vector2<f64>) -> bool {
         self.steps += 1;
         let time_ns = self.time_ns();
@@ -222,7 +226,7 @@ impl PhysicsArena {
         frontal
     }
 
-    /// What came of a manoeuvre from `home` toward `wanted`.
+    /// Returns the outcome of a manoeuvre from `home` toward `wanted`.
     fn outcome(&self, maneuver: &Maneuver, arrived: bool, home: Cell, wanted: Cell) -> Outcome {
         if arrived && maneuver.backs_off() && self.cell == home {
             let along = self.maze.vector_in_map(-maneuver.along());
@@ -245,7 +249,7 @@ impl PhysicsArena {
         true_motion(self.simulation.body())
     }
 
-    /// The motion as the robot sees it: speeds from its odometry, the pose with noise.
+    /// Returns the motion as the robot measures it: speeds from odometry, and the pose with noise.
     fn measure(&mut self, motion: Motion) -> Motion {
         Motion {
             pose: self.noise.measure(&motion.pose),
@@ -253,7 +257,7 @@ impl PhysicsArena {
         }
     }
 
-    fn believe(&mut self, seen: &Motion) {
+    fn update_cell(&mut self, seen: &Motion) {
         let position_m = seen.pose.translation.vector.into();
         self.cell = cell_from_position(&self.maze, position_m, self.cell);
     }
@@ -270,7 +274,7 @@ impl PhysicsArena {
         }
     }
 
-    /// Begins a path where the robot stands.
+    /// Starts a new path at the current pose.
     fn begin_trace(&mut self) {
         self.hits.clear();
         self.trace.clear();
@@ -280,7 +284,7 @@ impl PhysicsArena {
 
 impl Arena for PhysicsArena {
     fn reset(&mut self, start: Cell) {
-        self.simulation.set_state(&self.pristine);
+        self.simulation.set_state(&self.initial);
         let pose = eastward(self.maze.centre_in_grid(start));
         self.simulation.body_mut().set_position(pose, true);
         self.wheels = Wheels::default();
@@ -300,7 +304,7 @@ impl Arena for PhysicsArena {
         let home = self.cell;
         let wanted = self.maze.neighbour(home, direction).unwrap_or(home);
         if let Some(mut sensing) = self.sensing.take() {
-            let outcome = self.act_by_senses(&mut sensing, direction);
+            let outcome = self.act_with_sensors(&mut sensing, direction);
             self.sensing = Some(sensing);
             return outcome;
         }
@@ -345,7 +349,7 @@ impl Arena for PhysicsArena {
     }
 }
 
-/// Refuses worlds that make no sense in physics; otherwise the blocks that make their walls.
+/// Returns the blocks that make up the walls, or an error for worlds that cannot be simulated.
 fn blocks(maze: &Maze) -> Result<Vec<Block>, PhysicsError> {
     let world = || maze.name().to_owned();
     if maze.wraps() {
@@ -377,7 +381,7 @@ fn blocks(maze: &Maze) -> Result<Vec<Block>, PhysicsError> {
     Ok(blocks)
 }
 
-/// The unit vector of one of the main directions.
+/// Returns the unit vector of one of the main directions.
 fn vector(direction: Direction) -> Vector2<f64> {
     let (east, south) = direction.offset();
     Vector2::new(f64::from(east), f64::from(-south))

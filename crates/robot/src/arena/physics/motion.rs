@@ -1,22 +1,21 @@
-//! How the robot moves, and how it shall move.
+//! Actual and commanded motion of the robot.
 
 use nalgebra::Isometry2;
 
-/// Where the robot is and how it moves, in truth or as far as it knows; lengths in
-/// metres.
+/// The true or estimated motion of the robot; lengths in metres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Motion {
     /// The pose in the grid frame.
     pub pose: Isometry2<f64>,
-    /// Speed along its heading in m/s; negative when it drives backward.
+    /// Speed along the heading in m/s; negative when driving backward.
     pub forward_mps: f64,
-    /// Speed to its left in m/s.
+    /// Speed to the left in m/s.
     pub sideways_mps: f64,
     /// Turn rate in rad/s, counter-clockwise.
     pub turn_radps: f64,
 }
 
-/// What the controller wants.
+/// The motion that the controller asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Command {
     /// Speed along the heading in m/s.

@@ -1,11 +1,11 @@
-//! What goes wrong: wheels that slip and poses that are measured badly.
+//! Motion and localisation noise: wheels that slip and poses that are measured inaccurately.
 
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
 
 use super::params::PhysicsParams;
 use xcs::random::Stream;
 
-/// Draws all noise of the arena from one stream. Without noise it draws nothing.
+/// Draws all noise of the arena from one stream. At noise level 0 it draws nothing.
 #[derive(Debug, Clone)]
 pub(super) struct Noise {
     pub(super) stream: Stream,
@@ -16,7 +16,7 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// Noise of the level and the deviations in `params`.
+    /// Creates noise with the level and the deviations in `params`.
     pub(super) fn new(params: &PhysicsParams, stream: Stream) -> Self {
         Self {
             stream,
@@ -27,18 +27,18 @@ impl Noise {
         }
     }
 
-    /// By how much each wheel turns too fast during a whole action.
+    /// Returns the relative excess speed of each wheel during a whole action.
     pub(super) fn wheel_bias(&mut self) -> [f64; 2] {
         [self.deviate(self.wheel_bias), self.deviate(self.wheel_bias)]
     }
 
-    /// By how much each wheel turns too fast during one step.
+    /// Returns the relative excess speed of each wheel during one step.
     pub(super) fn wheel_noise(&mut self) -> [f64; 2] {
         let deviation = self.wheel_noise;
         [self.deviate(deviation), self.deviate(deviation)]
     }
 
-    /// The pose as the robot measures it.
+    /// Returns the pose as the robot measures it.
     pub(super) fn measure(&mut self, pose: &Isometry2<f64>) -> Isometry2<f64> {
         let (x, y) = (self.deviate(self.position_m), self.deviate(self.position_m));
         // A small rotation without sine and cosine, which differ between platforms.

@@ -9,16 +9,16 @@ use xcscr_sensing::{
     BumperParams, EncoderParams, EstimatorParams, FaultParams, GyroParams, LidarParams, Robot,
 };
 
-/// How the robot knows where it is.
+/// How the robot is localised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Localisation {
-    /// It is told its true pose with some noise: privileged, as no robot is. For percepts that
-    /// are looked up in the maze, and the figures that were made with them.
+    /// The robot gets its true pose with some noise, which no real robot has. For percepts that are
+    /// looked up in the maze, and for results published with them.
     #[default]
     Told,
-    /// It estimates its pose from its wheels, its gyro and its lidar. Percepts that are sensed
-    /// always need that.
+    /// The robot estimates its pose from its wheels, its gyro and its lidar. Sensed percepts always
+    /// require this mode.
     Estimated,
 }
 
@@ -28,55 +28,57 @@ settings! {
 
     /// The robot, its controller and its noise.
     ///
-    /// Every setting has the unit that its name says, whatever the size of a cell. The defaults are a
-    /// small indoor robot for cells of about 1 m; `--robot` chooses another one. The controller was found by
-    /// a random search over 400 candidates at 20 Hz in cells of 1 m. Its two gains and the turn were then
-    /// chosen so that noise 3 causes no wrong outcome (120,000 random moves in three mazes).
+    /// The name of every setting includes its unit, whatever the size of a cell. The defaults
+    /// describe a small indoor robot for cells of about 1 m; `--robot` chooses another one. The
+    /// controller was tuned by a random search over 400 candidates at 20 Hz in cells of 1 m. Its
+    /// two gains and the turn were then chosen so that noise 3 causes no wrong outcome (120,000
+    /// random moves in three mazes).
     pub struct PhysicsParams {
-        /// Noise level: multiplies the four deviations below, and all deviations and rates of the
-        /// sensors; 0 switches noise off.
+        /// Noise level. Multiplies the four deviations below, and all deviations and rates of the
+        /// sensors. 0 switches noise off.
         noise: f64 = 1.0, in 0.0..=5.0;
-        /// Integrate in closed form steps that touch no wall? Faster, with the same bits.
+        /// Integrate steps that touch no wall in closed form. Faster, with bit-identical results.
         shortcut: bool = true;
         /// Robot mass m in kg.
         mass_kg: f64 = 5.0, in 0.1..=1000.0;
-        /// Robot radius r in m. Half a cell must hold it and `arrival_m`. With less than 0.1 m more than that,
-        /// noise can push it against walls that it drives along.
+        /// Robot radius r in m. Half a cell must hold it and `arrival_m`. With less than 0.1 m of
+        /// extra space, noise can push the robot against walls that it drives along.
         radius_m: f64 = 0.3, in 0.02..=2.0;
         /// Distance b between the wheels in m.
         wheel_base_m: f64 = 0.4, in 0.02..=4.0;
-        /// Friction mu between wheel and floor, where the world's `floor` says nothing else; rubber
-        /// on concrete by default.
+        /// Friction mu between wheel and floor, unless the world's `floor` overrides it. The
+        /// default is rubber on concrete.
         friction: f64 = 0.8, in 0.2..=2.0;
         /// Time constant tau of the motors in s.
         motor_lag_s: f64 = 0.03, in 0.0..=0.1;
-        /// Largest wheel acceleration in m/s^2, 0.1 to mu g. Beyond, the wheels slip and the heading
-        /// is lost.
+        /// Largest wheel acceleration in m/s^2, 0.1 to mu g. Above mu g the wheels slip and the
+        /// heading is lost.
         wheel_acceleration_mps2: f64 = 7.4;
-        /// Largest speed in m/s. In cells of 1 m, 20 steps per second are too few to steer above 1.6 m/s.
+        /// Largest speed in m/s. In cells of 1 m, 20 steps per second are too few to steer above
+        /// 1.6 m/s.
         max_speed_mps: f64 = 1.4, in 0.02..=3.0;
         /// Largest turn rate in rad/s.
         max_turn_radps: f64 = 12.0, in 0.1..=15.0;
-        /// Turn rate per heading error in 1/s. Beyond, it oscillates at 20 Hz.
+        /// Turn rate per heading error in 1/s. Larger values oscillate at 20 Hz.
         heading_gain_per_s: f64 = 12.5, in 2.0..=15.0;
-        /// Heading correction (a sine) per metre beside the track.
+        /// Heading correction (a sine) per metre of distance from the track.
         track_gain_per_m: f64 = 3.2, in 0.5..=8.0;
         /// Largest heading correction (a sine).
         track_limit: f64 = 0.33, in 0.05..=0.7;
-        /// Deceleration before the target in m/s^2, 0.05 to what the wheels can do. With more than
-        /// half of that, the robot overshoots.
+        /// Deceleration before the target in m/s^2, 0.05 to what the wheels can do. Above half of
+        /// that, the robot overshoots.
         deceleration_mps2: f64 = 3.09;
         /// Angular deceleration at the end of a turn in rad/s^2.
         turn_deceleration_radps2: f64 = 12.0, in 0.2..=30.0;
-        /// The target is reached this close to it, in m ...
+        /// The robot has arrived when it is this close to the target, in m ...
         arrival_m: f64 = 0.034, in 0.002..=0.2;
-        /// ... and below this speed in m/s.
+        /// ... and slower than this, in m/s.
         arrival_mps: f64 = 0.57, in 0.01..=2.0;
-        /// A turn ends with a heading error (a sine) below this ...
+        /// A turn ends when the heading error (a sine) is below this ...
         aligned: f64 = 0.167, in 0.02..=0.4;
-        /// ... and below this turn rate in rad/s.
+        /// ... and the turn rate is below this, in rad/s.
         aligned_radps: f64 = 1.73, in 0.05..=5.0;
-        /// An action that takes longer is given up, in s. By default a move takes 1.2 s in a cell of 1 m.
+        /// Time limit of an action in s. With the defaults a move takes 1.2 s in a cell of 1 m.
         time_out_s: f64 = 10.0, in 0.05..=600.0;
         /// Deviation of a wheel's scale, drawn for each action.
         wheel_bias: f64 = 0.05, in 0.0..=0.1;
@@ -86,7 +88,7 @@ settings! {
         position_noise_m: f64 = 0.01, in 0.0..=0.03;
         /// Deviation of a measured heading in rad.
         heading_noise_rad: f64 = 0.02, in 0.0..=0.1;
-        /// How the robot knows where it is: `told` (its true pose with the noise above) or `estimated`.
+        /// How the robot is localised: `told` (its true pose with the noise above) or `estimated`.
         localisation: Localisation = Localisation::Told;
         /// The lidar.
         lidar: LidarParams = LidarParams::default();
@@ -98,9 +100,9 @@ settings! {
         bumper: BumperParams = BumperParams::default();
         /// The filter that estimates the pose.
         estimator: EstimatorParams = EstimatorParams::default();
-        /// Driving carefully.
+        /// Cautious driving.
         cautious: CautiousParams = CautiousParams::default();
-        /// What breaks.
+        /// Sensor faults.
         faults: FaultParams = FaultParams::default();
     }
 }
@@ -109,7 +111,7 @@ settings! {
 const GRAVITY_MPS2: f64 = 9.81;
 
 impl PhysicsParams {
-    /// What is declared of each setting, those of the parts in place of the parts.
+    /// Returns the declarations of all settings, with each part replaced by its own settings.
     pub fn declared_with_parts() -> Vec<Setting> {
         let parts = [
             LidarParams::declared(),
@@ -130,7 +132,7 @@ impl PhysicsParams {
         [own, parts].concat()
     }
 
-    /// Checks what depends on other settings, and the parts.
+    /// Checks the parts, and the settings that depend on other settings.
     fn check_parts(&self) -> Result<(), OutOfRange> {
         let acceleration = self.wheel_acceleration_mps2;
         let grip = grip_mps2(self.friction);
@@ -150,17 +152,19 @@ impl PhysicsParams {
         self.faults.check()
     }
 
-    /// Returns the size in metres of the smallest cells that the robot fits into, rounded up to millimetres.
+    /// Returns the size in metres of the smallest cells that the robot fits into, rounded up to
+    /// millimetres.
     ///
-    /// The robot drives along the middles of cells. Next to a wall it needs its radius and `arrival_m`, the
-    /// distance at which a move counts as finished.
+    /// The robot drives along the middles of cells. Next to a wall it needs its radius and
+    /// `arrival_m`, the distance at which a move counts as finished.
     pub fn least_cell_m(&self) -> f64 {
-        // A little less than a rounding error, so that whole millimetres stay what they are.
+        // Subtracts slightly more than a rounding error, so that whole millimetres are not rounded
+        // up.
         (2.0 * (self.radius_m + self.arrival_m) * 1000.0 - 1e-6).ceil() / 1000.0
     }
 
-    /// Returns about how long a move takes in cells of this size, in seconds: a quarter turn, the way at full
-    /// speed, and speeding up and braking.
+    /// Returns the approximate duration of a move in cells of this size, in seconds. A move is a
+    /// quarter turn, the path at full speed, and the time to accelerate and brake.
     pub fn move_time_s(&self, cell_size_m: f64) -> f64 {
         let quarter_s = std::f64::consts::FRAC_PI_2 / self.max_turn_radps;
         let speed = self.max_speed_mps;
@@ -169,7 +173,7 @@ impl PhysicsParams {
         quarter_s + cell_size_m / speed + ramps_s / 2.0
     }
 
-    /// The same robot when it drives carefully: gentler in everything, or as gentle as it was.
+    /// Returns the same robot in cautious driving. No value is less gentle than in normal driving.
     pub(super) fn careful(&self) -> Self {
         let care = &self.cautious;
         let gentler = |usual: f64, careful: f64| usual.min(careful);
@@ -187,8 +191,8 @@ impl PhysicsParams {
         }
     }
 
-    /// The robot as its sensors and its onboard computer need to know it, in a maze with cells of
-    /// `cell_size_m`.
+    /// Returns the robot as its sensors and its onboard computer need to know it, in a maze with
+    /// cells of `cell_size_m`.
     pub(super) fn robot(&self, cell_size_m: f64) -> Robot {
         Robot {
             noise: self.noise,
@@ -207,7 +211,7 @@ impl PhysicsParams {
     }
 }
 
-/// The largest acceleration that wheels can bring to a floor of this friction, in m/s^2.
+/// Returns the largest acceleration that wheels can apply to a floor of this friction, in m/s^2.
 pub(super) fn grip_mps2(friction: f64) -> f64 {
     friction * GRAVITY_MPS2
 }
@@ -217,11 +221,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_defaults_lie_in_their_ranges() {
+    fn the_defaults_are_in_their_ranges() {
         assert_eq!(PhysicsParams::default().check(), Ok(()));
     }
 
-    /// Where the numbers of a value stand, as JSON pointers.
+    /// Returns the JSON pointers of all numbers in a value.
     fn numbers(path: &str, value: &serde_json::Value) -> Vec<String> {
         match value.as_object() {
             Some(object) => object
@@ -243,7 +247,7 @@ mod tests {
         for path in numbers("", &defaults) {
             let mut broken = defaults.clone();
             *broken.pointer_mut(&path).unwrap() = 1e6.into();
-            // Whole numbers do not take fractions.
+            // Integers do not accept fractions.
             if defaults.pointer(&path).unwrap().is_u64() {
                 *broken.pointer_mut(&path).unwrap() = 1_000_000_001.into();
             }

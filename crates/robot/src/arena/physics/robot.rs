@@ -1,4 +1,4 @@
-//! The robot's drive: two wheels that push with the force the floor allows.
+//! The robot's drive: two wheels whose force is limited by the floor's friction.
 
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex, Vector2};
 use rapier2d::prelude::{RigidBody, Vector};
@@ -8,7 +8,7 @@ use super::STEP_S;
 use super::motion::{Command, Motion};
 use super::params::{PhysicsParams, grip_mps2};
 
-/// The true motion of the robot's body in the engine.
+/// Returns the true motion of the robot's body in the engine.
 pub(super) fn true_motion(body: &RigidBody) -> Motion {
     let (at, rotation, velocity) = (body.translation(), body.rotation(), body.linvel());
     let heading = Complex::new(f64::from(rotation.re), f64::from(rotation.im));
@@ -27,14 +27,14 @@ pub(super) fn true_motion(body: &RigidBody) -> Motion {
 /// The left and the right wheel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Wheels {
-    /// How fast they roll, in m/s.
+    /// Rolling speeds in m/s.
     speed_mps: [f64; 2],
-    /// How far they have rolled, in metres.
+    /// Rolled distances in metres.
     pub(super) travel_m: [f64; 2],
 }
 
 impl Wheels {
-    /// Lets the motors follow a command for one step, with their lag and limited acceleration.
+    /// Makes the motors follow a command for one step, with their lag and limited acceleration.
     pub(super) fn follow(&mut self, command: Command, params: &PhysicsParams) {
         let share = STEP_S / (params.motor_lag_s + STEP_S);
         let limit = params.wheel_acceleration_mps2 * STEP_S;
@@ -51,8 +51,8 @@ impl Wheels {
         }
     }
 
-    /// Pushes the body toward the wheels' speeds. The floor sees each wheel turn too fast by
-    /// the share `excess`, and bears a force within the circle that its `friction` allows.
+    /// Pushes the body toward the wheels' speeds. On the floor each wheel turns too fast by the
+    /// share `excess`. The force stays within the friction circle given by `friction`.
     pub(super) fn push(
         &self,
         body: &mut RigidBody,

@@ -1,7 +1,7 @@
-//! A robot that knows only what it senses: sensors and on-board computer brought together.
+//! A robot that localises itself: connects the sensors and the onboard computer.
 //!
-//! This is the one place that sees both sides. What is true goes into the sensors, what the
-//! sensors tell goes to the computer on board, and its command goes to the wheels.
+//! Only this module has access to both sides. The true state goes into the sensors, the readings go
+//! to the onboard computer, and the computer's command goes to the wheels.
 
 use nalgebra::{Isometry2, Vector2};
 use serde::{Deserialize, Serialize};
@@ -17,11 +17,11 @@ use crate::world::{Cell, Direction, Maze};
 use xcs::random::Stream;
 use xcscr_sensing::{Belief, Moment, Onboard, Return, SensorState, Sensors, Streams};
 
-/// The lidar turns round so many times before the first action of an episode: of a narrow gap it may
-/// see two beams in a turn, and one of them lost must not close it.
+/// Number of lidar turns before the first action of an episode. In one turn only two beams may pass
+/// a narrow gap, and losing one of them must not close the gap.
 const TURNS_BEFORE_START: u64 = 2;
 
-/// Sensors, the computer on board, and what an observer is shown of them.
+/// Sensors, onboard computer, and the data shown to observers.
 pub(super) struct Sensing {
     sensors: Sensors,
     onboard: Onboard,
@@ -32,14 +32,14 @@ pub(super) struct Sensing {
     beams: Vec<Beam>,
 }
 
-/// What sensors and estimator keep from episode to episode.
+/// State of sensors and estimator that carries over between episodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SensingMemory {
     sensors: SensorState,
     belief: Belief,
 }
 
-/// What sensors and estimator keep from action to action.
+/// State of sensors and estimator that carries over between actions.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct SensingState {
     memory: SensingMemory,
@@ -47,8 +47,8 @@ pub(super) struct SensingState {
 }
 
 impl Sensing {
-    /// The senses of the robot that belongs to `seed`, in a maze with cells of `cell_size_m`; `None` when
-    /// it is told where it is.
+    /// Creates the sensors and the onboard computer of the robot with `seed`, in a maze with cells
+    /// of `cell_size_m`. Returns `None` if the robot gets the true pose.
     pub(super) fn new(params: &PhysicsParams, cell_size_m: f64, seed: u64) -> Option<Box<Self>> {
         let robot = params.robot(cell_size_m);
         let senses = || Self {
@@ -62,7 +62,7 @@ impl Sensing {
         (params.localisation == Localisation::Estimated).then(|| Box::new(senses()))
     }
 
-    /// Where the robot believes to be and how it believes to move.
+    /// Returns the estimated motion of the robot.
     fn motion(&self) -> Motion {
         let (forward_mps, turn_radps) = self.onboard.speeds();
         Motion {
@@ -73,13 +73,13 @@ impl Sensing {
         }
     }
 
-    /// Did the bumper close that leads on the way of a manoeuvre?
+    /// Returns true if the bumper in the direction of travel is closed.
     fn is_bumped(&self, maneuver: &Maneuver) -> bool {
         let [front, rear] = self.onboard.bumped();
         if maneuver.front_leads() { front } else { rear }
     }
 
-    /// What a checkpoint between two episodes needs.
+    /// Returns the state for a checkpoint between two episodes.
     pub(super) fn memory(&self) -> SensingMemory {
         SensingMemory {
             sensors: self.sensors.state(),
@@ -87,14 +87,14 @@ impl Sensing {
         }
     }
 
-    /// Goes on from a checkpoint.
+    /// Restores a checkpoint.
     pub(super) fn recall(&mut self, memory: &SensingMemory) {
         self.sensors.set_state(&memory.sensors);
         let surroundings = self.onboard.surroundings().clone();
         self.onboard.restore(memory.belief.clone(), surroundings);
     }
 
-    /// What a snapshot between two actions needs.
+    /// Returns the state for a snapshot between two actions.
     pub(super) fn state(&self) -> SensingState {
         SensingState {
             memory: self.memory(),
@@ -102,22 +102,22 @@ impl Sensing {
         }
     }
 
-    /// Goes back to a snapshot.
+    /// Restores a snapshot.
     pub(super) fn set_state(&mut self, state: &SensingState) {
         self.sensors.set_state(&state.memory.sensors);
         let belief = state.memory.belief.clone();
         self.onboard.restore(belief, state.surroundings.clone());
     }
 
-    /// Forgets what an observer was shown of the last action.
-    fn begin_notes(&mut self, maze: &Maze) {
+    /// Clears the data shown to observers of the last action.
+    fn begin_records(&mut self, maze: &Maze) {
         self.estimates.clear();
         self.beams.clear();
-        self.note_estimate(maze);
+        self.record_estimate(maze);
     }
 
-    /// Writes down the robot's estimate of now, in the map frame.
-    fn note_estimate(&mut self, maze: &Maze) {
+    /// Records the current estimate, in the map frame.
+    fn record_estimate(&mut self, maze: &Maze) {
         let (robot_in_grid, mut covariance) = self.onboard.estimate();
         if let Some(grid) = maze.grid_in_map() {
             let turn = grid.rotation.to_rotation_matrix().into_inner();
@@ -130,8 +130,8 @@ impl Sensing {
         });
     }
 
-    /// Writes down the beams of the step that began at `start_ns`.
-    fn note_beams(&mut self, start_ns: u64) {
+    /// Records the beams of the step that began at `start_ns`.
+    fn record_beams(&mut self, start_ns: u64) {
         let beams = self.returns.iter().map(|beam| Beam {
             time_ns: start_ns + (beam.moment * STEP_NS as f64) as u64,
             bearing: beam.bearing,
@@ -142,28 +142,32 @@ impl Sensing {
 }
 
 impl PhysicsArena {
-    /// The robot was put down: its lidar turns round before it decides anything.
+    /// Puts the robot down, and lets its lidar turn before the first decision.
     pub(super) fn look_round(&mut self, sensing: &mut Sensing) {
         sensing.sensors.reset();
         sensing.onboard.put_down(self.motion().pose);
-        sensing.begin_notes(&self.maze);
+        sensing.begin_records(&self.maze);
         for _ in 0..TURNS_BEFORE_START * sensing.steps_per_turn {
             self.sense_step(sensing, Vector2::x());
         }
     }
 
-    /// One action of a robot that knows only what it senses.
-    pub(super) fn act_by_senses(&mut self, sensing: &mut Sensing, direction: Direction) -> Outcome {
+    /// Executes one action of a robot that localises itself.
+    pub(super) fn act_with_sensors(
+        &mut self,
+        sensing: &mut Sensing,
+        direction: Direction,
+    ) -> Outcome {
         sensing.onboard.begin_action();
-        sensing.begin_notes(&self.maze);
+        sensing.begin_records(&self.maze);
         let home = sensing.onboard.cell();
         let (east, south) = direction.offset();
         let wanted = [home[0] + east, home[1] - south];
         let (middle, seen) = (sensing.onboard.middle(), sensing.motion());
         let size_m = self.maze.cell_size_m();
         let mut maneuver = Maneuver::new(middle, vector(direction), size_m, &seen);
-        let arrived = self.perform_by_senses(sensing, &mut maneuver);
-        self.cell = self.believed_cell(&sensing.onboard);
+        let arrived = self.perform_with_sensors(sensing, &mut maneuver);
+        self.cell = self.estimated_cell(&sensing.onboard);
         if arrived && maneuver.backs_off() && sensing.onboard.cell() == home {
             let along = self.maze.vector_in_map(-maneuver.along());
             let impulse_ns = Some(self.hits.frontal_impulse_ns(along));
@@ -179,11 +183,11 @@ impl PhysicsArena {
         }
     }
 
-    /// Drives until the manoeuvre ends, and the lidar has turned round. True when that happened within the
-    /// time.
-    fn perform_by_senses(&mut self, sensing: &mut Sensing, maneuver: &mut Maneuver) -> bool {
+    /// Drives until the manoeuvre ends and the lidar has completed a turn. Returns true if both
+    /// happened in time.
+    fn perform_with_sensors(&mut self, sensing: &mut Sensing, maneuver: &mut Maneuver) -> bool {
         let bias = self.noise.wheel_bias();
-        for step in 0..self.most_steps() {
+        for step in 0..self.max_steps() {
             let seen = sensing.motion();
             let slips = sensing.onboard.slips();
             let command = match maneuver.command(&seen, self.profile(slips)) {
@@ -201,7 +205,7 @@ impl PhysicsArena {
         false
     }
 
-    /// Lets one step pass, and tells the computer on board what the sensors make of it.
+    /// Simulates one step, and passes the sensor readings to the onboard computer.
     fn sense_step(&mut self, sensing: &mut Sensing, along: Vector2<f64>) {
         let start_ns = self.time_ns();
         let (step, before) = (self.steps, self.motion().pose);
@@ -218,19 +222,19 @@ impl PhysicsArena {
             .sensors
             .read(&self.maze, &moment, &mut sensing.returns);
         sensing.onboard.step(&readings);
-        sensing.note_beams(start_ns);
-        sensing.note_estimate(&self.maze);
+        sensing.record_beams(start_ns);
+        sensing.record_estimate(&self.maze);
     }
 
-    /// The cell of the maze that the robot believes to stand in, for observers. A belief that no
-    /// cell of the maze fits leaves the last one.
-    fn believed_cell(&self, onboard: &Onboard) -> Cell {
+    /// Returns the estimated cell in the maze, for observers. An estimate outside the free cells
+    /// leaves the last cell.
+    fn estimated_cell(&self, onboard: &Onboard) -> Cell {
         let position_m = onboard.estimate().0.translation.vector.into();
         cell_from_position(&self.maze, position_m, self.cell)
     }
 
-    /// The cell of the grid that the robot believes to stand in, whatever the maze is like there.
-    fn own_cell(&self, onboard: &Onboard) -> Cell {
+    /// Returns the estimated cell in the grid, free or not.
+    fn estimated_grid_cell(&self, onboard: &Onboard) -> Cell {
         let [east, north] = onboard.cell();
         let (width, height) = (i32::from(self.maze.width()), i32::from(self.maze.height()));
         Cell {
@@ -240,14 +244,14 @@ impl PhysicsArena {
         }
     }
 
-    /// What observers and percepts are shown of the senses.
+    /// Returns the sensor data for observers and percepts.
     pub(super) fn sensed(&self) -> Option<Sensed<'_>> {
         let sensing = self.sensing.as_ref()?;
         let cell_of = |pose: Isometry2<f64>| self.maze.cell_in_grid(pose.translation.vector.into());
         let (truth, estimate) = (self.motion().pose, sensing.onboard.estimate().0);
         Some(Sensed {
             surroundings: sensing.onboard.surroundings(),
-            cell: self.own_cell(&sensing.onboard),
+            cell: self.estimated_grid_cell(&sensing.onboard),
             estimates: &sensing.estimates,
             beams: &sensing.beams,
             lost: cell_of(truth) != cell_of(estimate),
@@ -255,7 +259,7 @@ impl PhysicsArena {
     }
 }
 
-/// The random numbers that the sensors of the robot that belongs to `seed` draw from.
+/// Returns the random streams of the sensors of the robot with `seed`.
 fn streams(seed: u64) -> Streams {
     Streams {
         lidar: Stream::new(seed, StreamName::Lidar),

@@ -1,10 +1,10 @@
-//! Motion without the engine while no wall is in the way: faster, with the same bits.
+//! Motion without the engine while no wall is in the way: faster, and bit-identical.
 //!
-//! A free body moves in the engine as in [`coast`]. That holds while each wall within the engine's
-//! prediction distance stays out of touch during the whole step, so that its contact gets no impulse,
-//! *and* no wall pushed in the engine's last step (the next one would start with that push), with
-//! contact recycling, continuous collision detection, the cap on turn rates, gravity and damping off.
-//! `tests/world/physics.rs` compares the bits.
+//! In the engine a free body moves as in [`coast`]. This holds under two conditions. Each wall
+//! within the engine's prediction distance stays out of touch during the whole step, so that its
+//! contact gets no impulse. *And* no wall pushed in the engine's last step, because the next step
+//! would start with that push. Contact recycling, continuous collision detection, the cap on turn
+//! rates, gravity and damping must be off. `tests/world/physics.rs` compares the bits.
 
 use nalgebra::Vector2;
 use rapier2d::prelude::{Pose, RigidBody, Rotation};
@@ -12,14 +12,14 @@ use rapier2d::prelude::{Pose, RigidBody, Rotation};
 use super::{SOLVER_ITERATIONS, STEP_S};
 use crate::world::{Cell, Maze};
 
-/// The engine pushes back what would touch within its step and one part of it more: at the end of
-/// a step it asks whether the next part fits.
-const FORESIGHT: f64 = 1.0 + 1.0 / SOLVER_ITERATIONS as f64;
+/// How many steps ahead the engine looks: it pushes back what would touch within its step and one
+/// substep more. At the end of a step it tests the next substep.
+const LOOKAHEAD_STEPS: f64 = 1.0 + 1.0 / SOLVER_ITERATIONS as f64;
 
-/// Distance in metres beyond the engine's prediction distance: more than any rounding.
+/// Distance in metres beyond the engine's prediction distance; larger than any rounding error.
 const MARGIN_M: f64 = 0.001;
 
-/// Knows which walls the engine looks at, and whether the robot can touch one of them.
+/// Finds the walls that the engine considers, and tests whether the robot can touch one of them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clearance {
     radius_m: f64,
@@ -28,7 +28,8 @@ pub(super) struct Clearance {
 }
 
 impl Clearance {
-    /// For a robot of `radius_m` in an engine that predicts contacts by `prediction_m`.
+    /// Creates a check for a robot of `radius_m` in an engine with a prediction distance of
+    /// `prediction_m`.
     pub(super) fn new(radius_m: f64, prediction_m: f64) -> Self {
         Self {
             radius_m,
@@ -36,33 +37,34 @@ impl Clearance {
         }
     }
 
-    /// Does `body` keep off all walls during its next step?
+    /// Returns true if `body` touches no wall during its next step.
     pub(super) fn is_clear(&self, maze: &Maze, body: &RigidBody) -> bool {
         let vector = |of: rapier2d::prelude::Vector| Vector2::new(f64::from(of.x), f64::from(of.y));
         let way = vector(body.linvel()) * STEP_S;
-        // Fast bodies are predicted as far as they move in a step.
+        // The prediction distance of fast bodies is the distance that they move in a step.
         let reach = self.radius_m + self.prediction_m.max(way.norm()) + MARGIN_M;
-        // With a longer reach there would be walls on both sides to look at.
+        // With a longer reach there could be walls on both sides.
         reach < 0.5 * maze.cell_size_m()
             && walls_around(maze, vector(body.translation()), reach)
                 .into_iter()
                 .flatten()
-                .all(|from_wall| self.keeps_off(from_wall, way))
+                .all(|from_wall| self.stays_clear(from_wall, way))
     }
 
-    /// Does a robot whose middle lies at `from_wall`, seen from the nearest point of a wall, keep off
-    /// it on its `way`? As the engine, this takes the wall for a plane, which is nearer than the wall.
-    fn keeps_off(&self, from_wall: Vector2<f64>, way: Vector2<f64>) -> bool {
+    /// Returns true if a robot touches no wall when it moves by `way`. `from_wall` is the vector
+    /// from the nearest point of the wall to the middle of the robot. Like the engine, this treats
+    /// the wall as a plane, which is nearer than the wall.
+    fn stays_clear(&self, from_wall: Vector2<f64>, way: Vector2<f64>) -> bool {
         let distance = from_wall.norm();
         let gap = distance - self.radius_m;
         let receded = from_wall.dot(&way) / distance;
-        // A distance of 0 makes `receded` no number, and no number is greater than the margin.
-        gap > MARGIN_M && gap + FORESIGHT * receded > MARGIN_M
+        // A distance of 0 makes `receded` NaN, and NaN is not greater than the margin.
+        gap > MARGIN_M && gap + LOOKAHEAD_STEPS * receded > MARGIN_M
     }
 }
 
-/// The walls closer than `reach` (below half a cell) to the point `at`, each as the way from its
-/// nearest point to `at`; in metres.
+/// Returns the walls closer than `reach` (below half a cell) to the point `at`. Each is the vector
+/// from its nearest point to `at`, in metres.
 fn walls_around(maze: &Maze, at: Vector2<f64>, reach: f64) -> [Option<Vector2<f64>>; 4] {
     let size_m = maze.cell_size_m();
     let (col, up) = ((at.x / size_m).floor(), (at.y / size_m).floor());
@@ -84,8 +86,9 @@ fn walls_around(maze: &Maze, at: Vector2<f64>, reach: f64) -> [Option<Vector2<f6
     ]
 }
 
-/// The step to the neighbouring cell within `reach` along one axis, and the gap to it, for a point at
-/// `offset` in its cell; none and no gap, which is the cell itself, when there is none.
+/// Returns the step to the neighbouring cell within `reach` along one axis, and the gap to that
+/// cell, for a point at `offset` in its own cell. If no neighbour is within reach, both are 0,
+/// which means the cell itself.
 fn nearer_side(offset: f64, reach: f64, size_m: f64) -> (f64, f64) {
     if offset < reach {
         (-1.0, offset)
@@ -96,7 +99,7 @@ fn nearer_side(offset: f64, reach: f64, size_m: f64) -> (f64, f64) {
     }
 }
 
-/// Moves a body for one step as the engine would do, by the engine's own formula.
+/// Moves a body for one step, with the engine's own formula.
 pub(super) fn coast(body: &mut RigidBody) {
     let substep = STEP_S as f32 / SOLVER_ITERATIONS as f32;
     let (velocity, turn) = (body.linvel(), body.angvel() * substep);
@@ -119,7 +122,8 @@ mod tests {
 
     const ROWS: [&str; 5] = ["######", "#S.#.#", "##...#", "#..#G#", "######"];
 
-    /// How far the walls closer than `reach` to a point are, nearest first, by looking at all walls.
+    /// Returns the distances of all walls closer than `reach` to a point, nearest first, by testing
+    /// every wall.
     fn distances(maze: &Maze, x: f64, y: f64, reach: f64) -> Vec<f64> {
         let beyond = |low: f64, at: f64| -> f64 { (low - at).max(at - low - 1.0).max(0.0) };
         let distance = |cell: Cell| {
@@ -130,7 +134,7 @@ mod tests {
         sorted(walls.map(distance).filter(|&distance| distance < reach))
     }
 
-    /// Ascending, without what differs by rounding only.
+    /// Sorts in ascending order, and removes values that differ only by rounding.
     fn sorted(numbers: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut numbers: Vec<f64> = numbers.collect();
         numbers.sort_by(f64::total_cmp);
@@ -163,17 +167,17 @@ mod tests {
         let clearance = Clearance::new(0.3, 0.002);
         // Its edge is 2 cm east of a wall.
         let from_wall = Vector2::new(0.32, 0.0);
-        let keeps_off = |x, y| clearance.keeps_off(from_wall, Vector2::new(x, y));
-        assert!(keeps_off(0.05, 0.0), "away from it");
-        assert!(keeps_off(0.0, 0.05), "along it");
-        assert!(keeps_off(-0.01, 0.0), "towards it, but not as far as that");
-        assert!(!keeps_off(-0.02, 0.0), "into it");
+        let stays_clear = |x, y| clearance.stays_clear(from_wall, Vector2::new(x, y));
+        assert!(stays_clear(0.05, 0.0), "away from it");
+        assert!(stays_clear(0.0, 0.05), "along it");
+        assert!(stays_clear(-0.01, 0.0), "towards it, but stopping short");
+        assert!(!stays_clear(-0.02, 0.0), "into it");
         assert!(
-            !clearance.keeps_off(Vector2::new(0.3, 0.0), Vector2::new(0.05, 0.0)),
+            !clearance.stays_clear(Vector2::new(0.3, 0.0), Vector2::new(0.05, 0.0)),
             "in touch"
         );
         assert!(
-            !clearance.keeps_off(Vector2::zeros(), Vector2::new(0.05, 0.0)),
+            !clearance.stays_clear(Vector2::zeros(), Vector2::new(0.05, 0.0)),
             "in the wall"
         );
     }

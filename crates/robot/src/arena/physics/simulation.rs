@@ -1,4 +1,4 @@
-//! The engine: one robot among fixed walls, lengths in metres of the grid frame.
+//! The physics engine: one robot among fixed walls, lengths in metres of the grid frame.
 
 use nalgebra::Point2;
 use rapier2d::prelude::{
@@ -16,20 +16,21 @@ use super::{SOLVER_ITERATIONS, STEP_S};
 use crate::world::Maze;
 use xcscr_sensing::Push;
 
-/// How far ahead the engine looks for walls, in metres: more than any robot drives in a step. The engine
-/// brakes the robot so that it ends the step at the wall and not inside; without, the robot enters walls
-/// by up to 6 cm at 1.4 m/s.
+/// How far ahead the engine looks for walls, in metres: farther than any robot drives in a step.
+/// The engine brakes the robot so that it ends the step at the wall and not inside. Without the
+/// lookahead the robot enters walls by up to 6 cm at 1.4 m/s.
 const LOOKAHEAD_M: f64 = 0.15;
 
-/// The engine's world, and whether it can be left alone.
+/// The engine's world, and the state that decides whether a step can skip the engine.
 pub(super) struct Simulation {
     world: PhysicsWorld,
     listener: Listener,
     robot: RigidBodyHandle,
     shape: ColliderHandle,
-    /// `None` when every step is the engine's.
+    /// `None` if the engine computes every step.
     clearance: Option<Clearance>,
-    /// Did a wall push the robot in the engine's last step? The next step begins with that push.
+    /// True if a wall pushed the robot in the engine's last step. The next step begins with that
+    /// push.
     pushed: bool,
 }
 
@@ -45,14 +46,14 @@ pub(super) struct State {
 }
 
 impl Simulation {
-    /// Walls, and a robot clear of them.
+    /// Creates the walls, and a robot clear of them.
     pub(super) fn new(walls: SharedShape, at: Pose, params: &PhysicsParams) -> Self {
         let mut world = empty_world();
         world.insert_collider(ColliderBuilder::new(walls), None);
         let body = RigidBodyBuilder::dynamic()
             .pose(at)
             .can_sleep(false)
-            // Otherwise the engine caps the turn rate, which the shortcut does not do.
+            // Otherwise the engine caps the turn rate, and the shortcut does not.
             .allow_fast_rotation(true)
             .soft_ccd_prediction(LOOKAHEAD_M as f32);
         let disc = ColliderBuilder::ball(params.radius_m as f32)
@@ -71,22 +72,23 @@ impl Simulation {
                 .then(|| Clearance::new(params.radius_m, prediction)),
             pushed: false,
         };
-        // The first step files the walls, which takes longer than all others.
+        // The first step builds the search structure of the walls, and takes longer than all
+        // others.
         simulation.step();
         simulation
     }
 
-    /// The robot's body.
+    /// Returns the robot's body.
     pub(super) fn body(&self) -> &RigidBody {
         &self.world.bodies[self.robot]
     }
 
-    /// The robot's body, to be pushed.
+    /// Returns the robot's body, mutably.
     pub(super) fn body_mut(&mut self) -> &mut RigidBody {
         &mut self.world.bodies[self.robot]
     }
 
-    /// Lets one step pass. Gives the pushes of walls during it, and the body after it.
+    /// Simulates one step. Returns the pushes of walls during the step, and the body after it.
     pub(super) fn advance(&mut self, maze: &Maze) -> (&[Push], &RigidBody) {
         self.listener.pushes().clear();
         let body = &mut self.world.bodies[self.robot];
@@ -98,12 +100,12 @@ impl Simulation {
         (self.listener.pushes(), &self.world.bodies[self.robot])
     }
 
-    /// The pushes of walls during the last step.
+    /// Returns the pushes of walls during the last step.
     pub(super) fn pushes(&mut self) -> &[Push] {
         self.listener.pushes()
     }
 
-    /// Lets the engine compute a step.
+    /// Computes a step with the engine.
     fn step(&mut self) {
         self.world.step_with_events(&(), &self.listener);
         self.pushed = self
@@ -113,12 +115,12 @@ impl Simulation {
             .any(|pair| pair.total_impulse_magnitude() > 0.0);
     }
 
-    /// Has the engine given up the robot, because its motion is no number any more?
+    /// Returns true if the engine has dropped the robot because its motion became NaN.
     pub(super) fn lost_robot(&self) -> bool {
         !self.world.quarantine().is_empty()
     }
 
-    /// A copy of the state.
+    /// Returns a copy of the state.
     pub(super) fn state(&self) -> State {
         State {
             islands: self.world.islands.clone(),
@@ -130,7 +132,7 @@ impl Simulation {
         }
     }
 
-    /// Puts a state back.
+    /// Restores a state.
     pub(super) fn set_state(&mut self, state: &State) {
         self.world.islands = state.islands.clone();
         self.world.broad_phase = state.broad_phase.clone();
@@ -141,34 +143,34 @@ impl Simulation {
     }
 }
 
-/// The walls of a maze in one shape: separate ones would be solved in the order
-/// in which the robot came near them, and that order is history that a reset and the shortcut do
-/// not know.
+/// Builds the walls of a maze as one shape. The engine would solve separate walls in the order in
+/// which the robot approached them. Neither a reset nor the shortcut can reproduce that history.
 pub(super) fn walls(blocks: &[Block], maze: &Maze) -> SharedShape {
     SharedShape::compound(blocks.iter().map(|block| wall(block, maze)).collect())
 }
 
-/// The pose at a point, heading east.
+/// Returns the pose at a point, heading east.
 pub(super) fn eastward(at: Point2<f64>) -> Pose {
     Pose::from_parts(Vector::new(at.x as f32, at.y as f32), Rotation::IDENTITY)
 }
 
-/// A world without gravity, with the step and the solver that the robot is tuned for.
+/// Creates a world without gravity, with the step and the solver settings that the robot is tuned
+/// for.
 fn empty_world() -> PhysicsWorld {
     let mut world = PhysicsWorld::new();
     world.gravity = Vector::ZERO;
     let integration = &mut world.integration_parameters;
     integration.dt = STEP_S as f32;
     integration.num_solver_iterations = SOLVER_ITERATIONS;
-    // The prediction of contacts above does this work.
+    // The contact prediction above replaces continuous collision detection.
     integration.max_ccd_substeps = 0;
-    // Contacts that carry history over make the shortcut inexact.
+    // Contacts with carried-over history would make the shortcut inexact.
     integration.contact_recycling = false;
     integration.contact_clustering = false;
     world
 }
 
-/// A block of walls in the grid frame, whose y axis points north.
+/// Converts a block of walls to a shape in the grid frame, whose y axis points north.
 fn wall(block: &Block, maze: &Maze) -> (Pose, SharedShape) {
     let metres = |cells: f64| (cells * maze.cell_size_m()) as f32;
     let (width, height) = (block.width as f64, block.height as f64);

@@ -1,4 +1,4 @@
-//! The whole state of a physics arena, to be put aside and put back.
+//! Snapshots of the whole state of a physics arena.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,8 +11,8 @@ use xcs::random::Stream;
 
 /// Everything that changes while a [`PhysicsArena`] runs, down to the forces in a contact.
 ///
-/// An arena of the same maze and the same settings that is given a snapshot goes on with the
-/// same bits as the arena that it was taken from.
+/// After restoring a snapshot, an arena of the same maze and settings continues bit-identically to
+/// the original arena.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Snapshot {
     state: State,
@@ -20,12 +20,12 @@ pub struct Snapshot {
     noise: Stream,
     steps: u64,
     cell: Cell,
-    /// `None` for a robot that is told where it is.
+    /// `None` for a robot that gets the true pose.
     sensing: Option<SensingState>,
 }
 
 impl PhysicsArena {
-    /// The state between two actions.
+    /// Returns the state between two actions.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {
             state: self.simulation.state(),
@@ -37,8 +37,8 @@ impl PhysicsArena {
         }
     }
 
-    /// Goes back to a snapshot of an arena of the same maze and the same settings. The view
-    /// then shows a robot that has not acted yet.
+    /// Restores a snapshot of an arena of the same maze and the same settings. The view then shows
+    /// a robot that has not acted yet.
     pub fn restore(&mut self, snapshot: &Snapshot) {
         self.simulation.set_state(&snapshot.state);
         self.wheels = snapshot.wheels;

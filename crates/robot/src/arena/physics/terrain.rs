@@ -11,7 +11,7 @@ impl Terrain for Maze {
     }
 
     fn is_wall(&self, east: i32, north: i32) -> bool {
-        // Beyond the border is a wall: negative numbers become large ones.
+        // Cells beyond the border are walls: negative numbers become large ones.
         let row = i32::from(self.height()) - 1 - north;
         let (col, row) = (east as u16, row as u16);
         Self::is_wall(self, Cell { col, row })
@@ -48,7 +48,7 @@ mod tests {
         Maze::from_json(format!(r#"{{ "rows": {ROWS:?} }}"#).as_bytes(), "m").unwrap()
     }
 
-    /// The same walls as shapes of parry2d, in single precision.
+    /// Returns the same walls as shapes of parry2d, in single precision.
     fn oracle(maze: &Maze) -> Compound {
         let is_wall = |col: usize, row: usize| {
             let (col, row) = (col as u16, row as u16);
@@ -68,14 +68,15 @@ mod tests {
     }
 
     #[test]
-    fn rays_are_as_long_as_those_of_parry() {
+    fn rays_are_as_long_as_with_parry() {
         let (maze, mut random) = (maze(), Stream::new(1, StreamName::Start));
         let oracle = oracle(&maze);
         let free: Vec<Cell> = maze.free_cells().collect();
         let (mut worst, mut hits) = (0.0_f64, 0);
         for number in 0..20_000 {
             let cell = free[random.below(free.len())];
-            // Numbers that single precision holds exactly, so that both cast the same ray.
+            // Single precision represents these numbers exactly, so that both sides cast the same
+            // ray.
             let offset =
                 |random: &mut Stream| 0.1 + random.below(1 << 12) as f64 / f64::from(1 << 12) * 0.8;
             let (east, north) = (offset(&mut random), offset(&mut random));
@@ -98,7 +99,7 @@ mod tests {
             };
             hits += 1;
             let difference = (ours - theirs).abs();
-            // At a corner single precision may see the one wall or the other.
+            // Near a corner, single precision may hit either wall.
             assert!(
                 difference < 1e-4 || is_near_corner(origin + ours.min(theirs) * direction),
                 "ray {number} from {origin:?} along {direction:?}: {ours}, parry {theirs}"
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn worked_rays() {
+    fn rays_match_a_calculation_by_hand() {
         let (maze, middle) = (maze(), Vector2::new(1.5, 5.5));
         let diagonal = Vector2::new(0.6, -0.8);
         assert_eq!(cast(&maze, middle, Vector2::x(), 8.0), Some(2.5));
@@ -124,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_beyond_the_limit_is_not_seen() {
+    fn a_wall_beyond_the_limit_is_not_hit() {
         let (maze, middle) = (maze(), Vector2::new(1.5, 5.5));
         assert_eq!(cast(&maze, middle, Vector2::x(), 2.4), None);
         assert_eq!(cast(&maze, middle, Vector2::new(f64::NAN, 0.0), 2.4), None);

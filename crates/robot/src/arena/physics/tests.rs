@@ -1,7 +1,7 @@
 use super::*;
 use crate::streams::StreamName;
 
-/// A maze with many corners; `settings` are further keys of its world file.
+/// Returns a maze with many corners; `settings` are further keys of its world file.
 fn maze(settings: &str) -> Maze {
     let rows = [
         "#######", "#S..#.#", "#.#...#", "#...#.#", "#.#..G#", "#######",
@@ -14,9 +14,9 @@ fn arena(settings: &str, params: &PhysicsParams, seed: u64) -> Result<PhysicsAre
     PhysicsArena::new(maze(settings), params.clone(), seed)
 }
 
-/// Noise and haste bring the robot into corners, where the order of contacts counts.
+/// Noise and short timeouts bring the robot into corners, where the order of contacts matters.
 #[test]
-fn a_reset_world_goes_on_like_a_fresh_one_with_the_same_clock_and_noise() {
+fn a_reset_arena_continues_like_a_new_one_with_the_same_clock_and_noise() {
     for (level, time_out_s) in [(1.0, 10.0), (3.0, 10.0), (5.0, 0.5)] {
         let params = PhysicsParams {
             noise: level,
@@ -43,7 +43,7 @@ fn a_reset_world_goes_on_like_a_fresh_one_with_the_same_clock_and_noise() {
 }
 
 #[test]
-fn a_world_that_makes_no_sense_in_physics_is_refused_with_a_way_out() {
+fn a_world_that_cannot_be_simulated_is_refused_with_a_hint() {
     for settings in [r#""moves": 8,"#, r#""wrap": true,"#] {
         let error = arena(settings, &PhysicsParams::default(), 1).map(|_| ());
         let message = error.unwrap_err().to_string();
@@ -65,7 +65,7 @@ fn a_setting_out_of_range_is_refused() {
 }
 
 #[test]
-fn an_action_that_the_world_does_not_have_moves_nothing() {
+fn an_action_that_the_world_does_not_have_does_not_move_the_robot() {
     let mut arena = arena("", &PhysicsParams::default(), 1).unwrap();
     let action = Action::new(4).unwrap();
     assert_eq!(arena.act(action), Outcome::Stalled);

@@ -1,20 +1,20 @@
-//! Few large blocks instead of many wall cells.
+//! Merges many wall cells into few large blocks.
 
 /// A block of wall cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Block {
-    /// Its westernmost column.
+    /// The westernmost column.
     pub col: usize,
-    /// Its northernmost row.
+    /// The northernmost row.
     pub row: usize,
-    /// Columns that it spans.
+    /// The number of columns.
     pub width: usize,
-    /// Rows that it spans.
+    /// The number of rows.
     pub height: usize,
 }
 
 impl Block {
-    /// The block's cells as column and row.
+    /// Returns the block's cells as column and row.
     fn cells(self) -> impl Iterator<Item = (usize, usize)> {
         let rows = self.row..self.row + self.height;
         rows.flat_map(move |row| (self.col..self.col + self.width).map(move |col| (col, row)))
@@ -23,8 +23,8 @@ impl Block {
 
 /// Covers every wall cell of a `width` x `height` grid with exactly one block.
 ///
-/// Greedy in reading order: each block grows east as far as it can, then south. The order of
-/// the blocks is fixed by the grid, and with it the order in which contacts are solved.
+/// Greedy in reading order: each block grows east as far as possible, then south. The grid fixes
+/// the order of the blocks, and thus the order in which contacts are solved.
 pub(super) fn merge(
     width: usize,
     height: usize,
@@ -47,7 +47,7 @@ pub(super) fn merge(
     blocks
 }
 
-/// The block that starts at cell `first` and covers only cells that are still `open`.
+/// Returns the block that starts at cell `first` and covers only cells that are still `open`.
 fn grow(open: &[bool], width: usize, first: usize) -> Block {
     let (col, row) = (first % width, first / width);
     let run = |row: usize| open[row * width + col..(row + 1) * width].iter();

@@ -8,11 +8,11 @@ use crate::arena::Arena;
 use crate::world::Cell;
 use xcscr_sensing::cast;
 
-/// A robot whose wheels are driven directly: one physics step of 50 ms at a time, with the same body, wheels, floor, walls
-/// and wheel noise as in [`PhysicsArena`].
+/// A robot whose wheels are driven directly, one physics step of 50 ms at a time. Body, wheels,
+/// floor, walls and wheel noise are the same as in [`PhysicsArena`].
 pub struct WheelDrive {
     arena: PhysicsArena,
-    /// The share by which each wheel turns too fast in this episode.
+    /// The relative excess speed of each wheel in this episode.
     bias: [f64; 2],
 }
 
@@ -25,12 +25,13 @@ impl WheelDrive {
         }
     }
 
-    /// The arena, for its view.
+    /// Returns the arena, for its view.
     pub fn arena(&self) -> &PhysicsArena {
         &self.arena
     }
 
-    /// Puts the robot at rest into the middle of a free cell, heading in radians counter-clockwise from the grid's x axis.
+    /// Puts the robot at rest in the middle of a free cell. The heading is in radians,
+    /// counter-clockwise from the grid's x axis.
     pub fn reset(&mut self, start: Cell, heading_rad: f64) {
         self.arena.reset(start);
         let body = self.arena.simulation.body_mut();
@@ -41,8 +42,9 @@ impl WheelDrive {
         self.arena.begin_trace();
     }
 
-    /// Drives for one step of 50 ms. The motors follow the wanted speeds of the left and the right rim, in m/s, with their lag
-    /// and limited acceleration; the wheels push as far as the floor's friction allows.
+    /// Drives for one step of 50 ms. The motors follow the commanded speeds of the left and right
+    /// rim, in m/s, with their lag and limited acceleration. The floor's friction limits the force
+    /// of the wheels.
     pub fn step(&mut self, rims_mps: [f64; 2]) {
         let arena = &mut self.arena;
         arena.begin_trace();
@@ -62,13 +64,13 @@ impl WheelDrive {
         arena.cell = cell_from_position(&arena.maze, position_m, arena.cell);
     }
 
-    /// The largest speed of a rim in m/s.
+    /// Returns the largest speed of a rim in m/s.
     pub fn max_speed_mps(&self) -> f64 {
         self.arena.params.max_speed_mps
     }
 
-    /// The distances in metres to the first wall, at most `limit_m`, in so many directions, evenly apart and counter-clockwise
-    /// from straight ahead.
+    /// Returns the distances in metres to the first wall, at most `limit_m`, in `beams` evenly
+    /// spaced directions. The first is straight ahead, the others follow counter-clockwise.
     pub fn ranges_m(&self, beams: usize, limit_m: f64) -> Vec<f64> {
         let pose = self.arena.motion().pose;
         let apart_rad = std::f64::consts::TAU / beams.max(1) as f64;
@@ -86,8 +88,8 @@ impl WheelDrive {
         ranges.collect()
     }
 
-    /// The distance to the middle of the nearest goal cell in metres, in a straight line, and its bearing in radians,
-    /// counter-clockwise from straight ahead.
+    /// Returns the straight-line distance to the middle of the nearest goal cell in metres, and its
+    /// bearing in radians, counter-clockwise from straight ahead.
     pub fn goal(&self) -> (f64, f64) {
         let pose = self.arena.motion().pose;
         let goals = self.arena.maze.goals().iter();
@@ -100,7 +102,7 @@ impl WheelDrive {
         nearest.expect("every maze has a goal")
     }
 
-    /// Does the middle of the robot stand in a goal cell?
+    /// Returns true if the middle of the robot is in a goal cell.
     pub fn has_arrived(&self) -> bool {
         self.arena.maze.is_goal(self.arena.cell)
     }
@@ -112,7 +114,7 @@ mod tests {
     use crate::arena::PhysicsParams;
     use crate::world::Maze;
 
-    /// A robot without noise at the western end of a corridor of three cells of 1 m.
+    /// Returns a robot without noise at the western end of a corridor of three cells of 1 m.
     fn corridor() -> WheelDrive {
         let world = br######"{ "rows": ["#####", "#S.G#", "#####"] }"######;
         let maze = Maze::from_json(world, "corridor.json").unwrap();
@@ -134,7 +136,7 @@ mod tests {
             drive.step([1.0, 1.0]);
             arrived = arrived.or(drive.has_arrived().then_some(step));
         }
-        // 1.5 m to the goal cell at 1 m/s, and a few steps to speed up.
+        // 1.5 m to the goal cell at 1 m/s, and a few steps to accelerate.
         assert!((28..36).contains(&arrived.unwrap()), "{arrived:?}");
         let at = drive.arena().view().now().robot_in_map.translation;
         assert!(
@@ -156,7 +158,7 @@ mod tests {
     fn ranges_begin_straight_ahead_and_go_counter_clockwise() {
         let drive = corridor();
         let ranges = drive.ranges_m(4, 2.0);
-        // East to the limit, north, west, south: half a cell each.
+        // East to the limit, then north, west and south: half a cell each.
         let expected = [2.0, 0.5, 0.5, 0.5];
         for (range, expected) in ranges.iter().zip(expected) {
             assert!((range - expected).abs() < 1e-6, "{ranges:?}");

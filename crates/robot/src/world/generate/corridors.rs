@@ -1,4 +1,4 @@
-//! Corridors side by side.
+//! Parallel corridors.
 
 use super::field::Field;
 use xcs::random::Stream;

@@ -1,4 +1,4 @@
-//! A maze in the making.
+//! A maze under construction.
 
 use std::collections::VecDeque;
 
@@ -6,14 +6,14 @@ use crate::world::direction::{Direction, Moves};
 use crate::world::maze::{Cell, Maze};
 use crate::world::origin::Origin;
 
-/// A square of cells, all walls at first.
+/// A square of cells, initially all walls.
 pub struct Field {
     side: u16,
     walls: Vec<bool>,
 }
 
 impl Field {
-    /// A solid block.
+    /// Creates a solid block.
     pub fn new(side: u16) -> Self {
         Self {
             side,
@@ -21,7 +21,7 @@ impl Field {
         }
     }
 
-    /// The last column and row within the border.
+    /// Returns the last column and row inside the border.
     pub fn last(&self) -> u16 {
         self.side - 2
     }
@@ -30,7 +30,7 @@ impl Field {
         usize::from(cell.row) * usize::from(self.side) + usize::from(cell.col)
     }
 
-    /// Is the cell a wall?
+    /// Returns true if the cell is a wall.
     pub fn is_wall(&self, col: u16, row: u16) -> bool {
         self.walls[self.index(Cell { col, row })]
     }
@@ -41,14 +41,14 @@ impl Field {
         self.walls[at] = wall;
     }
 
-    /// Makes all cells within the border free.
+    /// Makes all cells inside the border free.
     pub fn clear(&mut self) {
         for row in 1..=self.last() {
             (1..=self.last()).for_each(|col| self.set_wall(col, row, false));
         }
     }
 
-    /// The maze: cells that cannot be reached from the start become walls.
+    /// Converts to a maze. Cells that cannot be reached from the start become walls.
     pub fn into_maze(mut self, name: String) -> Maze {
         let start = self.largest_part_start();
         let order = self.reached_from(start);
@@ -70,11 +70,11 @@ impl Field {
             goals: vec![goal],
             floor: None,
             auxiliary: None,
-            kept: Default::default(),
+            cache: Default::default(),
         }
     }
 
-    /// The first cell, in reading order, of the largest connected part.
+    /// Returns the first cell, in reading order, of the largest connected part.
     fn largest_part_start(&self) -> Cell {
         let mut seen = vec![false; self.walls.len()];
         let mut best = (0, Cell { col: 1, row: 1 });
@@ -94,7 +94,7 @@ impl Field {
         best.1
     }
 
-    /// The cells that can be reached from a free one, in the order of their distance.
+    /// Returns the cells reachable from a free cell, in the order of their distance.
     fn reached_from(&self, start: Cell) -> Vec<Cell> {
         let mut seen = vec![false; self.walls.len()];
         seen[self.index(start)] = true;
@@ -104,7 +104,7 @@ impl Field {
             order.push(cell);
             for direction in Direction::MAIN {
                 let (east, south) = direction.offset();
-                // The border is wall, so that there is a neighbour on every side.
+                // The border is wall, so there is a neighbour on every side.
                 let next = Cell {
                     col: cell.col.wrapping_add_signed(east as i16),
                     row: cell.row.wrapping_add_signed(south as i16),

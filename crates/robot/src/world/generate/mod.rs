@@ -1,4 +1,4 @@
-//! Mazes made by chance: the same kind, size and seed give the same maze.
+//! Randomly generated mazes: the same kind, size and seed give the same maze.
 
 mod corridors;
 mod dfs;
@@ -17,20 +17,20 @@ use strum::{IntoStaticStr, VariantArray};
 use xcs::bounds::{OutOfRange, within};
 use xcs::random::Stream;
 
-/// How many cells a generated maze may have on each side.
+/// The allowed numbers of cells on each side of a generated maze.
 const SIDES: RangeInclusive<u16> = 5..=1024;
 
-/// How a maze is made.
+/// The algorithm that generates a maze.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum MazeKind {
-    /// Winding passages with dead ends and a single way between any two cells.
+    /// Winding passages with dead ends and a single path between any two cells.
     Dfs,
-    /// Rooms behind rooms, each wall with one door.
+    /// Rooms by recursive division, each wall with one door.
     Rooms,
-    /// Obstacles strewn over a field.
+    /// Obstacles scattered over a field.
     Random,
-    /// Long corridors side by side, with two openings from each to the next.
+    /// Long parallel corridors, with two openings from each to the next.
     Corridors,
 }
 
@@ -38,27 +38,28 @@ impl MazeKind {
     /// All kinds.
     pub const ALL: &[Self] = Self::VARIANTS;
 
-    /// The name on the command line and in names of worlds.
+    /// Returns the name used on the command line and in names of worlds.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// All that decides what a generated maze looks like. Its text, such as `rooms-12-3`, is the name
-/// of the maze.
+/// The complete description of a generated maze. Its text, such as `rooms-12-3`, is the name of the
+/// maze.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Recipe {
-    /// How it is made.
+    /// The algorithm.
     pub kind: MazeKind,
-    /// Cells on each side, the border among them; 5 to 1024.
+    /// Cells on each side, including the border; 5 to 1024.
     pub size: u16,
     /// The root of its random stream.
     pub seed: u64,
 }
 
 impl Recipe {
-    /// The maze: square, with a closed border, four moves and cells of one metre. Every free cell
-    /// can be reached; the start is the first of them, the goal the one furthest from it.
+    /// Generates the maze: square, with a closed border, four moves and cells of one metre. Every
+    /// free cell is reachable. The start is the first free cell in reading order, the goal the one
+    /// farthest from it.
     ///
     /// # Errors
     /// When the size is out of range.
@@ -83,7 +84,7 @@ impl fmt::Display for Recipe {
     }
 }
 
-/// A text that is no recipe.
+/// The text is not a recipe.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("expected kind, size and seed, such as `rooms-12-3`")]
 pub struct NoRecipe;
@@ -101,7 +102,7 @@ impl FromStr for Recipe {
             size: size.parse().map_err(|_| NoRecipe)?,
             seed: seed.parse().map_err(|_| NoRecipe)?,
         };
-        // One name for one maze: no signs, no leading zeros, nothing behind.
+        // Each maze has exactly one name: no signs, no leading zeros, no extra parts.
         (recipe.to_string() == text)
             .then_some(recipe)
             .ok_or(NoRecipe)
@@ -138,13 +139,13 @@ mod tests {
         }
 
         #[test]
-        fn a_recipe_reads_as_it_prints(recipe in recipe()) {
+        fn a_recipe_is_parsed_from_its_display(recipe in recipe()) {
             prop_assert_eq!(recipe.to_string().parse(), Ok(recipe));
         }
     }
 
     #[test]
-    fn sizes_that_cannot_be_are_refused_and_names_that_are_none_too() {
+    fn sizes_out_of_range_and_invalid_names_are_refused() {
         for size in [0, 4, 1025] {
             let kind = MazeKind::Dfs;
             assert!(
@@ -171,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_perfect_maze_has_one_way_to_everywhere() {
+    fn a_perfect_maze_has_one_path_to_each_cell() {
         let maze = "dfs-21-7".parse::<Recipe>().unwrap().maze().unwrap();
         let free = maze.free_cells().count();
         let joined = |cell| {

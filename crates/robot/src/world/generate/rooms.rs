@@ -10,7 +10,7 @@ struct Room {
     rows: [u16; 2],
 }
 
-/// Divides the field into rooms by walls, each with one door. Walls lie on even coordinates and
+/// Divides the field into rooms by walls, each with one door. Walls are on even coordinates and
 /// doors on odd ones, so that no wall ends in a door.
 pub fn carve(field: &mut Field, stream: &mut Stream) {
     field.clear();
@@ -24,7 +24,7 @@ pub fn carve(field: &mut Field, stream: &mut Stream) {
     }
 }
 
-/// Divides a room across its longer side; `None` when it is too small.
+/// Divides a room across its longer side; returns `None` if the room is too small.
 fn divide(field: &mut Field, stream: &mut Stream, room: Room) -> Option<[Room; 2]> {
     let long = |[first, last]: [u16; 2]| last - first + 1;
     let upright = long(room.cols) >= long(room.rows);
@@ -32,7 +32,7 @@ fn divide(field: &mut Field, stream: &mut Stream, room: Room) -> Option<[Room; 2
         true => (room.cols, room.rows),
         false => (room.rows, room.cols),
     };
-    // No part is narrower than two cells.
+    // Each part must be at least two cells wide.
     let places: Vec<u16> = (along[0] + 2..along[1].saturating_sub(1))
         .filter(|at| at % 2 == 0)
         .collect();

@@ -1,4 +1,4 @@
-//! The cells of a map, before they are a maze.
+//! The cells of an occupancy map, before conversion to a maze.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -10,25 +10,25 @@ use super::{MapError, OccupancyMap};
 use crate::world::rows::MAX_SIDE;
 use crate::world::{Maze, Origin};
 
-/// How far a border of a cell may lie off that of a pixel by rounding, in pixels.
+/// The tolerance for rounding when comparing borders of cells and pixels, in pixels.
 pub(super) const ROUNDING: f64 = 1e-6;
 /// The smallest and the largest edge of a cell, in metres, as in world files.
 const CELL_M: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
-/// How a grid lies on an image.
+/// The alignment of a grid with an image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub cols: usize,
     pub rows: usize,
     cell_m: f64,
-    /// Pixels along a cell.
+    /// The edge of a cell in pixels.
     cell_px: f64,
-    /// The lower left corner of the grid, in pixels to the right and upward from that of the image;
-    /// more than a cell to the left or below it never.
+    /// The lower left corner of the grid, in pixels to the right and upward from the lower left
+    /// corner of the image. Never more than one cell to the left of it or below it.
     offset_px: [f64; 2],
 }
 
-/// The cells of a map, before they are a maze.
+/// The cells of an occupancy map, before conversion to a maze.
 pub(super) struct Cells<'a> {
     pub raster: &'a Raster<'a>,
     pub layout: Layout,
@@ -36,7 +36,8 @@ pub(super) struct Cells<'a> {
     pub free: Vec<bool>,
 }
 
-/// The cells of a map that become a maze, from and to; it may reach one cell beyond the map.
+/// The range of cells that becomes a maze, each axis as start and end. It may extend one cell
+/// beyond the map.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Window {
     cols: [isize; 2],
@@ -54,7 +55,7 @@ impl Layout {
         let fault = |fault: String| Err(MapError::Cell(fault));
         if !CELL_M.contains(&cell_m) {
             return fault(format!(
-                "a cell cannot have {cell_m} m: give `--cell` from {} to {} metres",
+                "`--cell` is {cell_m} m, but must be from {} to {}",
                 CELL_M.start(),
                 CELL_M.end()
             ));
@@ -62,10 +63,10 @@ impl Layout {
         if cell_px < 1.0 - ROUNDING {
             let pixel_m = map.resolution_m;
             return fault(format!(
-                "a cell of {cell_m} m is smaller than a pixel, which has {pixel_m} m"
+                "a cell of {cell_m} m is smaller than a pixel of {pixel_m} m"
             ));
         }
-        // A grid that begins a whole number of cells further on is the same.
+        // Shifting a grid by a whole number of cells does not change it.
         let offset_px = offset_px.map(|pixels| 0.0 - (-pixels).rem_euclid(cell_px));
         let count = |pixels: usize, offset: f64| {
             ((pixels as f64 - offset) / cell_px - ROUNDING).ceil() as usize
@@ -87,8 +88,8 @@ impl Layout {
         })
     }
 
-    /// The pixels of a cell: columns, and rows from the lower edge. Of cells that reach beyond the
-    /// image there are pixels outside.
+    /// Returns the pixels of a cell: columns, and rows from the lower edge. For cells that extend
+    /// beyond the image, the ranges include pixels outside.
     fn pixels(&self, at: usize) -> [Range<isize>; 2] {
         let range = |number: usize, offset: f64| {
             let edge = |number: usize| offset + number as f64 * self.cell_px;
@@ -104,7 +105,8 @@ impl Layout {
 }
 
 impl<'a> Cells<'a> {
-    /// A cell is free if no more of its pixels are not than `tolerated` says of so many.
+    /// Classifies the cells. A cell of `n` pixels is free if at most `tolerated(n)` of its pixels
+    /// are not free.
     pub fn new(
         raster: &'a Raster<'a>,
         layout: Layout,
@@ -125,7 +127,7 @@ impl<'a> Cells<'a> {
         cells
     }
 
-    /// The pixels of a cell that are in the image: columns, and rows from the top.
+    /// Returns the pixels of a cell inside the image: columns, and rows from the top.
     pub fn pixels(&self, at: usize) -> (Range<usize>, Range<usize>) {
         let map = self.raster.map;
         let within = |edge: isize, size: usize| edge.clamp(0, size as isize) as usize;
@@ -137,7 +139,7 @@ impl<'a> Cells<'a> {
         )
     }
 
-    /// The free cell at a point of the map's frame.
+    /// Returns the free cell at a point of the map frame.
     pub fn cell_at(&self, what: &'static str, at_m: [f64; 2]) -> Result<usize, MapError> {
         let map = self.raster.map;
         let Layout { cols, rows, .. } = self.layout;
@@ -157,7 +159,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// Where the nearest free cell is, for a message.
+    /// Describes where the nearest free cell is, for a message.
     fn nearest_free(&self, at: usize) -> String {
         let distance = |&other: &usize| {
             let (dx, dy) = (
@@ -179,7 +181,7 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// The free cells beside one.
+    /// Returns the free neighbours of a cell.
     pub fn neighbours(&self, at: usize) -> impl Iterator<Item = usize> + '_ {
         let (col, row) = (at % self.layout.cols, at / self.layout.cols);
         let beside = [
@@ -208,7 +210,7 @@ impl<'a> Cells<'a> {
         reached
     }
 
-    /// What is free, and a ring of walls around it.
+    /// Returns the window of all free cells plus a ring of walls.
     pub fn window(&self) -> Window {
         let free = || (0..self.free.len()).filter(|&at| self.free[at]);
         let span = |places: &dyn Fn(usize) -> usize| {
@@ -222,7 +224,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// The upper left corner of a window in the image, in pixels.
+    /// Returns the upper left corner of a window in the image, in pixels.
     pub fn corner_px(&self, window: Window) -> [f64; 2] {
         let Layout {
             cell_px, offset_px, ..
@@ -235,13 +237,13 @@ impl<'a> Cells<'a> {
         ]
     }
 
-    /// How far the grid was shifted, in metres to the right and upward.
+    /// Returns the offset of the grid, in metres to the right and upward.
     pub fn offset_m(&self) -> [f64; 2] {
         let resolution_m = self.raster.map.resolution_m;
         self.layout.offset_px.map(|pixels| pixels * resolution_m)
     }
 
-    /// The pose of the lower left corner of a window in the map frame.
+    /// Returns the pose of the lower left corner of a window in the map frame.
     fn origin(&self, window: Window) -> Origin {
         let below = self.layout.rows as isize - window.rows[1];
         let [left, lower] = self.offset_m();
@@ -250,7 +252,7 @@ impl<'a> Cells<'a> {
         self.raster.map.origin.moved(corner_m)
     }
 
-    /// Writes a world file and reads it, so that all of its checks hold.
+    /// Builds a maze by writing and reading a world file, so that all of its checks apply.
     pub fn maze(
         &self,
         name: &str,

@@ -1,4 +1,4 @@
-//! What can be wrong with an occupancy map.
+//! Errors in occupancy maps.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use super::passage::Passage;
 use crate::world::WorldError;
 
-/// The most passages that a message names one by one.
+/// The largest number of passages that a message lists.
 const MOST_LISTED: usize = 5;
 
-/// A map that cannot be used.
+/// The occupancy map cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {
@@ -18,53 +18,53 @@ pub enum MapError {
     Unreadable {
         /// The YAML file or the image.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         cause: io::Error,
     },
-    /// The YAML file is none, or holds a key with the wrong value.
+    /// The YAML file is invalid, or a key has a wrong value.
     #[error("`{}` does not describe a map: {fault}", .path.display())]
     Header {
         /// The YAML file.
         path: PathBuf,
-        /// Key, value, and what is allowed.
+        /// Key, value, and the allowed values.
         fault: String,
     },
-    /// The image is none.
-    #[error("`{}` is not an image that can be read: {fault}", .path.display())]
+    /// The image is invalid.
+    #[error("`{}` is not a readable image: {fault}", .path.display())]
     Image {
         /// The image.
         path: PathBuf,
-        /// What is wrong.
+        /// What is wrong with the image.
         fault: String,
     },
-    /// The size of a cell does not fit.
+    /// The cell size is not allowed.
     #[error("{0}")]
     Cell(String),
-    /// A map says not where the goal is.
-    #[error("a world needs a goal: add `--goal X,Y`, in metres of the map's frame")]
+    /// The goal is missing, and the map does not define one.
+    #[error("a world needs a goal: add `--goal X,Y`, in metres of the map frame")]
     NoGoal,
-    /// A point lies outside, or in a wall.
+    /// A point is outside the map, or in a wall.
     #[error("the {what} {}, {} lies {fault}", .at_m[0], .at_m[1])]
     Point {
         /// `start` or `goal`.
         what: &'static str,
-        /// The point in the map's frame, in metres.
+        /// The point in the map frame, in metres.
         at_m: [f64; 2],
-        /// Where it lies, and a cell that would do.
+        /// Where the point is, and a suitable cell.
         fault: String,
     },
-    /// No cell, or not the start, has a path to the goal.
+    /// No path leads to the goal, from any cell or from the start.
     #[error("no path in the grid leads to the goal{}", narrow(.0))]
     CutOff(Vec<Passage>),
-    /// The cells are no world.
+    /// The cells do not form a valid world.
     #[error(transparent)]
     World(#[from] WorldError),
 }
 
-/// The passages in which a cell does not fit, and what to do.
+/// Lists the passages that are too narrow for a cell, and what to do.
 fn narrow(passages: &[Passage]) -> String {
     if passages.is_empty() {
-        return "; nor in the map itself".to_owned();
+        return ", and the map itself has no path either".to_owned();
     }
     let list = passages.iter().take(MOST_LISTED).map(ToString::to_string);
     let more = match passages.len().saturating_sub(MOST_LISTED) {

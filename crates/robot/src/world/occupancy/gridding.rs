@@ -1,4 +1,4 @@
-//! From the pixels of a map to a maze.
+//! Converts the pixels of a map to a maze.
 
 use super::cells::{Layout, ROUNDING};
 use super::passage::Passage;
@@ -8,58 +8,58 @@ use super::raster::Raster;
 use super::{MapError, OccupancyMap};
 use crate::world::{Cell, Maze};
 
-/// The share of the pixels of a free cell that may be occupied: two of the hundred of a cell of 0.5 m
-/// at 5 cm, so that noise beside a wall does not close a cell, and a chair leg in it does.
+/// The tolerated share of occupied pixels in a free cell. For a cell of 0.5 m at 5 cm per pixel
+/// this is two of a hundred. Noise next to a wall then does not close a cell, but a chair leg does.
 const OCCUPIED_FRACTION: f64 = 0.02;
 
-/// How a map becomes a maze.
+/// The options for converting a map to a maze.
 #[derive(Debug, Clone)]
 pub struct Gridding {
-    /// Edge of a cell, in metres; `None` for one pixel per cell.
+    /// The edge of a cell, in metres; `None` for one pixel per cell.
     pub cell_m: Option<f64>,
-    /// Where episodes start, in the map's frame, in metres; anywhere if `None`.
+    /// The start in the map frame, in metres; `None` for random starts.
     pub start_m: Option<[f64; 2]>,
-    /// The goal, in the map's frame, in metres; `None` for the goals of a maze that was written as
-    /// a map.
+    /// The goal in the map frame, in metres; `None` for the goals of a maze that was written as a
+    /// map.
     pub goal_m: Option<[f64; 2]>,
-    /// May the robot go where nobody looked?
+    /// Treat unknown pixels as free.
     pub unknown_is_free: bool,
-    /// The share of the pixels of a cell, from 0 to below 1, that may be occupied (or unknown) in a
-    /// free cell. `None` for 0.02, but always less than half of a line of pixels across the cell,
-    /// so that the thinnest wall is one.
+    /// The tolerated share of occupied (or unknown) pixels in a free cell, from 0 to below 1.
+    /// `None` for 0.02, but always less than half of a line of pixels across the cell, so that the
+    /// thinnest wall is kept.
     pub occupied_fraction: Option<f64>,
-    /// Groups of so many connected pixels that are not free are taken for noise. `None` for as many
-    /// as may be occupied in a free cell.
+    /// The largest group of connected pixels that are not free and count as noise. `None` for the
+    /// number of occupied pixels that a free cell may have.
     pub despeckle: Option<usize>,
-    /// The lower left corner of the grid, in metres to the right and upward from that of the image;
-    /// `None` for where most passages between cells lead to the goal.
+    /// The lower left corner of the grid, in metres to the right and upward from the lower left
+    /// corner of the image. `None` for the offset with the most passages between cells that reach
+    /// the goal.
     pub offset_m: Option<[f64; 2]>,
-    /// The name of the world, unless the map keeps one.
+    /// The name of the world, unless the map file contains one.
     pub name: String,
 }
 
-/// A maze made of a map, and what became of the rest.
+/// The result of a conversion: the maze, and the parts that were left out.
 #[derive(Debug)]
 pub struct Gridded {
     /// The maze.
     pub maze: Maze,
-    /// Where the upper left corner of the maze lies in the image, in pixels from its upper left
-    /// corner.
+    /// The upper left corner of the maze, in pixels from the upper left corner of the image.
     pub corner_px: [f64; 2],
-    /// How far the grid was shifted against the image, in metres to the right and upward.
+    /// The offset of the grid relative to the image, in metres to the right and upward.
     pub offset_m: [f64; 2],
-    /// Free cells from which no goal can be reached, which became walls.
+    /// The number of free cells that became walls because they cannot reach the goal.
     pub cut_off: usize,
-    /// Passages to such cells that are there in the map, but in which no cell fits.
+    /// Passages to such cells that exist in the map, but are too narrow for a cell.
     pub passages: Vec<Passage>,
 }
 
 impl Gridding {
-    /// Makes the maze. A cell is free if nearly all of its pixels are.
+    /// Builds the maze. A cell is free if nearly all of its pixels are.
     ///
     /// # Errors
-    /// When the size of a cell does not fit, start or goal lie in a wall, or no goal can be reached
-    /// from the start; then the passages are named in which no cell fits.
+    /// When the cell size is not allowed, start or goal are in a wall, or the goal cannot be
+    /// reached from the start. The last error lists the passages that are too narrow for a cell.
     pub fn of(&self, map: &OccupancyMap) -> Result<Gridded, MapError> {
         let share = self.occupied_fraction.unwrap_or(0.0);
         if !(0.0..1.0).contains(&share) {
@@ -68,9 +68,9 @@ impl Gridding {
             )));
         }
         let as_written = self.start_m.is_none() && self.goal_m.is_none();
-        match &map.kept {
-            Some((kept, greys)) if as_written && self.cell_px(map) == 1.0 => Ok(Gridded {
-                maze: kept.restored(map, greys)?,
+        match &map.saved {
+            Some((saved, greys)) if as_written && self.cell_px(map) == 1.0 => Ok(Gridded {
+                maze: saved.restored(map, greys)?,
                 corner_px: [0.0, 0.0],
                 offset_m: [0.0, 0.0],
                 cut_off: 0,
@@ -80,12 +80,12 @@ impl Gridding {
         }
     }
 
-    /// Pixels along a cell.
+    /// Returns the edge of a cell in pixels.
     fn cell_px(&self, map: &OccupancyMap) -> f64 {
         self.cell_m.unwrap_or(map.resolution_m) / map.resolution_m
     }
 
-    /// How many of so many pixels of a cell may be occupied in a free one.
+    /// Returns the tolerated number of occupied pixels in a free cell of `pixels` pixels.
     fn tolerated(&self, map: &OccupancyMap, pixels: usize) -> usize {
         let share = |fraction: f64| (pixels as f64 * fraction + ROUNDING).floor();
         let half_a_line = || ((self.cell_px(map) - 1.0) / 2.0).floor();
@@ -93,10 +93,10 @@ impl Gridding {
         self.occupied_fraction.map_or_else(least, share) as usize
     }
 
-    /// With start and goal as they were asked for.
+    /// Builds the maze with the requested start and goal.
     fn placed(&self, map: &OccupancyMap) -> Result<Gridded, MapError> {
         let goal_m = self.goal_m.ok_or(MapError::NoGoal)?;
-        // What does not fit is refused before any pixel is looked at.
+        // Refuse a wrong cell size before reading any pixel.
         Layout::new(map, self.cell_m, [0.0, 0.0])?;
         let in_a_cell = self.cell_px(map).powi(2).round() as usize;
         let speck = self.despeckle.unwrap_or(self.tolerated(map, in_a_cell));
@@ -142,7 +142,7 @@ impl Gridding {
 }
 
 impl Gridded {
-    /// The upper left corner of a cell in the image, in pixels.
+    /// Returns the upper left corner of a cell in the image, in pixels.
     pub fn cell_corner_px(&self, map: &OccupancyMap, cell: Cell) -> [f64; 2] {
         let cell_px = self.maze.cell_size_m() / map.resolution_m;
         let [left, top] = self.corner_px;

@@ -6,14 +6,14 @@ use serde::Deserialize;
 
 use super::MapError;
 use super::rules::{Mode, Rules};
-use super::writing::KeptWorld;
+use super::writing::SavedWorld;
 use crate::input;
 use crate::world::Origin;
 
 /// The largest YAML file, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// A number or a truth value: `negate` is written as either.
+/// A number or a boolean: `negate` may be either.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(untagged)]
 enum Switch {
@@ -21,7 +21,7 @@ enum Switch {
     Number(i64),
 }
 
-/// The keys, as they stand in the file. Others are for other programs.
+/// The keys of the file. Other keys are ignored.
 #[derive(Debug, Deserialize)]
 struct Keys {
     image: PathBuf,
@@ -33,19 +33,19 @@ struct Keys {
     #[serde(default)]
     mode: Mode,
     #[serde(default)]
-    xcscr: Option<KeptWorld>,
+    xcscr: Option<SavedWorld>,
 }
 
 /// A checked header.
 #[derive(Debug)]
 pub(super) struct Header {
-    /// Where the image is.
+    /// The path of the image.
     pub image: PathBuf,
-    /// Edge of a pixel, in metres.
+    /// The edge of a pixel, in metres.
     pub resolution_m: f64,
     /// The pose of the lower left corner.
     pub origin: Origin,
-    pub kept: Option<KeptWorld>,
+    pub saved: Option<SavedWorld>,
     pub rules: Rules,
 }
 
@@ -101,7 +101,7 @@ impl Header {
                 occupied_thresh,
                 free_thresh,
             },
-            kept: keys.xcscr,
+            saved: keys.xcscr,
         })
     }
 }

@@ -8,15 +8,16 @@ use crate::input;
 
 /// The largest image file, in bytes.
 const MAX_BYTES: u64 = 256 << 20;
-/// The most pixels: a square of 400 m at 5 cm. A conversion takes about 14 bytes for each.
+/// The largest number of pixels: a square of 400 m at 5 cm. A conversion needs about 14 bytes per
+/// pixel.
 const MAX_PIXELS: usize = 64_000_000;
-/// The most bytes of an interlaced PNG, which cannot be read row by row.
+/// The largest size in bytes of an unpacked interlaced PNG, which cannot be read row by row.
 const MAX_INTERLACED: usize = 256 << 20;
 
-/// Takes the pixels of an image, row by row from the top.
+/// Receives the pixels of an image, row by row from the top.
 pub(super) type Take<'a> = &'a mut dyn FnMut(Pixel);
 
-/// Reads an image, whatever its name ends in, and returns width and height.
+/// Reads an image of any file extension, and returns width and height.
 pub(super) fn read(path: &Path, take: Take<'_>) -> Result<[usize; 2], MapError> {
     let bytes = input::read(path, MAX_BYTES).map_err(|cause| MapError::Unreadable {
         path: path.to_owned(),
@@ -34,14 +35,14 @@ pub(super) fn read(path: &Path, take: Take<'_>) -> Result<[usize; 2], MapError> 
     })
 }
 
-/// The numbers of a PGM file, which comments may interrupt.
+/// The numbers of a PGM file; comments may be anywhere between them.
 struct Numbers<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Numbers<'a> {
-    /// Begins after the two letters.
+    /// Starts after the two letters of the file type.
     fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 2 }
     }
@@ -60,7 +61,7 @@ impl<'a> Numbers<'a> {
         number
     }
 
-    /// White space, and comments to the ends of their lines.
+    /// Skips white space, and comments to the ends of their lines.
     fn skip(&mut self) {
         while let Some(byte) = self.bytes.get(self.at) {
             match byte {
@@ -74,14 +75,14 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    /// Width, height, and the greatest grey level.
+    /// Returns width, height, and the largest grey level.
     fn header(&mut self) -> Result<[usize; 3], String> {
         let [width, height, most] = [self.next()?, self.next()?, self.next()?];
         check_size(width, height)?;
         match most {
             1..=65_535 => Ok([width, height, most]),
             _ => Err(format!(
-                "the greatest grey level is {most}, but must be from 1 to 65535"
+                "the maximum grey level is {most}, but must be from 1 to 65535"
             )),
         }
     }
@@ -95,12 +96,12 @@ fn check_size(width: usize, height: usize) -> Result<(), String> {
         None => Err(format!(
             "{width} x {height} pixels are more than {MAX_PIXELS}"
         )),
-        Some(0) => Err("it has no pixel".to_owned()),
+        Some(0) => Err("it has no pixels".to_owned()),
         Some(_) => Ok(()),
     }
 }
 
-/// A pixel of a grey level.
+/// Returns the pixel for a grey level.
 fn grey(level: usize, most: usize) -> Result<Pixel, String> {
     match level <= most {
         true => Ok(Pixel {
@@ -108,12 +109,12 @@ fn grey(level: usize, most: usize) -> Result<Pixel, String> {
             alpha: None,
         }),
         false => Err(format!(
-            "a grey level is {level}, above the greatest, {most}"
+            "the grey level {level} exceeds the maximum, {most}"
         )),
     }
 }
 
-/// PGM in decimal numbers.
+/// Reads a PGM with decimal numbers.
 fn plain_pgm(bytes: &[u8], take: Take<'_>) -> Result<[usize; 2], String> {
     let mut numbers = Numbers::new(bytes);
     let [width, height, most] = numbers.header()?;
@@ -123,7 +124,7 @@ fn plain_pgm(bytes: &[u8], take: Take<'_>) -> Result<[usize; 2], String> {
     Ok([width, height])
 }
 
-/// PGM in bytes, one or two a level.
+/// Reads a PGM with one or two bytes per grey level.
 fn raw_pgm(bytes: &[u8], take: Take<'_>) -> Result<[usize; 2], String> {
     let mut numbers = Numbers::new(bytes);
     let [width, height, most] = numbers.header()?;
@@ -143,7 +144,7 @@ fn raw_pgm(bytes: &[u8], take: Take<'_>) -> Result<[usize; 2], String> {
     Ok([width, height])
 }
 
-/// PNG of any colour type.
+/// Reads a PNG of any colour type.
 fn of_png(bytes: &[u8], take: Take<'_>) -> Result<[usize; 2], String> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
@@ -177,7 +178,7 @@ fn of_png(bytes: &[u8], take: Take<'_>) -> Result<[usize; 2], String> {
     Ok([width, height])
 }
 
-/// How many colours a pixel has, and whether it tells besides how opaque it is.
+/// Returns the number of colours of a pixel, and whether it has an opacity.
 fn channels(of: png::ColorType) -> Result<(usize, bool), String> {
     match of {
         png::ColorType::Grayscale => Ok((1, false)),
@@ -188,7 +189,7 @@ fn channels(of: png::ColorType) -> Result<(usize, bool), String> {
     }
 }
 
-/// A pixel of one or three colours, and perhaps an opacity, of one or two bytes each.
+/// Returns a pixel with one or three colours, and perhaps an opacity, of one or two bytes each.
 fn pixel(samples: &[u8], colours: usize, wide: bool) -> Pixel {
     let level = |number: usize| match wide {
         true => u32::from(u16::from_be_bytes([

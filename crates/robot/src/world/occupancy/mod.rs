@@ -1,7 +1,7 @@
-//! Occupancy maps as ROS 2 saves them (Nav2's map server): a YAML file beside an image.
+//! Occupancy maps in the format of ROS 2 (Nav2's map server): a YAML file next to an image.
 //!
-//! [`OccupancyMap::load`] reads one, [`Gridding`] makes a maze of it, and [`written`] writes a maze
-//! as such a map.
+//! [`OccupancyMap::load`] reads a map, [`Gridding`] converts it to a maze, and [`WrittenMap`] is a
+//! maze written as a map.
 
 mod cells;
 mod error;
@@ -26,42 +26,43 @@ pub use writing::WrittenMap;
 
 use header::Header;
 use rules::Rules;
-use writing::KeptWorld;
+use writing::SavedWorld;
 
 use super::Origin;
 
-/// What is known of a pixel.
+/// The occupancy of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occupancy {
     /// The robot can be there.
     Free,
     /// Something is there.
     Occupied,
-    /// Nobody looked.
+    /// Never observed.
     Unknown,
 }
 
 /// A grid of pixels, each free, occupied or unknown.
 #[derive(Debug, Clone)]
 pub struct OccupancyMap {
-    /// Edge of a pixel, in metres.
+    /// The edge of a pixel, in metres.
     pub resolution_m: f64,
     /// The pose of the lower left corner of the image in the map frame.
     pub origin: Origin,
-    /// Pixels in a row.
+    /// The number of pixels in a row.
     pub width: usize,
-    /// Rows of pixels.
+    /// The number of rows.
     pub height: usize,
     /// Row by row from the top.
     values: Vec<i8>,
     rules: Rules,
-    /// What a maze that was written as a map had beside its cells, and the grey levels of those.
-    kept: Option<(KeptWorld, Vec<u8>)>,
-    /// Pixels that count as free, but have the grey level with which Nav2 saves unknown ones
-    /// (205): `free_thresh` is above 0.196.
+    /// For a maze that was written as a map: its data beyond the cells, and the grey levels of the
+    /// pixels.
+    saved: Option<(SavedWorld, Vec<u8>)>,
+    /// The number of pixels that count as free, but have the grey level with which Nav2 saves
+    /// unknown ones (205). This happens when `free_thresh` is above 0.196.
     pub unknown_as_free: usize,
-    /// Pixels that releases of Nav2 after Humble read in another way, because their grey level is
-    /// at a threshold, or because the image has an opacity.
+    /// The number of pixels that releases of Nav2 after Humble interpret differently, because their
+    /// grey level is at a threshold, or because the image has an opacity.
     pub disputed: usize,
 }
 
@@ -69,8 +70,8 @@ impl OccupancyMap {
     /// Reads a map: the YAML file, and the image that it names, relative to its own folder.
     ///
     /// # Errors
-    /// When one of the files is missing, unreadable or too large, or holds something else than the
-    /// format allows; the message names file, key and value.
+    /// When one of the files is missing, unreadable, too large or not in the expected format. The
+    /// message names file, key and value.
     pub fn load(yaml: &Path) -> Result<Self, MapError> {
         let header = Header::load(yaml)?;
         let rules = header.rules;
@@ -80,7 +81,7 @@ impl OccupancyMap {
             values.push(rules.value(pixel));
             unknown_as_free += usize::from(rules.is_unknown_as_free(pixel));
             disputed += usize::from(rules.is_disputed(pixel));
-            if header.kept.is_some() {
+            if header.saved.is_some() {
                 greys.push(pixel.grey());
             }
         })?;
@@ -91,15 +92,15 @@ impl OccupancyMap {
             height,
             values,
             rules,
-            kept: header.kept.map(|kept| (kept, greys)),
+            saved: header.saved.map(|saved| (saved, greys)),
             unknown_as_free,
             disputed,
         })
     }
 
-    /// The value of a pixel, counted from the upper left one, as Nav2's map server of ROS 2 Humble
-    /// publishes it: 0 free, 100 occupied, -1 unknown, or between 0 and 100 in the modes `scale` and
-    /// `raw`. Beyond the image -1.
+    /// Returns the value of a pixel, counted from the upper left one, as Nav2's map server of ROS 2
+    /// Humble publishes it. 0 is free, 100 occupied and -1 unknown; the modes `scale` and `raw`
+    /// also have values between 0 and 100. Pixels outside the image are -1.
     pub fn value(&self, col: usize, row: usize) -> i8 {
         match col < self.width && row < self.height {
             true => self.values[row * self.width + col],
@@ -107,17 +108,18 @@ impl OccupancyMap {
         }
     }
 
-    /// What is known of the pixels, row by row from the top.
+    /// Returns the occupancies of the pixels, row by row from the top.
     fn occupancies(&self) -> impl Iterator<Item = Occupancy> + '_ {
         self.values.iter().map(|&value| self.rules.occupancy(value))
     }
 
-    /// What is known of a pixel, counted from the upper left one; beyond the image nothing is.
+    /// Returns the occupancy of a pixel, counted from the upper left one. Pixels outside the image
+    /// are unknown.
     pub fn at(&self, col: usize, row: usize) -> Occupancy {
         self.rules.occupancy(self.value(col, row))
     }
 
-    /// How many pixels are free, occupied and unknown.
+    /// Returns the numbers of free, occupied and unknown pixels.
     pub fn counts(&self) -> [usize; 3] {
         let count = |wanted| self.occupancies().filter(|&one| one == wanted).count();
         [Occupancy::Free, Occupancy::Occupied, Occupancy::Unknown].map(count)
@@ -127,7 +129,7 @@ impl OccupancyMap {
         self.at(col, row) == Occupancy::Free
     }
 
-    /// The middle of a pixel in the map frame, in metres.
+    /// Returns the middle of a pixel in the map frame, in metres.
     fn in_map_m(&self, col: usize, row: usize) -> [f64; 2] {
         let x = (col as f64 + 0.5) * self.resolution_m;
         let y = (self.height as f64 - row as f64 - 0.5) * self.resolution_m;

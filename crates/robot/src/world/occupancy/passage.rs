@@ -1,13 +1,13 @@
-//! A passage of a map in which no cell fits.
+//! A passage of a map that is too narrow for a cell.
 
 use std::fmt;
 
-/// A passage between free cells that is there in the map, but not in the grid.
+/// A passage between free cells that exists in the map, but not in the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passage {
-    /// Its middle in the map's frame, in metres.
+    /// The middle in the map frame, in metres.
     pub at_m: [f64; 2],
-    /// How wide it is there, in metres.
+    /// The width at the middle, in metres.
     pub width_m: f64,
 }
 

@@ -1,18 +1,18 @@
-//! Finding the passages in which no cell fits.
+//! Finds the passages that are too narrow for a cell.
 
 use std::collections::{BTreeMap, VecDeque};
 
 use super::cells::Cells;
 use super::passage::Passage;
 
-/// No area: a wall, or a pixel that no way leads to.
+/// No area: a wall, or an unreachable pixel.
 const NOWHERE: u32 = u32::MAX;
 
-/// The areas that free cells form, and the passages between them.
+/// The areas of connected free cells, and the passages between them.
 pub(super) struct Passages {
-    /// By cell: the area that it belongs to.
+    /// The area of each cell.
     area: Vec<u32>,
-    /// By area: the widest passage to each area beside it.
+    /// For each area: the widest passage to each neighbouring area.
     beside: Vec<BTreeMap<u32, Passage>>,
 }
 
@@ -35,7 +35,7 @@ impl Passages {
         found
     }
 
-    /// Notes that two areas meet, and keeps the widest passage between them.
+    /// Records that two areas meet, and keeps the widest passage between them.
     fn meet(&mut self, [a, b]: [u32; 2], passage: Passage) {
         for (from, to) in [(a, b), (b, a)] {
             let widest = self.beside[from as usize].entry(to).or_insert(passage);
@@ -45,7 +45,8 @@ impl Passages {
         }
     }
 
-    /// The passages on the path with the fewest of them; without a start, those beside the goal.
+    /// Returns the passages on the path with the fewest passages. Without a start, those next to
+    /// the goal's area.
     pub fn between(&self, start: Option<usize>, goal: usize) -> Vec<Passage> {
         let Some(start) = start else {
             return self.from(goal);
@@ -67,7 +68,7 @@ impl Passages {
             .collect()
     }
 
-    /// The passages out of the area of a free cell.
+    /// Returns the passages out of the area of a free cell.
     pub fn from(&self, cell: usize) -> Vec<Passage> {
         let beside = &self.beside[self.area[cell] as usize];
         beside.values().copied().collect()
@@ -77,12 +78,12 @@ impl Passages {
 /// Areas that grow over free pixels.
 struct Growth<'a> {
     cells: &'a Cells<'a>,
-    /// By pixel: its area.
+    /// The area of each pixel.
     owner: Vec<u32>,
-    /// By pixel: the narrowest pixel on the path by which its area grew there.
+    /// For each pixel: the narrowest pixel on the path along which its area grew.
     narrowest: Vec<u32>,
     widths: Vec<f32>,
-    /// Pixels beside which the area may still grow.
+    /// The pixels from which an area may still grow.
     next: VecDeque<u32>,
 }
 
@@ -115,7 +116,7 @@ impl<'a> Growth<'a> {
         growth
     }
 
-    /// The pixels beside one.
+    /// Returns the neighbours of a pixel.
     fn beside(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, height) = (self.cells.raster.map.width, self.cells.raster.map.height);
         let (col, row) = (pixel % width, pixel / width);
@@ -128,8 +129,8 @@ impl<'a> Growth<'a> {
         beside.into_iter().flatten()
     }
 
-    /// Grows from a pixel to the one beside it; where another area is already, the two areas and the
-    /// passage between them.
+    /// Grows from a pixel to its neighbour. If the neighbour belongs to another area, returns the
+    /// two areas and the passage between them.
     fn step(&mut self, pixel: usize, other: usize) -> Option<([u32; 2], Passage)> {
         let width = self.cells.raster.map.width;
         if self.owner[other] == NOWHERE {
@@ -151,7 +152,7 @@ impl<'a> Growth<'a> {
         })
     }
 
-    /// The narrower of two pixels; the first if they are equal.
+    /// Returns the narrower of two pixels; the first if they are equal.
     fn narrower(&self, pixel: u32, other: u32) -> u32 {
         let width = |pixel: u32| self.widths[pixel as usize];
         if width(pixel) <= width(other) {
@@ -162,7 +163,7 @@ impl<'a> Growth<'a> {
     }
 }
 
-/// By cell: which area of connected free cells it belongs to; and the number of areas.
+/// Returns the area of connected free cells of each cell, and the number of areas.
 fn areas(cells: &Cells<'_>) -> (Vec<u32>, usize) {
     let mut area = vec![NOWHERE; cells.free.len()];
     let mut count = 0;
@@ -185,8 +186,8 @@ fn areas(cells: &Cells<'_>) -> (Vec<u32>, usize) {
     (area, count as usize)
 }
 
-/// By pixel: the length of the shortest run of free pixels through it, over the four directions.
-/// Each line of the image is walked once.
+/// Returns, for each pixel, the length of the shortest run of free pixels through it, over the four
+/// directions. Each line of the image is scanned once.
 fn widths_px(cells: &Cells<'_>) -> Vec<f32> {
     let (width, height) = (cells.raster.map.width, cells.raster.map.height);
     let mut widths = vec![f32::INFINITY; width * height];
@@ -209,7 +210,7 @@ fn widths_px(cells: &Cells<'_>) -> Vec<f32> {
     widths
 }
 
-/// Shortens the widths of the pixels of a line to the runs of free pixels on it.
+/// Limits the widths of the pixels on a line to the lengths of their runs of free pixels.
 fn shorten(
     cells: &Cells<'_>,
     widths: &mut [f32],

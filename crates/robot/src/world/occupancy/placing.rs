@@ -1,33 +1,33 @@
-//! Where the grid lies on a map.
+//! Aligns the grid with a map.
 
 use super::MapError;
 use super::cells::{Cells, Layout, ROUNDING};
 use super::raster::{Raster, Sums};
 
-/// Which grid is wanted.
+/// The requested grid.
 pub(super) struct Wanted<'a> {
     pub cell_m: Option<f64>,
-    /// Pixels along a cell.
+    /// The edge of a cell in pixels.
     pub cell_px: f64,
     pub start_m: Option<[f64; 2]>,
     pub goal_m: [f64; 2],
     pub offset_m: Option<[f64; 2]>,
-    /// How many of so many pixels of a free cell may be occupied.
+    /// Returns the tolerated number of occupied pixels in a free cell of so many pixels.
     pub tolerated: &'a dyn Fn(usize) -> usize,
 }
 
-/// A grid on a map, with start and goal in it.
+/// A grid aligned with a map, with start and goal.
 pub(super) struct Placed<'a> {
     pub cells: Cells<'a>,
     pub start: Option<usize>,
     pub goal: usize,
-    /// By cell: can it reach the goal?
+    /// For each cell: true if it can reach the goal.
     pub reached: Vec<bool>,
 }
 
 impl<'a> Placed<'a> {
-    /// Shifts the grid as it was asked for, or to where most passages between cells lead to the
-    /// goal; of equal shifts the first.
+    /// Shifts the grid as requested, or to the offset with the most passages between cells that
+    /// reach the goal. Among equal shifts the first one is taken.
     pub fn find(wanted: &Wanted<'_>, raster: &'a Raster<'a>) -> Result<Self, MapError> {
         let sums = Sums::new(raster);
         let place = |offset_px| Self::at(wanted, raster, &sums, offset_px);
@@ -66,7 +66,8 @@ impl<'a> Placed<'a> {
         })
     }
 
-    /// Is the start reached, and how many passages from cell to cell lead to the goal?
+    /// Returns whether the start reaches the goal, and the number of passages between cells that
+    /// do.
     fn score(&self) -> (bool, usize) {
         let joined = |at: &usize, other: usize| self.reached[*at] && self.reached[other];
         let cols = self.cells.layout.cols;
@@ -80,8 +81,9 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// All shifts to the left and downward by less than a cell, in whole pixels. Larger cells have more shifts,
-/// but each shift has fewer cells, so that the time depends on the size of the map alone.
+/// Returns all shifts to the left and downward by less than a cell, in whole pixels. Larger cells
+/// have more shifts, but each shift has fewer cells, so the time depends only on the size of the
+/// map.
 fn shifts(cell_px: f64) -> impl Iterator<Item = [f64; 2]> {
     let count = (cell_px - ROUNDING).ceil() as u32;
     let along = move || (0..count).map(|number| -f64::from(number));

@@ -1,4 +1,4 @@
-//! The pixels over which the robot may be.
+//! The pixels that the robot can occupy.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ pub(super) struct Raster<'a> {
 }
 
 impl<'a> Raster<'a> {
-    /// Takes groups of at most `speck` connected pixels that are not free for noise.
+    /// Treats groups of at most `speck` connected pixels that are not free as noise.
     pub fn new(map: &'a OccupancyMap, unknown_is_free: bool, speck: usize) -> Self {
         let is_free = |occupancy| match occupancy {
             Occupancy::Free => true,
@@ -33,7 +33,7 @@ impl<'a> Raster<'a> {
         self.free[row * self.map.width + col]
     }
 
-    /// Frees small groups of pixels, which are connected also across corners.
+    /// Frees small groups of pixels. Pixels that touch at a corner are connected.
     fn despeckle(&mut self, speck: usize) {
         let (width, height) = (self.map.width, self.map.height);
         let mut seen = self.free.clone();
@@ -64,10 +64,10 @@ impl<'a> Raster<'a> {
     }
 }
 
-/// Free pixels in any rectangle, found with four look-ups.
+/// A summed-area table: counts the free pixels in any rectangle with four look-ups.
 pub(super) struct Sums {
     width: usize,
-    /// By corner of a pixel: the free pixels above and to the left of it.
+    /// For each corner of a pixel: the number of free pixels above and to the left of it.
     sums: Vec<u32>,
 }
 
@@ -85,7 +85,7 @@ impl Sums {
         Self { width, sums }
     }
 
-    /// The free pixels in a rectangle.
+    /// Returns the number of free pixels in a rectangle.
     pub fn free_in(&self, cols: Range<usize>, rows: Range<usize>) -> usize {
         let sum = |col, row| self.sums[row * self.width + col];
         let plus = sum(cols.end, rows.end) + sum(cols.start, rows.start);

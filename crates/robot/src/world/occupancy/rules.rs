@@ -1,11 +1,11 @@
-//! What the pixels of a map mean, by the rules of Nav2's map server (`map_io`) in ROS 2 Humble.
+//! The meaning of the pixels of a map, by the rules of Nav2's map server (`map_io`) in ROS 2
+//! Humble.
 
 use serde::Deserialize;
 
 use super::Occupancy;
 
-/// The value of a free cell, of an occupied one, and of one that nobody looked at, as in messages of
-/// type `nav_msgs/OccupancyGrid`.
+/// The values of free, occupied and unknown cells in messages of type `nav_msgs/OccupancyGrid`.
 const FREE: i8 = 0;
 const OCCUPIED: i8 = 100;
 pub(super) const UNKNOWN: i8 = -1;
@@ -14,14 +14,14 @@ const FULL: u32 = 65_535;
 /// The grey level with which Nav2 saves unknown cells.
 const SAVED_UNKNOWN: u32 = 205 * 257;
 
-/// How grey levels are read (Nav2's `MapMode`).
+/// The interpretation of grey levels (Nav2's `MapMode`).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Mode {
     /// Free, occupied or unknown, by two thresholds.
     #[default]
     Trinary,
-    /// The same, with shades between.
+    /// Like `Trinary`, with intermediate values between the thresholds.
     Scale,
     /// The grey level is the occupancy in percent; above 100, unknown.
     Raw,
@@ -37,7 +37,7 @@ pub(super) struct Pixel {
 }
 
 impl Pixel {
-    /// The grey level from 0 to 255.
+    /// Returns the grey level from 0 to 255.
     pub fn grey(self) -> u8 {
         ((self.colours / 3 + 128) / 257) as u8
     }
@@ -53,13 +53,13 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    /// The value of a pixel: 0 free, 100 occupied, -1 unknown, or between 0 and 100.
+    /// Returns the value of a pixel: 0 free, 100 occupied, -1 unknown, or between 0 and 100.
     pub fn value(&self, pixel: Pixel) -> i8 {
         let (sum, channels) = match (self.mode, pixel.alpha) {
             (Mode::Trinary, Some(alpha)) => (pixel.colours + alpha, 4.0),
             _ => (pixel.colours, 3.0),
         };
-        // The order of the operations is that of Nav2: it decides at a threshold.
+        // The order of the operations is the same as in Nav2, because it decides at a threshold.
         let shade = f64::from(sum) / channels / f64::from(FULL);
         let occupied = if self.negate { shade } else { 1.0 - shade };
         match self.mode {
@@ -79,8 +79,9 @@ impl Rules {
         }
     }
 
-    /// Do releases of Nav2 after Humble read the pixel in another way? Their thresholds are
-    /// inclusive, they round grey levels to 8 bits and compare in single precision, and what is not opaque is unknown for them.
+    /// Returns true if releases of Nav2 after Humble interpret the pixel differently. Their
+    /// thresholds are inclusive, they round grey levels to 8 bits and compare in single precision,
+    /// and pixels that are not opaque are unknown.
     pub fn is_disputed(&self, pixel: Pixel) -> bool {
         if self.mode == Mode::Raw {
             return false;
@@ -96,13 +97,13 @@ impl Rules {
         later != self.occupancy(self.value(pixel))
     }
 
-    /// Has a pixel that counts as free the grey level of unknown ones?
+    /// Returns true if a pixel counts as free but has the grey level of unknown ones.
     pub fn is_unknown_as_free(&self, pixel: Pixel) -> bool {
         self.mode != Mode::Raw && pixel.colours == 3 * SAVED_UNKNOWN && self.value(pixel) == FREE
     }
 
-    /// What a value means for a robot: shades of the mode `scale` are unknown, percents of the mode
-    /// `raw` are held against the thresholds.
+    /// Returns the occupancy for a value. Intermediate values of the mode `scale` are unknown;
+    /// percentages of the mode `raw` are compared with the thresholds.
     pub fn occupancy(&self, value: i8) -> Occupancy {
         let percent = f64::from(value) / 100.0;
         match value {

@@ -1,7 +1,7 @@
-//! A maze as an occupancy map of one pixel per cell, and the way back.
+//! Writes a maze as an occupancy map of one pixel per cell, and reads it back.
 //!
-//! All of a cell is in the grey level of its pixel, so that a map that was changed with an image
-//! editor is still a world. What belongs to no cell is in the YAML file.
+//! The grey level of a pixel contains everything about its cell, so a map that was edited with an
+//! image editor is still a world. All other data is in the YAML file.
 
 use std::fmt::Write;
 
@@ -10,13 +10,14 @@ use serde::Deserialize;
 use super::{MapError, OccupancyMap};
 use crate::world::{Cell, Maze};
 
-/// Grey level of walls, as Nav2 saves it.
+/// The grey level of walls, as Nav2 saves it.
 const WALL: u8 = 0;
-/// Grey level of a free cell, as Nav2 saves it; marked cells are darker, but still free for Nav2.
+/// The grey level of a free cell, as Nav2 saves it. Marked cells are darker, but still free for
+/// Nav2.
 const FREE: u8 = 254;
-/// What can be in a free cell: its letter in a world file. Each takes [`FLOORS`] grey levels.
+/// The contents of a free cell: its letter in a world file. Each takes [`FLOORS`] grey levels.
 const LETTERS: [char; 4] = ['.', 'S', 'G', '*'];
-/// Usual floor, and friction from 1 to 9 tenths.
+/// The usual floor, and friction from 1 to 9 tenths.
 const FLOORS: u8 = 10;
 
 /// The two files of a map.
@@ -24,28 +25,28 @@ const FLOORS: u8 = 10;
 pub struct WrittenMap {
     /// The YAML file.
     pub yaml: String,
-    /// The image that it names (PGM, P5).
+    /// The image that the YAML file names (PGM, P5).
     pub image: Vec<u8>,
 }
 
-/// What a maze has beside its cells, under the key `xcscr` of the YAML file. Other programs ignore
-/// it.
+/// The data of a maze beyond its cells, under the key `xcscr` of the YAML file. Other programs
+/// ignore it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct KeptWorld {
+pub(super) struct SavedWorld {
     name: String,
     /// 4 or 8.
     moves: usize,
-    /// Are opposite edges joined?
+    /// True if opposite edges are joined.
     wrap: bool,
-    /// What each marked cell pays.
+    /// The reward of each marked cell.
     #[serde(default)]
     reward: Option<f64>,
 }
 
 impl Maze {
-    /// The maze as an occupancy map of one pixel per cell, whose image will lie beside the YAML file
-    /// under the name `image`. Its origin is that of the maze.
+    /// Returns the maze as an occupancy map of one pixel per cell. The caller saves the image next
+    /// to the YAML file under the name `image`. The map has the origin of the maze.
     pub fn to_map(&self, image: &str) -> WrittenMap {
         let mut pgm = format!("P5\n{} {}\n255\n", self.width(), self.height()).into_bytes();
         pgm.extend(self.cells().map(|cell| grey(self, cell)));
@@ -62,7 +63,7 @@ fn yaml(maze: &Maze, image: &str) -> String {
         yaml,
         "image: {}\nmode: trinary\nresolution: {:?}\norigin: {:?}\nnegate: 0\n\
          occupied_thresh: 0.65\nfree_thresh: 0.196\n\
-         # For xcscr: what the grey levels do not hold of the world.\n\
+         # For xcscr: data of the world that the grey levels do not contain.\n\
          xcscr:\n  name: {}\n  moves: {}\n  wrap: {}\n",
         quoted(image),
         maze.cell_size_m(),
@@ -78,7 +79,7 @@ fn yaml(maze: &Maze, image: &str) -> String {
     yaml
 }
 
-/// The grey level of a cell.
+/// Returns the grey level of a cell.
 fn grey(maze: &Maze, cell: Cell) -> u8 {
     if maze.is_wall(cell) {
         return WALL;
@@ -95,16 +96,16 @@ fn grey(maze: &Maze, cell: Cell) -> u8 {
     FREE - letter * FLOORS - tenths
 }
 
-/// What a grey level says of a free cell: its letter, and the friction of its floor in tenths, 0 for
-/// the usual floor.
+/// Returns the letter of a free cell for a grey level, and the friction of its floor in tenths, 0
+/// for the usual floor.
 fn letter(grey: u8) -> (char, u8) {
     let level = FREE.wrapping_sub(grey);
     let letter = LETTERS.get(usize::from(level / FLOORS));
     letter.map_or(('.', 0), |&letter| (letter, level % FLOORS))
 }
 
-impl KeptWorld {
-    /// The maze that was written as this map, with what was changed in the image since.
+impl SavedWorld {
+    /// Restores the maze that was written as this map, including later changes to the image.
     pub fn restored(&self, map: &OccupancyMap, greys: &[u8]) -> Result<Maze, MapError> {
         let (mut rows, mut floor) = (Vec::new(), Vec::new());
         for row in 0..map.height {
@@ -140,7 +141,7 @@ impl KeptWorld {
     }
 }
 
-/// A text as YAML has it in double quotes, which is also JSON.
+/// Formats a text as a YAML string in double quotes, which is also JSON.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

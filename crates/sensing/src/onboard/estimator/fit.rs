@@ -1,37 +1,39 @@
-//! How beams fit to the lines of the grid.
+//! How well beams fit the lines of the grid.
 
 use nalgebra::Vector2;
 
 use super::{
-    AGREEING, BIAS, ENOUGH, Estimator, GYRO, HEADING, RANGES, ROLL, Ray, SHALLOW, UNSURE, WHEELS,
-    X, Y,
+    AGREEING, BIAS, Estimator, GYRO, HEADING, MIN_AGREEING, RANGES, ROLL, Ray, SHALLOW, UNCERTAIN,
+    WHEELS, X, Y,
 };
 use crate::onboard::angle::{ahead, cayley, square};
 use crate::whole::round;
 
-/// How a beam fits to the nearest line across one axis.
+/// The fit of a beam to the nearest line across one axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
     pub axis: usize,
-    /// Does it run so nearly along the line that it cannot tell how far away that is?
+    /// True if the beam is nearly parallel to the line, and gives no distance to it.
     pub is_shallow: bool,
-    /// How far the beam reaches along the axis.
+    /// The distance that the beam reaches along the axis.
     reach: f64,
-    /// From where the beam ends to the line.
+    /// The distance from the end of the beam to the line.
     residual: f64,
-    /// Its square in units of its variance.
+    /// The square of the residual in units of its variance.
     pub distance: f64,
-    /// The derivatives of the end by heading and by the scale of ranges; by the axis it is 1.
+    /// The derivatives of the beam's end by heading and by the scale of ranges; the derivative by
+    /// the axis is 1.
     by_heading: f64,
     by_ranges: f64,
     /// The variance of the residual ...
     variance: f64,
-    /// ... and of it what does not come from the position, in which other beams are as wrong.
+    /// ... and its part that does not come from the position, whose error other beams share.
     own_variance: f64,
 }
 
 impl Fit {
-    /// How the same beam fits if it begins at `origin`, in a grid with lines every `cell_size_m`.
+    /// Returns the fit of the same beam if it starts at `origin`, in a grid with lines every
+    /// `cell_size_m`.
     pub fn from(self, origin: Vector2<f64>, cell_size_m: f64) -> Self {
         let end = origin[self.axis] + self.reach;
         let residual = round(end / cell_size_m) * cell_size_m - end;
@@ -44,14 +46,14 @@ impl Fit {
 }
 
 impl Estimator {
-    /// How a beam fits to the nearest lines across both axes.
+    /// Returns the fits of a beam to the nearest lines across both axes.
     pub(super) fn fits(&self, ray: &Ray, range: f64) -> [Fit; 2] {
         let measured = range / (1.0 + self.belief.ranges);
         [X, Y].map(|axis| self.fit(axis, ray, range, measured))
     }
 
-    /// How a beam fits to the nearest line across an axis; `measured` is its range without the
-    /// scale that the robot believes in.
+    /// Returns the fit of a beam to the nearest line across an axis. `measured` is its range
+    /// without the estimated scale.
     fn fit(&self, axis: usize, ray: &Ray, range: f64, measured: f64) -> Fit {
         let along = ray.direction[axis];
         let across = ray.direction[1 - axis];
@@ -62,12 +64,12 @@ impl Estimator {
         let by_ranges = measured * along;
         let turned_and_scaled = square(by_heading) * covariance[(HEADING, HEADING)]
             + square(by_ranges) * covariance[(RANGES, RANGES)];
-        let believed = covariance[(axis, axis)]
+        let state_variance = covariance[(axis, axis)]
             + turned_and_scaled
             + 2.0 * by_heading * covariance[(axis, HEADING)]
             + 2.0 * by_ranges * covariance[(axis, RANGES)]
             + 2.0 * by_heading * by_ranges * covariance[(HEADING, RANGES)];
-        let measured_badly =
+        let measurement_variance =
             square(along * deviation) + square(across * range * self.assumed.beam_rad);
         let fit = Fit {
             axis,
@@ -77,27 +79,23 @@ impl Estimator {
             distance: 0.0,
             by_heading,
             by_ranges,
-            variance: believed + measured_badly,
-            own_variance: turned_and_scaled + measured_badly,
+            variance: state_variance + measurement_variance,
+            own_variance: turned_and_scaled + measurement_variance,
         };
         fit.from(ray.origin, self.cell_size_m)
     }
 
-    /// Is a beam to be believed that is taken to end on a line across an axis? Where the position is
-    /// unsure, outliers end on lines, too, and one would make the robot sure of a wrong place: there the
-    /// last such beams of this action must agree.
-    pub(super) fn is_believed(&mut self, fit: &Fit) -> bool {
-        let consistency_check = &mut self.witnesses[fit.axis];
-        let apart = square(fit.residual - consistency_check.residual);
-        let agree = consistency_check.count > 0 && apart < AGREEING * 2.0 * fit.own_variance;
-        consistency_check.count = if agree {
-            consistency_check.count + 1
-        } else {
-            1
-        };
-        consistency_check.residual = fit.residual;
-        let is_sure = self.belief.covariance[(fit.axis, fit.axis)] < square(UNSURE);
-        is_sure || consistency_check.count >= ENOUGH
+    /// Returns true if a beam is accepted as ending on a line across an axis. Outliers can end on
+    /// lines, too. Where the position is uncertain, a single one would make the robot certain of a
+    /// wrong position, so the last beams of this action must agree there.
+    pub(super) fn is_accepted(&mut self, fit: &Fit) -> bool {
+        let check = &mut self.consistency_checks[fit.axis];
+        let apart = square(fit.residual - check.residual);
+        let agree = check.count > 0 && apart < AGREEING * 2.0 * fit.own_variance;
+        check.count = if agree { check.count + 1 } else { 1 };
+        check.residual = fit.residual;
+        let is_sure = self.belief.covariance[(fit.axis, fit.axis)] < square(UNCERTAIN);
+        is_sure || check.count >= MIN_AGREEING
     }
 
     /// Moves the state so that the beam ends nearer to the line.
@@ -106,8 +104,8 @@ impl Estimator {
         let seen = covariance.column(fit.axis)
             + fit.by_heading * covariance.column(HEADING)
             + fit.by_ranges * covariance.column(RANGES);
-        // The product of a vector with itself is symmetric to the bit. As plain arrays, of which the
-        // compiler makes vectors.
+        // The outer product of a vector with itself is exactly symmetric. Plain arrays let the
+        // compiler vectorise the loop.
         let root = seen / fit.variance.sqrt();
         for (column, along) in covariance.data.0.iter_mut().zip(root.iter()) {
             for (value, across) in column.iter_mut().zip(root.iter()) {
@@ -117,8 +115,8 @@ impl Estimator {
         let change = seen * (fit.residual / fit.variance);
         let moved = Vector2::new(change[X], change[Y]);
         self.belief.pose.translation.vector += moved;
-        let witnesses = self.witnesses.iter_mut().zip(moved.iter());
-        witnesses.for_each(|(consistency_check, moved)| consistency_check.residual -= moved);
+        let checks = self.consistency_checks.iter_mut().zip(moved.iter());
+        checks.for_each(|(check, moved)| check.residual -= moved);
         let ahead = ahead(self.belief.pose.rotation);
         self.belief.slip.correct(moved.dot(&ahead));
         self.belief.pose.rotation *= cayley(change[HEADING]);

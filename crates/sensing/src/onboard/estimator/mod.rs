@@ -1,10 +1,10 @@
-//! Where the robot believes to be: an extended Kalman filter over wheels, gyro and lidar.
+//! Pose estimation: an extended Kalman filter over wheels, gyro and lidar.
 //!
-//! It needs no map. All it knows of the world is that walls lie on the lines of the grid, so that
-//! a beam ends on one: the distance to the nearest line is what it corrects by. On such a grid a
-//! filter that is too sure of itself locks in one cell off, and no beam can tell. So it assumes
-//! more noise than there is, and where several beams disagree with it, it trusts itself less
-//! ([`EstimatorParams::batch_check`]). Lengths in metres, angles in radians.
+//! It needs no map. It only assumes that walls are on the lines of the grid, so that every beam
+//! ends on a line, and corrects by the distance to the nearest line. On such a grid an
+//! overconfident filter can lock in one cell off, and no beam can reveal the error. The filter
+//! therefore assumes more noise than there is, and inflates its covariance where several beams
+//! disagree with it ([`EstimatorParams::batch_check`]). Lengths in metres, angles in radians.
 
 mod fit;
 mod predict;
@@ -18,8 +18,8 @@ use super::assumed::Assumed;
 use super::slip::{Slip, Verdict};
 use crate::{EstimatorParams, Readings, Return, Robot, STEP_S};
 
-/// Places in the state: position, heading, bias and scale of the gyro, scale of the wheels, scale of the
-/// ranges, and by how much the wheels roll otherwise in this action.
+/// Indices of the state: position, heading, bias and scale of the gyro, scale of the wheels, scale
+/// of the ranges, and the extra scale of the wheels during this action.
 const X: usize = 0;
 const Y: usize = 1;
 const HEADING: usize = 2;
@@ -30,65 +30,66 @@ const RANGES: usize = 6;
 const ROLL: usize = 7;
 const STATES: usize = 8;
 
-/// A beam along an axis less than this (a cosine) says nothing about lines across that axis, but it may
-/// end on one.
+/// The smallest component of a beam along an axis (a cosine) that gives information about lines
+/// across that axis. Shallower beams may still end on such a line.
 const SHALLOW: f64 = 0.25;
 /// The squared distance, in units of the variance, up to which two beams agree: 3 deviations.
 const AGREEING: f64 = 9.0;
-/// A deviation of the position, in metres, from which on a beam is believed only if others agree with it:
-/// the third.
-const UNSURE: f64 = 0.1;
-const ENOUGH: u32 = 3;
-/// What a bump may add to the position, as a deviation in metres.
+/// The deviation of the position, in metres, above which a beam is accepted only if others agree
+/// with it: it must be the third.
+const UNCERTAIN: f64 = 0.1;
+const MIN_AGREEING: u32 = 3;
+/// The deviation of the position that a bump adds, in metres.
 const BUMP_SLIDE: f64 = 0.02;
-/// The deviation of the position, in metres, that is added where beams disagree with it.
-const DOUBT: f64 = 0.08;
-/// Wheels that speed up or brake may slip: deviation of the way as a share of by how much it differs
-/// from that of the step before.
+/// The deviation of the position that is added where beams disagree with it, in metres.
+const INFLATION: f64 = 0.08;
+/// The slip of accelerating or braking wheels: the deviation of the distance, as a share of its
+/// change since the step before.
 const LAG: f64 = 0.6;
-/// When wheels turn out to have spun: deviation of the position as a share of how far it was off.
+/// The deviation of the position after detected wheel spin, as a share of the correction.
 const SPIN: f64 = 0.5;
-/// So many disagreeing beams more than agreeing ones are too many ...
-const UNBEARABLE: f64 = 2.5;
-/// ... of which this share is kept from step to step.
-const KEPT_STRAIN: f64 = 0.7;
+/// The surplus of disagreeing over agreeing beams that triggers a covariance inflation ...
+const MAX_STRAIN: f64 = 2.5;
+/// ... and the share of this surplus that carries over from step to step.
+const STRAIN_DECAY: f64 = 0.7;
 
 /// The filter's state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Belief {
     pose: Isometry2<f64>,
-    /// Gyro bias in rad/s.
+    /// The gyro bias in rad/s.
     bias: f64,
-    /// By what share the robot turns farther than the gyro tells.
+    /// The scale error of the gyro: the share by which the robot turns farther than measured.
     gyro: f64,
-    /// By what share the wheels roll farther than they count.
+    /// The scale error of the wheels: the share by which they roll farther than counted.
     wheels: f64,
-    /// By what share ranges are longer than they are measured.
+    /// The scale error of the lidar: the share by which ranges are longer than measured.
     ranges: f64,
-    /// By what further share the wheels roll farther during this action.
+    /// The further scale error of the wheels during this action.
     roll: f64,
     last: LastStep,
-    /// Whether the wheels slip.
+    /// The wheel-slip detector.
     slip: Slip,
-    /// For so many steps it still takes into account that it may slip before it notices.
+    /// The number of steps for which undetected slip is still considered possible.
     wary: u32,
-    /// How many more beams have lately disagreed than agreed with the position, along x and y.
+    /// The recent surplus of disagreeing over agreeing beams, along x and y.
     strain: [f64; 2],
-    /// Over position, heading, bias, gyro, wheels, ranges and roll; symmetric to the bit.
+    /// Over position, heading, bias, gyro, wheels, ranges and roll; exactly symmetric.
     covariance: SMatrix<f64, STATES, STATES>,
 }
 
-/// How the robot moved in the last step, as far as it knows.
+/// The estimated motion in the last step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 struct LastStep {
     way: Vector2<f64>,
     turned_rad: f64,
     forward: f64,
-    /// What the wheels counted.
+    /// The distance that the wheels counted.
     rolled: f64,
-    /// How far it moved along its heading if the floor is slippery.
+    /// The distance along the heading if the floor is slippery.
     held: f64,
-    /// By how much the wheels have rolled too far for a slippery floor since they began to.
+    /// The distance that the wheels have rolled too far for a slippery floor, since they started
+    /// to.
     excess: f64,
 }
 
@@ -96,39 +97,40 @@ struct LastStep {
 #[derive(Debug, Clone)]
 pub(crate) struct Estimator {
     params: EstimatorParams,
-    /// Distance between the lines of the grid.
+    /// The distance between the lines of the grid.
     cell_size_m: f64,
     assumed: Assumed,
     belief: Belief,
-    /// How far it turned back from the end of the last step to each of its beams.
+    /// The rotation from the end of the last step back to each of its beams.
     back: Vec<UnitComplex<f64>>,
-    /// Along x and y: the last beams of this action that were taken to end on lines.
-    witnesses: [ConsistencyCheck; 2],
+    /// Along x and y: the last beams of this action that were accepted as ending on lines.
+    consistency_checks: [ConsistencyCheck; 2],
 }
 
-/// Beams that were taken to end on lines across an axis, and agree.
+/// A run of beams that end on lines across an axis, and agree.
 #[derive(Debug, Clone, Copy, Default)]
 struct ConsistencyCheck {
-    /// How far from its line the last of them ended.
+    /// The distance of the last beam's end from its line.
     residual: f64,
-    /// How many of them there are.
+    /// The number of beams.
     count: u32,
 }
 
-/// A beam from where the robot believes that it was sent: its origin, its direction, and its
-/// range without the scale that the robot believes in.
+/// A beam from its estimated origin: origin, direction, and range without the estimated scale
+/// error.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ray {
-    /// In the grid frame.
+    /// The origin in the grid frame.
     pub origin: Vector2<f64>,
-    /// A unit vector.
+    /// The direction as a unit vector.
     pub direction: Vector2<f64>,
-    /// Minus infinity when something is too near to be measured; `None` when nothing came back.
+    /// The range. Minus infinity when something is too near to be measured; `None` when nothing
+    /// came back.
     pub range: Option<f64>,
 }
 
 impl Estimator {
-    /// A filter that knows nothing of its sensors yet, for a robot at the origin.
+    /// Creates a filter with uncalibrated sensors, for a robot at the origin.
     pub fn new(robot: &Robot) -> Self {
         let assumed = Assumed::new(robot);
         let Assumed {
@@ -157,12 +159,12 @@ impl Estimator {
             },
             assumed,
             back: Vec::new(),
-            witnesses: [ConsistencyCheck::default(); 2],
+            consistency_checks: [ConsistencyCheck::default(); 2],
         }
     }
 
-    /// The robot is put down at rest, within a centimetre of `pose`. What it has learned about its
-    /// sensors stays.
+    /// Puts the robot down at rest, within a centimetre of `pose`. The calibration of the sensors
+    /// stays.
     pub fn put_down(&mut self, pose: Isometry2<f64>) {
         let Belief { covariance, .. } = &mut self.belief;
         for at in [X, Y, HEADING] {
@@ -176,17 +178,17 @@ impl Estimator {
         self.belief.last = LastStep::default();
     }
 
-    /// The estimated pose in the grid frame, in metres.
+    /// Returns the estimated pose in the grid frame, in metres.
     pub fn pose(&self) -> Isometry2<f64> {
         self.belief.pose
     }
 
-    /// The covariance of x, y and heading.
+    /// Returns the covariance of x, y and heading.
     pub fn covariance(&self) -> Matrix3<f64> {
         self.belief.covariance.fixed_view::<3, 3>(0, 0).into_owned()
     }
 
-    /// Speed along the heading in m/s, and turn rate in rad/s.
+    /// Returns the speed along the heading in m/s, and the turn rate in rad/s.
     pub fn speeds(&self) -> (f64, f64) {
         (
             self.belief.last.forward / STEP_S,
@@ -194,36 +196,36 @@ impl Estimator {
         )
     }
 
-    /// Has it noticed lately that the wheels slip?
+    /// Returns true if wheel slip was detected recently.
     pub fn slips(&self) -> bool {
-        self.belief.slip.is_noticed()
+        self.belief.slip.is_detected()
     }
 
-    /// The whole state.
+    /// Returns the whole state.
     pub fn belief(&self) -> &Belief {
         &self.belief
     }
 
-    /// Goes back to a state between two actions.
+    /// Restores a state between two actions.
     pub fn set_belief(&mut self, belief: Belief) {
         self.belief = belief;
     }
 
-    /// A new action begins, in which the wheels roll otherwise than before.
+    /// Begins an action, in which the wheels have a new scale error.
     pub fn begin_action(&mut self) {
         self.belief.roll = 0.0;
-        self.witnesses = [ConsistencyCheck::default(); 2];
+        self.consistency_checks = [ConsistencyCheck::default(); 2];
         let covariance = &mut self.belief.covariance;
         covariance.row_mut(ROLL).fill(0.0);
         covariance.column_mut(ROLL).fill(0.0);
-        // Of two wheels the mean counts.
+        // The mean of two wheels has half of the variance.
         covariance[(ROLL, ROLL)] = square(self.assumed.roll_bias) / 2.0;
     }
 
-    /// Takes in what the sensors told about a step.
+    /// Updates the state with the readings of a step.
     pub fn step(&mut self, readings: &Readings<'_>) {
         self.predict(readings);
-        self.belief.strain = self.belief.strain.map(|strain| KEPT_STRAIN * strain);
+        self.belief.strain = self.belief.strain.map(|strain| STRAIN_DECAY * strain);
         let turned_rad = self.belief.last.turned_rad;
         let back = |beam: &Return| rotation((beam.moment - 1.0) * turned_rad);
         self.back.clear();
@@ -233,14 +235,14 @@ impl Estimator {
         }
     }
 
-    /// The beams of the last step, as the robot sees them at its end.
+    /// Returns the beams of the last step, as estimated at its end.
     pub fn rays(&self, beams: &[Return]) -> impl Iterator<Item = Ray> {
         let beams = beams.iter().zip(&self.back);
         beams.map(|(beam, &back)| self.ray(beam, back))
     }
 
-    /// A beam of the last step, from where the robot believes to have been at its moment; since
-    /// then it has turned by the inverse of `back`.
+    /// Returns a beam of the last step, from the estimated pose at its moment. Since then the robot
+    /// has turned by the inverse of `back`.
     pub fn ray(&self, beam: &Return, back: UnitComplex<f64>) -> Ray {
         let pose = &self.belief.pose;
         Ray {
@@ -250,7 +252,7 @@ impl Estimator {
         }
     }
 
-    /// Corrects by a beam that ends on a line, unless it could end on two.
+    /// Corrects the state by a beam that ends on a line, unless it could end on two.
     fn take_in(&mut self, ray: &Ray) {
         let Some(range) = ray.range.filter(|&range| range > 0.0) else {
             return;
@@ -259,39 +261,40 @@ impl Estimator {
         if self.falls_back(ray, &fits) {
             fits = self.fits(ray, range);
         }
-        let passes = |fit: &Fit| fit.distance < self.params.listener;
+        let passes = |fit: &Fit| fit.distance < self.params.gate;
         match fits.map(|fit| Some(fit).filter(passes)) {
             [Some(_), Some(_)] => {}
-            // It ends at a wall along which it runs: in a corridor, where it ends says nothing.
+            // The beam ends at a wall that it runs along. In a corridor, its end gives no
+            // information.
             [Some(fit), None] | [None, Some(fit)] if fit.is_shallow => {}
             [Some(fit), None] | [None, Some(fit)] => {
                 let strain = &mut self.belief.strain[fit.axis];
                 *strain = (*strain - 1.0).max(0.0);
-                if self.is_believed(&fit) {
+                if self.is_accepted(&fit) {
                     self.correct(&fit);
                 }
             }
-            // On no line: along its way the robot is not where it believes to be.
+            // The beam ends on no line: the estimated position along the beam is wrong.
             [None, None] => {
                 let is_along_x = ray.direction.x.abs() > ray.direction.y.abs();
-                self.doubt(if is_along_x { X } else { Y });
+                self.inflate(if is_along_x { X } else { Y });
             }
         }
     }
 
-    /// A beam disagrees with the position along an axis. One may be an outlier, but several in the
-    /// last steps make the robot trust that position less.
-    fn doubt(&mut self, axis: usize) {
+    /// Handles a beam that disagrees with the position along an axis. A single beam may be an
+    /// outlier. Several in the last steps inflate the covariance of that position.
+    fn inflate(&mut self, axis: usize) {
         let strain = &mut self.belief.strain[axis];
         *strain += 1.0;
-        if self.params.batch_check && *strain >= UNBEARABLE {
+        if self.params.batch_check && *strain >= MAX_STRAIN {
             *strain = 0.0;
-            self.belief.covariance[(axis, axis)] += square(DOUBT);
+            self.belief.covariance[(axis, axis)] += square(INFLATION);
         }
     }
 
-    /// Does a beam fit better where the robot would be if its wheels had spun? True when this one
-    /// decides it, and the robot sees that it is there.
+    /// Tests whether a beam fits better at the position where the robot would be if its wheels had
+    /// spun. Returns true if this beam decides the test in favour of that position.
     fn falls_back(&mut self, ray: &Ray, fits: &[Fit; 2]) -> bool {
         let Some(lag) = self.belief.slip.lag() else {
             return false;
@@ -311,19 +314,19 @@ impl Estimator {
         false
     }
 
-    /// The squared distance of a beam's end from the nearest line, in units of its variance; that
-    /// of an outlier is the gate.
+    /// Returns the squared distance of a beam's end from the nearest line, in units of its
+    /// variance, limited to the gate for outliers.
     fn misfit(&self, fits: &[Fit; 2]) -> f64 {
         let distances = fits.iter().map(|fit| fit.distance);
-        distances.fold(self.params.listener, f64::min)
+        distances.fold(self.params.gate, f64::min)
     }
 
-    /// The robot is so far behind what it believed.
+    /// Moves the estimate back by `way`.
     fn fall_back(&mut self, way: Vector2<f64>) {
         self.belief.pose.translation.vector -= way;
-        self.witnesses = [ConsistencyCheck::default(); 2];
-        let doubt = (SPIN * way) * (SPIN * way).transpose();
+        self.consistency_checks = [ConsistencyCheck::default(); 2];
+        let inflation = (SPIN * way) * (SPIN * way).transpose();
         let mut position = self.belief.covariance.fixed_view_mut::<2, 2>(X, X);
-        position += doubt;
+        position += inflation;
     }
 }

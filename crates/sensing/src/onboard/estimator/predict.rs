@@ -1,4 +1,4 @@
-//! How the robot moved in a step, by what wheels and gyro tell.
+//! Motion prediction from wheels and gyro.
 
 use nalgebra::{UnitComplex, Vector2};
 
@@ -14,56 +14,58 @@ const GYRO_WALK: f64 = 1e-5;
 /// How much the robot may slip, as deviations.
 #[derive(Clone, Copy)]
 struct Shares {
-    /// Along its heading: a share of what the wheels roll too far for a slippery floor.
+    /// Along the heading: a share of the distance that the wheels roll too far for a slippery
+    /// floor.
     along: f64,
-    /// Sideways: a share of how far it drives times the angle by which it turns.
+    /// Sideways: a share of the driven distance times the turned angle.
     sideways: f64,
 }
 
-/// The shares when it has noticed that it slips ...
-const NOTICED: Shares = Shares {
+/// The shares while slip is detected ...
+const DETECTED: Shares = Shares {
     along: 0.6,
     sideways: 0.6,
 };
-/// ... when it did lately, since the floor may be slippery elsewhere before it notices ...
+/// ... while it was detected recently, because the floor may be slippery elsewhere ...
 const WARY: Shares = Shares {
     along: 0.4,
     sideways: 0.3,
 };
-/// ... and else. In long corridors, where no beam tells how far along it is, more would add up.
+/// ... and otherwise. In long corridors no beam gives the position along the corridor, and larger
+/// shares would add up.
 const TRUSTING: Shares = Shares {
     along: 0.0,
     sideways: 0.0,
 };
-/// Steps after which slip is no longer lately: 10 s.
+/// The number of steps for which slip counts as recent: 10 s.
 const WARY_STEPS: u32 = 200;
 
 /// The motion of one step.
 struct Motion {
     turned_rad: f64,
-    /// What the gyro told, without its bias; 0 without a gyro.
-    told_rad: f64,
-    /// What the wheels counted, in the mean; half of it where a wall holds the robot.
+    /// The gyro's turn without its bias; 0 without a gyro.
+    gyro_rad: f64,
+    /// The mean distance that the wheels counted; half of it where a wall holds the robot.
     rolled: f64,
-    /// How far it moved along its heading if the floor is slippery.
+    /// The distance along the heading if the floor is slippery.
     held: f64,
-    /// How far it believes to have moved: as far as that, or by what the wheels rolled.
+    /// The estimated distance along the heading: `held`, or the distance that the wheels rolled.
     forward: f64,
-    /// By how much a wheel rolled otherwise than the gyro's turn says.
+    /// The distance by which a wheel's count differs from the gyro's turn.
     slipped: f64,
-    /// The variance along the heading of wheels that may spin.
+    /// The variance along the heading due to wheels that may spin.
     spun: f64,
-    /// By how much the wheels have rolled too far since they began to.
+    /// The distance that the wheels have rolled too far, since they started to.
     excess: f64,
-    /// By how much it may slip.
+    /// How much the robot may slip.
     shares: Shares,
-    /// A bumper closed, and the filter minds.
+    /// True if a bumper closed, and the filter takes that into account.
     bumped: bool,
     has_gyro: bool,
 }
 
 impl Estimator {
-    /// Moves by what wheels and gyro tell.
+    /// Moves the state by the readings of wheels and gyro.
     pub(super) fn predict(&mut self, readings: &Readings<'_>) {
         let motion = self.motion(readings);
         let half = rotation(motion.turned_rad / 2.0);
@@ -84,20 +86,21 @@ impl Estimator {
         self.spread_covariance(&motion, ahead(middle), changed);
     }
 
-    /// What wheels and gyro tell, and whether they show that the wheels slip.
+    /// Computes the motion from wheels and gyro, and tests for wheel slip.
     fn motion(&mut self, readings: &Readings<'_>) -> Motion {
         let [left, right] = readings.rolled_m;
         let base = self.assumed.wheel_base_m;
         let by_wheels = (right - left) / base;
-        let told_rad = readings
+        let gyro_rad = readings
             .turned_rad
-            .map(|told| told - self.belief.bias * STEP_S);
-        let turned_rad = told_rad.map_or(by_wheels, |told| (1.0 + self.belief.gyro) * told);
+            .map(|measured| measured - self.belief.bias * STEP_S);
+        let turned_rad = gyro_rad.map_or(by_wheels, |measured| (1.0 + self.belief.gyro) * measured);
         let touches = readings.bumped.contains(&true);
         let bumped = self.params.bump_inflation && touches;
         // Wheels slip where a wall holds the robot: it moved by something between nothing and all.
         let rolled = (left + right) / 2.0 / if bumped { 2.0 } else { 1.0 };
-        // A wheel that slips turns the robot less than it counts: then the way is wrong by as much.
+        // A slipping wheel turns the robot less than it counts, and the distance is wrong by the
+        // same amount.
         let slipped = (by_wheels - turned_rad) * base / 2.0;
         let deviation = self.assumed.wheel_share * left.abs().max(right.abs());
         let by_rolling = (1.0 + self.belief.wheels + self.belief.roll) * rolled;
@@ -107,21 +110,21 @@ impl Estimator {
         let disagreement = (slipped.abs() - self.assumed.tick_m).max(0.0);
         slip.step(disagreement, deviation, touches, &self.params);
         slip.roll(by_rolling - held, touches);
-        let noticed = slip.is_noticed();
-        self.belief.wary = if noticed {
+        let detected = slip.is_detected();
+        self.belief.wary = if detected {
             WARY_STEPS
         } else {
             self.belief.wary.saturating_sub(1)
         };
-        let (forward, shares) = match (noticed, self.belief.wary) {
-            (true, _) => (held, NOTICED),
+        let (forward, shares) = match (detected, self.belief.wary) {
+            (true, _) => (held, DETECTED),
             (false, 1..) => (by_rolling, WARY),
             (false, 0) => (by_rolling, TRUSTING),
         };
         let (spun, excess) = self.spun(by_rolling - held, shares.along);
         Motion {
             turned_rad,
-            told_rad: told_rad.unwrap_or(0.0),
+            gyro_rad: gyro_rad.unwrap_or(0.0),
             rolled,
             held,
             forward,
@@ -134,9 +137,9 @@ impl Estimator {
         }
     }
 
-    /// What wheels that roll `excess` too far for a slippery floor add to the variance along the heading,
-    /// and by how much they have rolled too far since they began to. All of that has one cause, so its
-    /// deviations add up, and not its variances.
+    /// Returns the variance along the heading due to wheels that roll `excess` too far for a
+    /// slippery floor, and the total excess since they started to. The whole excess has one cause,
+    /// so deviations add up, and not variances.
     fn spun(&self, excess: f64, share: f64) -> (f64, f64) {
         let before = self.belief.last.excess;
         let goes_on = excess * before > 0.0;
@@ -145,11 +148,11 @@ impl Estimator {
         (square(share) * (square(total) - known).max(0.0), total)
     }
 
-    /// How far it moves along its heading if the floor is slippery: however fast the wheels spin, the
-    /// floor cannot speed it up or slow it down more than by its grip. A wall can.
+    /// Returns the distance along the heading if the floor is slippery. Even if the wheels spin,
+    /// the floor can accelerate or brake the robot only within its grip. A wall has no such limit.
     fn held(&self, by_rolling: f64, bumped: bool) -> f64 {
         let last = self.belief.last.held;
-        // From one step to the next, counting whole ticks alone changes the way by less than two.
+        // Counting whole ticks alone changes the distance from step to step by less than two ticks.
         let most = self.assumed.slippery_grip_m.max(2.0 * self.assumed.tick_m);
         if bumped {
             by_rolling
@@ -158,7 +161,7 @@ impl Estimator {
         }
     }
 
-    /// The covariance after a motion without noise.
+    /// Updates the covariance by a motion without noise.
     fn carry_covariance(&mut self, motion: &Motion, direction: Vector2<f64>, way: Vector2<f64>) {
         // The Jacobian of the motion without its diagonal of ones, times a column or a row.
         let drift = if motion.has_gyro {
@@ -171,7 +174,7 @@ impl Estimator {
             [
                 scale * motion.rolled * direction.x - state[HEADING] * way.y,
                 scale * motion.rolled * direction.y + state[HEADING] * way.x,
-                drift * state[BIAS] + motion.told_rad * state[GYRO],
+                drift * state[BIAS] + motion.gyro_rad * state[GYRO],
             ]
         };
         let covariance = &mut self.belief.covariance;
@@ -186,7 +189,7 @@ impl Estimator {
         covariance.fill_lower_triangle_with_upper_triangle();
     }
 
-    /// Adds the noise of a motion, which differs by `changed` from that of the step before.
+    /// Adds the noise of a motion whose distance differs by `changed` from the step before.
     fn spread_covariance(&mut self, motion: &Motion, direction: Vector2<f64>, changed: f64) {
         let assumed = &self.assumed;
         let along = square(assumed.roll_share * motion.rolled)
@@ -195,7 +198,7 @@ impl Estimator {
             + motion.spun
             + square(assumed.tick_m) / 12.0
             + 1e-8;
-        // Sideways, of a robot that turns while it drives.
+        // The sideways noise of a robot that turns while it drives.
         let skid = square(motion.shares.sideways * motion.forward * motion.turned_rad);
         let slide = if motion.bumped {
             square(motion.rolled) + square(BUMP_SLIDE)
@@ -210,7 +213,7 @@ impl Estimator {
                 + square(assumed.tick_m / assumed.wheel_base_m) / 3.0
         };
         let covariance = &mut self.belief.covariance;
-        // What is the same in both directions, and what is more along the heading.
+        // Splits the noise into a part for both directions, and the rest along the heading.
         let (slide, along) = (slide + skid, along - skid);
         covariance[(X, X)] += along * square(direction.x) + slide + 1e-8;
         covariance[(Y, Y)] += along * square(direction.y) + slide + 1e-8;

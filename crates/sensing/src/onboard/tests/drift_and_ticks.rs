@@ -1,9 +1,9 @@
-//! Sensors that are scaled, drift, count in ticks, or send more beams than the filter takes.
+//! Sensors with scale errors, drift and ticks, and sensors with more beams than the filter uses.
 
 use super::*;
 
-/// A robot whose gyro tells 3 % too much and drifts, and turns to and fro in the middle of a cell. Gives
-/// the error of its heading at the end, in radians.
+/// Returns the final heading error in radians of a robot that turns to and fro in the middle of a
+/// cell. Its gyro measures 3 % too much and drifts.
 fn heading_error(gyro_scale: f64, gyro_walk_radps: f64, drift_radps2: f64) -> f64 {
     let mut robot = robot();
     robot.noise = 3.0;
@@ -23,7 +23,7 @@ fn heading_error(gyro_scale: f64, gyro_walk_radps: f64, drift_radps2: f64) -> f6
         heading += turned;
         bias_rad += drift_radps2 * STEP_S * STEP_S;
         let half = 0.2 * turned;
-        // Beams to the four walls of the cell when it rests.
+        // Beams to the four walls of the cell when the robot rests.
         let rests = step % 10 >= 5;
         let axis = |quarter: u32| f64::from(quarter) * std::f64::consts::FRAC_PI_2 - heading + 0.3;
         let beams: Vec<Return> = (0..if rests { 8 } else { 0 })
@@ -41,7 +41,7 @@ fn heading_error(gyro_scale: f64, gyro_walk_radps: f64, drift_radps2: f64) -> f6
 }
 
 #[test]
-fn scale_and_drift_of_the_gyro_are_found_out() {
+fn scale_and_drift_of_the_gyro_are_estimated() {
     let walk = robot().estimator.gyro_walk_radps;
     let errors =
         [(0.0, 0.01), (0.0002, 0.02)].map(|(drift, most)| (heading_error(0.01, walk, drift), most));
@@ -54,7 +54,7 @@ fn scale_and_drift_of_the_gyro_are_found_out() {
 }
 
 #[test]
-fn the_covariance_is_symmetric_to_the_bit() {
+fn the_covariance_is_exactly_symmetric() {
     let mut estimator = estimator(0.5, 0.5);
     for step in 0..200 {
         let beams = [
@@ -69,7 +69,7 @@ fn the_covariance_is_symmetric_to_the_bit() {
     }
 }
 
-/// Does a robot with such ticks take the floor for slippery, which rolls without any slip?
+/// Returns true if a robot with such ticks detects slip although it rolls without slip.
 fn slips_by_counting(tick_m: f64, counted: bool) -> bool {
     let mut robot = robot();
     robot.noise = 0.0;
@@ -102,7 +102,7 @@ fn slips_by_counting(tick_m: f64, counted: bool) -> bool {
 }
 
 #[test]
-fn counting_in_ticks_alone_is_never_taken_for_slip() {
+fn counting_in_ticks_alone_is_never_detected_as_slip() {
     for tick_m in [0.0005, 0.001, 0.008, 0.02, 0.05] {
         assert!(!slips_by_counting(tick_m, true), "{tick_m}");
     }
@@ -110,7 +110,7 @@ fn counting_in_ticks_alone_is_never_taken_for_slip() {
 }
 
 #[test]
-fn the_computer_on_board_takes_every_nth_beam_of_a_turn() {
+fn the_onboard_computer_uses_every_nth_beam_of_a_turn() {
     let after = |every: u32, numbers: &[u32]| {
         let mut robot = robot();
         robot.estimator.use_every_nth_beam = every;

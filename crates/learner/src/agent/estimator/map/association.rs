@@ -1,5 +1,5 @@
-//! Where an episode that ended at the goal must have led: forward and backward over its steps
-//! (Baum and Welch), from the goal of a map outward.
+//! Aligns an episode that ended at the goal with a map. The forward-backward algorithm (Baum and Welch)
+//! runs over its steps, from the map's goal outward.
 
 use crate::agent::estimator::map::bump::Bump;
 use crate::agent::estimator::map::cell_counts::{CellCounts, UNSEEN};
@@ -12,35 +12,35 @@ use crate::agent::estimator::map::place::{
 use crate::agent::model::slips::each_other;
 use xcs::Action;
 
-/// A step: what was perceived, and what was chosen.
+/// A step: the percept and the chosen action.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MapStep {
     /// The cells around the robot.
     pub around: Surroundings,
-    /// The action that it chose.
+    /// The chosen action.
     pub action: Action,
-    /// The auxiliary reward that it found by it, or 0.
+    /// The auxiliary reward collected by the action, or 0.
     pub found: f64,
-    /// Did it bump, and stay where it was?
+    /// Whether the robot bumped, and stayed in its cell.
     pub bumped: Bump,
 }
 
-/// What is believed of the moves and of the percepts.
+/// The estimated models of motion and observation.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RobotModel {
     /// The displacement that each action aims at.
     pub motion: MotionModel,
-    /// How the cells around the robot are seen. A setting.
+    /// How the robot perceives the cells around it. A setting.
     #[serde(skip)]
     pub vision: Vision,
-    /// The probability that another action than the chosen one is executed.
+    /// The probability that an action other than the chosen one is executed.
     pub slip: f64,
-    /// The probability that a cell is misread.
+    /// The probability that a cell is observed wrongly.
     pub observation_error: f64,
 }
 
 impl RobotModel {
-    /// How likely each displacement is: the eight around, and none.
+    /// Returns the probability of each displacement: the eight directions, and none.
     fn displacements(&self, step: &MapStep) -> [f64; DISPLACEMENTS] {
         let mut likely = [0.0; DISPLACEMENTS];
         let actions = self.motion.actions();
@@ -58,8 +58,8 @@ impl RobotModel {
         likely
     }
 
-    /// The displacements that a robot may have that heads for one, and how well what was perceived
-    /// fits to that it bumped, or did not.
+    /// Returns the displacements of a robot that aims at `heading`, with or without a bump. Each comes
+    /// with its likelihood given the percept.
     fn leads(&self, step: &MapStep, heading: usize) -> impl Iterator<Item = (usize, f64)> {
         step.bumped.possible().map(move |bumped| {
             let fits = self.fits_ahead(step, heading, bumped);
@@ -67,21 +67,21 @@ impl RobotModel {
         })
     }
 
-    /// How well the cell ahead, as it was perceived, fits to that the robot bumped, or did not.
+    /// Returns the likelihood of the perceived cell ahead, given a bump or no bump.
     fn fits_ahead(&self, step: &MapStep, heading: usize, bumped: bool) -> f64 {
         let is_felt = step.bumped != Bump::Unfelt;
         match step.around.get(heading) {
             Some(CellState::Hidden) if is_felt => 1.0,
             Some(CellState::Hidden) => 0.5,
             state if (state == Some(&CellState::Wall)) == bumped => 1.0,
-            // What comes next tells whether the robot has gone there ([`Self::fit`]).
+            // The next percept shows whether the robot has moved there ([`Self::fit`]).
             _ if !is_felt && !bumped => 1.0,
             _ => self.observation_error,
         }
     }
 
-    /// The directions into which some action may have moved the robot, by what was seen before and after the step (nothing
-    /// at the goal).
+    /// Returns the directions in which some action may have moved the robot, given the percepts before
+    /// and after the step (no percept at the goal).
     pub fn possible_moves(
         &self,
         step: &MapStep,
@@ -99,7 +99,7 @@ impl RobotModel {
         })
     }
 
-    /// By displacement, how likely a step was a slip if it displaced the robot so.
+    /// Returns the probability of a slip, by displacement.
     fn slipped(&self, step: &MapStep) -> [f64; DISPLACEMENTS] {
         let mut chosen = [0.0; DISPLACEMENTS];
         for (heading, weight) in self.motion.of(step.action) {
@@ -114,7 +114,7 @@ impl RobotModel {
         })
     }
 
-    /// How likely a step was a slip, given what was seen after it (nothing at the goal).
+    /// Returns the probability of a slip, given the next percept (none at the goal).
     fn share_of_slips(&self, step: &MapStep, next: Option<&Surroundings>) -> f64 {
         let (mut slips, mut all) = (0.0, 0.0);
         let slipped = self.slipped(step);
@@ -125,7 +125,7 @@ impl RobotModel {
         if all > 0.0 { slips / all } else { 0.0 }
     }
 
-    /// How well a displacement fits to what was seen before and after it (nothing at the goal).
+    /// Returns the likelihood of both percepts given a displacement (no next percept at the goal).
     fn fit(&self, step: &MapStep, next: Option<&Surroundings>, displacement: usize) -> f64 {
         let cell = step.around.get(displacement).copied();
         match next {
@@ -137,7 +137,7 @@ impl RobotModel {
         }
     }
 
-    /// Learns what an action aims at, from how well displacements fit to the rest of the episode.
+    /// Updates an action's motion model from the likelihoods of displacements in the whole episode.
     pub fn learn_in_context(&mut self, step: &MapStep, fits: &[f64; DISPLACEMENTS]) {
         let fits = std::array::from_fn(|heading| match step.bumped {
             Bump::No => fits[heading],
@@ -150,18 +150,20 @@ impl RobotModel {
         self.motion.learn(step.action, &fits, self.slip);
     }
 
-    /// Learns what an action aims at, from what was seen before and after it.
+    /// Updates an action's motion model from the percepts before and after it.
     pub fn learn_heading(&mut self, step: &MapStep, next: Option<&Surroundings>) {
         let fits = std::array::from_fn(|heading| {
-            let ways = self.leads(step, heading);
-            ways.map(|(to, fits)| fits * self.fit(step, next, to)).sum()
+            let moves = self.leads(step, heading);
+            moves
+                .map(|(to, fits)| fits * self.fit(step, next, to))
+                .sum()
         });
         self.motion.learn(step.action, &fits, self.slip);
     }
 }
 
-/// What both of two percepts show that follow each other over a displacement: for each such cell,
-/// whether they agree.
+/// Compares two successive percepts, given a displacement. Yields whether they agree, for each cell that
+/// both show.
 fn shown_twice(
     before: &Surroundings,
     after: &Surroundings,
@@ -182,7 +184,7 @@ fn shown_twice(
         })
 }
 
-/// How likely two percepts follow each other over a displacement: what both show must agree.
+/// Returns the likelihood of two successive percepts, given a displacement: both must agree.
 fn overlap(
     before: &Surroundings,
     after: &Surroundings,
@@ -193,8 +195,8 @@ fn overlap(
     differing.fold(1.0, |product, _| product * observation_error)
 }
 
-/// How many cells of an episode were shown twice, in two percepts that follow each other, and in
-/// how many of them these two differ: one of them was misread. This needs no map.
+/// Returns how many cells differ between successive percepts of an episode, and how many were shown
+/// twice. A difference is an observation error in one of the two percepts. No map is needed.
 pub fn differing(steps: &[MapStep], robot: &RobotModel) -> [f64; 2] {
     let mut counts = [0.0; 2];
     for pair in steps.windows(2) {
@@ -207,25 +209,25 @@ pub fn differing(steps: &[MapStep], robot: &RobotModel) -> [f64; 2] {
     counts
 }
 
-/// How an episode lies on a map.
+/// The alignment of an episode with a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alignment {
-    /// How likely the episode is on the map: mantissa and power of two.
+    /// The likelihood of the episode on the map.
     pub likelihood: Likelihood,
-    /// For each step, where the robot was, if that is certain.
+    /// For each step, the robot's cell, if it is certain.
     pub places: Vec<Option<Place>>,
-    /// How many steps slipped, as far as the map tells.
+    /// The expected number of slips, given the map.
     pub slips: f64,
-    /// For each step, how well each displacement fits to the map and to all other steps.
+    /// For each step, the likelihood of each displacement given the map and all other steps.
     pub fits: Vec<[f64; DISPLACEMENTS]>,
 }
 
-/// Aligns an episode, which ended at the goal, with a map. Steps that lie beyond every map have no place.
+/// Aligns an episode that ended at the goal with a map. Steps outside every map get no cell.
 pub fn align(steps: &[MapStep], cell_map: &CellCounts, robot: &RobotModel) -> Alignment {
-    let mut adder = Accumulator::new();
-    let (layers, likelihood) = backward(steps, cell_map, robot, &mut adder);
-    let beyond = steps.len() + 1 - layers.len();
-    let within = forward(&steps[beyond..], &layers, robot, &mut adder);
+    let mut accumulator = Accumulator::new();
+    let (messages, likelihood) = backward(steps, cell_map, robot, &mut accumulator);
+    let beyond = steps.len() + 1 - messages.len();
+    let within = forward(&steps[beyond..], &messages, robot, &mut accumulator);
     let no_place = std::iter::repeat_n(None, beyond);
     let no_evidence = std::iter::repeat_n([1.0; DISPLACEMENTS], beyond);
     Alignment {
@@ -236,44 +238,45 @@ pub fn align(steps: &[MapStep], cell_map: &CellCounts, robot: &RobotModel) -> Al
     }
 }
 
-/// For each step the likelihood of what follows, by place; the earliest steps are left out if they lie beyond every map.
+/// Returns the backward message of each step. The earliest steps are left out if they are outside every
+/// map.
 fn backward(
     steps: &[MapStep],
     cell_map: &CellCounts,
     robot: &RobotModel,
-    adder: &mut Accumulator,
+    accumulator: &mut Accumulator,
 ) -> (Vec<Message>, Likelihood) {
     let mut later = Message::only(Place::ORIGIN);
     let mut likelihood = Likelihood::ONE;
-    let mut layers = Vec::with_capacity(steps.len());
+    let mut messages = Vec::with_capacity(steps.len());
     for (at, step) in steps.iter().enumerate().rev() {
         let moves = likely_moves(step, steps.get(at + 1).map(|next| &next.around), robot);
         for &(place, weight) in &later.places {
             for &(displacement, likely) in &moves {
-                adder.add(place.minus(offset(displacement)), weight * likely);
+                accumulator.add(place.minus(offset(displacement)), weight * likely);
             }
         }
-        if adder.is_mostly_beyond() {
-            adder.layer();
+        if accumulator.is_mostly_beyond() {
+            accumulator.take_message();
             break;
         }
-        adder.weigh(|place| match place {
+        accumulator.weigh(|place| match place {
             // The episode would have ended there.
             Place::ORIGIN => 0.0,
             _ => cell_map.likelihood(place, &step.around, robot.observation_error),
         });
-        let (layer, greatest) = adder.layer();
+        let (message, greatest) = accumulator.take_message();
         likelihood = likelihood.times(greatest);
-        layers.push(std::mem::replace(&mut later, layer));
+        messages.push(std::mem::replace(&mut later, message));
     }
-    layers.push(later);
-    layers.reverse();
-    (layers, likelihood)
+    messages.push(later);
+    messages.reverse();
+    (messages, likelihood)
 }
 
-/// How many steps of an episode slipped, as far as two percepts that follow each other tell. This needs
-/// no map: on a map that ends too soon, moves that slip back to what is known seem likelier than new
-/// places, and the more are taken for slips the likelier they seem.
+/// Returns the expected number of slips in an episode, given pairs of successive percepts. No map is
+/// used: on an incomplete map, slips back to known cells seem likelier than new cells, and each wrongly
+/// counted slip makes further ones seem likelier.
 pub fn slips(steps: &[MapStep], robot: &RobotModel) -> f64 {
     let after = |at: usize| steps.get(at + 1).map(|next| &next.around);
     let steps = steps.iter().enumerate();
@@ -282,7 +285,8 @@ pub fn slips(steps: &[MapStep], robot: &RobotModel) -> f64 {
         .sum()
 }
 
-/// The displacements that a step may have had, given what was seen after it (nothing at the goal).
+/// Returns the possible displacements of a step with their likelihoods, given the next percept (none at
+/// the goal).
 fn likely_moves(
     step: &MapStep,
     next: Option<&Surroundings>,
@@ -294,15 +298,15 @@ fn likely_moves(
     fitting.filter(|(_, likely)| *likely > 0.0).collect()
 }
 
-/// Where the robot was at each step, where that is certain, how often it slipped, and how well
-/// displacements fit.
+/// Runs the forward pass. Returns the certain cells, the expected slips and the likelihoods of
+/// displacements.
 fn forward(
     steps: &[MapStep],
-    layers: &[Message],
+    messages: &[Message],
     robot: &RobotModel,
-    adder: &mut Accumulator,
+    accumulator: &mut Accumulator,
 ) -> Alignment {
-    let mut now = layers[0].shares();
+    let mut now = messages[0].shares();
     let mut forward = Alignment {
         likelihood: Likelihood::ONE,
         places: Vec::with_capacity(steps.len()),
@@ -313,31 +317,31 @@ fn forward(
         forward.places.push(now.certain());
         let mut fits = [0.0; DISPLACEMENTS];
         let moves = likely_moves(step, steps.get(at + 1).map(|next| &next.around), robot);
-        let later = &layers[at + 1];
+        let later = &messages[at + 1];
         let slipped = robot.slipped(step);
         for &(place, weight) in &now.places {
-            let ways: Vec<(usize, Place, f64, f64)> = moves
+            let successors: Vec<(usize, Place, f64, f64)> = moves
                 .iter()
                 .filter_map(|&(displacement, likely)| {
                     let to = place.plus(offset(displacement));
                     Some((displacement, to, likely, later.of(to)?))
                 })
                 .collect();
-            let all: f64 = ways.iter().map(|way| way.2 * way.3).sum();
-            for (displacement, to, likely, after) in ways {
+            let all: f64 = successors.iter().map(|one| one.2 * one.3).sum();
+            for (displacement, to, likely, after) in successors {
                 let share = weight * (likely * after) / all;
                 forward.slips += share * slipped[displacement];
                 fits[displacement] += weight * after / all;
-                adder.add(to, share);
+                accumulator.add(to, share);
             }
         }
         forward.fits.push(fits);
-        now = adder.layer().0.shares();
+        now = accumulator.take_message().0.shares();
     }
     forward
 }
 
-/// The displacement that a step most likely had, given what was seen after it.
+/// Returns the most likely displacement of a step, given the next percept.
 pub fn likeliest_move(step: &MapStep, next: &Surroundings, robot: &RobotModel) -> Place {
     offset(likeliest(step, next, robot))
 }
@@ -356,8 +360,8 @@ mod tests {
 
     const EAST: usize = 2;
 
-    /// How a robot in a corridor from west to east has most likely moved that headed for the east, and saw
-    /// this there before and after.
+    /// Returns the most likely displacement of a robot in a corridor from west to east that aims at the
+    /// east. The percepts before and after the step are equal.
     fn moved(ahead: CellState, bumped: Bump) -> usize {
         let robot = RobotModel {
             motion: MotionModel::known(8),
@@ -378,7 +382,7 @@ mod tests {
     }
 
     #[test]
-    fn who_feels_bumps_goes_by_them_and_who_does_not_by_what_it_sees() {
+    fn bumps_decide_with_a_bumper_and_percepts_decide_without_one() {
         for ahead in [CellState::Free, CellState::Wall] {
             assert_eq!(moved(ahead, Bump::No), EAST, "{ahead:?}");
             assert_eq!(moved(ahead, Bump::Yes), NOWHERE, "{ahead:?}");
@@ -387,7 +391,7 @@ mod tests {
         assert_eq!(moved(CellState::Wall, Bump::Unfelt), NOWHERE);
     }
 
-    /// An episode that begins so many cells to the east of its goal, in a corridor, and goes straight there.
+    /// A corridor episode that begins `cells` cells east of its goal and goes straight to it.
     fn from_the_east(cells: i16) -> Vec<MapStep> {
         let step = |east: i16| {
             let mut around = [CellState::Wall; 8];
@@ -413,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_beyond_the_reach_of_a_map_have_no_place_and_all_others_the_right_one() {
+    fn steps_beyond_the_reach_of_a_map_get_no_cell_and_all_others_the_right_one() {
         for cells in [30, 80, 150] {
             let steps = from_the_east(cells);
             let aligned = align(

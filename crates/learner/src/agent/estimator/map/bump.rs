@@ -1,20 +1,20 @@
-//! What is felt of walls.
+//! Bumper readings.
 
 use serde::{Deserialize, Serialize};
 
-/// What a robot felt of a wall that barred its way.
+/// Whether a wall stopped the robot, according to its bumper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Bump {
-    /// There was none.
+    /// The robot did not bump into a wall.
     No,
-    /// It bumped against one, and stayed where it was.
+    /// The robot bumped into a wall, and stayed in its cell.
     Yes,
-    /// It cannot feel walls: either may be true.
+    /// The robot has no bumper: both are possible.
     Unfelt,
 }
 
 impl Bump {
-    /// What may have happened, as `true` for a bump.
+    /// Returns the possible values, `true` for a bump.
     pub fn possible(self) -> impl Iterator<Item = bool> {
         let possible: &[bool] = match self {
             Self::No => &[false],

@@ -1,28 +1,28 @@
-//! A map: what was seen around one goal, cell by cell.
+//! A map around one goal: the number of observations of each cell state, by cell.
 
 use serde::{Deserialize, Serialize};
 
 use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place, Surroundings, Vision};
 
-/// Observations of a cell that count; from here on the older ones fade.
+/// The maximum number of observations per cell. From there on, older ones fade.
 const MOST_SIGHTINGS: u8 = 20;
-/// Cells further from the goal than this, in moves, are not mapped.
+/// The maximum distance of a mapped cell from the goal, in moves.
 pub const FURTHEST: u16 = 64;
-/// The weight of whatever is seen in a cell that nobody has seen before, beside that of a cell that agrees with the map. This is
-/// no probability: a new cell counts nearly as much as one that agrees, so that maps grow.
+/// The weight of any observation of an unknown cell, relative to one that agrees with the map. It is not
+/// a probability: a new cell counts nearly as much as an agreeing one, so that maps grow.
 const UNKNOWN: f64 = 0.9;
-/// The same of a percept in a place of which nothing is known: the place and the eight cells around it.
+/// The weight of a percept in unknown surroundings: `UNKNOWN` for each of nine cells.
 pub const UNSEEN: f64 = 0.387_420_489;
-/// If cells are misread no more often than this, what was seen otherwise was mostly seen elsewhere, where the robot was
-/// taken for being here.
+/// Up to this observation error, contradicting observations were mostly made elsewhere, by a mislocalised
+/// robot.
 const RARE: f64 = 0.002;
-/// The sightings that every state is granted in advance.
+/// The prior number of observations of each cell state.
 const PRIOR: f64 = 0.003;
 
-/// Observations of each state, for the cells of a rectangle that grows.
+/// Observations of each cell state, for the cells of a growing rectangle.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct CellCounts {
-    /// The most western and southern cell.
+    /// The south-western cell.
     corner: Place,
     width: u16,
     height: u16,
@@ -30,7 +30,7 @@ pub struct CellCounts {
 }
 
 impl CellCounts {
-    /// The sightings of a cell: free, wall, goal.
+    /// Returns the observations of a cell: free, wall, goal.
     fn sightings(&self, place: Place) -> [u8; 3] {
         self.index(place).map_or([0; 3], |at| self.sightings[at])
     }
@@ -42,7 +42,7 @@ impl CellCounts {
         inside.then_some(usize::from(row) * usize::from(self.width) + usize::from(col))
     }
 
-    /// What was seen most often in a cell; `None` if nothing was.
+    /// Returns the most frequently observed state of a cell; `None` if it was never observed.
     pub fn cell_state(&self, place: Place) -> Option<CellState> {
         let [free, wall, goal] = self.sightings(place);
         match free.max(wall).max(goal) {
@@ -53,25 +53,25 @@ impl CellCounts {
         }
     }
 
-    /// The cells that were seen, and how often each state was: free, wall, goal.
+    /// Returns the observed cells with the counts of each state: free, wall, goal.
     pub fn seen(&self) -> impl Iterator<Item = (Place, [u8; 3])> + '_ {
         let cells = self.places().zip(self.sightings.iter().copied());
         cells.filter(|(_, seen)| *seen != [0; 3])
     }
 
-    /// How many cells were seen.
+    /// Returns the number of observed cells.
     pub fn cells(&self) -> usize {
         let seen = |sightings: &&[u8; 3]| sightings.iter().any(|count| *count > 0);
         self.sightings.iter().filter(seen).count()
     }
 
-    /// What would be seen in a place; `None` if some of it is not mapped.
+    /// Returns the expected percept in a cell; `None` if a part of it is not mapped.
     pub fn around(&self, place: Place, vision: Vision) -> Option<Surroundings> {
         vision.seen(NEIGHBOURS.map(|by| self.cell_state(place.plus(by))))
     }
 
-    /// How likely it is to perceive this in a place, when a state is misread with probability
-    /// `misread`.
+    /// Returns the likelihood of a percept in a cell, given the probability `observation_error` that a
+    /// cell is observed wrongly.
     pub fn likelihood(&self, place: Place, seen: &Surroundings, observation_error: f64) -> f64 {
         let here = self.state_likelihood(place, CellState::Free, observation_error);
         let cells = NEIGHBOURS.iter().zip(seen);
@@ -82,7 +82,7 @@ impl CellCounts {
 
     fn state_likelihood(&self, place: Place, state: CellState, observation_error: f64) -> f64 {
         if state == CellState::Hidden {
-            // The walls that hide it are weighed themselves.
+            // The walls that hide it are weighted themselves.
             return 1.0;
         }
         let sightings = self.sightings(place);
@@ -94,7 +94,7 @@ impl CellCounts {
             let share = (f64::from(sightings[state as usize]) + PRIOR) / (all + 3.0 * PRIOR);
             return (1.0 - observation_error) * share + observation_error / 3.0;
         }
-        // What the cell may be, by the theorem of Bayes; another state is read with half of `misread`.
+        // The posterior of the cell's state by Bayes' theorem. Both wrong states are equally likely.
         let odds = (observation_error / 2.0) / (1.0 - observation_error);
         let seen: u8 = sightings.iter().sum();
         let truly = sightings.map(|count| (count..seen).fold(1.0, |share, _| share * odds));
@@ -102,7 +102,7 @@ impl CellCounts {
         (1.0 - observation_error) * share + observation_error / 2.0 * (1.0 - share)
     }
 
-    /// The mapped cells around a place, and whether they are seen as they were mapped.
+    /// Returns the mapped cells around a place, and whether their perceived states agree with the map.
     pub fn compare(
         &self,
         place: Place,
@@ -114,7 +114,7 @@ impl CellCounts {
         cells.filter_map(|(cell, state)| Some((cell, self.cell_state(cell)? == state)))
     }
 
-    /// Takes down what is seen in a place, which is free.
+    /// Adds a percept in a free cell.
     pub fn add(&mut self, place: Place, seen: &Surroundings) {
         if place.reach() >= FURTHEST {
             return;
@@ -126,17 +126,17 @@ impl CellCounts {
         }
     }
 
-    /// The same map as if every cell had been seen but once.
+    /// Returns the map with every cell state counted at most once.
     pub fn seen_once(mut self) -> Self {
         let counts = self.sightings.iter_mut().flatten();
         counts.for_each(|count| *count = (*count).min(1));
         self
     }
 
-    /// Takes down what a cell is; it must be seen.
+    /// Adds an observation of a cell. The state must not be `Hidden`.
     pub fn sight(&mut self, place: Place, state: CellState) {
         self.grow_to(place);
-        let at = self.index(place).expect("the cell_map has grown");
+        let at = self.index(place).expect("the map has grown");
         let sightings = &mut self.sightings[at];
         if sightings.iter().sum::<u8>() >= MOST_SIGHTINGS {
             sightings.iter_mut().for_each(|count| *count /= 2);
@@ -172,21 +172,19 @@ impl CellCounts {
             sightings: vec![[0; 3]; usize::from(width) * usize::from(height)],
         };
         for (place, sightings) in old.places().zip(&old.sightings) {
-            let at = self
-                .index(place)
-                .expect("the new cell_map holds the old one");
+            let at = self.index(place).expect("the new map holds the old one");
             self.sightings[at] = *sightings;
         }
     }
 
-    /// All cells of the rectangle.
+    /// Returns all cells of the rectangle.
     pub fn places(&self) -> impl Iterator<Item = Place> + use<> {
         let (corner, width, height) = (self.corner, self.width as i16, self.height as i16);
         (0..height)
             .flat_map(move |row| (0..width).map(move |col| corner.plus(Place::new(col, row))))
     }
 
-    /// Can a map look like this?
+    /// Returns true if the map is valid.
     pub fn is_sound(&self) -> bool {
         let most = 2 * FURTHEST + 1;
         let inside = |place: Place| place.reach() <= FURTHEST;

@@ -1,4 +1,4 @@
-//! A hypothesis of the maps: a map, and what else is known of the episodes that lie on it.
+//! A map hypothesis: a map and statistics of the episodes on it.
 
 use std::collections::BTreeMap;
 
@@ -9,26 +9,26 @@ use crate::agent::estimator::map::cell_counts::CellCounts;
 use crate::agent::estimator::map::place::{CellState, Place};
 use crate::agent::estimator::map::reward_map::RewardMap;
 
-/// The last steps of an episode that are kept.
+/// The number of steps stored per episode, counted from its end.
 pub const KEPT_STEPS: usize = 2000;
-/// Episodes begin in one place if so many of them did, and this share of all.
+/// Episodes have a fixed start if at least this many began there, and at least the share `ALWAYS`.
 const LEAST_BEGUN: u32 = 3;
 const ALWAYS: f64 = 0.9;
 
-/// A map, what cells of it pay, how many episodes belong to it, and where they began.
+/// A map, the rewards of its cells, the number of its episodes, and where they began.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct MapHypothesis {
     pub cell_map: CellCounts,
     pub payments: RewardMap,
     pub episodes: f64,
-    /// By place: how many episodes began there.
+    /// The number of episodes that began in each cell.
     begun: BTreeMap<Place, u32>,
-    /// The number of the transferred map that it began as.
+    /// The number of the transferred map from which this hypothesis was created.
     pub transferred: Option<u8>,
 }
 
 impl MapHypothesis {
-    /// Creates transferred map number `number`, on which nothing is known yet but the goal, which looks like this.
+    /// Creates transferred map number `number` with only a goal, which is perceived as `goal`.
     pub fn transferred(number: u8, goal: CellState) -> Self {
         let mut hypothesis = Self {
             episodes: 1.0,
@@ -39,12 +39,12 @@ impl MapHypothesis {
         hypothesis
     }
 
-    /// Can a hypothesis look like this?
+    /// Returns true if the hypothesis is valid.
     pub fn is_sound(&self) -> bool {
         self.cell_map.is_sound() && self.payments.is_sound() && is_count(&self.episodes)
     }
 
-    /// Takes down an episode that lies on it so.
+    /// Adds an aligned episode.
     pub fn add(&mut self, steps: &[MapStep], alignment: &Alignment) {
         self.episodes += 1.0;
         for (step, place) in steps.iter().zip(&alignment.places) {
@@ -53,7 +53,7 @@ impl MapHypothesis {
                 .for_each(|&place| self.cell_map.add(place, &step.around));
         }
         self.payments.add(steps, &alignment.places);
-        // Of longer episodes the beginning is not kept.
+        // The first steps of longer episodes are not stored.
         let whole = steps.len() < KEPT_STEPS;
         let begun = alignment.places.first().copied().flatten();
         if let Some(place) = begun.filter(|_| whole) {
@@ -62,13 +62,13 @@ impl MapHypothesis {
         }
     }
 
-    /// All its episodes begin in this place, as far as another world tells.
+    /// Records that all episodes begin in this cell, as in the world the map was transferred from.
     pub fn always_begins_in(&mut self, place: Place) {
         self.begun.insert(place, LEAST_BEGUN);
     }
 }
 
-/// The map and the place in which episodes always begin, if there is one.
+/// Returns the map and the cell in which episodes always begin, if there is one.
 pub fn always_in<'a>(hypotheses: impl Iterator<Item = &'a MapHypothesis>) -> Option<(u8, Place)> {
     let begun = hypotheses.enumerate().flat_map(|(cell_map, hypothesis)| {
         let places = hypothesis.begun.iter();
@@ -80,7 +80,7 @@ pub fn always_in<'a>(hypotheses: impl Iterator<Item = &'a MapHypothesis>) -> Opt
     (most >= LEAST_BEGUN && f64::from(most) >= ALWAYS * all).then_some(place)
 }
 
-/// Can a number of steps or cells be like this?
+/// Returns true if the number is a valid number of steps or cells.
 pub fn is_count(number: &f64) -> bool {
     number.is_finite() && *number >= 0.0
 }

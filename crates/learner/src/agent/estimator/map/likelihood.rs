@@ -1,6 +1,6 @@
-//! Likelihoods of long episodes, which no number of 64 bits can hold.
+//! Likelihoods of long episodes, which exceed the range of an `f64`.
 
-/// A product of many small numbers: `mantissa * 2^exponent`, the mantissa between 0.5 and 1.
+/// A product of many small numbers: `mantissa * 2^exponent`, with a mantissa from 0.5 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Likelihood {
     exponent: i64,
@@ -8,13 +8,13 @@ pub struct Likelihood {
 }
 
 impl Likelihood {
-    /// A certainty.
+    /// The likelihood 1.
     pub const ONE: Self = Self {
         exponent: 1,
         mantissa: 0.5,
     };
 
-    /// Times a number that is not negative.
+    /// Multiplies by a non-negative number.
     pub fn times(self, factor: f64) -> Self {
         let mut mantissa = self.mantissa * factor;
         let mut exponent = self.exponent;
@@ -35,7 +35,7 @@ impl Likelihood {
         Self { exponent, mantissa }
     }
 
-    /// Times two, so often.
+    /// Multiplies by two, `times` times.
     pub fn doubled(self, times: usize) -> Self {
         let exponent = self.exponent.saturating_add(times as i64);
         match self.mantissa > 0.0 {
@@ -44,7 +44,7 @@ impl Likelihood {
         }
     }
 
-    /// Times another.
+    /// Multiplies by another likelihood.
     pub fn and(self, other: Self) -> Self {
         if self.mantissa == 0.0 || other.mantissa == 0.0 {
             return self.times(0.0);

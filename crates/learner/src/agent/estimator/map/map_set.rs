@@ -1,4 +1,4 @@
-//! All maps, drawn from the episodes that reached a goal.
+//! The map set: all maps, estimated from the episodes that reached a goal.
 
 mod noisy;
 mod relabelling;
@@ -22,57 +22,57 @@ use crate::agent::estimator::map::place::{Place, Surroundings, Vision};
 use crate::agent::estimator::map::state_map::{MOST_MAPS, Map, MappedCells, RewardScale};
 use crate::agent::estimator::map::tracker::Felt;
 
-/// Episodes that are kept to draw the maps anew.
+/// The number of stored episodes, from which the maps are re-estimated.
 const KEPT_EPISODES: usize = 100;
-/// After so many successes the maps are drawn anew, if moves slip.
-const REDRAWN_AFTER: [u32; 17] = [
+/// The numbers of successes after which the maps are re-estimated, if moves slip.
+const RE_ESTIMATED_AFTER: [u32; 17] = [
     5, 10, 15, 20, 30, 40, 50, 65, 80, 100, 130, 160, 200, 300, 400, 600, 800,
 ];
-/// Moves that slip less than this are taken for exact.
+/// Moves with a smaller slip probability are treated as exact.
 const EXACT: f64 = 0.008;
-/// What is believed of slips and misread cells at first.
+/// The initial estimates of slip probability and observation error.
 const FIRST_SLIP: f64 = 0.05;
 const LEAST_OBSERVATION_ERROR: f64 = 0.0005;
-/// Looked-up percepts of which cells are misread less often than this are taken for right; sensed
-/// ones are never held for better than this.
-const RIGHT: f64 = 0.002;
-/// How often moves slip counts as so many steps if it is brought from another world.
-const BROUGHT_STEPS: f64 = 100.0;
-/// So many cells must have differed before percepts are taken for noisy.
+/// Looked-up percepts with a smaller observation error are treated as correct. The estimate for sensed
+/// percepts never falls below this.
+const NEGLIGIBLE_ERROR: f64 = 0.002;
+/// The number of steps that the slip probability of a transferred map counts for.
+const TRANSFERRED_STEPS: f64 = 100.0;
+/// The number of differing cells required before percepts are treated as noisy.
 const LEAST_DIFFERING: f64 = 3.0;
-/// Cells that were shown twice count beside so many that did not differ.
+/// The prior number of cells shown twice without a difference.
 const SHOWN_AT_FIRST: f64 = 50.0;
-/// How many times likelier an episode must be on a blank map, to open one for it.
-const BLANK_ADVANTAGE: f64 = 7.4;
-/// How often what is believed of slips and misread cells is improved after each episode.
+/// The required likelihood ratio of an empty map over an existing one to open a new map.
+const EMPTY_MAP_ADVANTAGE: f64 = 7.4;
+/// The number of updates of the noise estimates after each episode.
 const ESTIMATED: usize = 3;
-/// A map that fewer episodes than this share belong to is not planned on.
+/// The least share of episodes of a map that is planned on.
 const LEAST_SHARE: f64 = 0.05;
 
-/// The maps, what is believed of moves and percepts, and the episodes that say so.
+/// The maps, the robot model, and the episodes from which they are estimated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MapSet {
     hypotheses: Vec<MapHypothesis>,
     robot: RobotModel,
-    /// Expected slips, and the steps among which they were counted.
+    /// The expected number of slips, and the number of steps.
     slips: [f64; 2],
-    /// Cells in which two percepts differ, and all that two percepts show.
+    /// The number of cells in which two percepts differ, and of all that both show.
     observation_error: [f64; 2],
     episodes: VecDeque<Vec<MapStep>>,
-    /// Maps of another world, which all drawing begins with.
+    /// The transferred maps, from which every estimation starts.
     brought: Vec<MapHypothesis>,
     successes: u32,
-    /// How often moves slip in plans, which do not change with every estimate.
+    /// The slip probability in plans. It does not change with every estimate.
     planned_slip: f64,
-    /// By action: what it was certain to aim at after the last success. Maps and map are drawn with
-    /// it, so that a map that is drawn again after an interruption is the same.
+    /// By action, the certain displacement after the last success. The maps are built with these, so that
+    /// an interrupted run builds the same maps after it is resumed.
     planned_with: Vec<Option<usize>>,
     #[serde(skip)]
     params: MapParams,
 }
 
 impl MapSet {
-    /// An maps without a map, for a robot with so many actions.
+    /// Creates an empty map set for a robot with this number of actions.
     pub fn new(actions: usize, vision: Vision, params: MapParams) -> Self {
         let robot = RobotModel {
             motion: match params.motion_model {
@@ -97,16 +97,16 @@ impl MapSet {
         }
     }
 
-    /// The same with the settings of another.
+    /// Returns the map set with the settings of another.
     pub fn with_settings_of(mut self, other: &Self) -> Self {
         self.params = other.params.clone();
         self.robot.vision = other.robot.vision;
         self
     }
 
-    /// Takes over the maps of a map that was drawn in another world. Each counts as one episode:
-    /// one that nothing bears out is soon too rare to plan on.
-    pub fn bring(&mut self, map: &Map) {
+    /// Adds the maps of another world. Each counts as one episode: a map that no episode confirms soon
+    /// becomes too rare to plan on.
+    pub fn warm_start(&mut self, map: &Map) {
         for (map_state, state) in map
             .states
             .iter()
@@ -130,13 +130,13 @@ impl MapSet {
         }
         self.hypotheses = self.brought.clone();
         self.planned_slip = map.pomdp.slip();
-        self.slips = [BROUGHT_STEPS * map.pomdp.slip(), BROUGHT_STEPS];
+        self.slips = [TRANSFERRED_STEPS * map.pomdp.slip(), TRANSFERRED_STEPS];
         self.update_robot_model();
     }
 
-    /// The same with no maps but those that were brought and without an episode, but for what is
-    /// believed of moves and percepts.
-    fn blank(&self) -> Self {
+    /// Returns the map set with only the transferred maps and without episodes. The robot model is the
+    /// same.
+    fn without_episodes(&self) -> Self {
         let RobotModel { motion, vision, .. } = &self.robot;
         Self {
             robot: self.robot,
@@ -147,17 +147,17 @@ impl MapSet {
         }
     }
 
-    /// What is believed of moves and percepts.
+    /// Returns the estimated models of motion and observation.
     pub fn robot(&self) -> &RobotModel {
         &self.robot
     }
 
-    /// Does the robot feel whether it bumped?
+    /// Returns true if the robot uses its bumper.
     pub fn feels_bumps(&self) -> bool {
         self.params.feels_bumps
     }
 
-    /// What the robot feels of a wall that barred its way.
+    /// Converts the feedback of an action into a bumper reading.
     pub fn bumped(&self, felt: Felt) -> Bump {
         match felt.bumped {
             _ if !self.params.feels_bumps => Bump::Unfelt,
@@ -166,8 +166,7 @@ impl MapSet {
         }
     }
 
-    /// Learns from a step and what was seen after it (nothing at the goal) what its action aims at, if
-    /// that is not known.
+    /// Learns the motion model from a step and the next percept (none at the goal), unless it is known.
     pub fn follow(&mut self, step: &MapStep, next: Option<&Surroundings>) {
         if self.params.motion_model == MotionPrior::Learned {
             self.robot.learn_heading(step, next);
@@ -181,7 +180,7 @@ impl MapSet {
         if self.params.estimates_noise {
             self.compare(&steps);
         }
-        let fits = self.draw(&steps);
+        let fits = self.add_episode(&steps);
         if self.params.motion_model == MotionPrior::Learned {
             let steps = steps.iter().zip(&fits);
             steps.for_each(|(step, fits)| self.robot.learn_in_context(step, fits));
@@ -191,72 +190,72 @@ impl MapSet {
             self.episodes.pop_front();
         }
         self.update_robot_model();
-        if self.doubts() && self.params.motion_model == MotionPrior::Known {
+        if self.has_noisy_percepts() && self.params.motion_model == MotionPrior::Known {
             self.estimate();
         }
         let inexact = self.robot.slip >= EXACT || self.observation_error() > 0.0;
         let certain = self.robot.motion.all_certain();
-        if certain != self.planned_with || REDRAWN_AFTER.contains(&self.successes) && inexact {
+        if certain != self.planned_with || RE_ESTIMATED_AFTER.contains(&self.successes) && inexact {
             self.re_estimate();
             self.planned_with = certain;
         }
         self.planned_slip = slip_to_plan_with(self.robot.slip, self.planned_slip);
     }
 
-    /// Compares what percepts of an episode show that follow each other, to learn how often cells
-    /// are misread.
+    /// Compares successive percepts of an episode to estimate the observation error.
     fn compare(&mut self, steps: &[MapStep]) {
         let differing = differing(steps, &self.robot);
         let fading = 0.99;
         let sums = self.observation_error.iter_mut().zip(differing);
         sums.for_each(|(sum, count)| *sum = *sum * fading + count);
-        self.settle_noisy();
+        self.update_observation_error();
     }
 
-    /// Compares successive percepts; true once more than [`RIGHT`] of the cells are misread.
+    /// Compares successive percepts. Returns true once the observation error exceeds
+    /// [`NEGLIGIBLE_ERROR`].
     pub fn notices_noise(&mut self, steps: &[MapStep]) -> bool {
         if self.params.estimates_noise {
             self.compare(steps);
         }
-        self.observation_error[0] >= LEAST_DIFFERING && self.robot.observation_error > RIGHT
+        self.observation_error[0] >= LEAST_DIFFERING
+            && self.robot.observation_error > NEGLIGIBLE_ERROR
     }
 
-    fn settle_noisy(&mut self) {
+    fn update_observation_error(&mut self) {
         let [differing, all] = self.observation_error;
-        // Either of the two percepts was wrong.
+        // One of the two percepts was wrong.
         let observation_error = differing / 2.0 / (all + SHOWN_AT_FIRST);
         self.robot.observation_error =
             observation_error.clamp(least_observation_error(self.robot.vision), 0.25);
     }
 
-    /// Learns from all kept episodes together how often moves slip and cells are misread: each is
-    /// judged by how often the other is believed to happen.
+    /// Estimates slip probability and observation error from all stored episodes. Each estimate depends
+    /// on the other one.
     fn estimate(&mut self) {
         for _ in 0..ESTIMATED {
             let tally = NoiseCounts::of(self.episodes.iter(), &self.robot);
             (self.slips, self.observation_error) = (tally.slips, tally.differing);
             self.update_robot_model();
-            self.settle_noisy();
+            self.update_observation_error();
         }
     }
 
-    /// Are cells misread of which the robot is told what they are?
-    fn doubts(&self) -> bool {
+    /// Returns true if looked-up percepts have observation errors.
+    fn has_noisy_percepts(&self) -> bool {
         self.robot.vision == Vision::LookedUp && self.observation_error() > 0.0
     }
 
-    /// How often cells are misread; 0 if that is so rare that percepts are taken for right, which those
-    /// of a lidar never are.
+    /// Returns the observation error; 0 if looked-up percepts are treated as correct.
     fn observation_error(&self) -> f64 {
         match self.robot.vision {
-            Vision::LookedUp if self.robot.observation_error < RIGHT => 0.0,
+            Vision::LookedUp if self.robot.observation_error < NEGLIGIBLE_ERROR => 0.0,
             _ => self.robot.observation_error,
         }
     }
 
-    /// Takes an episode down on the map that it fits best; tells how well displacements fit there.
-    fn draw(&mut self, steps: &[MapStep]) -> Vec<[f64; DISPLACEMENTS]> {
-        let (at, alignment) = match self.doubts() {
+    /// Adds an episode to the map it fits best. Returns the likelihoods of its displacements there.
+    fn add_episode(&mut self, steps: &[MapStep]) -> Vec<[f64; DISPLACEMENTS]> {
+        let (at, alignment) = match self.has_noisy_percepts() {
             true => self.associate_noisily(steps),
             false => self.associate(steps),
         };
@@ -273,8 +272,8 @@ impl MapSet {
         alignment.fits
     }
 
-    /// How many steps of an episode slipped. While directions are being learned, a step that goes another way
-    /// than it seemed to aim is no slip, and only the map tells.
+    /// Returns the number of slips in an episode. While the motion model is being learned, a deviation
+    /// from the expected direction is not necessarily a slip, so the alignment with the map decides.
     fn slips_of(&self, steps: &[MapStep], alignment: &Alignment) -> f64 {
         match self.params.motion_model {
             MotionPrior::Known => slips(steps, &self.robot),
@@ -282,28 +281,28 @@ impl MapSet {
         }
     }
 
-    /// The map that an episode fits best, and how it lies there; `None` if there is no map.
+    /// Returns the best map for an episode and the alignment; `None` if there is no map.
     fn best_fit(&self, steps: &[MapStep]) -> Option<(usize, Alignment)> {
         let cell_maps = self
             .hypotheses
             .iter()
             .map(|hypothesis| &hypothesis.cell_map)
             .enumerate();
-        let laid = cell_maps.map(|(at, cell_map)| (at, align(steps, cell_map, &self.robot)));
-        laid.reduce(|best, one| match one.1.likelihood > best.1.likelihood {
+        let assigned = cell_maps.map(|(at, cell_map)| (at, align(steps, cell_map, &self.robot)));
+        assigned.reduce(|best, one| match one.1.likelihood > best.1.likelihood {
             true => one,
             false => best,
         })
     }
 
-    /// The same, or the number of a new map, if the episode fits none of them.
+    /// Returns the best map and the alignment, or the number of a new map if the episode fits none.
     fn associate(&self, steps: &[MapStep]) -> (usize, Alignment) {
-        let blank = || {
+        let empty = || {
             let new = self.hypotheses.len();
             (new, align(steps, &CellCounts::default(), &self.robot))
         };
         let Some(best) = self.best_fit(steps) else {
-            return blank();
+            return empty();
         };
         if self.hypotheses.len() >= self.params.max_maps as usize {
             return best;
@@ -311,21 +310,22 @@ impl MapSet {
         let Some(least) = self.least_to_open(steps, &best) else {
             return best;
         };
-        let blank = blank();
-        if blank.1.likelihood > least {
-            blank
+        let empty = empty();
+        if empty.1.likelihood > least {
+            empty
         } else {
             best
         }
     }
 
-    /// How likely an episode must be on a blank map to open one for it; `None` if nothing speaks against
-    /// the one that it fits best. If cells are misread, none by itself speaks against a map; but a blank
-    /// one tells nothing, so the episode must be twice as likely there for each cell that the other tells.
+    /// Returns the least likelihood on an empty map for which a new map is opened; `None` if the episode
+    /// does not contradict the best map. With observation errors, single contradictions do not count. But
+    /// an empty map predicts nothing, so the episode must be twice as likely there for each mapped cell
+    /// it sees.
     fn least_to_open(&self, steps: &[MapStep], best: &(usize, Alignment)) -> Option<Likelihood> {
         let [contradicted, seen] = self.contradictions(steps, best);
         let likelihood = best.1.likelihood;
-        let likelier = likelihood.times(BLANK_ADVANTAGE);
+        let likelier = likelihood.times(EMPTY_MAP_ADVANTAGE);
         if self.observation_error() > 0.0 {
             return Some(likelier.doubled(seen));
         }
@@ -335,8 +335,7 @@ impl MapSet {
         }
     }
 
-    /// In how many cells an episode contradicts the map on which it lies, and how many mapped cells it
-    /// sees.
+    /// Returns how many cells contradict the map of an episode, and how many mapped cells it sees.
     fn contradictions(
         &self,
         steps: &[MapStep],
@@ -354,13 +353,13 @@ impl MapSet {
         [contradicted.count(), cells.len()]
     }
 
-    /// How often moves slip, as far as the last episodes tell.
+    /// Updates the slip probability from the latest episodes.
     fn update_robot_model(&mut self) {
         let [slips, steps] = self.slips;
         self.robot.slip = ((slips + FIRST_SLIP) / (steps + 1.0)).clamp(1e-4, 0.9);
     }
 
-    /// The mapped places as states to plan on, on all maps that are not rare.
+    /// Returns the states to plan on, from all maps that are not rare.
     pub fn map(&self, values: &RewardScale) -> Map {
         let all: f64 = self
             .hypotheses
@@ -379,15 +378,15 @@ impl MapSet {
                 )
             })
             .collect();
-        let map = Map::drawn(&mapped, &self.planned_with, self.planned_slip, values);
+        let map = Map::build(&mapped, &self.planned_with, self.planned_slip, values);
         Map {
             observation_error: self.observation_error(),
             unfelt: !self.params.feels_bumps,
-            ..map.begun_in(always_in(used))
+            ..map.with_first_state(always_in(used))
         }
     }
 
-    /// Can the maps of a robot with so many actions look like this?
+    /// Returns true if the map set is valid for a robot with this number of actions.
     pub fn is_sound(&self, actions: usize) -> bool {
         let steps = self.episodes.iter().flatten();
         self.robot.motion.is_sound(actions)
@@ -422,16 +421,16 @@ impl MapSet {
     }
 }
 
-/// The least share of cells that is taken for misread.
+/// Returns the least observation error that is assumed.
 fn least_observation_error(vision: Vision) -> f64 {
     match vision {
         Vision::LookedUp => LEAST_OBSERVATION_ERROR,
-        Vision::Lidar => RIGHT,
+        Vision::Lidar => NEGLIGIBLE_ERROR,
     }
 }
 
-/// How often moves slip in plans, if they seem to slip so often: in steps of a fiftieth, and as
-/// `before` while that is as good. Each change makes all plans worthless.
+/// Rounds a slip probability to fiftieths for planning. Keeps the value `before` while it is close,
+/// because each change invalidates all plans.
 fn slip_to_plan_with(slip: f64, before: f64) -> f64 {
     match slip < EXACT {
         true => 0.0,

@@ -1,35 +1,35 @@
-//! Where a robot may be at one step of an episode.
+//! Forward and backward messages: likelihoods of the robot's cell at one step of an episode.
 
 use crate::agent::estimator::map::cell_counts::FURTHEST;
 use crate::agent::estimator::map::place::Place;
 
-/// Likelihoods below this share of the greatest are dropped.
+/// Likelihoods below this share of the greatest one are dropped.
 const NEGLIGIBLE: f64 = 1e-6;
-/// A place in which the robot was at least so likely is where it was.
+/// The minimum probability at which the robot's cell counts as certain.
 const CERTAIN: f64 = 0.6;
-/// Cells on each side of a square that holds all places of a map.
+/// The side of a square that contains all cells of a map, in cells.
 const SIDE: usize = 2 * FURTHEST as usize + 1;
 
-/// Likelihoods of places, in order; those of all others are zero.
+/// Likelihoods of cells, in ascending order of the cells; all others are zero.
 pub struct Message {
-    /// Each place with its likelihood.
+    /// Each cell with its likelihood.
     pub places: Vec<(Place, f64)>,
 }
 
 impl Message {
-    /// A place that is the only one.
+    /// The message with a single cell.
     pub fn only(place: Place) -> Self {
         let places = vec![(place, 1.0)];
         Self { places }
     }
 
-    /// The likelihood of a place, if there is one.
+    /// Returns the likelihood of a cell, if the message contains it.
     pub fn of(&self, place: Place) -> Option<f64> {
         let found = self.places.binary_search_by_key(&place, |one| one.0).ok()?;
         Some(self.places[found].1)
     }
 
-    /// The same as shares that add up to 1.
+    /// Returns the message normalised to sum 1.
     pub fn shares(&self) -> Self {
         let sum: f64 = self.places.iter().map(|one| one.1).sum();
         let shares = self.places.iter();
@@ -39,24 +39,24 @@ impl Message {
         }
     }
 
-    /// Where the robot was, if that is certain; the likelihoods add up to 1.
+    /// Returns the robot's cell if it is certain. The likelihoods must sum to 1.
     pub fn certain(&self) -> Option<Place> {
         let likely = self.places.iter().find(|one| one.1 >= CERTAIN);
         likely.map(|one| one.0)
     }
 }
 
-/// Adds likelihoods by place.
+/// Sums likelihoods by cell.
 pub struct Accumulator {
     sums: Vec<f64>,
     touched: Vec<Place>,
-    /// What was added in all, and what of it to places beyond every map.
+    /// The sum of all added weights, and its part for cells outside every map.
     added: f64,
     beyond: f64,
 }
 
 impl Accumulator {
-    /// Nothing was added yet.
+    /// Creates an empty accumulator.
     pub fn new() -> Self {
         Self {
             sums: vec![0.0; SIDE * SIDE],
@@ -71,7 +71,7 @@ impl Accumulator {
         along(place.north) * SIDE + along(place.east)
     }
 
-    /// Adds to the likelihood of a place. Of a place beyond every map only the sum is kept.
+    /// Adds to the likelihood of a cell. For cells outside every map only the sum is recorded.
     pub fn add(&mut self, place: Place, weight: f64) {
         if weight <= 0.0 {
             return;
@@ -88,20 +88,21 @@ impl Accumulator {
         *sum += weight;
     }
 
-    /// Is most of what was added beyond every map?
+    /// Returns true if most of the added weight is outside every map.
     pub fn is_mostly_beyond(&self) -> bool {
         self.beyond > self.added / 2.0
     }
 
-    /// Multiplies what was added to each place.
+    /// Multiplies the sum of each cell.
     pub fn weigh(&mut self, by: impl Fn(Place) -> f64) {
         for &place in &self.touched {
             self.sums[Self::at(place)] *= by(place);
         }
     }
 
-    /// The sums, the greatest of them made 1, and what it was; begins anew.
-    pub fn layer(&mut self) -> (Message, f64) {
+    /// Returns the sums, scaled to a maximum of 1, and the maximum before scaling. Resets the
+    /// accumulator.
+    pub fn take_message(&mut self) -> (Message, f64) {
         (self.added, self.beyond) = (0.0, 0.0);
         let mut touched = std::mem::take(&mut self.touched);
         touched.sort_unstable();

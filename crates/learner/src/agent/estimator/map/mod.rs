@@ -1,18 +1,22 @@
-//! A state estimator with a map: cells that share a percept are told apart by where the robot has come from.
+//! A state estimator with a map. It distinguishes cells with the same percept by the robot's path.
 //!
-//! * [`map_set`] keeps a map hypothesis around each goal that can be told from the others. Maps are re-estimated from
-//!   the kept episodes, each aligned with the map by [`association`] (forward-backward over cells).
-//! * [`tracker`] tracks the belief about the robot's cell, and encodes percept, likeliest cell, collected rewards and
-//!   the last two steps as the context that rules match.
-//! * [`state_map`] turns the map into the states of a POMDP. A cell that pays once in an episode is part of the state.
+//! * [`map_set`] keeps a map hypothesis around each distinguishable goal. It re-estimates the maps from
+//!   the stored episodes, which [`association`] aligns with the map (forward-backward over cells).
+//! * [`tracker`] tracks the belief about the robot's cell. It encodes percept, likeliest cell, collected
+//!   rewards and the last two steps as the context that rules match.
+//! * [`state_map`] turns the map into the states of a POMDP. Whether a rewarded cell was collected in the
+//!   episode is part of the state.
 //!
-//! Built in are: the first sixteen bits of a percept are the eight cells around the robot (free, wall, goal); a move goes
-//! one cell its way unless there is a wall; cells pay once; the world stands still. Learned are the maps, how often moves
-//! slip, how often cells are misread, and with `map.motion_model = "learned"` the motion model ([`motion_model`]). A bump is
-//! felt and never misread, unless `map.feels_bumps` is off: then it is inferred as well ([`bump`]).
+//! Built-in assumptions: the first sixteen bits of a percept are the eight cells around the robot (free,
+//! wall, goal). A move leads one cell in its direction unless a wall is there. A cell pays its reward
+//! once per episode. The world does not change.
 //!
-//! A lidar sees no goals, so a map begins where its episodes ended. Corners between two walls are hidden from it, and
-//! count neither for nor against a cell ([`Vision`]).
+//! Learned are the maps, the slip probability and the observation error. With
+//! `map.motion_model = "learned"`, the motion model is learned as well ([`motion_model`]). The bumper is
+//! free of errors. If `map.feels_bumps` is off, bumps are inferred ([`bump`]).
+//!
+//! A lidar cannot see goals, so a map starts where its episodes ended. Corners between two walls are
+//! hidden from it, and count neither for nor against a cell ([`Vision`]).
 
 pub mod association;
 pub mod bump;

@@ -1,4 +1,4 @@
-//! The displacement that each action aims at: known, or learned from what successive percepts share.
+//! The motion model: the displacement of each action, either known or learned from successive percepts.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,16 +6,16 @@ use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Surroundings, h
 use crate::agent::model::slips::each_other;
 use xcs::{Action, ByAction, MAX_ACTIONS};
 
-/// The displacements: one cell into each of the eight directions, and none.
+/// The displacements: one cell in each of the eight directions, and none.
 pub const DISPLACEMENTS: usize = NEIGHBOURS.len() + 1;
-/// A heading that is at least so likely is taken for the action's own.
+/// The minimum probability at which a displacement counts as certain.
 const CERTAIN: f64 = 0.9;
-/// MotionModel that are less likely than this count for nothing ...
+/// Displacements less likely than this are ignored ...
 const NEGLIGIBLE: f64 = 1e-6;
-/// ... but none is ever held for less likely than this, so that every mistake can be found out.
+/// ... but no probability falls below this, so that every error can be corrected.
 const LEAST: f64 = 1e-9;
 
-/// For each action, how likely it aims at each displacement.
+/// For each action, the probability of each displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MotionModel {
     actions: usize,
@@ -23,13 +23,13 @@ pub struct MotionModel {
 }
 
 impl MotionModel {
-    /// Of so many actions, none of which is known.
+    /// The uniform model for `actions` actions.
     pub fn unknown(actions: usize) -> Self {
         let likely = [[1.0 / DISPLACEMENTS as f64; DISPLACEMENTS]; MAX_ACTIONS];
         Self { actions, likely }
     }
 
-    /// Of so many actions, all of which are known.
+    /// The known model for `actions` actions.
     pub fn known(actions: usize) -> Self {
         let mut known = Self::unknown(actions);
         for action in Action::all(actions) {
@@ -45,32 +45,32 @@ impl MotionModel {
         self.actions
     }
 
-    /// The displacements that an action may aim at, and how likely each of them is.
+    /// Returns the possible displacements of an action with their probabilities.
     pub fn of(&self, action: Action) -> impl Iterator<Item = (usize, f64)> + '_ {
         let likely = self.likely[action.index()].iter().copied().enumerate();
         likely.filter(|one| one.1 > NEGLIGIBLE)
     }
 
-    /// The displacement that an action aims at, once it is certain.
+    /// Returns the displacement of an action if it is certain.
     pub fn certain(&self, action: Action) -> Option<usize> {
         let certain = self.of(action).find(|one| one.1 >= CERTAIN);
         certain.map(|one| one.0)
     }
 
-    /// Of all actions the displacements that are certain.
+    /// Returns the displacements of all actions that are certain.
     pub fn all_certain(&self) -> Vec<Option<usize>> {
         let all = Action::all(self.actions);
         all.map(|action| self.certain(action)).collect()
     }
 
-    /// Is the displacement of every action certain?
+    /// Returns true if the displacement of every action is certain.
     pub fn are_certain(&self) -> bool {
         Action::all(self.actions).all(|action| self.certain(action).is_some())
     }
 
-    /// Can nobody tell what will come of an action among these cells: a bump, or into which of the
-    /// others it leads? A hidden corner counts as a wall: a bump does not tell the two apart, and to try
-    /// again would teach nothing; nor does it teach who feels no bumps whether it aims at a wall or at nothing.
+    /// Returns true if the result of an action among these cells is uncertain: a bump, or one of several
+    /// moves. A hidden corner counts as a wall: a bump does not distinguish the two, so another try would
+    /// teach nothing. Without a bumper, a wall ahead and no displacement count as the same result, too.
     pub fn leave_open(&self, action: Action, around: &Surroundings, feels_bumps: bool) -> bool {
         let bars = |heading: usize| match around.get(heading) {
             Some(state) => matches!(state, CellState::Wall | CellState::Hidden),
@@ -82,8 +82,8 @@ impl MotionModel {
         moves.map(|one| one.1).fold(bump, f64::max) < CERTAIN
     }
 
-    /// An action was chosen that slips so often, and what was perceived before and after it `fits`
-    /// so well to each displacement (theorem of Bayes).
+    /// Updates the model of a chosen action by Bayes' theorem. `fits` is the likelihood of the percepts
+    /// before and after it, by displacement; `slip` is the slip probability.
     pub fn learn(&mut self, action: Action, fits: &[f64; DISPLACEMENTS], slip: f64) {
         let others = Action::all(self.actions).filter(|&other| other != action);
         let others = others.flat_map(|other| self.of(other));
@@ -96,14 +96,14 @@ impl MotionModel {
             .zip(fits)
             .map(|(weight, fit)| weight * fit)
             .sum();
-        // What cannot have happened teaches nothing.
+        // An impossible observation teaches nothing.
         if sum > 0.0 {
             let weighed = likely.iter_mut().zip(fits);
             weighed.for_each(|(weight, fit)| *weight = (*weight * fit / sum).max(LEAST));
         }
     }
 
-    /// Can motion of so many actions be like this?
+    /// Returns true if the model is valid for this number of actions.
     pub fn is_sound(&self, actions: usize) -> bool {
         let is_sound = |likely: &[f64; DISPLACEMENTS]| {
             likely.iter().all(|weight| (0.0..=1.0).contains(weight))
@@ -119,8 +119,8 @@ mod tests {
 
     const ACTION: usize = 3;
 
-    /// What is believed of one action, after so many steps that fit only to displacement 5, and
-    /// some that slipped to displacement 2.
+    /// Returns the model of one action after `steps` steps that fit only displacement 5, and `slips`
+    /// slips that fit displacement 2.
     fn after(steps: u32, slips: u32) -> (MotionModel, Action) {
         let action = Action::new(ACTION).unwrap();
         let mut motion = MotionModel::unknown(8);
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_heading_is_certain_after_some_steps_also_if_others_slipped() {
+    fn a_heading_is_certain_after_some_steps_even_if_others_slipped() {
         for slips in [0, 2] {
             let (motion, action) = after(6, slips);
             assert_eq!(motion.certain(action), Some(5), "{motion:?}");
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn control_nothing_is_certain_at_first_and_of_actions_that_were_never_chosen() {
+    fn control_nothing_is_certain_at_first_or_for_actions_that_were_never_chosen() {
         assert_eq!(after(0, 0).0.all_certain(), [None; 8]);
         let (motion, action) = after(6, 0);
         let others = Action::all(8).filter(|other| *other != action);
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_of_an_action_is_open_only_where_its_headings_lead_to_different_ends() {
+    fn the_result_of_an_action_is_open_only_if_its_headings_lead_to_different_results() {
         let (mut motion, action) = after(6, 0);
         let mut around = [CellState::Wall; 8];
         assert!(!motion.leave_open(action, &around, true));
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn who_feels_no_bumps_does_not_try_again_whether_an_action_aims_at_a_wall_or_at_nothing() {
+    fn without_a_bumper_a_wall_and_no_displacement_need_not_be_distinguished() {
         let (mut motion, action) = (MotionModel::unknown(8), Action::new(0).unwrap());
         let fits = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
         motion.learn(action, &fits, 0.0);
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_have_happened_teaches_nothing() {
+    fn an_impossible_observation_teaches_nothing() {
         let (mut motion, action) = after(6, 0);
         let before = motion;
         motion.learn(action, &[0.0; DISPLACEMENTS], 0.0);

@@ -1,6 +1,6 @@
-//! How often moves slip and how often cells are misread, where both may happen: learned from percepts
-//! that follow each other, without a map. A cell that was misread looks as if the robot had gone another
-//! way; so all headings of a step are weighed by all that both percepts show (theorem of Bayes).
+//! Estimates slip probability and observation error together from successive percepts, without a map. An
+//! observation error looks like a move in another direction. So all directions of a step are weighted by
+//! the cells that both percepts show (Bayes' theorem).
 
 use crate::agent::estimator::map::association::{MapStep, RobotModel};
 use crate::agent::estimator::map::bump::Bump;
@@ -9,75 +9,76 @@ use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place, Surround
 use crate::agent::model::slips::each_other;
 use xcs::Action;
 
-/// The states that a reading can show.
+/// The cell states that a percept can show.
 const STATES: [CellState; 3] = [CellState::Free, CellState::Wall, CellState::Goal];
 
-/// What is counted in steps, each as often as it is likely.
+/// Expected counts over steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct NoiseCounts {
-    /// Steps that slipped, and all of them.
+    /// The number of slips, and of all steps.
     pub slips: [f64; 2],
-    /// Cells in which two percepts differ, and all that both show.
+    /// The number of cells in which two successive percepts differ, and of all that both show.
     pub differing: [f64; 2],
 }
 
 impl NoiseCounts {
-    /// Counts in all steps of episodes that reached the goal.
+    /// Counts over all steps of episodes that reached the goal.
     pub fn of<'a>(
         episodes: impl Iterator<Item = &'a Vec<MapStep>> + Clone,
         robot: &RobotModel,
     ) -> Self {
-        let readings = Readings::of(episodes.clone().flatten(), robot);
+        let model = ObservationModel::of(episodes.clone().flatten(), robot);
         let mut tally = Self::default();
         for steps in episodes {
             for (at, step) in steps.iter().enumerate() {
-                tally.count(&readings.ways(step, steps.get(at + 1).map(|next| &next.around)));
+                tally
+                    .count(&model.possible_moves(step, steps.get(at + 1).map(|next| &next.around)));
             }
         }
         tally
     }
 
-    fn count(&mut self, ways: &[Way]) {
-        let all: f64 = ways.iter().map(|way| way.weight).sum();
+    fn count(&mut self, possible_moves: &[PossibleMove]) {
+        let all: f64 = possible_moves.iter().map(|possible| possible.weight).sum();
         self.slips[1] += 1.0;
-        for way in ways {
-            let share = way.weight / all;
-            self.slips[0] += share * way.slipped;
-            let counts = self.differing.iter_mut().zip(way.differing);
+        for possible in possible_moves {
+            let share = possible.weight / all;
+            self.slips[0] += share * possible.slipped;
+            let counts = self.differing.iter_mut().zip(possible.differing);
             counts.for_each(|(sum, count)| *sum += share * count);
         }
     }
 }
 
-/// A heading that a step may have had, and whether it bumped.
-struct Way {
-    /// How likely it is beside the others.
+/// A possible direction of a step, with or without a bump.
+struct PossibleMove {
+    /// The weight relative to the other possible moves.
     weight: f64,
-    /// How likely the step slipped if so.
+    /// The probability that this move is a slip.
     slipped: f64,
-    /// Cells in which two percepts differ, and all that both show.
+    /// The number of cells in which the two percepts differ, and of all that both show.
     differing: [f64; 2],
 }
 
-/// How likely cell states are read.
-struct Readings<'a> {
+/// Probabilities of perceived cell states.
+struct ObservationModel<'a> {
     robot: &'a RobotModel,
-    /// In a cell of which nothing is known.
+    /// In an unknown cell.
     anywhere: [f64; 3],
-    /// After the first state was read in the same cell, the second.
+    /// By the first percept of a cell, the probabilities of the second one.
     again: [[f64; 3]; 3],
 }
 
-/// What is known of a cell before it is read.
+/// Knowledge about a cell before it is perceived.
 enum Known {
     Nothing,
-    /// It was read so, perhaps wrongly.
+    /// The cell was perceived in this state, perhaps wrongly.
     Read(CellState),
-    /// The robot stood there, or bumped against it.
-    Felt(CellState),
+    /// The robot was in the cell, or bumped into it.
+    Certain(CellState),
 }
 
-impl<'a> Readings<'a> {
+impl<'a> ObservationModel<'a> {
     fn of<'b>(steps: impl Iterator<Item = &'b MapStep>, robot: &'a RobotModel) -> Self {
         let mut anywhere = [1.0; 3];
         let seen = steps.flat_map(|step| step.around);
@@ -85,7 +86,7 @@ impl<'a> Readings<'a> {
             .for_each(|state| anywhere[state as usize] += 1.0);
         let all: f64 = anywhere.iter().sum();
         let anywhere = anywhere.map(|count| count / all);
-        let read = |state, is| felt(state, is, robot.observation_error);
+        let read = |state, is| reading_probability(state, is, robot.observation_error);
         let again = STATES.map(|first| {
             let both = STATES.map(|second| {
                 let of =
@@ -102,8 +103,8 @@ impl<'a> Readings<'a> {
         }
     }
 
-    /// The headings that a step may have had, given what was seen after it (nothing at the goal).
-    fn ways(&self, step: &MapStep, next: Option<&Surroundings>) -> Vec<Way> {
+    /// Returns the possible moves of a step, given the next percept (none at the goal).
+    fn possible_moves(&self, step: &MapStep, next: Option<&Surroundings>) -> Vec<PossibleMove> {
         let RobotModel { motion, slip, .. } = self.robot;
         let mut likely = [[0.0; 2]; DISPLACEMENTS];
         for action in Action::all(motion.actions()) {
@@ -117,22 +118,22 @@ impl<'a> Readings<'a> {
         }
         let likely = likely.into_iter().enumerate();
         let likely = likely.filter(|(_, [meant, slipped])| meant + slipped > 0.0);
-        let ways = likely.flat_map(|(heading, [meant, slipped])| {
-            ends(step, next.is_none()).map(move |bumped| {
-                let (fits, differing) = self.follows(step, next, (heading, bumped));
-                Way {
+        let possible_moves = likely.flat_map(|(heading, [meant, slipped])| {
+            possible_bumps(step, next.is_none()).map(move |bumped| {
+                let (fits, differing) = self.likelihood(step, next, (heading, bumped));
+                PossibleMove {
                     weight: (meant + slipped) * fits,
                     slipped: slipped / (meant + slipped),
                     differing,
                 }
             })
         });
-        ways.collect()
+        possible_moves.collect()
     }
 
-    /// How likely what is seen before and after a step is if it had a heading and bumped, or did not; in how
-    /// many cells the two differ, and how many both show.
-    fn follows(
+    /// Returns the likelihood of the percepts before and after a move. Also returns the number of cells
+    /// in which they differ, and of all that both show.
+    fn likelihood(
         &self,
         step: &MapStep,
         next: Option<&Surroundings>,
@@ -145,7 +146,7 @@ impl<'a> Readings<'a> {
         for (place, &state) in seen.filter(|(_, state)| **state != CellState::Hidden) {
             fits *= match known(step, (heading, bumped), place.plus(by)) {
                 Known::Nothing => self.anywhere[state as usize],
-                Known::Felt(is) => felt(state, is, self.robot.observation_error),
+                Known::Certain(is) => reading_probability(state, is, self.robot.observation_error),
                 Known::Read(first) => {
                     differing[0] += f64::from(u8::from(first != state));
                     differing[1] += 1.0;
@@ -156,8 +157,8 @@ impl<'a> Readings<'a> {
         (fits, differing)
     }
 
-    /// How much likelier than anywhere the cell ahead is read as it is: what the robot then felt of it. Of
-    /// one that felt nothing, how likely the cell is like that, too.
+    /// Returns the likelihood ratio of the perceived cell ahead, given what the bumper says about it.
+    /// Without a bumper, the ratio includes the prior of the cell's actual state.
     fn ahead(&self, step: &MapStep, at_goal: bool, (heading, bumped): (usize, bool)) -> f64 {
         let Some(&state) = step.around.get(heading) else {
             return 1.0;
@@ -168,8 +169,8 @@ impl<'a> Readings<'a> {
             true => self.robot.vision.of_a_goal(),
             false => CellState::Free,
         };
-        let likelier =
-            felt(state, is, self.robot.observation_error) / self.anywhere[state as usize];
+        let likelier = reading_probability(state, is, self.robot.observation_error)
+            / self.anywhere[state as usize];
         match step.bumped {
             Bump::Unfelt => likelier * self.anywhere[is as usize],
             _ => likelier,
@@ -177,14 +178,15 @@ impl<'a> Readings<'a> {
     }
 }
 
-/// May a step have bumped, and may it not have? Who is at the goal has not.
-fn ends(step: &MapStep, at_goal: bool) -> impl Iterator<Item = bool> {
+/// Returns whether the step may have bumped, as possible values. A robot at the goal did not bump.
+fn possible_bumps(step: &MapStep, at_goal: bool) -> impl Iterator<Item = bool> {
     let possible = step.bumped.possible();
     possible.filter(move |bumped| !(at_goal && *bumped))
 }
 
-/// How likely a cell that is known to be this is read so: both wrong state equally often.
-fn felt(state: CellState, is: CellState, observation_error: f64) -> f64 {
+/// Returns the probability of a perceived state, given the true one. Both wrong states are equally
+/// likely.
+fn reading_probability(state: CellState, is: CellState, observation_error: f64) -> f64 {
     if state == is {
         1.0 - observation_error
     } else {
@@ -192,12 +194,12 @@ fn felt(state: CellState, is: CellState, observation_error: f64) -> f64 {
     }
 }
 
-/// What a step that had a heading and bumped, or did not, tells of a cell, counted from where it began.
+/// Returns what a move reveals about a cell, given relative to the start of the move.
 fn known(step: &MapStep, (heading, bumped): (usize, bool), cell: Place) -> Known {
     let at = NEIGHBOURS.iter().position(|place| *place == cell);
     match at {
-        _ if cell == Place::ORIGIN => Known::Felt(CellState::Free),
-        Some(at) if bumped && at == heading => Known::Felt(CellState::Wall),
+        _ if cell == Place::ORIGIN => Known::Certain(CellState::Free),
+        Some(at) if bumped && at == heading => Known::Certain(CellState::Wall),
         Some(at) if step.around[at] != CellState::Hidden => Known::Read(step.around[at]),
         _ => Known::Nothing,
     }

@@ -1,4 +1,4 @@
-//! How likely it is what was seen in cells, whatever they may be.
+//! The marginal likelihood of observations, summed over the possible states of the cells.
 
 use std::collections::BTreeMap;
 
@@ -6,15 +6,15 @@ use crate::agent::estimator::map::association::MapStep;
 use crate::agent::estimator::map::cell_counts::{CellCounts, FURTHEST};
 use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place};
 
-/// How likely a cell is free, a wall or a goal before anything is seen of it.
+/// The prior probabilities of a cell's states: free, wall, goal.
 const FIRST: [f64; 3] = [0.49, 0.49, 0.02];
 
-/// By cell, how often each state was seen: free, wall, goal.
+/// By cell, the number of observations of each state: free, wall, goal.
 #[derive(Debug, Clone, Default)]
 pub struct Observations(BTreeMap<Place, [u32; 3]>);
 
 impl Observations {
-    /// What an episode sees that leads through these places, and ends at what looks like this.
+    /// Collects the observations of an episode through these cells. Its goal is perceived as `goal`.
     pub fn of(steps: &[MapStep], places: &[Option<Place>], goal: CellState) -> Self {
         let mut seen = Self::default();
         seen.sight(Place::ORIGIN, goal);
@@ -31,7 +31,7 @@ impl Observations {
         seen
     }
 
-    /// What was seen of a map.
+    /// Collects the observations of a map.
     pub fn of_map(cell_map: &CellCounts) -> Self {
         Self(
             cell_map
@@ -45,12 +45,12 @@ impl Observations {
         self.0.entry(place).or_default()[state as usize] += 1;
     }
 
-    /// How many cells were seen.
+    /// Returns the number of observed cells.
     pub fn cells(&self) -> usize {
         self.0.len()
     }
 
-    /// Adds others.
+    /// Adds other observations.
     pub fn add(&mut self, others: &Self) {
         for (place, counts) in &others.0 {
             let own = self.0.entry(*place).or_default();
@@ -60,7 +60,7 @@ impl Observations {
         }
     }
 
-    /// Takes others away that were added before.
+    /// Removes observations that were added before.
     pub fn remove(&mut self, others: &Self) {
         for (place, counts) in &others.0 {
             let own = self.0.entry(*place).or_default();
@@ -70,7 +70,7 @@ impl Observations {
         }
     }
 
-    /// How likely these are, as a logarithm to the base 2.
+    /// Returns the log2 likelihood of the observations.
     pub fn bits(&self, observation_error: f64) -> f64 {
         self.0
             .values()
@@ -78,7 +78,7 @@ impl Observations {
             .sum()
     }
 
-    /// How likely others are beside these.
+    /// Returns the log2 likelihood of other observations, given these.
     pub fn bits_of(&self, others: &Self, observation_error: f64) -> f64 {
         let gain = |(place, counts): (&Place, &[u32; 3])| match self.0.get(place) {
             Some(own) => {
@@ -91,7 +91,7 @@ impl Observations {
     }
 }
 
-/// How likely sightings of one cell are, if another state is read with half of `misread`.
+/// Returns the log2 likelihood of one cell's observations. Both wrong states are equally likely.
 fn bits(counts: &[u32; 3], observation_error: f64) -> f64 {
     let right = libm::log2(1.0 - observation_error);
     let wrong = libm::log2(observation_error / 2.0);
@@ -113,7 +113,7 @@ mod tests {
 
     const OBSERVATION_ERROR: f64 = 0.03;
 
-    /// What is seen from the cell south of the goal, between walls, but so many cells misread.
+    /// The percept in the cell south of the goal, between walls, with `observation_error` wrong cells.
     fn seen(observation_error: usize) -> Observations {
         let mut around = [CellState::Wall; 8];
         around[0] = CellState::Goal;
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_misread_cell_is_likelier_on_the_chart_than_on_a_blank_one_and_most_of_them_are_not() {
+    fn one_wrong_cell_fits_the_map_better_than_an_empty_one_and_many_do_not() {
         let mut cell_map = Observations::default();
         (0..3).for_each(|_| cell_map.add(&seen(0)));
         let gain = |observation_error| {
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_added_and_removed_leaves_nothing_behind() {
+    fn removing_what_was_added_restores_the_likelihood() {
         let mut cell_map = seen(0);
         let before = cell_map.bits(OBSERVATION_ERROR);
         cell_map.add(&seen(2));
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn episodes_one_after_the_other_are_as_likely_as_together() {
+    fn the_likelihood_of_episodes_is_the_same_one_by_one_and_together() {
         let mut cell_map = seen(0);
         let one_by_one =
             cell_map.bits(OBSERVATION_ERROR) + cell_map.bits_of(&seen(1), OBSERVATION_ERROR);

@@ -1,10 +1,10 @@
-//! Places on a map, and what lies around a robot.
+//! Cells of a map and the surroundings of a robot.
 
 use serde::{Deserialize, Serialize};
 
 use xcs::{Action, Percept};
 
-/// The cells around a robot, clockwise from north.
+/// The displacements to the eight cells around a robot, clockwise from north.
 pub const NEIGHBOURS: [Place; 8] = [
     Place::new(0, 1),
     Place::new(1, 1),
@@ -16,10 +16,10 @@ pub const NEIGHBOURS: [Place; 8] = [
     Place::new(-1, 1),
 ];
 
-/// In place of a direction of [`NEIGHBOURS`]: no displacement.
+/// The displacement number of no displacement, next to the numbers of [`NEIGHBOURS`].
 pub const NOWHERE: usize = NEIGHBOURS.len();
 
-/// How far a displacement goes: one of [`NEIGHBOURS`], or [`NOWHERE`].
+/// Returns the offset of a displacement number: one of [`NEIGHBOURS`], or [`NOWHERE`].
 pub fn offset(displacement: usize) -> Place {
     NEIGHBOURS
         .get(displacement)
@@ -27,78 +27,78 @@ pub fn offset(displacement: usize) -> Place {
         .unwrap_or(Place::ORIGIN)
 }
 
-/// Cells to the east and to the north of the goal of a map, or of where an episode began.
+/// The position of a cell, in cells east and north of the map's goal or of the episode's start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Place {
-    /// To the east.
+    /// Cells to the east.
     pub east: i16,
-    /// To the north.
+    /// Cells to the north.
     pub north: i16,
 }
 
 impl Place {
-    /// Where all counting begins.
+    /// The origin of the map.
     pub const ORIGIN: Self = Self::new(0, 0);
 
-    /// So many cells to the east and to the north.
+    /// Creates a position from cells to the east and to the north.
     pub const fn new(east: i16, north: i16) -> Self {
         Self { east, north }
     }
 
-    /// The place so far from this one.
+    /// Returns the component-wise sum.
     pub fn plus(self, by: Self) -> Self {
         Self::new(self.east + by.east, self.north + by.north)
     }
 
-    /// The place from which this one is so far away.
+    /// Returns the component-wise difference.
     pub fn minus(self, by: Self) -> Self {
         Self::new(self.east - by.east, self.north - by.north)
     }
 
-    /// How many moves it is from the origin, if every move is allowed.
+    /// Returns the number of moves from the origin, if no wall bars the way.
     pub fn reach(self) -> u16 {
         self.east.unsigned_abs().max(self.north.unsigned_abs())
     }
 }
 
-/// What a cell is, as a percept tells it.
+/// The state of a cell, as perceived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum CellState {
-    /// One can go there.
+    /// The robot can enter the cell.
     Free,
-    /// One cannot.
+    /// The robot cannot enter the cell.
     Wall,
-    /// Going there ends the episode.
+    /// Entering the cell ends the episode.
     Goal,
-    /// It lies between two walls, and nothing is seen of it.
+    /// A corner between two walls, which cannot be seen.
     Hidden,
 }
 
 /// The state of the eight cells around a robot, clockwise from north.
 pub type Surroundings = [CellState; 8];
 
-/// The state that the first sixteen bits of a percept tell: goal or not, and barred or not.
+/// Decodes the first sixteen bits of a percept, two per cell: goal or not, and barred or not.
 pub fn around(percept: &Percept) -> Surroundings {
     std::array::from_fn(|at| match (percept.bit(2 * at), percept.bit(2 * at + 1)) {
         (true, true) => CellState::Goal,
         (false, true) => CellState::Wall,
-        // `10` means nothing: it was misread, and most cells are free.
+        // `10` encodes no state. It is an observation error, and most cells are free.
         (_, false) => CellState::Free,
     })
 }
 
-/// How the cells around a robot come into its percept.
+/// The source of the robot's percepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Vision {
-    /// They are looked up, all of them.
+    /// All cells are looked up (ground truth).
     #[default]
     LookedUp,
-    /// A lidar shows them: goals look free, and a corner between two walls looks like a wall.
+    /// A lidar senses the cells: goals look free, and a corner between two walls looks like a wall.
     Lidar,
 }
 
 impl Vision {
-    /// What a percept tells of the cells around the robot.
+    /// Returns the surroundings that a percept shows.
     pub fn around(self, percept: &Percept) -> Surroundings {
         let state = around(percept);
         match self {
@@ -110,7 +110,7 @@ impl Vision {
         }
     }
 
-    /// What is seen from between these cells; `None` if that takes more than is known of them.
+    /// Returns the percept among these cells; `None` if it depends on an unknown cell.
     pub fn seen(self, cells: [Option<CellState>; 8]) -> Option<Surroundings> {
         let hides = |at: usize| self == Self::Lidar && is_hidden(at, |at| cells[at]);
         let mut seen = [CellState::Hidden; 8];
@@ -120,7 +120,7 @@ impl Vision {
         Some(seen)
     }
 
-    /// What a goal looks like.
+    /// Returns the cell state as which a goal is perceived.
     pub fn of_a_goal(self) -> CellState {
         match self {
             Self::LookedUp => CellState::Goal,
@@ -128,13 +128,13 @@ impl Vision {
         }
     }
 
-    /// Can a cell that looks like this be a goal?
+    /// Returns true if a cell with this perceived state can be a goal.
     pub fn may_be_goal(self, state: CellState) -> bool {
         state == self.of_a_goal() || self == Self::Lidar && state == CellState::Hidden
     }
 }
 
-/// Does a cell around a robot lie in a corner between two walls?
+/// Returns true if a cell around the robot is in a corner between two walls.
 fn is_hidden(at: usize, state: impl Fn(usize) -> Option<CellState>) -> bool {
     let beside = [at + 1, at + NEIGHBOURS.len() - 1].map(|beside| state(beside % NEIGHBOURS.len()));
     at % 2 == 1 && beside == [Some(CellState::Wall); 2]
@@ -147,7 +147,7 @@ fn with_hidden(state: Surroundings) -> Surroundings {
     })
 }
 
-/// The percept that tells these state.
+/// Encodes surroundings as a percept.
 pub fn percept_of(around: &Surroundings) -> Percept {
     let bits = around.iter().flat_map(|state| match state {
         CellState::Free => [false, false],
@@ -157,8 +157,8 @@ pub fn percept_of(around: &Surroundings) -> Percept {
     Percept::from_bits(bits).expect("sixteen bits fit into a percept")
 }
 
-/// Which of the cells around the robot an action leads to: the first is north, and the others
-/// follow clockwise at even distances. This is built in where displacements are known.
+/// Returns the displacement number of an action with a known motion model. The first action leads north,
+/// and the others follow clockwise at equal angles.
 pub fn heading(action: Action, actions: usize) -> usize {
     action.index() * (NEIGHBOURS.len() / actions)
 }
@@ -178,14 +178,14 @@ mod tests {
     }
 
     #[test]
-    fn of_a_corner_between_two_walls_a_lidar_shows_nothing() {
+    fn a_lidar_shows_nothing_of_a_corner_between_two_walls() {
         let (cells, shown) = (state("#.#...##"), state("#?#...#?"));
         assert_eq!(Vision::Lidar.around(&percept_of(&cells)), shown);
         assert_eq!(Vision::LookedUp.around(&percept_of(&cells)), cells);
     }
 
     #[test]
-    fn a_place_can_be_seen_although_what_is_hidden_there_is_unknown() {
+    fn a_percept_is_known_although_a_hidden_cell_is_unknown() {
         let mut cells = state("#.#...##").map(Some);
         cells[1] = None;
         assert_eq!(Vision::Lidar.seen(cells), Some(state("#?#...#?")));

@@ -1,4 +1,4 @@
-//! What cells of a map pay by themselves, once in an episode.
+//! Rewards of the cells of a map, each paid once per episode.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,21 +8,21 @@ use crate::agent::estimator::map::association::MapStep;
 use crate::agent::estimator::map::cell_counts::FURTHEST;
 use crate::agent::estimator::map::place::Place;
 
-/// What coming into a cell paid, for the first time in an episode.
+/// The reward for entering a cell for the first time in an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct CellReward {
-    /// What it paid last.
+    /// The last reward paid.
     reward: f64,
-    /// Episodes in which it paid, and in which it did not.
+    /// The numbers of episodes in which it was paid, and in which it was not.
     counts: [u32; 2],
 }
 
-/// By place: what it paid. Only places that have paid are remembered.
+/// By cell, the reward. Contains only cells that have paid.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RewardMap(BTreeMap<Place, CellReward>);
 
 impl RewardMap {
-    /// Takes down what an episode found, where its steps took place there, as far as is certain.
+    /// Adds the rewards of an episode. `places` holds the cell of each step, if it is certain.
     pub fn add(&mut self, steps: &[MapStep], places: &[Option<Place>]) {
         let mut entered = BTreeSet::new();
         for (step, pair) in steps.iter().zip(places.windows(2)) {
@@ -45,7 +45,7 @@ impl RewardMap {
         }
     }
 
-    /// The places that pay more often than not, with what they pay, the nearest to the goal first.
+    /// Returns the cells that pay more often than not with their rewards, the nearest to the goal first.
     pub fn likely(&self) -> Vec<(Place, f64)> {
         let paid = |payment: &CellReward| payment.counts[0] > payment.counts[1];
         let likely = self.0.iter().filter(|(_, payment)| paid(payment));
@@ -56,7 +56,7 @@ impl RewardMap {
         likely
     }
 
-    /// Can payments be like this?
+    /// Returns true if the rewards are valid.
     pub fn is_sound(&self) -> bool {
         let sound = |(place, payment): (&Place, &CellReward)| {
             place.reach() <= FURTHEST && payment.reward.is_finite() && payment.reward >= 0.0

@@ -1,4 +1,4 @@
-//! Maps as a world to plan in.
+//! Converts maps into a POMDP to plan with.
 
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
@@ -11,55 +11,55 @@ use crate::agent::model::pomdp::{GOAL, Pomdp};
 use crate::agent::model::rewards::RewardModel;
 use xcs::{Action, Percept};
 
-/// The most maps: goals that can be told apart.
+/// The maximum number of maps, one per distinguishable goal.
 pub const MOST_MAPS: usize = 6;
-/// The cells of a map that pay by themselves and are planned with, at most: the nearest to the goal.
+/// The maximum number of rewarded cells of a map in plans: the ones nearest to the goal.
 pub const MOST_PAYING: usize = 4;
-/// States of a map at most, if some of its cells pay; each of these doubles them.
+/// The maximum number of states of a map with rewarded cells. Each rewarded cell doubles the states.
 const MOST_STATES: usize = 1 << 14;
-/// The bits of how many rewards were found.
+/// The bits that encode the number of collected rewards.
 const FOUND_BITS: usize = 3;
 
-/// What is sought: the setting `reward`, as far as it matters here.
+/// The parts of the setting `reward` that matter for planning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RewardScale {
-    /// What the goal pays.
+    /// The reward of the goal.
     pub goal: f64,
-    /// What a step pays.
+    /// The reward of a step.
     pub step: f64,
     /// The discount per step.
     pub gamma: f64,
 }
 
-/// Where a robot is, and what it has found.
+/// The robot's cell and the collected rewards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct MapState {
-    /// As bits: which of the paying cells of the map have paid in this episode.
+    /// A bit set of the map's rewarded cells that were collected in this episode.
     pub collected: u8,
     /// The number of the map.
     #[serde(rename = "map")]
     pub cell_map: u8,
-    /// The place on it.
+    /// The cell on the map.
     pub place: Place,
 }
 
-/// Spots as states to plan on.
+/// The states of all maps to plan with.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(try_from = "ReadMap")]
 pub struct Map {
-    /// What moves do, and what is perceived.
+    /// The transitions and the percepts.
     pub pomdp: Pomdp,
-    /// By state; those in which an episode may begin come first.
+    /// By state number. The possible first states of episodes come first.
     pub states: Vec<MapState>,
-    /// The probability that a cell is misread; 0 if what is perceived is taken for right.
+    /// The probability that a cell is observed wrongly; 0 if percepts are treated as correct.
     pub observation_error: f64,
     /// The state in which all episodes begin, if there is one.
     pub begin: Option<u32>,
-    /// Can the robot not feel whether it bumped?
+    /// True if the robot has no bumper.
     pub unfelt: bool,
 }
 
-/// A map as it stands in a file, which nobody has looked at.
+/// A map as read from a file, before validation.
 #[derive(Deserialize)]
 struct ReadMap {
     pomdp: Pomdp,
@@ -74,15 +74,15 @@ struct ReadMap {
 }
 
 impl Serialize for Map {
-    /// What files for people say of bumps is only that they are not felt.
+    /// Human-readable files contain `unfelt` only if it is true.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let says = self.unfelt || !serializer.is_human_readable();
-        let mut map = serializer.serialize_struct("Map", 4 + usize::from(says))?;
+        let with_unfelt = self.unfelt || !serializer.is_human_readable();
+        let mut map = serializer.serialize_struct("Map", 4 + usize::from(with_unfelt))?;
         map.serialize_field("pomdp", &self.pomdp)?;
         map.serialize_field("states", &self.states)?;
         map.serialize_field("observation_error", &self.observation_error)?;
         map.serialize_field("begin", &self.begin)?;
-        if says {
+        if with_unfelt {
             map.serialize_field("unfelt", &self.unfelt)?;
         }
         map.end()
@@ -109,31 +109,31 @@ impl TryFrom<ReadMap> for Map {
         };
         match map.is_sound(map.pomdp.actions()) {
             true => Ok(map),
-            false => Err("the map that the rules go by contradicts itself"),
+            false => Err("the map of the rules contradicts itself"),
         }
     }
 }
 
-/// A map, and the cells of it that pay.
+/// A map with its rewarded cells.
 pub struct MappedCells<'a> {
     cell_map: &'a CellCounts,
     vision: Vision,
-    /// The places that can be perceived wholly.
+    /// The cells whose percept is completely known.
     places: Vec<Place>,
     paying: Vec<(Place, f64)>,
 }
 
 impl<'a> MappedCells<'a> {
-    /// All places of a map that can be perceived wholly, and what they pay.
+    /// Collects all cells of a map whose percept is completely known, and their rewards.
     pub fn new(cell_map: &'a CellCounts, payments: &RewardMap, vision: Vision) -> Self {
-        let stands = |place: &Place| {
+        let is_mapped = |place: &Place| {
             *place != Place::ORIGIN
                 && cell_map.cell_state(*place) == Some(CellState::Free)
                 && cell_map.around(*place, vision).is_some()
         };
-        let places: Vec<Place> = cell_map.places().filter(stands).collect();
+        let places: Vec<Place> = cell_map.places().filter(is_mapped).collect();
         let mut paying = payments.likely();
-        paying.retain(|(place, _)| stands(place));
+        paying.retain(|(place, _)| is_mapped(place));
         let room = (MOST_STATES / places.len().max(1)).max(1).ilog2() as usize;
         paying.truncate(room.min(MOST_PAYING));
         Self {
@@ -144,7 +144,7 @@ impl<'a> MappedCells<'a> {
         }
     }
 
-    /// All spots of the map with this number.
+    /// Returns all states of the map, whose number is `cell_map`.
     fn states(&self, cell_map: u8) -> impl Iterator<Item = MapState> + '_ {
         let collected = 0..1_u8 << self.paying.len();
         collected.flat_map(move |collected| {
@@ -157,13 +157,13 @@ impl<'a> MappedCells<'a> {
         })
     }
 
-    /// What has been collected once a robot comes into a place, if it was `collected` before.
+    /// Returns the collected rewards after the robot enters a cell, given those `collected` before.
     fn collected_in(&self, place: Place, collected: u8) -> u8 {
         let at = self.paying.iter().position(|paying| paying.0 == place);
         at.map_or(collected, |at| collected | 1 << at)
     }
 
-    /// What was paid in all.
+    /// Returns the sum of the collected rewards.
     fn paid(&self, collected: u8) -> f64 {
         let paying = self.paying.iter().enumerate();
         let paid = paying.filter(|(at, _)| collected >> at & 1 == 1);
@@ -172,9 +172,9 @@ impl<'a> MappedCells<'a> {
 }
 
 impl Map {
-    /// The map of some maps, for a robot whose actions aim there, as far as that is certain, and slip
-    /// so often.
-    pub fn drawn(
+    /// Builds the states and the POMDP of some maps. `aims` holds the displacement of each action, if it is
+    /// certain, and `slip` the slip probability.
+    pub fn build(
         mapped: &[MappedCells<'_>],
         aims: &[Option<usize>],
         slip: f64,
@@ -208,7 +208,7 @@ impl Map {
                 .map(|map_state| on(map_state).paid(map_state.collected))
                 .collect();
             let RewardScale { goal, step, gamma } = *values;
-            pomdp = pomdp.with_prizes(RewardModel::new(gamma, goal, step, found));
+            pomdp = pomdp.with_rewards(RewardModel::new(gamma, goal, step, found));
         }
         Self {
             pomdp,
@@ -219,8 +219,8 @@ impl Map {
         }
     }
 
-    /// The same, where all episodes begin in this place of this map.
-    pub fn begun_in(self, begun: Option<(u8, Place)>) -> Self {
+    /// Returns the map with a fixed first state: this cell of this map.
+    pub fn with_first_state(self, begun: Option<(u8, Place)>) -> Self {
         let state = begun.and_then(|(cell_map, place)| {
             let collected = 0;
             let map_state = MapState {
@@ -234,8 +234,9 @@ impl Map {
         Self { begin, ..self }
     }
 
-    /// What is believed when an imagined episode begins in a state. Who knows where episodes begin is
-    /// sure of any start: plans from elsewhere are for when it has lost its way.
+    /// Returns the first belief of a simulated episode that begins in a state. If all episodes have the
+    /// same first state, the belief is certain of `start`: other starts serve to plan for a mislocalised
+    /// robot.
     pub fn first_belief(&self, start: u32) -> Belief {
         match self.begin {
             Some(_) => Belief::even([start]),
@@ -243,24 +244,24 @@ impl Map {
         }
     }
 
-    /// Is it the map of the same cells, however often they are misread?
-    pub fn is_of_the_same(&self, other: &Self) -> bool {
+    /// Returns true if both maps have the same cells, whatever the observation error.
+    pub fn has_same_states(&self, other: &Self) -> bool {
         self.pomdp == other.pomdp && self.states == other.states && self.begin == other.begin
     }
 
-    /// The states in which an episode may begin: nothing was found yet.
+    /// Returns the number of possible first states: those without collected rewards.
     pub fn starts(&self) -> u32 {
         self.states
             .partition_point(|map_state| map_state.collected == 0) as u32
     }
 
-    /// Does it pay to come from one state into another?
+    /// Returns true if the transition from one state to another collects a reward.
     pub fn pays(&self, from: u32, to: u32) -> bool {
         let [from, to] = [from, to].map(|state| self.states[state as usize].collected);
         from != to
     }
 
-    /// Returns how many cells with a reward the map knows.
+    /// Returns the number of rewarded cells on the map.
     pub fn rewards(&self) -> u32 {
         let collected = self
             .states
@@ -269,17 +270,17 @@ impl Map {
         collected.max().unwrap_or(0)
     }
 
-    /// Is it a map for so many actions, of places on maps?
+    /// Returns true if the map is valid for this number of actions.
     pub fn is_sound(&self, actions: usize) -> bool {
         let mapped = |map_state: &MapState| {
             usize::from(map_state.cell_map) < MOST_MAPS
                 && map_state.place.reach() <= FURTHEST
                 && map_state.collected < 1 << MOST_PAYING
         };
-        let blank = self.states.is_empty() && self.pomdp == Pomdp::default();
+        let empty = self.states.is_empty() && self.pomdp == Pomdp::default();
         (0.0..=1.0).contains(&self.observation_error)
             && self.begin.is_none_or(|begin| begin < self.starts())
-            && (blank
+            && (empty
                 || self.pomdp.actions() == actions
                     && self.pomdp.is_sound()
                     && self.pomdp.states() == self.states.len()
@@ -288,7 +289,7 @@ impl Map {
     }
 }
 
-/// The state that a move with a heading leads to.
+/// Returns the successor of a state for a move in a direction.
 fn next(states: &[MapState], on: &MappedCells<'_>, state: usize, heading: usize) -> u32 {
     let map_state = states[state];
     let place = map_state.place.plus(offset(heading));
@@ -308,7 +309,7 @@ fn next(states: &[MapState], on: &MappedCells<'_>, state: usize, heading: usize)
     }
 }
 
-/// What a robot perceives, and how many rewards it has found in the episode.
+/// Returns the percept extended by the number of rewards collected in the episode.
 pub fn sight(percept: &Percept, found: u32) -> Percept {
     percept.followed_by(&Percept::from_word(found.into(), FOUND_BITS))
 }

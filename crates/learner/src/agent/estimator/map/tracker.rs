@@ -1,5 +1,5 @@
-//! What a rule looks at: the percept, the likeliest place on the map, what was found there, and the
-//! last two steps.
+//! The state tracker: encodes the context that rules match. It consists of the percept, the likeliest
+//! cell, the collected rewards and the last two steps.
 
 use serde::Serialize;
 
@@ -10,37 +10,38 @@ use crate::agent::estimator::map::state_map::{MOST_PAYING, Map, sight};
 use xcs::{Action, Classifier, Percept, Population};
 use xcscr_robot::arena::Outcome;
 
-/// The bits of the percept that come first.
+/// The bits of the percept, which come first.
 pub const PERCEPT_BITS: usize = 16;
-/// The bits of a coordinate: bit k says that it is greater than `k - FURTHEST`.
+/// The bits of a coordinate: bit k is set if the coordinate is greater than `k - FURTHEST`.
 pub const COORDINATE_BITS: usize = 2 * FURTHEST as usize;
-/// The bits of a map's number.
+/// The bits of the map number.
 pub const MAP_BITS: usize = 3;
-/// Where cells are misread: the probability that the robot is not where its moves should have led it.
+/// With observation errors: the probability that the robot is mislocalised after a move.
 pub const MISLOCALISED: f64 = 1e-3;
-/// The same for the place in which episodes always began so far.
+/// The probability that an episode does not begin where all earlier ones began.
 pub const BEGUN_ELSEWHERE: f64 = 0.1;
-/// The bits of a step of the window: was there one, its action, its percept.
+/// The bits of a step of the window: presence, action, percept.
 pub const STEP_BITS: usize = 1 + 3 + PERCEPT_BITS;
-/// The steps of the window.
+/// The number of steps of the window.
 const WINDOW: usize = 2;
 /// All bits of a context.
 pub const CONTEXT_BITS: usize =
     PERCEPT_BITS + 2 * COORDINATE_BITS + MAP_BITS + MOST_PAYING + WINDOW * STEP_BITS;
 
-/// Where the percept and the place end: rules look at what comes after only where that does not suffice.
+/// The ends of the percept and of the cell. Rules match later bits only if the earlier ones do not
+/// suffice.
 pub const PARTS: &[usize] = &[PERCEPT_BITS, PLACE_END];
-/// Where the place ends, with what was found there.
+/// The end of the cell with its collected rewards.
 const PLACE_END: usize = CONTEXT_BITS - WINDOW * STEP_BITS;
 
 const _: () = assert!(CONTEXT_BITS <= xcs::MAX_PERCEPT_BITS);
 
-/// What came of an action, beside what is perceived after it.
+/// The feedback of an action, apart from the next percept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Felt {
-    /// Did the robot bump, and stay where it was?
+    /// True if the robot bumped, and stayed in its cell.
     pub bumped: bool,
-    /// Did it find an auxiliary reward?
+    /// True if the robot collected an auxiliary reward.
     pub rewarded: bool,
 }
 
@@ -53,27 +54,27 @@ impl From<Outcome> for Felt {
     }
 }
 
-/// What was perceived and done so far in an episode, as far as it matters.
+/// The history of an episode, as far as it is needed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Tracker {
     belief: Belief,
-    /// What is perceived now; where cells are misread, what should be in the likeliest place.
+    /// The current percept; with observation errors, the expected percept of the likeliest state.
     now: Option<Percept>,
-    /// What was perceived and done, the latest last.
+    /// The last percepts and actions, the latest last.
     window: [Option<(Percept, Action)>; WINDOW],
-    /// What was done last, and what came of it.
+    /// The last action and its feedback.
     acted: Option<(Action, Felt)>,
-    /// How many rewards of the map were found.
+    /// The number of rewards collected.
     found: u32,
 }
 
 impl Tracker {
-    /// What is believed.
+    /// Returns the current belief.
     pub fn belief(&self) -> &Belief {
         &self.belief
     }
 
-    /// At the beginning of an episode, with this belief.
+    /// Creates a tracker at the beginning of an episode.
     pub fn begun(belief: Belief) -> Self {
         Self {
             belief,
@@ -81,7 +82,7 @@ impl Tracker {
         }
     }
 
-    /// In a state of which it is sure, before anything was done.
+    /// Creates a tracker in a known state, before any action.
     pub fn standing(map: &Map, state: u32) -> Self {
         let found = map.states[state as usize].collected.count_ones();
         let mut tracker = Self {
@@ -92,20 +93,20 @@ impl Tracker {
         tracker
     }
 
-    /// Perceives; the percept's first sixteen bits count.
+    /// Updates the belief with a percept, of which the first sixteen bits count.
     pub fn perceive(&mut self, map: &Map, percept: &Percept) {
         if let (None, Some(begin)) = (self.now, map.begin) {
             self.belief = map.first_belief(begin);
         }
         match map.observation_error > 0.0 {
-            true => self.perceive_doubtingly(map, percept),
+            true => self.perceive_noisy(map, percept),
             false => self.perceive_rightly(map, percept),
         }
     }
 
-    /// Perceives what may be misread: weighs where the robot may be by how well what it perceives
-    /// fits there, and takes for perceived what should be perceived in the likeliest place.
-    fn perceive_doubtingly(&mut self, map: &Map, percept: &Percept) {
+    /// Updates the belief with a noisy percept, weighted by its likelihood in each state. The expected
+    /// percept of the likeliest state becomes the current percept.
+    fn perceive_noisy(&mut self, map: &Map, percept: &Percept) {
         let acted = self.acted.take();
         if acted.is_some_and(|(_, felt)| felt.rewarded) {
             self.found = (self.found + 1).min(map.rewards());
@@ -125,7 +126,7 @@ impl Tracker {
         let fits = |state: u32| {
             let map_state = &map.states[state as usize];
             let wrong = usize::from(map_state.collected.count_ones() != found);
-            likely[strange(map, state, &seen) + wrong]
+            likely[mismatches(map, state, &seen) + wrong]
         };
         let anywhere = map.pomdp.states() as u32;
         self.belief = Belief::weighed(&expected, mislocalised, anywhere, fits);
@@ -137,13 +138,13 @@ impl Tracker {
             Some(there.unwrap_or_else(|| Percept::from_word(percept.words()[0], PERCEPT_BITS)));
     }
 
-    /// Perceives what is taken for right.
+    /// Updates the belief with a percept that is treated as correct.
     pub fn perceive_rightly(&mut self, map: &Map, percept: &Percept) {
         let percept = Percept::from_word(percept.words()[0], PERCEPT_BITS);
         let acted = self.acted.take();
         let after = acted.and_then(|(action, felt)| {
             let found = felt.rewarded;
-            // A reward that was not predicted, or did not come, still tells where the robot is.
+            // An unexpected or missing reward still carries information about the robot's cell.
             let counts = [
                 self.found + u32::from(found),
                 self.found + u32::from(!found),
@@ -163,16 +164,16 @@ impl Tracker {
             let known = !self.belief.is_empty() && self.belief.states().iter().all(fits);
             (acted.is_none() && known).then(|| (self.found, self.belief.clone()))
         };
-        let lost = || {
+        let relocalised = || {
             let found = acted.is_some_and(|(_, felt)| felt.rewarded);
             let found = (self.found + u32::from(found)).min(map.rewards());
-            (found, lost(map, &percept, found))
+            (found, relocalised(map, &percept, found))
         };
-        (self.found, self.belief) = after.or_else(begun).unwrap_or_else(lost);
+        (self.found, self.belief) = after.or_else(begun).unwrap_or_else(relocalised);
         self.now = Some(percept);
     }
 
-    /// Acts on what was perceived.
+    /// Records an action on the current percept, and its feedback.
     pub fn act(&mut self, action: Action, felt: Felt) {
         if let Some(percept) = self.now {
             self.window.rotate_left(1);
@@ -181,7 +182,7 @@ impl Tracker {
         self.acted = Some((action, felt));
     }
 
-    /// All that rules look at, as bits.
+    /// Returns the context that rules match, as bits.
     pub fn context(&self, map: &Map) -> Percept {
         let percept = self.now.unwrap_or(Percept::from_word(0, PERCEPT_BITS));
         let map_state = self
@@ -190,8 +191,8 @@ impl Tracker {
             .map(|(state, _)| map.states[state as usize]);
         let map_state = map_state.unwrap_or_default();
         let mut context = percept
-            .followed_by(&above(map_state.place.east))
-            .followed_by(&above(map_state.place.north))
+            .followed_by(&unary(map_state.place.east))
+            .followed_by(&unary(map_state.place.north))
             .followed_by(&Percept::from_word(map_state.cell_map.into(), MAP_BITS))
             .followed_by(&Percept::from_word(map_state.collected.into(), MOST_PAYING));
         for step in self.window.iter().rev() {
@@ -201,17 +202,17 @@ impl Tracker {
     }
 }
 
-/// How much of a context rules may look at.
+/// The part of a context that rules may match.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum View {
-    /// The percept and the likeliest place, with what was found there.
+    /// The percept and the likeliest cell with its collected rewards.
     Place,
-    /// And the last two steps.
+    /// In addition, the last two steps.
     Steps,
 }
 
 impl View {
-    /// Those that rules on a map may have, the narrowest first.
+    /// Returns the views that rules on a map may have, the narrowest first.
     pub fn fit_for(map: &Map) -> &'static [Self] {
         match map.observation_error > 0.0 {
             true => &[Self::Place, Self::Steps],
@@ -219,7 +220,7 @@ impl View {
         }
     }
 
-    /// How many bits of a context it is.
+    /// Returns the number of bits of a context that are visible.
     fn bits(self) -> usize {
         match self {
             Self::Place => PLACE_END,
@@ -227,7 +228,7 @@ impl View {
         }
     }
 
-    /// The rules that look at no more than this.
+    /// Returns the rules that match only visible bits.
     pub fn part_of(self, rules: &Population) -> Population {
         let beyond = |rule: &Classifier| {
             (self.bits()..CONTEXT_BITS).any(|bit| rule.condition.allele(bit).is_some())
@@ -237,7 +238,7 @@ impl View {
         part.expect("part of a sound population is sound")
     }
 
-    /// Of this context what rules look at, with zeros for all else.
+    /// Returns the context with all invisible bits set to zero.
     pub fn of(self, context: &Percept) -> Percept {
         let seen = self.bits();
         let bits = (0..CONTEXT_BITS).map(|bit| bit < seen && context.bit(bit));
@@ -245,8 +246,8 @@ impl View {
     }
 }
 
-/// A coordinate in unary: as many ones as it is greater than the least one.
-fn above(coordinate: i16) -> Percept {
+/// Encodes a coordinate in unary: its difference from the least coordinate.
+fn unary(coordinate: i16) -> Percept {
     let ones = i32::from(coordinate) + i32::from(FURTHEST);
     let word = |ones: i32| match ones.clamp(0, 64) as u32 {
         0 => 0,
@@ -263,37 +264,37 @@ fn step_bits(step: Option<(Percept, Action)>) -> Percept {
     Percept::from_word(bits, STEP_BITS)
 }
 
-/// Everywhere where it looks like this when so many rewards were found, or else as much like this as
-/// anywhere.
-fn lost(map: &Map, percept: &Percept, found: u32) -> Belief {
+/// Returns the uniform belief over the states with this percept and number of rewards. If there are none,
+/// returns it over the states with the most similar percept.
+fn relocalised(map: &Map, percept: &Percept, found: u32) -> Belief {
     let pomdp = &map.pomdp;
     if let Some(look) = pomdp.look_of(&sight(percept, found)) {
         return Belief::even(pomdp.alike(look));
     }
     let seen = around(percept);
-    let strange = |state: u32| strange(map, state, &seen);
+    let mismatches = |state: u32| mismatches(map, state, &seen);
     let states = 0..pomdp.states() as u32;
     let states = states.filter(|&state| map.states[state as usize].collected.count_ones() == found);
-    let least = states.clone().map(strange).min();
+    let least = states.clone().map(mismatches).min();
     match least {
-        Some(least) => Belief::even(states.filter(|&state| strange(state) == least)),
+        Some(least) => Belief::even(states.filter(|&state| mismatches(state) == least)),
         None => Belief::default(),
     }
 }
 
-/// In how many cells what is seen is not what should be seen in a state.
-fn strange(map: &Map, state: u32, seen: &Surroundings) -> usize {
+/// Returns the number of cells in which a percept differs from the percept of a state.
+fn mismatches(map: &Map, state: u32, seen: &Surroundings) -> usize {
     let there = around(map.pomdp.percept(state));
     (0..NEIGHBOURS.len())
         .filter(|&at| there[at] != seen[at])
         .count()
 }
 
-/// The value that a condition demands of an allele; `None` for a don't-care.
+/// The value that a condition requires of an allele; `None` for a don't-care.
 type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;
 
-/// What a condition on a context demands beside the percept, such as `x > 2`; `seen` has the words for
-/// a percept, and none where nothing is demanded of it.
+/// Describes what a condition requires beyond the current percept, such as `x > 2`. `seen` describes the
+/// requirements on a percept, if there are any.
 pub fn words(alleles: Alleles<'_>, seen: &dyn Fn(Alleles<'_>) -> Option<String>) -> Vec<String> {
     let east = PERCEPT_BITS;
     let north = east + COORDINATE_BITS;
@@ -319,7 +320,8 @@ pub fn words(alleles: Alleles<'_>, seen: &dyn Fn(Alleles<'_>) -> Option<String>)
     words
 }
 
-/// The limits of a coordinate, counted from the goal: bit k demands more than `k - FURTHEST`, or not.
+/// Describes the limits of a coordinate relative to the goal. Bit k requires more than `k - FURTHEST`, or
+/// not.
 fn coordinate_words(name: &str, from: usize, alleles: Alleles<'_>) -> Vec<String> {
     let limit = |bit: usize| bit as i16 - FURTHEST as i16;
     let demands =
@@ -340,7 +342,7 @@ mod tests {
     use crate::agent::estimator::map::state_map::MapState;
     use crate::agent::model::pomdp::Pomdp;
 
-    /// Three places that look alike: the action bumps in the first, and leads from the second to the third.
+    /// Three aliased cells: the action bumps in the first, and leads from the second to the third.
     fn alike(unfelt: bool) -> Map {
         let seen = [sight(&Percept::from_word(0, PERCEPT_BITS), 0); 3];
         let map_state = |east| MapState {
@@ -356,7 +358,7 @@ mod tests {
         }
     }
 
-    /// Where a robot may be that was in the first or in the second place, and bumped or did not.
+    /// Returns the likely states of a robot that was in the first or second cell, with or without a bump.
     fn likely(map: &Map, bumped: bool) -> Vec<u32> {
         let mut tracker = Tracker::begun(Belief::even([0, 1]));
         tracker.perceive(map, &Percept::from_word(0, PERCEPT_BITS));
@@ -369,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bump_tells_two_places_apart_that_look_alike_unless_it_is_not_felt() {
+    fn a_bump_distinguishes_two_aliased_cells_if_the_robot_has_a_bumper() {
         let map = alike(false);
         assert_eq!([likely(&map, true), likely(&map, false)], [[0], [2]]);
         let map = alike(true);
@@ -377,7 +379,7 @@ mod tests {
         assert_eq!(likely(&map, false), [0, 2]);
     }
 
-    /// Two states that look different, in the second of which `rewards` rewards were found.
+    /// Two states with different percepts. In the second, `rewards` rewards are collected.
     fn paying(rewards: u32, observation_error: f64) -> Map {
         let look = |word, found| sight(&Percept::from_word(word, PERCEPT_BITS), found);
         let map_state = |collected| MapState {
@@ -393,7 +395,7 @@ mod tests {
         }
     }
 
-    /// How many rewards are counted after one was found on a step that led to an unknown percept.
+    /// Returns the number of rewards counted after a step with a reward and an unknown percept.
     fn counted(map: &Map) -> u32 {
         let mut tracker = Tracker::begun(Belief::even([0]));
         tracker.perceive(map, &Percept::from_word(0, PERCEPT_BITS));
@@ -404,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reward_on_the_step_that_gets_lost_counts_if_the_map_knows_one() {
+    fn a_reward_on_a_step_that_mislocalises_counts_if_the_map_has_one() {
         for observation_error in [0.0, 0.02] {
             assert_eq!(
                 counted(&paying(1, observation_error)),

@@ -1,4 +1,4 @@
-//! How much is worked out at once, and what waits.
+//! Limits on updates per step, and waiting updates.
 
 use crate::agent::model::transitions::Transition;
 use crate::agent::planner::sweeping::*;
@@ -8,8 +8,8 @@ use xcscr_robot::streams::StreamName;
 
 const PERCEPTS: usize = 200;
 
-/// Steps at random between so many percepts, in which every pair leads anywhere, now and then
-/// to a goal. Gives for each step whether its pair was new, and how many values were updated.
+/// Takes random steps between percepts. Every pair leads anywhere, sometimes to a goal. Returns for
+/// each step whether its pair was new, and how many values were updated.
 fn updates_of_noise(steps: usize) -> (PlannedValues, Vec<(bool, usize)>) {
     let mut stream = Stream::new(1, StreamName::Exploration);
     let mut memory = Transitions::default();
@@ -50,14 +50,14 @@ fn noise_updates_few_values_however_many_depend_on_them() {
     let odds = updates.iter().filter(|(is_new, _)| !is_new);
     let for_odds = odds.map(|&(_, updated)| updated).max().unwrap();
     assert_eq!(for_odds, 1 + UPDATES_FOR_ODDS);
-    assert!(known.queue.len() <= MOST_PLACES * PERCEPTS);
-    // Control: what is new is passed on to all that depends on it.
+    assert!(known.queue.len() <= MOST_ENTRIES * PERCEPTS);
+    // Control: new pairs propagate to all dependent values.
     let most_at_once = updates.iter().map(|&(_, updated)| updated).max().unwrap();
     assert!(most_at_once > PERCEPTS, "{most_at_once}");
 }
 
 #[test]
-fn what_waits_is_still_waiting_after_a_resumption() {
+fn waiting_updates_still_wait_after_a_resumption() {
     let (_, updates) = updates_of_noise(1_500);
     let is_cut_short = |&(is_new, updated): &(bool, usize)| !is_new && updated > UPDATES_FOR_ODDS;
     let step = updates.iter().position(is_cut_short).unwrap();
@@ -72,8 +72,8 @@ fn what_waits_is_still_waiting_after_a_resumption() {
     let resumed = |queue: Vec<_>| {
         let mut other = PlannedValues::new(4, &Params::default());
         let kept = (values.to_vec(), (updates, queue), before.clone(), returns);
-        let sound = other.resume(kept, &memory);
-        sound.then(|| other.kept().1)
+        let valid = other.resume(kept, &memory);
+        valid.then(|| other.kept().1)
     };
     assert_eq!(resumed(queue.clone()), Some((updates, queue.clone())));
     let twice = [queue.clone(), queue].concat();

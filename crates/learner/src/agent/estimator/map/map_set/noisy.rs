@@ -1,6 +1,6 @@
-//! Maps where cells are misread: what all episodes saw of their cells, whatever these are, is to be as
-//! likely as can be. So a place that is none costs what its cells could be, and two goals on one map cost
-//! what contradicts itself.
+//! Data association with observation noise. It maximises the likelihood of all observations, summed over
+//! the possible states of the cells. A superfluous map costs the prior of its cells, and two goals on one
+//! map cost their contradictions.
 
 use crate::agent::estimator::map::association::{Alignment, MapStep, align};
 use crate::agent::estimator::map::cell_counts::CellCounts;
@@ -8,38 +8,38 @@ use crate::agent::estimator::map::map_set::MapSet;
 use crate::agent::estimator::map::observations::Observations;
 use crate::agent::model::slips::each_other;
 
-/// How much likelier an episode must be on a blank map to open one for it, in bits.
-pub(super) const TO_OPEN: f64 = 3.0;
-/// What a step costs of which is not certain where it was: as if nothing were known of the cells around.
-const LOST: f64 = 9.0;
+/// The least advantage of an empty map over an existing one, in bits, to open a new map.
+pub(super) const OPENING_COST: f64 = 3.0;
+/// The cost of a step without a certain cell, in bits, as if all surrounding cells were unknown.
+const UNPLACED_COST: f64 = 9.0;
 
-/// How an episode lies on a map.
+/// An episode assigned to a map.
 #[derive(Debug, Clone)]
-pub(super) struct Laid {
+pub(super) struct Assignment {
     /// The number of the map.
     pub at: usize,
     pub alignment: Alignment,
-    /// What it sees of the cells.
+    /// The episode's observations of cells.
     pub seen: Observations,
-    /// How likely its moves are, as a logarithm to the base 2.
+    /// The log2 likelihood of the moves.
     pub bits: f64,
 }
 
 impl MapSet {
-    /// Lays an episode on a map, which has this number.
-    fn lay_on(&self, steps: &[MapStep], at: usize, cell_map: &CellCounts) -> Laid {
+    /// Aligns an episode with map number `at`.
+    fn assign_to(&self, steps: &[MapStep], at: usize, cell_map: &CellCounts) -> Assignment {
         let alignment = align(steps, cell_map, &self.robot);
-        let lost = alignment.places.iter().filter(|place| place.is_none());
+        let unplaced = alignment.places.iter().filter(|place| place.is_none());
         let slip = libm::log2(each_other(self.robot.slip, self.robot.motion.actions()));
-        Laid {
+        Assignment {
             at,
             seen: Observations::of(steps, &alignment.places, self.robot.vision.of_a_goal()),
-            bits: alignment.slips * slip - LOST * lost.count() as f64,
+            bits: alignment.slips * slip - UNPLACED_COST * unplaced.count() as f64,
             alignment,
         }
     }
 
-    /// How many maps are not blank.
+    /// Returns the number of maps that are not empty.
     pub(super) fn used(&self) -> usize {
         self.hypotheses
             .iter()
@@ -47,49 +47,49 @@ impl MapSet {
             .count()
     }
 
-    /// The number of a blank map, if there may be one more.
+    /// Returns the number of an empty map, if another one is allowed.
     pub(super) fn room(&self) -> Option<usize> {
-        let blank = self
+        let empty = self
             .hypotheses
             .iter()
             .position(|hypothesis| hypothesis.episodes == 0.0);
         let room = self.used() < self.params.max_maps as usize;
-        room.then(|| blank.unwrap_or(self.hypotheses.len()))
+        room.then(|| empty.unwrap_or(self.hypotheses.len()))
     }
 
-    /// Where an episode is likeliest beside what was seen on each map, which may be a blank one.
+    /// Assigns an episode to the likeliest map, given the observations on each. It may be an empty map.
     pub(super) fn likeliest(
         &self,
         steps: &[MapStep],
         seen: &[Observations],
         may_open: bool,
-    ) -> Laid {
+    ) -> Assignment {
         let observation_error = self.robot.observation_error;
-        let laid = self.hypotheses.iter().enumerate();
-        let laid = laid.filter(|(_, hypothesis)| hypothesis.episodes > 0.0);
-        let laid = laid.map(|(at, hypothesis)| {
-            let laid = self.lay_on(steps, at, &hypothesis.cell_map);
-            let bits = laid.bits + seen[at].bits_of(&laid.seen, observation_error);
-            (laid, bits)
+        let assigned = self.hypotheses.iter().enumerate();
+        let assigned = assigned.filter(|(_, hypothesis)| hypothesis.episodes > 0.0);
+        let assigned = assigned.map(|(at, hypothesis)| {
+            let assigned = self.assign_to(steps, at, &hypothesis.cell_map);
+            let bits = assigned.bits + seen[at].bits_of(&assigned.seen, observation_error);
+            (assigned, bits)
         });
         let room = self.room().filter(|_| may_open || self.used() == 0);
-        let blank = room.map(|at| {
-            let laid = self.lay_on(steps, at, &CellCounts::default());
-            let bits = laid.bits + laid.seen.bits(observation_error) - TO_OPEN;
-            (laid, bits)
+        let empty = room.map(|at| {
+            let assigned = self.assign_to(steps, at, &CellCounts::default());
+            let bits = assigned.bits + assigned.seen.bits(observation_error) - OPENING_COST;
+            (assigned, bits)
         });
-        let all = laid.chain(blank);
+        let all = assigned.chain(empty);
         let best = all.reduce(|best, one| if one.1 > best.1 { one } else { best });
-        best.expect("there is a cell_map, or room for one").0
+        best.expect("there is a map, or room for one").0
     }
 
-    /// The same beside what maps hold.
+    /// Assigns an episode to the likeliest map, given the observations that the maps hold.
     pub(super) fn associate_noisily(&self, steps: &[MapStep]) -> (usize, Alignment) {
-        let laid = self.likeliest(steps, &self.seen_on_maps(), true);
-        (laid.at, laid.alignment)
+        let assigned = self.likeliest(steps, &self.seen_on_maps(), true);
+        (assigned.at, assigned.alignment)
     }
 
-    /// What was seen on each map.
+    /// Returns the observations on each map.
     pub(super) fn seen_on_maps(&self) -> Vec<Observations> {
         let hypotheses = self.hypotheses.iter();
         hypotheses

@@ -1,4 +1,4 @@
-//! Maps drawn anew from all episodes that are kept.
+//! Re-estimation of all maps from the stored episodes.
 
 use crate::agent::estimator::map::association::MapStep;
 use crate::agent::estimator::map::hypothesis::MapHypothesis;
@@ -6,40 +6,40 @@ use crate::agent::estimator::map::likelihood::Likelihood;
 use crate::agent::estimator::map::map_set::{MapSet, Place};
 
 impl MapSet {
-    /// Draws all maps anew from the kept episodes, the shortest first, and once more from how they
-    /// lie there; keeps what is likelier. Looked-up percepts that are misread have
-    /// [a way of their own](Self::redraw_doubting).
+    /// Re-estimates all maps from the stored episodes, the shortest first, and once more from the
+    /// resulting alignment. Keeps the likelier maps. Looked-up percepts with observation errors use
+    /// [their own method](Self::re_estimate_noisily).
     pub(super) fn re_estimate(&mut self) {
         let mut order: Vec<&Vec<MapStep>> = self.episodes.iter().collect();
         order.sort_by_key(|steps| steps.len());
         let order: Vec<Vec<MapStep>> = order.into_iter().cloned().collect();
-        if self.doubts() {
-            return self.redraw_doubting(&order);
+        if self.has_noisy_percepts() {
+            return self.re_estimate_noisily(&order);
         }
-        let mut fresh = self.blank();
+        let mut fresh = self.without_episodes();
         for steps in &order {
-            fresh.draw(steps);
+            fresh.add_episode(steps);
         }
         fresh.update_robot_model();
-        let fresh = fresh.drawn_again(&order);
+        let fresh = fresh.re_estimated(&order);
         if fresh.likelihood(&order) > self.likelihood(&order) || order.len() < 25 {
-            self.take_over(fresh);
+            self.replace_maps(fresh);
         }
         if self.observation_error() > 0.0 {
-            self.take_over(self.clone().without_needless(&order));
+            self.replace_maps(self.clone().without_redundant(&order));
         }
     }
 
-    /// Takes over maps, and what they tell of moves.
-    fn take_over(&mut self, drawn: Self) {
-        self.hypotheses = drawn.hypotheses;
-        self.robot = drawn.robot;
-        self.slips = drawn.slips;
+    /// Replaces the maps and the robot model by re-estimated ones.
+    fn replace_maps(&mut self, estimated: Self) {
+        self.hypotheses = estimated.hypotheses;
+        self.robot = estimated.robot;
+        self.slips = estimated.slips;
     }
 
-    /// Maps drawn from how episodes lie on these ones.
-    fn drawn_again(&self, episodes: &[Vec<MapStep>]) -> Self {
-        let mut again = self.blank();
+    /// Re-estimates the maps from the alignment of episodes with the current maps.
+    fn re_estimated(&self, episodes: &[Vec<MapStep>]) -> Self {
+        let mut again = self.without_episodes();
         let prior = |hypothesis: &MapHypothesis| match hypothesis.transferred {
             Some(number) => self.brought[usize::from(number)].clone(),
             None => MapHypothesis::default(),
@@ -63,10 +63,10 @@ impl MapSet {
         again
     }
 
-    /// The same without maps of goals that have another one. If cells are misread, the first episodes on a
-    /// map may draw it so wrongly that later ones open another. A map is needless if without it
-    /// episodes are as likely but for what it tells of its cells, one bit of each.
-    fn without_needless(self, episodes: &[Vec<MapStep>]) -> Self {
+    /// Removes redundant maps of the same goal. With observation errors, the first episodes may distort a
+    /// map so much that later ones open another. A map is redundant if the episodes are as likely without
+    /// it, after a penalty of one bit for each of its cells.
+    fn without_redundant(self, episodes: &[Vec<MapStep>]) -> Self {
         let mut best = self;
         let mut at = 0;
         while at < best.hypotheses.len() && best.hypotheses.len() > 1 {
@@ -80,14 +80,14 @@ impl MapSet {
         best
     }
 
-    /// The same drawn again without a map.
+    /// Returns the maps re-estimated without one of them.
     fn without(&self, at: usize, episodes: &[Vec<MapStep>]) -> Self {
         let mut fewer = self.clone();
         fewer.hypotheses.remove(at);
-        fewer.drawn_again(episodes).drawn_again(episodes)
+        fewer.re_estimated(episodes).re_estimated(episodes)
     }
 
-    /// How likely episodes are on the maps that there are.
+    /// Returns the likelihood of episodes on the existing maps.
     fn fit(&self, episodes: &[Vec<MapStep>]) -> Likelihood {
         let fits = episodes.iter().filter_map(|steps| self.best_fit(steps));
         fits.map(|(_, alignment)| alignment.likelihood)
@@ -109,7 +109,7 @@ mod tests {
     use crate::agent::estimator::map::place::CellState;
     use crate::agent::estimator::map::{MapParams, Vision};
 
-    /// A lidar's maps with two transferred ones, of which the second also knows a cell to the east of its goal.
+    /// The maps of a lidar with two transferred ones. The second also has a cell east of its goal.
     fn two_transferred() -> MapSet {
         let mut maps = MapSet::new(8, Vision::Lidar, MapParams::default());
         let goal = Vision::Lidar.of_a_goal();

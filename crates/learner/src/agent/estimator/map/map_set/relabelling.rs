@@ -1,25 +1,25 @@
-//! Maps, and how all episodes lie on them where cells are misread.
+//! Joint re-estimation of maps and their episodes under observation noise.
 
 use std::cmp::Reverse;
 
 use crate::agent::estimator::map::association::MapStep;
 use crate::agent::estimator::map::hypothesis::MapHypothesis;
-use crate::agent::estimator::map::map_set::noisy::{Laid, TO_OPEN};
+use crate::agent::estimator::map::map_set::noisy::{Assignment, OPENING_COST};
 use crate::agent::estimator::map::map_set::{MapSet, Place};
 use crate::agent::estimator::map::observations::Observations;
 
-/// How often episodes are laid anew beside all others, at most.
+/// The maximum number of passes that reassign episodes.
 const SWEEPS: usize = 4;
 
 impl MapSet {
-    /// Draws all maps anew: from the maps that there are, and from none, the shortest episodes first.
-    pub(super) fn redraw_doubting(&mut self, episodes: &[Vec<MapStep>]) {
-        let mut fresh = self.blank();
+    /// Re-estimates all maps, from the current maps and from none. The shortest episodes come first.
+    pub(super) fn re_estimate_noisily(&mut self, episodes: &[Vec<MapStep>]) {
+        let mut fresh = self.without_episodes();
         for steps in episodes {
-            fresh.draw(steps);
+            fresh.add_episode(steps);
         }
-        let fresh = Drawing::of(fresh, episodes).improved();
-        let old = Drawing::of(self.clone(), episodes).improved();
+        let fresh = Labelling::of(fresh, episodes).improved();
+        let old = Labelling::of(self.clone(), episodes).improved();
         let best = if fresh.bits() > old.bits() {
             fresh
         } else {
@@ -32,57 +32,62 @@ impl MapSet {
     }
 }
 
-/// Maps, and how all episodes lie on them.
+/// Maps and the assignment of all episodes to them.
 #[derive(Debug, Clone)]
-struct Drawing<'a> {
+struct Labelling<'a> {
     maps: MapSet,
     episodes: &'a [Vec<MapStep>],
-    laid: Vec<Laid>,
+    assigned: Vec<Assignment>,
 }
 
-impl<'a> Drawing<'a> {
-    /// These episodes, each where it is likeliest on the maps that there are.
+impl<'a> Labelling<'a> {
+    /// Assigns each episode to the likeliest existing map.
     fn of(maps: MapSet, episodes: &'a [Vec<MapStep>]) -> Self {
         let seen = maps.seen_on_maps();
-        let laid = episodes
+        let assigned = episodes
             .iter()
             .map(|steps| maps.likeliest(steps, &seen, false));
         Self {
-            laid: laid.collect(),
+            assigned: assigned.collect(),
             maps,
             episodes,
         }
-        .drawn()
+        .re_estimated()
     }
 
-    /// Draws the maps from how the episodes lie.
-    fn drawn(mut self) -> Self {
-        let mut maps = self.maps.blank();
-        let hypotheses = self.laid.iter().map(|laid| laid.at + 1).max().unwrap_or(0);
+    /// Re-estimates the maps from the assigned episodes.
+    fn re_estimated(mut self) -> Self {
+        let mut maps = self.maps.without_episodes();
+        let hypotheses = self
+            .assigned
+            .iter()
+            .map(|assigned| assigned.at + 1)
+            .max()
+            .unwrap_or(0);
         let hypotheses = hypotheses.max(maps.hypotheses.len());
         maps.hypotheses.resize(hypotheses, MapHypothesis::default());
         let goal = maps.robot.vision.of_a_goal();
-        for (steps, laid) in self.episodes.iter().zip(&self.laid) {
-            let hypothesis = &mut maps.hypotheses[laid.at];
-            hypothesis.add(steps, &laid.alignment);
+        for (steps, assigned) in self.episodes.iter().zip(&self.assigned) {
+            let hypothesis = &mut maps.hypotheses[assigned.at];
+            hypothesis.add(steps, &assigned.alignment);
             hypothesis.cell_map.sight(Place::ORIGIN, goal);
         }
         self.maps = maps;
         self
     }
 
-    /// What is seen on each map.
+    /// Returns the observations on each map.
     fn seen(&self) -> Vec<Observations> {
-        let blank = self.maps.blank();
-        let mut seen = blank.seen_on_maps();
+        let empty = self.maps.without_episodes();
+        let mut seen = empty.seen_on_maps();
         seen.resize(self.maps.hypotheses.len(), Observations::default());
-        for laid in &self.laid {
-            seen[laid.at].add(&laid.seen);
+        for assigned in &self.assigned {
+            seen[assigned.at].add(&assigned.seen);
         }
         seen
     }
 
-    /// How likely it is, as a logarithm to the base 2.
+    /// Returns the log2 likelihood of the assignment.
     fn bits(&self) -> f64 {
         let observation_error = self.maps.robot().observation_error;
         let seen: f64 = self
@@ -90,47 +95,47 @@ impl<'a> Drawing<'a> {
             .iter()
             .map(|seen| seen.bits(observation_error))
             .sum();
-        let moves: f64 = self.laid.iter().map(|laid| laid.bits).sum();
-        seen + moves - TO_OPEN * self.maps.used() as f64
+        let moves: f64 = self.assigned.iter().map(|assigned| assigned.bits).sum();
+        seen + moves - OPENING_COST * self.maps.used() as f64
     }
 
-    /// Lays each episode beside all others, until none lies elsewhere.
-    fn settled(mut self, may_open: bool) -> Self {
+    /// Reassigns each episode, given all others, until no assignment changes.
+    fn converged(mut self, may_open: bool) -> Self {
         for _ in 0..SWEEPS {
-            let before: Vec<Laid> = self.laid.clone();
+            let before: Vec<Assignment> = self.assigned.clone();
             self.sweep(may_open);
-            self = self.drawn();
-            let stays = |(old, new): (&Laid, &Laid)| {
+            self = self.re_estimated();
+            let stays = |(old, new): (&Assignment, &Assignment)| {
                 old.at == new.at && old.alignment.places == new.alignment.places
             };
-            if before.iter().zip(&self.laid).all(stays) {
+            if before.iter().zip(&self.assigned).all(stays) {
                 break;
             }
         }
         self
     }
 
-    /// Lays each episode once where it is likeliest beside all others.
+    /// Reassigns each episode once to the map on which it is likeliest, given all others.
     fn sweep(&mut self, may_open: bool) {
         let mut seen = self.seen();
-        for (steps, laid) in self.episodes.iter().zip(&mut self.laid) {
-            seen[laid.at].remove(&laid.seen);
-            *laid = self.maps.likeliest(steps, &seen, may_open);
-            if laid.at == seen.len() {
+        for (steps, assigned) in self.episodes.iter().zip(&mut self.assigned) {
+            seen[assigned.at].remove(&assigned.seen);
+            *assigned = self.maps.likeliest(steps, &seen, may_open);
+            if assigned.at == seen.len() {
                 seen.push(Observations::default());
                 self.maps.hypotheses.push(MapHypothesis::default());
             }
-            seen[laid.at].add(&laid.seen);
-            let hypothesis = &mut self.maps.hypotheses[laid.at];
+            seen[assigned.at].add(&assigned.seen);
+            let hypothesis = &mut self.maps.hypotheses[assigned.at];
             if hypothesis.episodes == 0.0 {
-                hypothesis.add(steps, &laid.alignment);
+                hypothesis.add(steps, &assigned.alignment);
             }
         }
     }
 
-    /// The same with as many maps as are worth it.
+    /// Optimises the number of maps.
     fn improved(self) -> Self {
-        let mut best = self.settled(true).without_needless();
+        let mut best = self.converged(true).without_redundant();
         let mut at = 0;
         while at < best.maps.hypotheses.len() {
             (best, at) = match best.split(at) {
@@ -141,46 +146,47 @@ impl<'a> Drawing<'a> {
         best
     }
 
-    /// The same with two maps in place of one, on which two goals may have been taken for one; `None` if
-    /// there is no room. Each episode is at home among those that lie wrong with it, so to lay one after the
-    /// other elsewhere does not lead there.
+    /// Splits a map that may combine two goals; `None` if no further map is allowed. Single reassignments
+    /// cannot separate the goals, because each episode fits the others that are wrongly on the same map.
     fn split(&self, at: usize) -> Option<Self> {
         let new = self.maps.room()?;
         let observation_error = self.maps.robot().observation_error;
-        let seen = |number: usize| &self.laid[number].seen;
+        let seen = |number: usize| &self.assigned[number].seen;
         let [first, second] = self.most_unlike(at)?;
         let mut halves = [seen(first).clone(), seen(second).clone()];
         let mut split = self.clone();
-        split.laid[second].at = new;
-        let others = self.laid_on(at).into_iter();
+        split.assigned[second].at = new;
+        let others = self.assigned_to(at).into_iter();
         for number in others.filter(|number| ![first, second].contains(number)) {
             let [old, other] = halves
                 .each_ref()
                 .map(|half| half.bits_of(seen(number), observation_error));
             halves[usize::from(other > old)].add(seen(number));
             if other > old {
-                split.laid[number].at = new;
+                split.assigned[number].at = new;
             }
         }
-        Some(split.drawn().settled(false))
+        Some(split.re_estimated().converged(false))
     }
 
-    /// The episodes on a map, those that see most first.
-    fn laid_on(&self, at: usize) -> Vec<usize> {
-        let all = 0..self.laid.len();
-        let mut own: Vec<usize> = all.filter(|&number| self.laid[number].at == at).collect();
-        own.sort_by_key(|&number| Reverse(self.laid[number].seen.cells()));
+    /// Returns the episodes on a map, the ones with the most observed cells first.
+    fn assigned_to(&self, at: usize) -> Vec<usize> {
+        let all = 0..self.assigned.len();
+        let mut own: Vec<usize> = all
+            .filter(|&number| self.assigned[number].at == at)
+            .collect();
+        own.sort_by_key(|&number| Reverse(self.assigned[number].seen.cells()));
         own
     }
 
-    /// Of the episodes on a map the one that sees most, and the one that contradicts it most.
+    /// Returns the episode on a map with the most observed cells, and the one that contradicts it most.
     fn most_unlike(&self, at: usize) -> Option<[usize; 2]> {
         let observation_error = self.maps.robot().observation_error;
-        let own = self.laid_on(at);
+        let own = self.assigned_to(at);
         let (&first, others) = own.split_first()?;
         let beside = |&number: &usize| {
-            let seen = &self.laid[number].seen;
-            let gain = self.laid[first].seen.bits_of(seen, observation_error)
+            let seen = &self.assigned[number].seen;
+            let gain = self.assigned[first].seen.bits_of(seen, observation_error)
                 - seen.bits(observation_error);
             (number, gain)
         };
@@ -190,8 +196,8 @@ impl<'a> Drawing<'a> {
         Some([first, second])
     }
 
-    /// The same without maps that are not worth it.
-    fn without_needless(self) -> Self {
+    /// Removes maps that do not increase the likelihood.
+    fn without_redundant(self) -> Self {
         let mut best = self;
         let mut at = 0;
         while at < best.maps.hypotheses.len() {
@@ -210,6 +216,6 @@ impl<'a> Drawing<'a> {
         }
         let mut maps = self.maps.clone();
         maps.hypotheses[at] = MapHypothesis::default();
-        Some(Self::of(maps, self.episodes).settled(false))
+        Some(Self::of(maps, self.episodes).converged(false))
     }
 }

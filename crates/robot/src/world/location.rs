@@ -1,30 +1,30 @@
-//! A place in a text, as messages show it.
+//! A location in a text, as messages show it.
 
 use std::ops::Range;
 
-/// A place in a text, with the line around it.
+/// A location in a text, with the line around it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
-    /// Counted from 1.
+pub struct Location {
+    /// The line, counted from 1.
     pub line: usize,
-    /// Counted from 1, in characters.
+    /// The column in characters, counted from 1.
     pub column: usize,
-    /// The line, or what is near the place when the line is long.
+    /// The line, or the part near the location if the line is long.
     pub excerpt: String,
-    /// Is the line so long that its beginning is missing?
+    /// True if the beginning of a long line is cut off.
     pub is_cut: bool,
-    /// The place within the excerpt, in bytes.
+    /// The location within the excerpt, in bytes.
     pub span: Range<usize>,
     pub label: String,
 }
 
-impl Place {
-    /// The same without anything that commands a terminal: with colours, a message is printed as
-    /// it is.
+impl Location {
+    /// Escapes everything that could control a terminal, because messages with colours are printed
+    /// verbatim.
     pub fn shown(self) -> Self {
         let (before, rest) = self.excerpt.split_at(self.span.start);
         let (within, after) = rest.split_at(self.span.len());
-        // Those of ASCII are shown by who draws excerpts.
+        // The renderer of excerpts escapes the ASCII ones.
         let is_upper = |letter: char| letter.is_control() && !letter.is_ascii();
         let show = |text: &str| escaped(text, is_upper);
         let [before, within, after] = [before, within, after].map(show);
@@ -36,20 +36,20 @@ impl Place {
         }
     }
 
-    /// Can one excerpt show both places?
+    /// Returns true if one excerpt can show both locations.
     pub fn shares_line_with(&self, other: &Self) -> bool {
         self.line == other.line && self.excerpt == other.excerpt
     }
 }
 
-/// A text with its control characters, but for ends of lines and tabulators, as Rust spells them.
+/// Escapes the control characters of a text in Rust syntax, except line ends and tabs.
 pub fn shown(text: &str) -> String {
     escaped(text, |letter| {
         letter.is_control() && letter != '\n' && letter != '\t'
     })
 }
 
-/// A text in which some letters are spelt as Rust does.
+/// Escapes the selected characters of a text in Rust syntax.
 fn escaped(text: &str, which: impl Fn(char) -> bool) -> String {
     let show = |letter: char| match which(letter) {
         true => letter.escape_default().to_string(),

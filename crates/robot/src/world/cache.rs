@@ -1,29 +1,29 @@
-//! What follows from a maze and takes long to find, kept with it.
+//! A cache of results that are derived from a maze and expensive to compute.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// Found when it is first asked for, and shared by all clones of a maze, so that a trial, its
-/// recorder and its report do not search again. It follows from the rest of the maze, so it tells
-/// no two apart.
+/// Computed on first use, and shared by all clones of a maze, so that a trial, its recorder and its
+/// report compute them only once. The results depend only on the maze itself, so all caches compare
+/// as equal.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Kept(Arc<Found>);
+pub(super) struct Cache(Arc<Results>);
 
 #[derive(Debug, Default)]
-struct Found {
+struct Results {
     distances: OnceLock<Arc<[u32]>>,
     figures: Mutex<BTreeMap<&'static str, Option<f64>>>,
 }
 
-impl Kept {
-    /// The distances by cell index, from `search` if nobody asked before; what the numbers mean is
-    /// up to [`Paths`](super::Paths).
+impl Cache {
+    /// Returns the distances by cell index, and computes them with `search` on first use. The
+    /// numbers are encoded as in [`Paths`](super::Paths).
     pub fn distances(&self, search: impl FnOnce() -> Vec<u32>) -> Arc<[u32]> {
         Arc::clone(self.0.distances.get_or_init(|| search().into()))
     }
 
-    /// A figure about the maze, from `find` if nobody asked for it before. Who asks at the same
-    /// time waits.
+    /// Returns a number about the maze, and computes it with `find` on first use. Concurrent
+    /// callers wait.
     pub fn figure(&self, name: &'static str, find: impl FnOnce() -> Option<f64>) -> Option<f64> {
         let figures = self.0.figures.lock();
         let mut figures = figures.unwrap_or_else(PoisonError::into_inner);
@@ -31,7 +31,7 @@ impl Kept {
     }
 }
 
-impl PartialEq for Kept {
+impl PartialEq for Cache {
     fn eq(&self, _: &Self) -> bool {
         true
     }

@@ -1,4 +1,4 @@
-//! The whole records of a broken MCAP file.
+//! Copies the complete records of a damaged MCAP file.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,28 +13,28 @@ use crate::record::read::parse::parse_record;
 use crate::record::read::reader::{HEAD_BYTES, Records, longest_record, unpacked_size};
 use crate::record::write::sink::{self, Packing, Sink};
 
-/// What was saved, and what was not.
+/// The result of a recovery.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Recovery {
-    /// Messages saved.
+    /// The number of recovered messages.
     pub messages: u64,
-    /// Attachments saved.
+    /// The number of recovered attachments.
     pub attachments: u64,
-    /// Metadata records saved.
+    /// The number of recovered metadata records.
     pub metadata: u64,
-    /// Bytes of records that could not be saved.
+    /// The number of bytes of records that could not be recovered.
     pub lost_bytes: u64,
-    /// The first fault because of which something was lost.
+    /// The first fault that caused a loss.
     pub fault: Option<String>,
 }
 
 impl Recovery {
-    /// Was everything saved that had been written?
+    /// Returns true if all written data was recovered.
     pub fn is_lossless(&self) -> bool {
         self.fault.is_none()
     }
 
-    /// Counts a loss; the first one is named.
+    /// Counts a loss; the first one sets the fault.
     fn lose(&mut self, bytes: usize, at: usize, what: &dyn std::fmt::Display) {
         self.lost_bytes += bytes as u64;
         self.fault
@@ -42,18 +42,18 @@ impl Recovery {
     }
 }
 
-/// Copies whole records into `sink`; the bytes begin with the magic of an MCAP file.
+/// Copies complete records into `sink`. The bytes begin with the magic of an MCAP file.
 ///
 /// # Errors
-/// Those of the sink.
-pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recovery)> {
-    let mut salvor = Salvor::new(sink)?;
-    // A sound index knows channels whose own records were lost.
-    if let Some(summary) = sound_summary(bytes) {
-        salvor.learn(&summary)?;
+/// The errors of the sink.
+pub(super) fn copy_records<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recovery)> {
+    let mut copier = RecordCopier::new(sink)?;
+    // A valid index lists channels whose own records were lost.
+    if let Some(summary) = valid_summary(bytes) {
+        copier.add_channels(&summary)?;
     }
     let mut has_end = false;
-    // What is saved is packed anew, perhaps tighter, and must be believed when it is read back.
+    // Recovered data may be packed more tightly, and must be accepted when it is read back.
     let mut room = disk::most_unpacked(bytes.len() as u64) / 2;
     let mut records = Records::of(bytes);
     for (at, opcode, body) in records.by_ref() {
@@ -63,49 +63,49 @@ pub(super) fn salvage<W: Write>(bytes: &[u8], sink: W) -> McapResult<(W, Recover
                 let what = format!(
                     "a chunk unpacks to {unpacked} bytes, more than is accepted for a file of this size"
                 );
-                salvor.recovery.lose(size, at, &what);
+                copier.recovery.lose(size, at, &what);
                 continue;
             }
             room -= unpacked;
         }
         match parse_record(opcode, body) {
-            // What follows is only the index.
+            // Only the index follows.
             Ok(Record::DataEnd(end)) => {
                 has_end = true;
-                salvor.check_sum(&bytes[..at], end.data_section_crc);
+                copier.check_sum(&bytes[..at], end.data_section_crc);
                 break;
             }
-            Ok(Record::Chunk { .. }) => salvor.take_chunk(&bytes[at..at + size], at)?,
-            Ok(record) => salvor.take(record, at)?,
-            Err(fault) => salvor.recovery.lose(size, at, &fault),
+            Ok(Record::Chunk { .. }) => copier.take_chunk(&bytes[at..at + size], at)?,
+            Ok(record) => copier.take(record, at)?,
+            Err(fault) => copier.recovery.lose(size, at, &fault),
         }
     }
     let at = records.at();
     if !has_end && at < bytes.len() {
         let what = "the file ends within a record";
-        salvor.recovery.lose(bytes.len() - at, at, &what);
+        copier.recovery.lose(bytes.len() - at, at, &what);
     }
     if !has_end {
         let what = "the end of the file is missing";
-        salvor.recovery.lose(0, bytes.len(), &what);
+        copier.recovery.lose(0, bytes.len(), &what);
     }
-    salvor.finish()
+    copier.finish()
 }
 
-/// The index, if its checksum is right.
-fn sound_summary(bytes: &[u8]) -> Option<Summary> {
+/// Returns the index if its checksum is valid.
+fn valid_summary(bytes: &[u8]) -> Option<Summary> {
     let footer = mcap::read::footer(bytes).ok()?;
     let start = usize::try_from(footer.summary_start).ok()?;
-    // The sum is the last field before the closing magic, and covers all before itself.
+    // The checksum is the last field before the closing magic and covers all bytes before it.
     let end = bytes.len().checked_sub(MAGIC.len() + size_of::<u32>())?;
     let summed = bytes.get(start..end)?;
-    let is_sound = start > 0 && crc32fast::hash(summed) == footer.summary_crc;
-    is_sound
+    let is_valid = start > 0 && crc32fast::hash(summed) == footer.summary_crc;
+    is_valid
         .then(|| Summary::read(bytes).ok().flatten())
         .flatten()
 }
 
-/// What a channel's record says of it.
+/// Converts a channel record to a channel.
 fn described(channel: mcap::records::Channel) -> mcap::Channel<'static> {
     mcap::Channel {
         id: channel.id,
@@ -116,16 +116,16 @@ fn described(channel: mcap::records::Channel) -> mcap::Channel<'static> {
     }
 }
 
-/// Writes what is saved.
-struct Salvor<W: Write> {
+/// Writes the recovered records.
+struct RecordCopier<W: Write> {
     writer: Sink<W>,
-    /// Numbers in the new file by those in the old one.
+    /// New numbers by old numbers.
     schemas: BTreeMap<u16, u16>,
     channels: BTreeMap<u16, u16>,
     recovery: Recovery,
 }
 
-impl<W: Write> Salvor<W> {
+impl<W: Write> RecordCopier<W> {
     fn new(sink: W) -> McapResult<Self> {
         Ok(Self {
             writer: sink::begin(sink, Packing::Small)?,
@@ -135,7 +135,7 @@ impl<W: Write> Salvor<W> {
         })
     }
 
-    fn learn(&mut self, summary: &Summary) -> McapResult<()> {
+    fn add_channels(&mut self, summary: &Summary) -> McapResult<()> {
         let schemas: BTreeMap<_, _> = summary.schemas.iter().collect();
         for (&id, schema) in schemas {
             self.add_schema(id, &schema.name, &schema.encoding, &schema.data)?;
@@ -164,7 +164,7 @@ impl<W: Write> Salvor<W> {
         Ok(())
     }
 
-    /// Saves a record of the data section.
+    /// Recovers a record of the data section.
     fn take(&mut self, record: Record<'_>, at: usize) -> McapResult<()> {
         match record {
             Record::Schema { header, data } => {
@@ -185,7 +185,7 @@ impl<W: Write> Salvor<W> {
         Ok(())
     }
 
-    /// Saves what a chunk holds; nothing of it if its checksum is wrong.
+    /// Recovers the records of a chunk; none if its checksum is wrong.
     fn take_chunk(&mut self, chunk: &[u8], at: usize) -> McapResult<()> {
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
@@ -218,7 +218,7 @@ impl<W: Write> Salvor<W> {
 
     fn take_message(&mut self, header: MessageHeader, data: &[u8], at: usize) -> McapResult<()> {
         let Some(&channel_id) = self.channels.get(&header.channel_id) else {
-            let what = format!("channel {} is defined nowhere", header.channel_id);
+            let what = format!("channel {} is not defined", header.channel_id);
             self.recovery.lose(data.len(), at, &what);
             return Ok(());
         };
@@ -243,7 +243,8 @@ impl<W: Write> Salvor<W> {
         Ok(())
     }
 
-    /// Compares the sum over all data; it tells of changes that no record's own sum covers.
+    /// Verifies the checksum over all data, which detects changes that no record's own checksum
+    /// covers.
     fn check_sum(&mut self, data: &[u8], expected: u32) {
         if expected != 0 && crc32fast::hash(data) != expected {
             let what = "the checksum of all data is wrong";

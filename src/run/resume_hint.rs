@@ -1,19 +1,19 @@
-//! How a run that was stopped is resumed: from its checkpoint.
+//! Hints for resuming a stopped run from its checkpoint.
 
 use std::path::Path;
 
 use crate::disk;
 
-/// The run as it was a moment ago, while it lasts.
+/// The recent state of an unfinished run.
 pub(super) const CHECKPOINT: &str = "checkpoint";
 
-/// Is there a checkpoint from which to resume?
+/// Returns true if there is a checkpoint to resume from.
 pub(super) fn has_checkpoint(folder: &Path) -> bool {
     folder.join(CHECKPOINT).is_file()
 }
 
-/// How to resume a run.
-pub(super) fn way_on(folder: &Path) -> String {
+/// Returns how to resume a run.
+pub(super) fn resume_hint(folder: &Path) -> String {
     format!(
         "resume it with `xcscr train --resume {}`",
         disk::typed(folder)
