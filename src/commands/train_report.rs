@@ -22,7 +22,7 @@ const LEGEND: &str = "→ best action   + several are best   ? nothing known   G
 const ARROWS: &str = "arrows: as if an episode began there";
 
 /// The state of a learner with a map.
-const ON_A_MAP: &str = "cell on its own map: percepts do not distinguish all cells";
+const ON_A_MAP: &str = "cell on its own map: some cells share a percept";
 
 /// The result of a training run, as `--json` prints it.
 #[derive(Debug, Serialize)]

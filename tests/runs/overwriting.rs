@@ -79,7 +79,7 @@ fn a_study_takes_no_folder_of_somebody_else() {
         let out = desk.folder(file, &[file]);
         for more in [&[][..], &["--force"]] {
             let args = study(&out, more);
-            refused(&words(&args), &desk.path(file), "no study wrote");
+            refused(&words(&args), &desk.path(file), "did not create");
         }
     }
     // A finished run is somebody's work, too.
@@ -88,7 +88,7 @@ fn a_study_takes_no_folder_of_somebody_else() {
     expect(0, &trained);
     for more in [&[][..], &["--force"]] {
         let args = study(&run, more);
-        refused(&words(&args), &desk.path("run"), "no study wrote");
+        refused(&words(&args), &desk.path("run"), "did not create");
     }
 }
 
