@@ -6,6 +6,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::commands::config::{self, ConfigCommand};
+use crate::commands::drive::{self, DriveArgs};
 use crate::commands::evaluate::{self, EvaluateArgs};
 use crate::commands::export::{self, ExportArgs};
 use crate::commands::failure::Failure;
@@ -15,6 +16,7 @@ use crate::commands::recording::{self, RecordingCommand};
 use crate::commands::replay::{self, ReplayArgs};
 use crate::commands::robot::{self, RobotCommand};
 use crate::commands::rules::{self, RulesArgs};
+use crate::commands::simulate::{self, SimulateArgs};
 use crate::commands::study::{self, StudyCommand};
 use crate::commands::train::{self, TrainArgs};
 use crate::commands::world::{self, WorldCommand};
@@ -22,7 +24,8 @@ use crate::commands::world::{self, WorldCommand};
 const EXIT_CODES: &str = "\
 Exit codes:
    0  done
-   1  a condition you asked for does not hold (--require-optimal, recording verify, failed trials)
+   1  a condition you asked for does not hold (--require-optimal, recording verify, failed trials,
+      a drive that does not reach the goal)
    2  wrong usage of the command line
    3  recording recover: done, but some data was lost
   65  bad input data
@@ -52,6 +55,10 @@ pub enum Command {
     Train(TrainArgs),
     /// Run the greedy policy of a finished run, without learning.
     Evaluate(EvaluateArgs),
+    /// Drive a ROS 2 robot by the learned policy.
+    Drive(DriveArgs),
+    /// Simulate a ROS 2 robot in a maze.
+    Simulate(SimulateArgs),
     /// Print the learned rules, all of them or compacted.
     Rules(RulesArgs),
     /// Write the learned policy as source code for a robot, or as a table.
@@ -93,6 +100,8 @@ impl Cli {
             Command::Man(args) => manual::run(&args, Self::command())?,
             Command::Train(args) => train::run(&args, out)?,
             Command::Evaluate(args) => evaluate::run(&args, out)?,
+            Command::Drive(args) => drive::run(&args, out)?,
+            Command::Simulate(args) => simulate::run(&args)?,
             Command::Export(args) => export::run(&args, out)?,
             Command::Rules(args) => rules::run(&args, out)?,
             Command::Replay(args) => replay::run(&args, out)?,

@@ -26,6 +26,7 @@
 //! | [`world`], [`arena`], [`sensor`] | the robot, from `xcscr_robot`: mazes, where it acts, what it perceives |
 //! | [`agent`], [`episode`], [`trial`] | the learner, from `xcscr_learner`: methods, the loop, one trial |
 //! | [`record`], [`run`] | recordings, and recorded runs in a folder |
+//! | [`drive`] | a policy drives a robot that is known only by its messages; with the feature `ros2`, on ROS 2 |
 //! | [`study`] | many trials, statistics, reports |
 //! | [`export`], [`picture`], [`page`] | policies as code and data, as pictures, as HTML |
 //! | [`disk`] | atomic writes and folder locks |
@@ -67,6 +68,9 @@ pub mod page;
 pub mod export;
 pub mod record;
 pub mod run;
+pub mod drive;
+#[cfg(feature = "ros2")]
+pub mod ros2;
 pub mod picture;
 pub mod study;
 

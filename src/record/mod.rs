@@ -26,7 +26,10 @@ pub use mode::RecordMode;
 pub(crate) use mode::RecordModeError;
 pub use read::{Difference, Finding, FindingKind, check, compare, reader};
 pub use repair::{Recovery, recover};
-pub(crate) use ros::{RosBag, RosRobot};
+pub use ros::{DriveBag, DriveRecording};
+pub(crate) use ros::{RosBag, RosRobot, rolled};
+#[cfg(feature = "ros2")]
+pub(crate) use ros::{drive_messages, messages};
 #[cfg(feature = "live")]
 pub use serve::live;
 pub use serve::server;

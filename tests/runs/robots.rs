@@ -101,3 +101,23 @@ fn a_study_runs_with_the_robot_that_its_file_names() {
     let plan = fs::read_to_string(out.join("plan.json")).unwrap();
     assert!(plan.contains("0.105"), "{plan}");
 }
+
+#[cfg(not(feature = "ros2"))]
+#[test]
+fn a_build_without_ros_2_says_how_to_get_it_and_still_refuses_another_robot() {
+    let (_, message) = expect(2, &["simulate", "worlds/maze4.json", "--ros2"]);
+    assert!(message.contains("--features ros2"), "{message}");
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let out = run.to_str().unwrap();
+    let short = ["--episodes", "2", "--record", "none"];
+    let train = [&["train", "worlds/maze4.json", "--out", out], &short[..]].concat();
+    expect(0, &train);
+    let (_, message) = expect(2, &["drive", out, "--ros2"]);
+    assert!(message.contains("--features ros2"), "{message}");
+    let other = ["drive", out, "--ros2", "--robot", "turtlebot3-burger"];
+    let (_, message) = expect(65, &other);
+    assert!(message.contains("another robot"), "{message}");
+    let (_, message) = expect(2, &["drive", out]);
+    assert!(message.contains("--bag"), "{message}");
+}

@@ -1,10 +1,12 @@
 //! ROS 2 messages, with the fields of the interface definitions.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use nalgebra::{Isometry2, Matrix3};
-use serde::Serialize;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use serde::ser::{SerializeTuple, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::arena::LidarParams;
 use crate::world::Maze;
@@ -20,116 +22,116 @@ pub const TRUE_BASE: &str = "base_link_true";
 /// The value of an occupied cell in an occupancy grid, in percent.
 const OCCUPIED: i8 = 100;
 
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-struct Time {
-    sec: i32,
-    nanosec: u32,
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub struct Time {
+    pub sec: i32,
+    pub nanosec: u32,
 }
 
-#[derive(Debug, Serialize)]
-struct Header {
-    stamp: Time,
-    frame_id: &'static str,
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Header {
+    pub stamp: Time,
+    pub frame_id: Cow<'static, str>,
 }
 
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-struct Vector3 {
-    x: f64,
-    y: f64,
-    z: f64,
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub struct Vector3 {
+    pub x: f64,
+    pub y: f64,
+    pub z: f64,
 }
 
-#[derive(Debug, Clone, Copy, Serialize)]
-struct Quaternion {
-    x: f64,
-    y: f64,
-    z: f64,
-    w: f64,
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Quaternion {
+    pub x: f64,
+    pub y: f64,
+    pub z: f64,
+    pub w: f64,
 }
 
-#[derive(Debug, Clone, Copy, Serialize)]
-struct Pose {
-    position: Vector3,
-    orientation: Quaternion,
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Pose {
+    pub position: Vector3,
+    pub orientation: Quaternion,
 }
 
-#[derive(Debug, Serialize)]
-struct TransformStamped {
-    header: Header,
-    child_frame_id: &'static str,
-    transform: Pose,
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct TransformStamped {
+    pub header: Header,
+    pub child_frame_id: Cow<'static, str>,
+    pub transform: Pose,
 }
 
 /// `tf2_msgs/msg/TFMessage`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Transforms {
-    transforms: Vec<TransformStamped>,
+    pub transforms: Vec<TransformStamped>,
 }
 
-#[derive(Debug, Serialize)]
-struct PoseWithCovariance {
-    pose: Pose,
-    covariance: Covariance,
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct PoseWithCovariance {
+    pub pose: Pose,
+    pub covariance: Covariance,
 }
 
-#[derive(Debug, Serialize)]
-struct TwistWithCovariance {
-    linear: Vector3,
-    angular: Vector3,
-    covariance: Covariance,
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct TwistWithCovariance {
+    pub linear: Vector3,
+    pub angular: Vector3,
+    pub covariance: Covariance,
 }
 
 /// `nav_msgs/msg/Odometry`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Odometry {
-    header: Header,
-    child_frame_id: &'static str,
-    pose: PoseWithCovariance,
-    twist: TwistWithCovariance,
+    pub header: Header,
+    pub child_frame_id: Cow<'static, str>,
+    pub pose: PoseWithCovariance,
+    pub twist: TwistWithCovariance,
 }
 
 /// `geometry_msgs/msg/PoseWithCovarianceStamped`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EstimatedPose {
-    header: Header,
-    pose: PoseWithCovariance,
+    pub header: Header,
+    pub pose: PoseWithCovariance,
 }
 
 /// `sensor_msgs/msg/LaserScan`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct LaserScan {
-    header: Header,
-    angle_min: f32,
-    angle_max: f32,
-    angle_increment: f32,
-    time_increment: f32,
-    scan_time: f32,
-    range_min: f32,
-    range_max: f32,
+    pub header: Header,
+    pub angle_min: f32,
+    pub angle_max: f32,
+    pub angle_increment: f32,
+    pub time_increment: f32,
+    pub scan_time: f32,
+    pub range_min: f32,
+    pub range_max: f32,
     pub ranges: Vec<f32>,
-    intensities: Vec<f32>,
+    pub intensities: Vec<f32>,
 }
 
-#[derive(Debug, Serialize)]
-struct MapMetaData {
-    map_load_time: Time,
-    resolution: f32,
-    width: u32,
-    height: u32,
-    origin: Pose,
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct MapMetaData {
+    pub map_load_time: Time,
+    pub resolution: f32,
+    pub width: u32,
+    pub height: u32,
+    pub origin: Pose,
 }
 
 /// `nav_msgs/msg/OccupancyGrid`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct OccupancyGrid {
-    header: Header,
-    info: MapMetaData,
-    data: Vec<i8>,
+    pub header: Header,
+    pub info: MapMetaData,
+    pub data: Vec<i8>,
 }
 
 /// A 6x6 covariance in row-major order over x, y, z and the rotations about them.
-#[derive(Debug)]
-struct Covariance([f64; 36]);
+#[derive(Debug, Clone)]
+pub struct Covariance([f64; 36]);
 
 impl Serialize for Covariance {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
@@ -141,7 +143,35 @@ impl Serialize for Covariance {
     }
 }
 
+impl<'de> Deserialize<'de> for Covariance {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Numbers;
+
+        impl<'de> Visitor<'de> for Numbers {
+            type Value = Covariance;
+
+            fn expecting(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                to.write_str("36 numbers")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut from: A) -> Result<Covariance, A::Error> {
+                let mut all = [0.0; 36];
+                for (at, number) in all.iter_mut().enumerate() {
+                    let next = from.next_element()?;
+                    *number = next.ok_or_else(|| A::Error::invalid_length(at, &self))?;
+                }
+                Ok(Covariance(all))
+            }
+        }
+
+        from.deserialize_tuple(36, Numbers)
+    }
+}
+
 impl Covariance {
+    /// The covariance of an unknown pose or speed.
+    pub const UNKNOWN: Self = Self([0.0; 36]);
+
     /// Returns the covariance of x, y and heading. All other entries are 0 for a robot on a floor.
     fn on_floor(of: &Matrix3<f64>) -> Self {
         const INDICES: [usize; 3] = [0, 1, 5];
@@ -155,7 +185,7 @@ impl Covariance {
     }
 }
 
-fn time(time_ns: u64) -> Time {
+pub fn time(time_ns: u64) -> Time {
     let (seconds, rest) = (time_ns / 1_000_000_000, time_ns % 1_000_000_000);
     Time {
         // A trial never lasts 68 years.
@@ -164,14 +194,14 @@ fn time(time_ns: u64) -> Time {
     }
 }
 
-fn header(time_ns: u64, frame_id: &'static str) -> Header {
+pub fn header(time_ns: u64, frame_id: impl Into<Cow<'static, str>>) -> Header {
     Header {
         stamp: time(time_ns),
-        frame_id,
+        frame_id: frame_id.into(),
     }
 }
 
-fn pose(pose: &Isometry2<f64>) -> Pose {
+pub fn pose(pose: &Isometry2<f64>) -> Pose {
     let half_rad = pose.rotation.angle() / 2.0;
     let (sine, cosine) = libm::sincos(half_rad);
     Pose {
@@ -194,8 +224,8 @@ impl Transforms {
     pub fn new(time_ns: u64, frames: &[(&'static str, &'static str, Isometry2<f64>)]) -> Self {
         let frame =
             |(parent, child, at): &(&'static str, &'static str, Isometry2<f64>)| TransformStamped {
-                header: header(time_ns, parent),
-                child_frame_id: child,
+                header: header(time_ns, *parent),
+                child_frame_id: (*child).into(),
                 transform: pose(at),
             };
         Self {
@@ -218,7 +248,7 @@ impl Odometry {
         let [x, y] = [moved.translation.x, moved.translation.y].map(per_second);
         Self {
             header: header(time_ns, parent),
-            child_frame_id: child,
+            child_frame_id: child.into(),
             pose: PoseWithCovariance {
                 pose: pose(at),
                 covariance: Covariance([0.0; 36]),

@@ -4,7 +4,9 @@
 //! which the robot does not know, is published on `/ground_truth/odom` only.
 
 mod dead_reckoning;
-mod messages;
+mod drive_bag;
+pub mod drive_messages;
+pub mod messages;
 mod schemas;
 mod turn;
 
@@ -21,6 +23,8 @@ use crate::arena::{Estimate, LidarParams, Sample, View};
 use crate::episode::{Episode, Learned, Observer, Step};
 use crate::record::error::RecordError;
 use dead_reckoning::DeadReckoning;
+pub(crate) use dead_reckoning::rolled;
+pub use drive_bag::{DriveBag, DriveRecording};
 use messages::{
     BASE, EstimatedPose, LASER, MAP, ODOM, OccupancyGrid, Odometry, TRUE_BASE, Transforms,
 };

@@ -28,3 +28,19 @@ pub const POSE: Interface = Interface {
     name: "geometry_msgs/msg/PoseWithCovarianceStamped",
     definition: include_str!("PoseWithCovarianceStamped.msg"),
 };
+pub const TWIST: Interface = Interface {
+    name: "geometry_msgs/msg/Twist",
+    definition: include_str!("Twist.msg"),
+};
+pub const IMU: Interface = Interface {
+    name: "sensor_msgs/msg/Imu",
+    definition: include_str!("Imu.msg"),
+};
+pub const CLOCK: Interface = Interface {
+    name: "rosgraph_msgs/msg/Clock",
+    definition: include_str!("Clock.msg"),
+};
+pub const TEXT: Interface = Interface {
+    name: "std_msgs/msg/String",
+    definition: include_str!("String.msg"),
+};

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::agent::estimator::map::Tracker;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::{Agent, Choice, EndCredit, Explorer, StepCredit};
-use xcs::{Action, Percept, PredictionArray};
+use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
 /// A frozen method: it acts on its knowledge and changes nothing.
@@ -31,6 +31,12 @@ impl Frozen {
             tracker: Tracker::default(),
             percept: None,
         }
+    }
+
+    /// Returns the condition of the rule with the most weight among those that match the last observation and
+    /// advocate `action`; `None` if there is none.
+    pub fn decisive_rule(&self, action: Action) -> Option<Condition> {
+        self.matching(action).fired
     }
 
     /// Describes the rules that match the current percept or context; empty for a table or a plan.

@@ -22,8 +22,8 @@ pub use noisy_percepts::NoisyPerceptArena;
 pub use physics::check_fit;
 pub use physics::{
     BatchArena, BumperParams, Care, CautiousParams, EncoderParams, EstimatorParams, FaultParams,
-    GyroParams, Lanes, LidarParams, Localisation, PhysicsArena, PhysicsError, PhysicsParams,
-    Snapshot, WheelDrive,
+    GyroParams, Lanes, LidarParams, Localisation, ManeuverEnd, PhysicsArena, PhysicsError,
+    PhysicsParams, Pilot, SensedDrive, Snapshot, Speeds, WheelDrive,
 };
 pub use sensed::{Beam, Estimate, Sensed};
 pub use slip::ArenaParams;

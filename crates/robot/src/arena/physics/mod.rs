@@ -25,7 +25,9 @@ mod fit;
 mod motion;
 mod noise;
 mod params;
+mod pilot;
 mod robot;
+mod sensed_drive;
 mod sensing;
 mod shortcut;
 mod simulation;
@@ -43,6 +45,8 @@ pub use batch::{BatchArena, Lanes};
 pub use cautious::{Care, CautiousParams};
 pub use error::PhysicsError;
 pub use params::{Localisation, PhysicsParams};
+pub use pilot::{ManeuverEnd, Pilot, Speeds};
+pub use sensed_drive::SensedDrive;
 pub use snapshot::Snapshot;
 pub use wheel_drive::WheelDrive;
 

@@ -260,7 +260,7 @@ impl PhysicsArena {
 }
 
 /// Returns the random streams of the sensors of the robot with `seed`.
-fn streams(seed: u64) -> Streams {
+pub(super) fn streams(seed: u64) -> Streams {
     Streams {
         lidar: Stream::new(seed, StreamName::Lidar),
         encoders: Stream::new(seed, StreamName::Encoders),

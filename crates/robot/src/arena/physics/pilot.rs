@@ -1,0 +1,201 @@
+//! The onboard computer and the controller of a robot that somebody else moves: a real one, or one behind a network.
+
+use nalgebra::{Isometry2, Vector2};
+use xcscr_sensing::{Onboard, Readings};
+
+use super::cautious::Care;
+use super::controller::Maneuver;
+use super::motion::{Command, Motion};
+use super::params::PhysicsParams;
+use super::vector;
+use crate::arena::{Estimate, Sample, Sensed, View};
+use crate::sensor::Sensor;
+use crate::world::{Cell, Direction, Maze};
+use xcs::Percept;
+
+/// A speed along the heading and a turn rate.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Speeds {
+    /// Speed along the heading in m/s; negative when it drives backward.
+    pub forward_mps: f64,
+    /// Turn rate in rad/s, counter-clockwise.
+    pub turn_radps: f64,
+}
+
+/// How a manoeuvre ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ManeuverEnd {
+    /// The robot is in the cell that it wanted to reach.
+    Reached,
+    /// A wall was in the way, and the robot is back in the cell where it began.
+    Blocked,
+    /// The robot is in another cell.
+    Elsewhere,
+}
+
+/// A manoeuvre under way.
+struct Action {
+    maneuver: Maneuver,
+    /// The cell where it began, counted to the east and to the north.
+    home: [i32; 2],
+    /// The cell that it leads to.
+    wanted: [i32; 2],
+}
+
+/// The onboard computer and the controller of [`PhysicsArena`](super::PhysicsArena), for a robot that is not simulated there.
+///
+/// The filter takes sensor readings in steps of 50 ms ([`sense`](Self::sense)), which may be late. The controller takes the
+/// pose of now ([`command`](Self::command)). All poses are in the grid frame, in metres.
+pub struct Pilot {
+    onboard: Onboard,
+    params: PhysicsParams,
+    careful: PhysicsParams,
+    cell_size_m: f64,
+    action: Option<Action>,
+}
+
+impl Pilot {
+    /// A robot of such settings, in a maze with cells of `cell_size_m`.
+    pub fn new(params: &PhysicsParams, cell_size_m: f64) -> Self {
+        Self {
+            onboard: Onboard::new(&params.robot(cell_size_m)),
+            careful: params.careful(),
+            params: params.clone(),
+            cell_size_m,
+            action: None,
+        }
+    }
+
+    /// The robot stands at a pose, within about a centimetre.
+    pub fn put_down(&mut self, pose: Isometry2<f64>) {
+        self.onboard.put_down(pose);
+        self.action = None;
+    }
+
+    /// Takes in what the sensors read in the next 50 ms.
+    pub fn sense(&mut self, readings: &Readings<'_>) {
+        self.onboard.step(readings);
+    }
+
+    /// The onboard computer, for its estimates.
+    pub fn onboard(&self) -> &Onboard {
+        &self.onboard
+    }
+
+    /// Begins to drive one cell in a direction, from a pose at such speeds. What was seen before is forgotten.
+    pub fn begin(&mut self, direction: Direction, pose: Isometry2<f64>, speeds: Speeds) {
+        self.onboard.begin_action();
+        let home = self.onboard.cell();
+        let (east, south) = direction.offset();
+        let middle = self.onboard.middle();
+        let seen = motion(pose, speeds);
+        self.action = Some(Action {
+            maneuver: Maneuver::new(middle, vector(direction), self.cell_size_m, &seen),
+            home,
+            wanted: [home[0] + east, home[1] - south],
+        });
+    }
+
+    /// The speeds that the manoeuvre asks for, for a robot at such a pose and with such speeds; `None` once it is over, and
+    /// without one. They never exceed the robot's settings.
+    pub fn command(&mut self, pose: Isometry2<f64>, speeds: Speeds) -> Option<Speeds> {
+        let slips = self.onboard.slips();
+        let params = match self.params.cautious.when {
+            Care::Always => &self.careful,
+            Care::Slipping if slips => &self.careful,
+            Care::Slipping | Care::Never => &self.params,
+        };
+        let action = self.action.as_mut()?;
+        let Command {
+            forward_mps,
+            turn_radps,
+        } = action.maneuver.command(&motion(pose, speeds), params)?;
+        Some(Speeds {
+            forward_mps: within(forward_mps, self.params.max_speed_mps),
+            turn_radps: within(turn_radps, self.params.max_turn_radps),
+        })
+    }
+
+    /// The direction in which the robot drives toward another cell while a wall could keep it from there: a unit vector. `None`
+    /// while it turns, in the second half of the way, and on its way back.
+    pub fn way(&self, pose: Isometry2<f64>) -> Option<Vector2<f64>> {
+        let maneuver = &self.action.as_ref()?.maneuver;
+        let seen = motion(pose, Speeds::default());
+        maneuver
+            .is_stopped_by_walls(&seen)
+            .then(|| maneuver.along())
+    }
+
+    /// Something is in the way: the robot drives back to where it began.
+    pub fn back_off(&mut self) {
+        if let Some(action) = &mut self.action {
+            action.maneuver.back_off();
+        }
+    }
+
+    /// Ends the manoeuvre and returns how, by the estimated cell; `None` without one.
+    pub fn end(&mut self) -> Option<ManeuverEnd> {
+        let action = self.action.take()?;
+        let cell = self.onboard.cell();
+        Some(if action.maneuver.backs_off() && cell == action.home {
+            ManeuverEnd::Blocked
+        } else if cell == action.wanted {
+            ManeuverEnd::Reached
+        } else {
+            ManeuverEnd::Elsewhere
+        })
+    }
+
+    /// The estimated cell of a maze; `None` outside of it.
+    pub fn cell(&self, maze: &Maze) -> Option<Cell> {
+        maze.cell_in_grid(self.onboard.estimate().0.translation.vector.into())
+    }
+
+    /// The percept of what was seen since the manoeuvre began; `None` outside of the maze.
+    pub fn percept(&self, maze: &Maze, sensor: Sensor) -> Option<Percept> {
+        let cell = self.cell(maze)?;
+        let (robot_in_grid, covariance) = self.onboard.estimate();
+        let robot_in_map = maze.pose_in_map(robot_in_grid);
+        let estimate = Estimate {
+            robot_in_map,
+            covariance,
+        };
+        let sample = Sample {
+            time_ns: 0,
+            robot_in_map,
+            wheel_travel_m: [0.0; 2],
+        };
+        Some(sensor.perceive(&View {
+            maze,
+            cell,
+            trace: &[sample],
+            contacts: &[],
+            sensed: Some(Sensed {
+                surroundings: self.onboard.surroundings(),
+                cell,
+                estimates: &[estimate],
+                beams: &[],
+                lost: false,
+            }),
+            executed: None,
+            flipped: None,
+        }))
+    }
+}
+
+fn motion(pose: Isometry2<f64>, speeds: Speeds) -> Motion {
+    Motion {
+        pose,
+        forward_mps: speeds.forward_mps,
+        sideways_mps: 0.0,
+        turn_radps: speeds.turn_radps,
+    }
+}
+
+/// A number that is at most so large; 0 for what is no number.
+fn within(number: f64, most: f64) -> f64 {
+    match number.is_nan() {
+        true => 0.0,
+        false => number.clamp(-most, most),
+    }
+}

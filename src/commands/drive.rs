@@ -1,0 +1,258 @@
+//! `xcscr drive`: the learned policy drives a robot that is known only by its messages.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use xcscr::agent::Knowledge;
+use xcscr::drive::{DriveOptions, DriveSetup, Driver, DriverOptions, Fault, Frames, Refusal};
+use xcscr::record::DriveRecording;
+use xcscr::run::{RunFolder, Source};
+use xcscr::trial::{Plan, RobotProfile};
+use xcscr::world::Maze;
+
+use super::failure::{Exit, Failure};
+use super::node::{self, NodeArgs};
+
+/// Arguments of `drive`.
+#[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("what").required(true).args(["ros2", "bag"]))]
+pub struct DriveArgs {
+    /// The folder of a run, or one of its recordings.
+    run: PathBuf,
+    /// Drive a robot on ROS 2 (needs a build with `--features ros2`).
+    #[arg(long)]
+    ros2: bool,
+    /// Decide by the sensor readings in an MCAP file, of a drive or of `ros2 bag record`, and print the decisions. Compares them
+    /// with those of a recorded drive.
+    #[arg(long, value_name = "FILE")]
+    bag: Option<PathBuf>,
+    /// The robot that is driven: a bundled profile or a TOML file. Refused unless the policy was trained with it.
+    #[arg(long, value_name = "NAME|FILE")]
+    robot: Option<String>,
+    /// Another maze than the run's own. Refused if its cells have another size.
+    #[arg(long, value_name = "FILE")]
+    world: Option<PathBuf>,
+    /// Where the robot stands, in the map frame: x and y in metres, and the heading in radians [default: the start cell].
+    #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true)]
+    start: Option<[f64; 3]>,
+    /// Where the lidar is on the robot: x and y in metres, and the heading in radians.
+    #[arg(long, value_name = "X,Y,YAW", value_parser = node::pose, allow_hyphen_values = true, default_value = "0,0,0")]
+    laser: [f64; 3],
+    /// The frame of scans [default: base_scan, laser, laser_frame or base_link].
+    #[arg(long, value_name = "NAME")]
+    scan_frame: Option<String>,
+    /// Take the time from /clock, as of a simulated robot.
+    #[arg(long)]
+    sim_time: bool,
+    /// Publish TwistStamped on cmd_vel, and not Twist.
+    #[arg(long)]
+    stamped: bool,
+    /// Decide and record, but publish nothing on cmd_vel.
+    #[arg(long)]
+    dry_run: bool,
+    /// Where the drive is recorded [default: that of the run, with `-drive.mcap` at its end].
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Replace an earlier recording.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    node: NodeArgs,
+}
+
+impl DriveArgs {
+    fn load(&self) -> Result<(Plan, Knowledge), Failure> {
+        if self.run.is_file() {
+            let source = Source::of(&self.run)?;
+            let knowledge = source.knowledge()?;
+            return Ok((source.plan, knowledge));
+        }
+        let folder = RunFolder::open(&self.run);
+        Ok((folder.plan()?, folder.knowledge()?))
+    }
+
+    fn setup(&self) -> Result<DriveSetup, Failure> {
+        let (plan, knowledge) = self.load()?;
+        let mut frames = Frames::default();
+        if let Some(scan) = &self.scan_frame {
+            frames.scan = vec![scan.clone()];
+        }
+        let options = DriveOptions {
+            robot: self.robot.as_deref().map(RobotProfile::load).transpose()?,
+            world: self.world.as_deref().map(Maze::find).transpose()?,
+            start: self.start,
+            laser: self.laser,
+            frames,
+        };
+        Ok(DriveSetup::new(&plan, &knowledge, options)?)
+    }
+
+    /// The file of the recording.
+    fn file(&self) -> PathBuf {
+        let beside = || {
+            let name = match self.run.is_dir() {
+                true => self.run.file_name(),
+                false => self.run.file_stem(),
+            };
+            let name = name.unwrap_or_default().to_string_lossy();
+            self.run.with_file_name(format!("{name}-drive.mcap"))
+        };
+        self.out.clone().unwrap_or_else(beside)
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        Self::new(Exit::BadData, refusal.to_string())
+    }
+}
+
+/// Drives.
+pub fn run(args: &DriveArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let setup = args.setup()?;
+    if let Some(bag) = &args.bag {
+        return repeat(Driver::new(setup), bag, out);
+    }
+    let options = DriverOptions {
+        node: args.node.options(),
+        sim_time: args.sim_time,
+        stamped: args.stamped,
+        dry_run: args.dry_run,
+    };
+    drive(setup, &options, (&args.file(), args.force), out)
+}
+
+/// Decides by recorded readings, and compares.
+fn repeat(mut driver: Driver, bag: &Path, out: &mut impl Write) -> Result<(), Failure> {
+    let DriveRecording {
+        readings,
+        decisions,
+    } = DriveRecording::read(bag)?;
+    let mut own = Vec::new();
+    let mut said: Vec<&str> = Vec::new();
+    for (time_ns, readings) in &readings {
+        let step = driver.step(*time_ns, readings);
+        let names: Vec<&str> = step.faults.iter().map(Fault::name).collect();
+        if names != said {
+            said = names;
+            print_faults(&step.faults, out)?;
+        }
+        if let Some(decision) = step.decision {
+            writeln!(out, "{:>3}  {}", decision.number, decision.words)?;
+            own.push(decision.words);
+        }
+    }
+    let count = own.len();
+    if decisions.is_empty() {
+        writeln!(out, "{count} decisions")?;
+        return Ok(());
+    }
+    let same = own.iter().zip(&decisions).filter(|(a, b)| a == b).count();
+    let most = count.max(decisions.len());
+    writeln!(
+        out,
+        "{same} of {most} decisions are those of the recorded drive"
+    )?;
+    match same == most {
+        true => Ok(()),
+        false => Err(Failure::new(Exit::Refuted, "the decisions differ")),
+    }
+}
+
+fn print_faults(faults: &[Fault], out: &mut impl Write) -> Result<(), Failure> {
+    match faults {
+        [] => writeln!(out, "     no fault: goes on")?,
+        _ => {
+            for fault in faults {
+                writeln!(out, "     stops: {fault}")?;
+            }
+        }
+    }
+    Ok(out.flush()?)
+}
+
+/// How a drive ended.
+#[cfg(feature = "ros2")]
+fn end(phase: xcscr::drive::Phase, faults: &[Fault], decisions: u32) -> Result<(), Failure> {
+    use xcscr::drive::Phase;
+
+    let lasting = faults.iter().find(|fault| fault.is_final());
+    match (phase, lasting) {
+        (_, Some(Fault::Interrupted)) => Err(Failure::new(
+            Exit::Interrupted,
+            "interrupted; the robot stands",
+        )),
+        (_, Some(fault)) => Err(Failure::new(Exit::Refuted, fault.to_string())),
+        (Phase::AtGoal, None) => Ok(()),
+        _ => {
+            let message = format!("no goal after {decisions} decisions");
+            Err(Failure::new(Exit::Refuted, message))
+        }
+    }
+}
+
+#[cfg(feature = "ros2")]
+fn drive(
+    setup: DriveSetup,
+    options: &DriverOptions,
+    (file, replace): (&Path, bool),
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    use std::time::{SystemTime, UNIX_EPOCH};
+
+    use super::interrupt::Interrupt;
+    use xcscr::record::DriveBag;
+    use xcscr::ros2::{DriveReport, Ros2Error};
+
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    let now_ns = since.map_or(0, |since| since.as_nanos() as u64);
+    let bag = DriveBag::create(file, replace, setup.maze(), now_ns)?;
+    let interrupt = Interrupt::notice()?;
+    // What cannot be printed must not stop the robot in the middle of a way: it is lost.
+    let mut report = |report: DriveReport<'_>| {
+        let _ = match report {
+            DriveReport::Faults(faults) => print_faults(faults, out),
+            DriveReport::Step(step) => print_step(step, out),
+        };
+    };
+    let driver = Driver::new(setup);
+    let driven = xcscr::ros2::drive(
+        driver,
+        options,
+        Some(bag),
+        &|| interrupt.came(),
+        &mut report,
+    );
+    let summary = driven.map_err(|error| match error {
+        Ros2Error::Record(error) => Failure::from(error),
+        error => Failure::new(Exit::Io, error.to_string()),
+    })?;
+    let latency = summary.latency;
+    writeln!(
+        out,
+        "{} decisions; from scan to command, of {} scans: median {:.2} ms, p99 {:.2} ms, at most {:.2} ms",
+        summary.decisions, latency.count, latency.median_ms, latency.p99_ms, latency.most_ms
+    )?;
+    end(summary.phase, &summary.faults, summary.decisions)
+}
+
+#[cfg(feature = "ros2")]
+fn print_step(step: &xcscr::drive::DriverStep, out: &mut impl Write) -> Result<(), Failure> {
+    if let Some(decision) = &step.decision {
+        writeln!(out, "{:>3}  {}", decision.number, decision.words)?;
+    }
+    if step.phase == xcscr::drive::Phase::AtGoal {
+        writeln!(out, "     at the goal")?;
+    }
+    Ok(out.flush()?)
+}
+
+#[cfg(not(feature = "ros2"))]
+fn drive(
+    _: DriveSetup,
+    _: &DriverOptions,
+    _: (&Path, bool),
+    _: &mut impl Write,
+) -> Result<(), Failure> {
+    Err(node::missing())
+}

@@ -1,0 +1,47 @@
+//! Arguments of the commands that are ROS 2 nodes.
+
+use xcscr::drive::NodeOptions;
+
+/// Where a node lives.
+#[derive(Debug, clap::Args)]
+pub struct NodeArgs {
+    /// The namespace of the topics, such as /tb3. /clock is in no namespace.
+    #[arg(long, value_name = "N", default_value = "/")]
+    namespace: String,
+    /// The DDS domain [default: ROS_DOMAIN_ID, or 0].
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u16).range(0..=232))]
+    domain: Option<u16>,
+}
+
+impl NodeArgs {
+    /// The options of the node.
+    pub fn options(&self) -> NodeOptions {
+        let of_environment = || std::env::var("ROS_DOMAIN_ID").ok()?.parse().ok();
+        let namespace = self.namespace.trim_matches('/');
+        NodeOptions {
+            namespace: format!("/{namespace}"),
+            domain: self.domain.or_else(of_environment).unwrap_or(0),
+        }
+    }
+}
+
+/// Parses a pose: x and y in metres and the heading in radians, with commas between them.
+pub fn pose(text: &str) -> Result<[f64; 3], String> {
+    let fault = || "a pose is x,y,yaw: two lengths in metres and an angle in radians".to_owned();
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let numbers: [f64; 3] = numbers
+        .map_err(|_| fault())?
+        .try_into()
+        .map_err(|_| fault())?;
+    match numbers.iter().all(|number| number.is_finite()) {
+        true => Ok(numbers),
+        false => Err(fault()),
+    }
+}
+
+/// The failure of a build that has no ROS 2.
+#[cfg(not(feature = "ros2"))]
+pub fn missing() -> super::failure::Failure {
+    let message = "this build has no ROS 2: build it with `cargo build --features ros2`";
+    super::failure::Failure::new(super::failure::Exit::Usage, message)
+}

@@ -1,0 +1,385 @@
+//! The state machine that drives a robot by a policy.
+
+use nalgebra::{Isometry2, Matrix3};
+use xcscr_sensing::Readings as StepOfSensors;
+
+use super::fault::{Fault, Mislocalised};
+use super::localisation::{self, Localisation};
+use super::obstacle::{Braking, Obstacles};
+use super::readings::Readings;
+use super::setup::DriveSetup;
+use super::timeline::Timeline;
+use super::watch::{Watch, Watched};
+use crate::agent::{Agent, Explorer, Frozen};
+use crate::arena::{ManeuverEnd, Outcome, Pilot, Speeds};
+use crate::streams::StreamName;
+use crate::world::{Cell, Maze};
+use xcs::random::Stream;
+use xcs::{Action, Condition, Percept, PredictionArray};
+
+/// The lidar turns round so many times before the first decision.
+const TURNS_BEFORE_START: f64 = 2.0;
+
+/// Where the robot is estimated to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Belief {
+    /// The time of the newest odometry, in nanoseconds of the robot's clock.
+    pub stamp_ns: u64,
+    /// The robot in the map frame, in metres.
+    pub robot_in_map: Isometry2<f64>,
+    /// The covariance of x, y (metres) and heading (radians) in the map frame.
+    pub covariance: Matrix3<f64>,
+    /// The frame of odometry in the map frame.
+    pub odom_in_map: Isometry2<f64>,
+    /// The cell; `None` outside of the maze.
+    pub cell: Option<Cell>,
+}
+
+/// A decision of the policy.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
+    /// Its number, from 1.
+    pub number: u32,
+    /// When, in nanoseconds of the robot's clock.
+    pub stamp_ns: u64,
+    /// The estimated cell.
+    pub cell: Cell,
+    /// What was perceived.
+    pub percept: Percept,
+    /// The value of each action.
+    pub values: PredictionArray,
+    /// The chosen action.
+    pub action: Action,
+    /// The condition of the rule that weighs most; `None` where no rule decided.
+    pub rule: Option<Condition>,
+    /// The decision and its reason, in words.
+    pub words: String,
+}
+
+/// How far the drive is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// Waits for the first scan and odometry.
+    Waiting,
+    /// At rest, until the lidar has turned round.
+    LookingRound,
+    /// On the way to another cell.
+    Driving,
+    /// At rest, until the onboard computer has seen where it arrived.
+    Settling,
+    /// In a goal cell. The drive is over.
+    AtGoal,
+    /// As many decisions as the step threshold allows. The drive is over.
+    OutOfSteps,
+}
+
+/// What a step of the driver gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DriverStep {
+    /// The speeds for the robot: rest whenever there is a fault.
+    pub command: Speeds,
+    /// What is wrong; empty when all is well.
+    pub faults: Vec<Fault>,
+    /// How far the drive is.
+    pub phase: Phase,
+    /// The estimate; `None` before the first readings.
+    pub belief: Option<Belief>,
+    /// The decision of this step; `None` in most steps.
+    pub decision: Option<Decision>,
+    /// What came of the last action, where it ended in this step.
+    pub outcome: Option<Outcome>,
+}
+
+/// Drives a robot by a policy: sensor readings in, commands out. It knows nothing of ROS.
+pub struct Driver {
+    setup: DriveSetup,
+    watch: Watch,
+    timeline: Timeline,
+    pilot: Pilot,
+    localisation: Localisation,
+    obstacles: Obstacles,
+    policy: Frozen,
+    greedy: Explorer,
+    phase: Phase,
+    /// When the phase began or is over, in nanoseconds of the robot's clock.
+    since_ns: u64,
+    until_ns: u64,
+    timed_out: bool,
+    decisions: u32,
+    action: Option<Action>,
+    has_scan: bool,
+    /// A fault that lasts.
+    last_fault: Option<Fault>,
+}
+
+impl Driver {
+    /// A driver of a robot that stands where the setup says.
+    pub fn new(setup: DriveSetup) -> Self {
+        let (physics, maze) = (&setup.physics, &setup.maze);
+        Self {
+            watch: Watch::new(&physics.lidar, setup.frames.clone()),
+            timeline: Timeline::new(physics.wheel_base_m, setup.laser_in_base),
+            pilot: Pilot::new(physics, maze.cell_size_m()),
+            localisation: Localisation::new(physics.lidar.beams),
+            obstacles: Obstacles::default(),
+            policy: Frozen::new(
+                setup.knowledge.clone(),
+                maze.action_count(),
+                setup.step_threshold,
+            ),
+            greedy: Explorer::new(0.0, Stream::new(setup.seed, StreamName::Exploration)),
+            phase: Phase::Waiting,
+            since_ns: 0,
+            until_ns: 0,
+            timed_out: false,
+            decisions: 0,
+            action: None,
+            has_scan: false,
+            last_fault: None,
+            setup,
+        }
+    }
+
+    /// The maze where the robot drives.
+    pub fn maze(&self) -> &Maze {
+        &self.setup.maze
+    }
+
+    /// Holds the robot at rest from now on.
+    pub fn interrupt(&mut self) {
+        self.last_fault.get_or_insert(Fault::Interrupted);
+    }
+
+    /// Takes in what arrived until `steady_ns`, a clock in nanoseconds that never jumps, and decides what the robot does now.
+    ///
+    /// Call it when readings arrive, and at least every 50 ms.
+    pub fn step(&mut self, steady_ns: u64, readings: &Readings) -> DriverStep {
+        let watched = self.watch.step(steady_ns, readings);
+        self.take_in(&watched);
+        let mut faults = watched.faults;
+        if self.last_fault.is_none() {
+            self.last_fault = faults.iter().find(|fault| fault.is_final()).cloned();
+        }
+        if let Some(fault) = self
+            .last_fault
+            .as_ref()
+            .filter(|fault| !faults.contains(fault))
+        {
+            faults.push(fault.clone());
+        }
+        let mut step = DriverStep {
+            command: Speeds::default(),
+            phase: self.phase,
+            belief: None,
+            decision: None,
+            outcome: None,
+            faults,
+        };
+        if step.faults.is_empty() {
+            self.advance(&mut step);
+        }
+        step.phase = self.phase;
+        step.belief = self.belief();
+        step
+    }
+
+    /// Brings readings to the onboard computer, and checks what it makes of them.
+    fn take_in(&mut self, watched: &Watched<'_>) {
+        for odometry in &watched.odometry {
+            self.timeline.add_odometry(odometry);
+        }
+        for imu in &watched.imu {
+            self.timeline.add_imu(imu);
+        }
+        for scan in &watched.scans {
+            self.timeline.add_scan(scan);
+            self.obstacles
+                .see(scan, &self.timeline, &self.setup.laser_in_base);
+            self.has_scan = true;
+        }
+        if self.phase == Phase::Waiting {
+            self.begin();
+        }
+        while self.phase != Phase::Waiting
+            && let Some(readings) = self.timeline.next_step()
+        {
+            let before = self.pilot.onboard().estimate().0;
+            self.pilot.sense(&StepOfSensors {
+                rolled_m: readings.rolled_m,
+                turned_rad: readings.turned_rad,
+                bumped: [false; 2],
+                over_marker: false,
+                beams: &readings.beams,
+            });
+            let (pose, covariance) = self.pilot.onboard().estimate();
+            let moved = before.inverse() * pose;
+            let (maze, range_m) = (&self.setup.maze, self.setup.physics.lidar.range_m);
+            let turn = self
+                .localisation
+                .step(maze, &pose, &moved, &readings.beams, range_m);
+            self.note(turn.or_else(|| localisation::check(maze, &pose, &covariance)));
+        }
+    }
+
+    fn note(&mut self, found: Option<Mislocalised>) {
+        if let Some(cause) = found {
+            self.last_fault.get_or_insert(Fault::Mislocalised(cause));
+        }
+    }
+
+    /// Begins once there is a scan and odometry.
+    fn begin(&mut self) {
+        let Some((time_ns, ..)) = self.timeline.latest().filter(|_| self.has_scan) else {
+            return;
+        };
+        self.timeline.begin(time_ns);
+        self.pilot.put_down(self.setup.start_in_grid);
+        let turns_ns = TURNS_BEFORE_START * self.turn_ns() as f64;
+        self.until_ns = time_ns + turns_ns as u64;
+        self.phase = Phase::LookingRound;
+    }
+
+    fn turn_ns(&self) -> u64 {
+        (1e9 / self.setup.physics.lidar.rate_hz) as u64
+    }
+
+    /// The pose of now in the grid frame, the speeds, and the time of the newest odometry.
+    fn now(&self) -> Option<(Isometry2<f64>, Speeds, u64)> {
+        let (time_ns, _, speeds) = self.timeline.latest()?;
+        let pose = self.pilot.onboard().estimate().0 * self.timeline.since()?;
+        Some((pose, speeds, time_ns))
+    }
+
+    fn belief(&self) -> Option<Belief> {
+        if self.phase == Phase::Waiting {
+            return None;
+        }
+        let (in_grid, _, stamp_ns) = self.now()?;
+        let maze = &self.setup.maze;
+        let mut covariance = self.pilot.onboard().estimate().1;
+        if let Some(grid) = maze.grid_in_map() {
+            let turn = grid.rotation.to_rotation_matrix().into_inner();
+            let turn = turn.to_homogeneous();
+            covariance = turn * covariance * turn.transpose();
+        }
+        let robot_in_map = maze.pose_in_map(in_grid);
+        let (_, robot_in_odom, _) = self.timeline.latest()?;
+        Some(Belief {
+            stamp_ns,
+            robot_in_map,
+            covariance,
+            odom_in_map: robot_in_map * robot_in_odom.inverse(),
+            cell: maze.cell_in_grid(in_grid.translation.vector.into()),
+        })
+    }
+
+    /// Goes on while all is well.
+    fn advance(&mut self, step: &mut DriverStep) {
+        let Some((pose, speeds, time_ns)) = self.now() else {
+            return;
+        };
+        let has_seen = self.timeline.time_ns() + super::timeline::STEP_NS > self.until_ns;
+        match self.phase {
+            Phase::LookingRound if has_seen => self.decide(step),
+            Phase::Settling if has_seen => self.end_action(step),
+            Phase::Driving => step.command = self.drive(pose, speeds, time_ns),
+            Phase::Waiting
+            | Phase::LookingRound
+            | Phase::Settling
+            | Phase::AtGoal
+            | Phase::OutOfSteps => {}
+        }
+        if step.decision.is_some() {
+            step.command = self.drive(pose, speeds, time_ns);
+        }
+    }
+
+    /// Perceives, chooses, and begins to drive.
+    fn decide(&mut self, step: &mut DriverStep) {
+        let maze = &self.setup.maze;
+        let perceived = self.pilot.percept(maze, self.setup.sensor);
+        let (Some(percept), Some(cell)) = (perceived, self.pilot.cell(maze)) else {
+            return self.note(Some(Mislocalised::InAWall));
+        };
+        let values = self.policy.observe(&percept);
+        let choice = self.policy.choose(&values, &mut self.greedy);
+        let action = choice.action;
+        let (Some(direction), Some((pose, speeds, time_ns))) = (maze.direction(action), self.now())
+        else {
+            return;
+        };
+        self.decisions += 1;
+        self.pilot.begin(direction, pose, speeds);
+        (self.phase, self.since_ns, self.timed_out) = (Phase::Driving, time_ns, false);
+        self.action = Some(action);
+        step.decision = Some(Decision {
+            number: self.decisions,
+            stamp_ns: time_ns,
+            cell,
+            percept,
+            values,
+            action,
+            rule: None,
+            words: String::new(),
+        });
+        if let Some(decision) = &mut step.decision {
+            super::reason::explain(decision, &self.setup, &self.policy);
+        }
+    }
+
+    /// The speeds on the way; rest once it is over.
+    fn drive(&mut self, pose: Isometry2<f64>, speeds: Speeds, time_ns: u64) -> Speeds {
+        let passed_ns = time_ns.saturating_sub(self.since_ns);
+        self.timed_out = passed_ns as f64 > self.setup.physics.time_out_s * 1e9;
+        if let Some(way) = self.pilot.way(pose)
+            && let Some((_, in_odom, _)) = self.timeline.latest()
+        {
+            let physics = &self.setup.physics;
+            let braking = Braking {
+                radius_m: physics.radius_m,
+                deceleration_mps2: physics.deceleration_mps2,
+                margin_m: physics.arrival_m,
+            };
+            let along = pose.rotation.inverse() * way;
+            let forward_mps = speeds.forward_mps;
+            let obstacles = &self.obstacles;
+            if obstacles.is_in_the_way(&in_odom, along, forward_mps, braking) {
+                self.pilot.back_off();
+            }
+        }
+        let command = self.pilot.command(pose, speeds);
+        match command.filter(|_| !self.timed_out) {
+            Some(command) => command,
+            None => {
+                // The lidar must have turned round since the action began.
+                self.until_ns = time_ns.max(self.since_ns + self.turn_ns());
+                self.phase = Phase::Settling;
+                Speeds::default()
+            }
+        }
+    }
+
+    /// Says what came of the action, and decides again unless the drive is over.
+    fn end_action(&mut self, step: &mut DriverStep) {
+        let end = self.pilot.end();
+        let is_goal = |cell| self.setup.maze.is_goal(cell);
+        let at_goal = self.pilot.cell(&self.setup.maze).is_some_and(is_goal);
+        let outcome = match end {
+            _ if at_goal => Outcome::ReachedGoal,
+            Some(ManeuverEnd::Blocked) if !self.timed_out => Outcome::Collided { impulse_ns: None },
+            Some(ManeuverEnd::Reached) if !self.timed_out => Outcome::Moved,
+            _ => Outcome::Stalled,
+        };
+        if let Some(action) = self.action.take() {
+            self.policy.update(action, outcome);
+        }
+        step.outcome = Some(outcome);
+        if at_goal {
+            self.phase = Phase::AtGoal;
+        } else if self.decisions >= self.setup.step_threshold {
+            self.phase = Phase::OutOfSteps;
+        } else {
+            self.decide(step);
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Checks whether the robot is where it estimates to be.
+//!
+//! The filter knows no walls, so it can be off by a whole cell. The driver knows the maze, and compares.
+
+use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
+use xcscr_sensing::{Return, cast};
+
+use super::fault::Mislocalised;
+use crate::world::Maze;
+
+/// The largest deviation of the position, as a share of a cell.
+const UNSURE: f64 = 0.25;
+/// A beam disagrees when it ends farther than this from the wall: as a share of a cell, and as a share of the range.
+const OFF_CELL: f64 = 0.2;
+const OFF_RANGE: f64 = 0.05;
+/// The share of disagreeing beams of a turn that is too much, ...
+const DISAGREEING: f64 = 0.4;
+/// ... in this number of turns, one after the other.
+const TURNS: u32 = 2;
+/// The most beams of a turn that are compared.
+const COMPARED: usize = 64;
+
+/// Compares beams with the walls of a maze, turn by turn.
+#[derive(Debug, Clone)]
+pub struct Localisation {
+    /// Every n-th beam is compared.
+    every: usize,
+    beams: usize,
+    seen: usize,
+    compared: u32,
+    disagreeing: u32,
+    bad_turns: u32,
+}
+
+impl Localisation {
+    /// A check for a lidar with this number of beams a turn.
+    pub fn new(beams: u32) -> Self {
+        let beams = beams as usize;
+        Self {
+            every: beams.div_ceil(COMPARED).max(1),
+            beams,
+            seen: 0,
+            compared: 0,
+            disagreeing: 0,
+            bad_turns: 0,
+        }
+    }
+
+    /// Compares the beams of a step of the onboard computer, at whose end the robot is estimated at `pose` in the grid frame.
+    /// `moved` is the motion of the step.
+    pub fn step(
+        &mut self,
+        maze: &Maze,
+        pose: &Isometry2<f64>,
+        moved: &Isometry2<f64>,
+        beams: &[Return],
+        range_max_m: f64,
+    ) -> Option<Mislocalised> {
+        let before = pose * moved.inverse();
+        let turned_rad = moved.rotation.angle();
+        let way = pose.translation.vector - before.translation.vector;
+        for beam in beams {
+            self.seen += 1;
+            let Some(range_m) = beam.range_m.filter(|range_m| *range_m > 0.0) else {
+                continue;
+            };
+            if !(beam.number as usize).is_multiple_of(self.every) {
+                continue;
+            }
+            let origin = before.translation.vector + beam.moment * way;
+            let heading = before.rotation * UnitComplex::new(beam.moment * turned_rad);
+            let direction = (heading * beam.bearing) * Vector2::x();
+            let wall_m = cast(maze, origin, direction, range_max_m).unwrap_or(range_max_m);
+            let off_m = OFF_CELL * maze.cell_size_m() + OFF_RANGE * wall_m;
+            self.compared += 1;
+            self.disagreeing += u32::from((range_m - wall_m).abs() > off_m);
+        }
+        if self.seen < self.beams {
+            return None;
+        }
+        self.end_turn()
+    }
+
+    fn end_turn(&mut self) -> Option<Mislocalised> {
+        let share = f64::from(self.disagreeing) / f64::from(self.compared.max(1));
+        (self.seen, self.compared, self.disagreeing) = (0, 0, 0);
+        self.bad_turns = if share > DISAGREEING {
+            self.bad_turns + 1
+        } else {
+            0
+        };
+        (self.bad_turns >= TURNS).then_some(Mislocalised::ScanDisagrees(share))
+    }
+}
+
+/// Checks an estimate by itself: a pose in the grid frame and its covariance.
+pub fn check(
+    maze: &Maze,
+    pose: &Isometry2<f64>,
+    covariance: &Matrix3<f64>,
+) -> Option<Mislocalised> {
+    let deviation_m = covariance[(0, 0)].max(covariance[(1, 1)]).max(0.0).sqrt();
+    if deviation_m.is_nan() || deviation_m > UNSURE * maze.cell_size_m() {
+        return Some(Mislocalised::Unsure(deviation_m));
+    }
+    let cell = maze.cell_in_grid(pose.translation.vector.into());
+    let is_free = cell.is_some_and(|cell| !maze.is_wall(cell));
+    (!is_free).then_some(Mislocalised::InAWall)
+}

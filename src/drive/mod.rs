@@ -1,0 +1,36 @@
+//! Drives a robot that is not simulated here by a learned policy: messages in, commands out.
+//!
+//! ```text
+//!  Readings ─▶ Watch ─▶ Timeline ─▶ Pilot (onboard computer, controller) ─▶ policy ─▶ command
+//!             (faults)  (50 ms steps)         │
+//!                                       Localisation (faults)
+//! ```
+//!
+//! [`Driver`] is a state machine without ROS, threads or clocks: the caller brings readings and a steady time. Any [`Fault`]
+//! makes it command rest in the same step. [`SimulatedRobot`] is the other side: the physics arena as a robot that is known
+//! only by its messages. The feature `ros2` connects both to ROS 2.
+//!
+//! The robot moves from cell to cell: it drives, rests until its lidar has turned round, and decides. Units and frames are those
+//! of REP 103 and REP 105: metres, radians, seconds; `map`, `odom` and `base_link`.
+
+mod driver;
+mod fault;
+mod localisation;
+mod obstacle;
+mod options;
+mod readings;
+mod reason;
+mod setup;
+mod simulated;
+#[cfg(test)]
+mod tests;
+mod timeline;
+mod watch;
+
+pub use driver::{Belief, Decision, Driver, DriverStep, Phase};
+pub use fault::{Fault, Mislocalised};
+pub use options::{DriverOptions, NodeOptions, SimulateOptions};
+pub use readings::{Imu, Network, Odometry, Readings, Scan};
+pub use setup::{DriveOptions, DriveSetup, Refusal};
+pub use simulated::{COMMAND_NS, SimulatedReadings, SimulatedRobot};
+pub use watch::{CLOCK_AGE_NS, Frames, ODOMETRY_AGE_NS};

@@ -1,0 +1,25 @@
+//! Why an action was chosen, in words.
+
+use super::driver::Decision;
+use super::setup::DriveSetup;
+use crate::agent::Frozen;
+
+/// Adds the rule that weighs most, and the decision in words.
+pub fn explain(decision: &mut Decision, setup: &DriveSetup, policy: &Frozen) {
+    decision.rule = policy.decisive_rule(decision.action);
+    let (maze, knowledge) = (&setup.maze, &setup.knowledge);
+    let because = match &decision.rule {
+        Some(rule) => knowledge.words(setup.sensor, maze, &|at| rule.allele(at)),
+        None if decision.values.greatest().is_none() => "nothing is known here".to_owned(),
+        None => "the values decide".to_owned(),
+    };
+    let percept = decision.percept;
+    let seen = setup.sensor.words(maze, &|at| Some(percept.bit(at)));
+    let value = decision.values.get(decision.action);
+    let value = value.map_or_else(String::new, |value| format!(" (value {value:.0})"));
+    let (cell, action) = (decision.cell, maze.action_name(decision.action));
+    decision.words = format!(
+        "cell {},{}: {action}{value} because {because}; seen: {seen}",
+        cell.col, cell.row
+    );
+}

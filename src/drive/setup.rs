@@ -1,0 +1,219 @@
+//! What a drive needs, checked before anything moves.
+
+use nalgebra::{Isometry2, Vector2};
+use serde_json::Value;
+
+use super::watch::Frames;
+use crate::agent::{Knowledge, Misfit};
+use crate::arena::{ArenaKind, PhysicsError, PhysicsParams, check_fit};
+use crate::sensor::Sensor;
+use crate::trial::{Plan, RobotProfile, SettingsError};
+use crate::world::{Maze, Moves};
+
+/// A policy, the robot that it drives, and where that stands.
+#[derive(Debug, Clone)]
+pub struct DriveSetup {
+    pub(super) maze: Maze,
+    pub(super) sensor: Sensor,
+    pub(super) physics: PhysicsParams,
+    pub(super) knowledge: Knowledge,
+    pub(super) step_threshold: u32,
+    pub(super) seed: u64,
+    pub(super) start_in_grid: Isometry2<f64>,
+    pub(super) laser_in_base: Isometry2<f64>,
+    pub(super) frames: Frames,
+}
+
+/// Where a drive differs from the run whose policy it uses.
+#[derive(Debug, Clone, Default)]
+pub struct DriveOptions {
+    /// The robot that is driven; `None` for the robot of the run.
+    pub robot: Option<RobotProfile>,
+    /// The maze where it stands; `None` for that of the run.
+    pub world: Option<Maze>,
+    /// Where it stands in the map frame: x and y in metres, and the heading in radians. `None` for the middle of the start cell,
+    /// heading along the rows of the maze.
+    pub start: Option<[f64; 3]>,
+    /// The lidar on the robot: x and y in metres, and the heading in radians.
+    pub laser: [f64; 3],
+    /// The frames that messages must have.
+    pub frames: Frames,
+}
+
+/// Why a drive is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum Refusal {
+    /// The policy was trained with another robot.
+    #[error(
+        "the policy was trained with another robot than {robot}: `{setting}` is {trained} there and {found} here; train it \
+         with `--robot {robot}`"
+    )]
+    OtherRobot {
+        /// The robot that is to be driven.
+        robot: String,
+        /// The first setting that differs.
+        setting: String,
+        /// Its value in the run.
+        trained: String,
+        /// Its value in the profile.
+        found: String,
+    },
+    /// The policy was trained in cells of another size.
+    #[error(
+        "the policy was trained in cells of {trained_m} m, but those of {world} have {found_m} m; train it in {world}"
+    )]
+    OtherCells {
+        /// The world that is to be driven in.
+        world: String,
+        /// The cells of the run, in metres.
+        trained_m: f64,
+        /// The cells of the world, in metres.
+        found_m: f64,
+    },
+    /// The policy was trained on the grid, and no robot was named.
+    #[error("the policy was trained on the grid; name the robot with `--robot`")]
+    NoRobot,
+    /// The percept is looked up in the maze.
+    #[error(
+        "the percept `{0}` is looked up in the maze, which no robot can; train with `--sensor lidar` or `lidar-position`"
+    )]
+    Privileged(&'static str),
+    /// The robot has no lidar.
+    #[error("the robot has no lidar (`physics.lidar.fitted`)")]
+    NoLidar,
+    /// The robot cannot move like this.
+    #[error("{0} has eight moves or joined edges, which a robot cannot drive")]
+    Moves(String),
+    /// The start is not in a free cell.
+    #[error(
+        "the start {0:?} is not in a free cell of the maze, or in a goal; pass `--start x,y,yaw` in the map frame"
+    )]
+    Start([f64; 3]),
+    /// A world that has no fixed start needs one.
+    #[error("the world has no fixed start cell; pass `--start x,y,yaw` in the map frame")]
+    NoStart,
+    /// What was learned does not fit the percept or the actions.
+    #[error(transparent)]
+    Misfit(#[from] Misfit),
+    /// The robot does not fit into the maze, or a setting is out of range.
+    #[error(transparent)]
+    Physics(#[from] PhysicsError),
+    /// A setting of the robot's profile is wrong.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+}
+
+impl DriveSetup {
+    /// Checks that a policy can drive a robot.
+    ///
+    /// # Errors
+    /// A policy for another robot or another size of cells, a percept that no robot has, and a start in a wall.
+    pub fn new(plan: &Plan, knowledge: &Knowledge, options: DriveOptions) -> Result<Self, Refusal> {
+        let config = &plan.config;
+        let physics = robot(plan, options.robot.as_ref())?;
+        let trained = &plan.maze;
+        let maze = options.world.unwrap_or_else(|| trained.clone());
+        if maze.cell_size_m() != trained.cell_size_m() {
+            return Err(Refusal::OtherCells {
+                world: maze.name().to_owned(),
+                trained_m: trained.cell_size_m(),
+                found_m: maze.cell_size_m(),
+            });
+        }
+        if !config.sensor.is_sensed() {
+            return Err(Refusal::Privileged(config.sensor.name()));
+        }
+        if !physics.lidar.fitted {
+            return Err(Refusal::NoLidar);
+        }
+        if maze.moves() == Moves::Eight || maze.wraps() {
+            return Err(Refusal::Moves(maze.name().to_owned()));
+        }
+        check_fit(&maze, &physics)?;
+        knowledge.check(config.sensor.width(&maze), maze.action_count())?;
+        Ok(Self {
+            start_in_grid: start(&maze, options.start)?,
+            laser_in_base: pose(options.laser),
+            frames: options.frames,
+            sensor: config.sensor,
+            step_threshold: config.settings.reward.step_threshold,
+            seed: config.seed,
+            knowledge: knowledge.clone(),
+            physics,
+            maze,
+        })
+    }
+
+    /// The maze where the robot drives.
+    pub fn maze(&self) -> &Maze {
+        &self.maze
+    }
+
+    /// The robot.
+    pub fn physics(&self) -> &PhysicsParams {
+        &self.physics
+    }
+}
+
+/// The robot of a drive, which must be that of the run.
+fn robot(plan: &Plan, profile: Option<&RobotProfile>) -> Result<PhysicsParams, Refusal> {
+    let settings = &plan.config.settings;
+    let Some(profile) = profile else {
+        return match plan.config.arena {
+            ArenaKind::Physics => Ok(settings.physics.clone()),
+            ArenaKind::Grid => Err(Refusal::NoRobot),
+        };
+    };
+    let found = profile.settings_over(settings)?.physics;
+    if plan.config.arena == ArenaKind::Grid {
+        return Ok(found);
+    }
+    let all = [&settings.physics, &found].map(|params| serde_json::to_value(params).ok());
+    let [Some(trained), Some(own)] = all else {
+        return Ok(found);
+    };
+    match difference("physics", &trained, &own) {
+        None => Ok(found),
+        Some((setting, trained, found)) => Err(Refusal::OtherRobot {
+            robot: profile.name().to_owned(),
+            setting,
+            trained,
+            found,
+        }),
+    }
+}
+
+/// The first setting that differs, with both values.
+fn difference(key: &str, one: &Value, other: &Value) -> Option<(String, String, String)> {
+    match (one, other) {
+        (Value::Object(one), Value::Object(other)) => one.iter().find_map(|(name, value)| {
+            difference(&format!("{key}.{name}"), value, other.get(name)?)
+        }),
+        _ if one == other => None,
+        _ => Some((key.to_owned(), one.to_string(), other.to_string())),
+    }
+}
+
+fn pose([x, y, yaw]: [f64; 3]) -> Isometry2<f64> {
+    Isometry2::new(Vector2::new(x, y), yaw)
+}
+
+/// Where the robot stands, in the grid frame.
+fn start(maze: &Maze, given: Option<[f64; 3]>) -> Result<Isometry2<f64>, Refusal> {
+    let Some(given) = given else {
+        let cell = maze.start().ok_or(Refusal::NoStart)?;
+        let middle = maze.centre_in_grid(cell);
+        return Ok(Isometry2::translation(middle.x, middle.y));
+    };
+    let in_map = pose(given);
+    let in_grid = match maze.grid_in_map() {
+        Some(grid) => grid.inverse() * in_map,
+        None => in_map,
+    };
+    let cell = maze.cell_in_grid(in_grid.translation.vector.into());
+    let is_free = cell.is_some_and(|cell| !maze.is_wall(cell) && !maze.is_goal(cell));
+    match is_free && given.iter().all(|number| number.is_finite()) {
+        true => Ok(in_grid),
+        false => Err(Refusal::Start(given)),
+    }
+}

@@ -1,0 +1,170 @@
+//! The simulated robot as others see it: commands in, odometry, gyro and scans out.
+
+use nalgebra::{Isometry2, Vector2};
+
+use super::readings::{Imu, Odometry, Scan};
+use super::timeline::STEP_NS;
+use crate::arena::{PhysicsError, PhysicsParams, SensedDrive, Speeds};
+use crate::record::rolled;
+use crate::world::Maze;
+
+/// A command holds for so long, in nanoseconds of simulated time: then the robot stops.
+pub const COMMAND_NS: u64 = 500_000_000;
+
+/// What the robot reports after a step of 50 ms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedReadings {
+    /// Simulated time in nanoseconds.
+    pub time_ns: u64,
+    /// Dead reckoning by its wheels alone.
+    pub odometry: Odometry,
+    /// Its gyro; `None` of a robot without one.
+    pub imu: Option<Imu>,
+    /// The turn of the lidar that ended in this step.
+    pub scan: Option<Scan>,
+}
+
+/// The physics arena as a robot that is driven by speeds.
+pub struct SimulatedRobot {
+    drive: SensedDrive,
+    in_odom: Isometry2<f64>,
+    command: Speeds,
+    commanded_ns: Option<u64>,
+    /// The turn of the lidar under way: when its first beam was sent, and the ranges so far.
+    turn: Option<(u64, Vec<f64>)>,
+}
+
+impl SimulatedRobot {
+    /// A robot at rest at a pose of the map frame: x and y in metres and the heading in radians; `None` for the middle of the
+    /// start cell. All noise follows from `seed`.
+    ///
+    /// # Errors
+    /// When a setting is out of range, or the world makes no sense in physics.
+    pub fn new(
+        maze: Maze,
+        params: &PhysicsParams,
+        seed: u64,
+        start: Option<[f64; 3]>,
+    ) -> Result<Self, PhysicsError> {
+        let cell = maze.starts().next().unwrap_or(maze.goals()[0]);
+        let middle = maze.centre_in_grid(cell);
+        let pose = match (start, maze.grid_in_map()) {
+            (None, _) => Isometry2::translation(middle.x, middle.y),
+            (Some([x, y, yaw]), grid) => {
+                let in_map = Isometry2::new(Vector2::new(x, y), yaw);
+                grid.map_or(in_map, |grid| grid.inverse() * in_map)
+            }
+        };
+        let mut drive = SensedDrive::new(maze, params, seed)?;
+        drive.put_down(pose);
+        Ok(Self {
+            drive,
+            in_odom: Isometry2::identity(),
+            command: Speeds::default(),
+            commanded_ns: None,
+            turn: None,
+        })
+    }
+
+    /// Takes a command, which holds for half a second of simulated time.
+    pub fn command(&mut self, speeds: Speeds) {
+        self.command = speeds;
+        self.commanded_ns = Some(self.drive.time_ns());
+    }
+
+    /// The true pose in the map frame, in metres.
+    pub fn true_pose(&self) -> Isometry2<f64> {
+        self.drive.view().now().robot_in_map
+    }
+
+    /// Puts the robot somewhere else, at a pose of the grid frame, without telling it.
+    pub fn kidnap(&mut self, pose: Isometry2<f64>) {
+        self.drive.put_down(pose);
+    }
+
+    /// Does the robot stand in a goal cell?
+    pub fn is_at_goal(&self) -> bool {
+        let view = self.drive.view();
+        let at = view.now().robot_in_map.translation.vector.into();
+        let cell = view.maze.cell_at(at);
+        cell.is_some_and(|cell| view.maze.is_goal(cell))
+    }
+
+    /// The impulses of the hits of the last step, added up, in newton-seconds.
+    pub fn impulse_ns(&self) -> f64 {
+        let contacts = self.drive.view().contacts.iter();
+        contacts.map(|contact| contact.impulse_ns).sum()
+    }
+
+    /// Lets 50 ms pass.
+    pub fn step(&mut self) -> SimulatedReadings {
+        let begin_ns = self.drive.time_ns();
+        let is_fresh = |at_ns: u64| begin_ns - at_ns < COMMAND_NS;
+        if !self.commanded_ns.is_some_and(is_fresh) {
+            self.command = Speeds::default();
+        }
+        let (base_m, beams, increment_s) = {
+            let params = self.drive.params();
+            let lidar = &params.lidar;
+            let per_turn = f64::from(lidar.beams);
+            (
+                params.wheel_base_m,
+                lidar.beams,
+                1.0 / (lidar.rate_hz * per_turn),
+            )
+        };
+        let readings = self.drive.step(self.command);
+        let moved = rolled([0.0; 2], readings.rolled_m, base_m);
+        let turned_rad = readings.turned_rad;
+        let mut ended = None;
+        for beam in readings.beams {
+            let time_ns = begin_ns + (beam.moment * STEP_NS as f64).round() as u64;
+            if beam.number == 0 {
+                self.turn = Some((time_ns, Vec::with_capacity(beams as usize)));
+            }
+            let Some((_, ranges_m)) = &mut self.turn else {
+                continue;
+            };
+            ranges_m.push(beam.range_m.unwrap_or(f64::INFINITY));
+            if beam.number + 1 == beams {
+                ended = self.turn.take();
+            }
+        }
+        let rate = |way: f64| way / (STEP_NS as f64 * 1e-9);
+        self.in_odom *= moved;
+        self.in_odom.rotation.renormalize();
+        let time_ns = self.drive.time_ns();
+        SimulatedReadings {
+            time_ns,
+            odometry: Odometry {
+                stamp_ns: time_ns,
+                frame: "odom".to_owned(),
+                child_frame: "base_link".to_owned(),
+                pose: self.in_odom,
+                speeds: Speeds {
+                    forward_mps: rate(moved.translation.x),
+                    turn_radps: rate(moved.rotation.angle()),
+                },
+            },
+            imu: turned_rad.map(|turned_rad| Imu {
+                stamp_ns: time_ns,
+                turn_radps: rate(turned_rad),
+            }),
+            scan: ended.map(|(stamp_ns, ranges_m)| self.scan(stamp_ns, ranges_m, increment_s)),
+        }
+    }
+
+    fn scan(&self, stamp_ns: u64, ranges_m: Vec<f64>, time_increment_s: f64) -> Scan {
+        let lidar = &self.drive.params().lidar;
+        Scan {
+            stamp_ns,
+            frame: "base_scan".to_owned(),
+            angle_min_rad: 0.0,
+            angle_increment_rad: std::f64::consts::TAU / f64::from(lidar.beams),
+            time_increment_s,
+            range_min_m: lidar.nearest_m,
+            range_max_m: lidar.range_m,
+            ranges_m,
+        }
+    }
+}

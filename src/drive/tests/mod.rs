@@ -1,0 +1,345 @@
+//! The driver and the simulated robot in lockstep.
+
+mod faults;
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::*;
+use crate::agent::Knowledge;
+use crate::arena::{Outcome, Speeds};
+use crate::record::{DriveBag, DriveRecording};
+use crate::sensor::Sensor;
+use crate::trial::{Plan, RobotProfile};
+use crate::world::{Cell, Maze, Paths};
+use xcs::Action;
+
+const STEP_NS: u64 = 50_000_000;
+
+fn maze4() -> Maze {
+    Maze::load("worlds/maze4.json".as_ref()).unwrap()
+}
+
+/// A plan, and a table with the shortest paths. In `wrong` cells it says the opposite.
+fn policy(maze: Maze, wrong: impl Fn(Cell) -> bool) -> (Plan, Knowledge) {
+    let plan = Plan::new(maze).sensor(Sensor::LidarPosition);
+    let maze = &plan.maze;
+    let paths = Paths::with_slip(maze, 0.0);
+    let row = |cell: Cell| {
+        let is_best = |action| paths.successor(maze, cell, action).is_some();
+        let value = |action| Some(f64::from(u8::from(is_best(action) != wrong(cell))));
+        Action::all(4).map(value).collect()
+    };
+    let cells = maze.free_cells();
+    let table = cells.map(|cell| (Sensor::LidarPosition.perceive_at(maze, cell), row(cell)));
+    let knowledge = Knowledge::Table(table.collect());
+    (plan, knowledge)
+}
+
+/// A simulated robot and a driver that know each other by messages only.
+struct Rig {
+    robot: SimulatedRobot,
+    driver: Driver,
+    /// The steady clock begins elsewhere than simulated time.
+    now_ns: u64,
+}
+
+impl Rig {
+    fn new(maze: Maze, seed: u64, options: DriveOptions) -> Self {
+        let (plan, knowledge) = policy(maze.clone(), |_| false);
+        let physics = plan.config.settings.physics.clone();
+        let setup = DriveSetup::new(&plan, &knowledge, options).unwrap();
+        Self {
+            robot: SimulatedRobot::new(maze, &physics, seed, None).unwrap(),
+            driver: Driver::new(setup),
+            now_ns: 7_000_000_000,
+        }
+    }
+
+    fn maze4() -> Self {
+        Self::new(maze4(), 1, DriveOptions::default())
+    }
+
+    /// 50 ms of both; `tamper` changes what arrives.
+    fn tick(&mut self, tamper: impl FnOnce(&mut Readings)) -> DriverStep {
+        let SimulatedReadings {
+            odometry,
+            imu,
+            scan,
+            ..
+        } = self.robot.step();
+        self.now_ns += STEP_NS;
+        let mut readings = Readings {
+            scans: scan.into_iter().collect(),
+            odometry: vec![odometry],
+            imu: imu.into_iter().collect(),
+            ..Readings::default()
+        };
+        tamper(&mut readings);
+        let step = self.driver.step(self.now_ns, &readings);
+        self.robot.command(step.command);
+        step
+    }
+
+    /// Ticks until the robot drives for a while, without faults.
+    fn until_it_drives(&mut self) {
+        let mut moving = 0;
+        for _ in 0..200 {
+            let step = self.tick(|_| ());
+            assert!(
+                step.faults.is_empty() || step.phase == Phase::Waiting,
+                "{step:?}"
+            );
+            moving += u32::from(step.command.forward_mps.abs() > 0.1);
+            if moving == 5 {
+                return;
+            }
+        }
+        panic!("it does not drive");
+    }
+
+    /// Injects a fault, and returns the steps until the robot is commanded to rest, with what was said then.
+    fn steps_to_rest(&mut self, tamper: impl Fn(&mut Readings)) -> (u32, Vec<&'static str>) {
+        self.until_it_drives();
+        for count in 1..=40 {
+            let step = self.tick(&tamper);
+            if !step.faults.is_empty() {
+                assert_eq!(step.command, Speeds::default(), "{step:?}");
+                return (count, step.faults.iter().map(Fault::name).collect());
+            }
+        }
+        panic!("no fault");
+    }
+
+    /// What is said once what arrives is as it should be again, after so many steps.
+    fn after(&mut self, steps: u32) -> Vec<&'static str> {
+        let last = (0..steps).map(|_| self.tick(|_| ())).last().unwrap();
+        last.faults.iter().map(Fault::name).collect()
+    }
+}
+
+/// Drives to the end: the phase, the decisions, and the impulses of all hits.
+fn drive(rig: &mut Rig) -> (DriverStep, Vec<Decision>, f64) {
+    let (mut decisions, mut impulse_ns) = (Vec::new(), 0.0);
+    for _ in 0..4_000 {
+        let step = rig.tick(|_| ());
+        impulse_ns += rig.robot.impulse_ns();
+        decisions.extend(step.decision.clone());
+        let is_over = matches!(step.phase, Phase::AtGoal | Phase::OutOfSteps);
+        let is_lost = step.faults.iter().any(Fault::is_final);
+        if is_over || is_lost {
+            return (step, decisions, impulse_ns);
+        }
+    }
+    panic!("not over after 200 s");
+}
+
+#[test]
+fn it_drives_to_the_goal_by_messages_alone_on_a_shortest_path() {
+    let mut touched = 0;
+    for seed in 1..=20 {
+        let mut rig = Rig::new(maze4(), seed, DriveOptions::default());
+        let (step, decisions, impulse_ns) = drive(&mut rig);
+        assert_eq!(step.phase, Phase::AtGoal, "seed {seed}: {step:?}");
+        assert!(rig.robot.is_at_goal(), "seed {seed}");
+        assert_eq!(decisions.len(), 10, "seed {seed}");
+        touched += u32::from(impulse_ns > 0.3);
+    }
+    assert_eq!(touched, 0);
+}
+
+#[test]
+fn the_same_readings_give_the_same_decisions() {
+    let run = || {
+        let mut rig = Rig::maze4();
+        let (_, decisions, _) = drive(&mut rig);
+        decisions
+    };
+    let decisions = run();
+    assert_eq!(decisions, run());
+    let words = &decisions[0].words;
+    assert!(words.starts_with("cell 1,1: east"), "{words}");
+    assert!(words.contains("seen: "), "{words}");
+}
+
+#[test]
+fn a_recorded_drive_gives_the_same_decisions_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("drive.mcap");
+    let mut rig = Rig::maze4();
+    let mut bag = DriveBag::create(&file, false, &maze4(), rig.now_ns).unwrap();
+    let (mut readings, mut decisions) = (Readings::default(), Vec::new());
+    for _ in 0..300 {
+        let step = rig.tick(|arrived| readings = arrived.clone());
+        bag.step(rig.now_ns, &readings, &step).unwrap();
+        decisions.extend(step.decision.map(|decision| decision.words));
+    }
+    bag.finish().unwrap();
+    assert!(decisions.len() > 5, "control: {decisions:?}");
+    let recording = DriveRecording::read(&file).unwrap();
+    assert_eq!(recording.decisions, decisions);
+    let mut again = Rig::maze4().driver;
+    let steps = recording
+        .readings
+        .iter()
+        .map(|(at, all)| again.step(*at, all));
+    let words: Vec<String> = steps
+        .filter_map(|step| Some(step.decision?.words))
+        .collect();
+    assert_eq!(words, decisions);
+    let refused = DriveBag::create(&file, false, &maze4(), 0);
+    assert!(refused.is_err(), "an earlier recording is kept");
+}
+
+#[test]
+fn it_drives_a_turned_maze_and_from_a_start_of_its_own() {
+    let text = std::fs::read_to_string("worlds/maze4.json").unwrap();
+    let turned = text.replace("\"rows\"", "\"origin\": [-3.5, 8.25, 0.7], \"rows\"");
+    let maze = Maze::from_json(turned.as_bytes(), "turned.json").unwrap();
+    let mut rig = Rig::new(maze.clone(), 3, DriveOptions::default());
+    let (step, ..) = drive(&mut rig);
+    assert_eq!(step.phase, Phase::AtGoal, "{step:?}");
+    let belief = step.belief.unwrap();
+    let off = belief.robot_in_map.inverse() * rig.robot.true_pose();
+    assert!(off.translation.vector.norm() < 0.1, "{off}");
+    // From another cell, heading north.
+    let cell = Cell { col: 2, row: 6 };
+    let at = maze.centre_m(cell);
+    let start = Some([at.x, at.y, 0.7 + FRAC_PI_2]);
+    let options = DriveOptions {
+        start,
+        ..DriveOptions::default()
+    };
+    let mut rig = Rig::new(maze.clone(), 4, options);
+    let physics = Plan::new(maze.clone()).config.settings.physics;
+    rig.robot = SimulatedRobot::new(maze, &physics, 4, start).unwrap();
+    assert_eq!(drive(&mut rig).0.phase, Phase::AtGoal);
+}
+
+/// Drives with every n-th reading of the gyro lost: how many of eight drives reach the goal. All others must notice that they are
+/// mislocalised.
+fn reached_without(every: usize) -> usize {
+    let reaches = |seed: &u64| {
+        let mut rig = Rig::new(maze4(), *seed, DriveOptions::default());
+        for tick in 0..4_000 {
+            let step = rig.tick(|readings| {
+                if tick % every == 0 {
+                    readings.imu.clear();
+                }
+            });
+            match step.faults.iter().find(|fault| fault.is_final()) {
+                Some(Fault::Mislocalised(_)) => return false,
+                Some(fault) => panic!("{fault}"),
+                None if step.phase == Phase::AtGoal => return true,
+                None => {}
+            }
+        }
+        panic!("one of {every} lost, seed {seed}: not over");
+    };
+    (1..=8).filter(reaches).count()
+}
+
+#[test]
+fn lost_readings_of_the_gyro_do_no_harm() {
+    assert_eq!([3, 4].map(reached_without), [8, 8]);
+}
+
+#[test]
+fn a_robot_without_a_gyro_reaches_the_goal_or_notices_that_it_is_mislocalised() {
+    let reached = reached_without(1);
+    assert!((4..8).contains(&reached), "{reached}");
+}
+
+#[test]
+fn a_wall_is_seen_and_not_touched() {
+    let (plan, knowledge) = policy(maze4(), |cell| (cell.col, cell.row) == (1, 1));
+    let mut rig = Rig::maze4();
+    let setup = DriveSetup::new(&plan, &knowledge, DriveOptions::default()).unwrap();
+    rig.driver = Driver::new(setup);
+    let (mut blocked, mut impulse_ns) = (0, 0.0);
+    for _ in 0..400 {
+        let step = rig.tick(|_| ());
+        impulse_ns += rig.robot.impulse_ns();
+        assert!(!step.faults.iter().any(Fault::is_final), "{step:?}");
+        blocked += u32::from(matches!(step.outcome, Some(Outcome::Collided { .. })));
+    }
+    assert!(blocked >= 3, "{blocked}");
+    assert_eq!(impulse_ns, 0.0);
+}
+
+#[test]
+fn no_command_exceeds_the_profile() {
+    let mut rig = Rig::maze4();
+    let (mut fastest, mut quickest): (f64, f64) = (0.0, 0.0);
+    let physics = Plan::new(maze4()).config.settings.physics;
+    for _ in 0..600 {
+        let Speeds {
+            forward_mps,
+            turn_radps,
+        } = rig.tick(|_| ()).command;
+        fastest = fastest.max(forward_mps.abs());
+        quickest = quickest.max(turn_radps.abs());
+    }
+    assert!(fastest > 1.0 && quickest > 3.0, "control");
+    assert!(fastest <= physics.max_speed_mps, "{fastest}");
+    assert!(quickest <= physics.max_turn_radps, "{quickest}");
+}
+
+#[test]
+fn a_policy_for_another_robot_or_other_cells_is_refused() {
+    let (plan, knowledge) = policy(maze4(), |_| false);
+    let refusal = |options| {
+        let refused = DriveSetup::new(&plan, &knowledge, options);
+        refused.err().map(|refusal| refusal.to_string())
+    };
+    let robot = |name| DriveOptions {
+        robot: Some(RobotProfile::load(name).unwrap()),
+        ..DriveOptions::default()
+    };
+    let message = refusal(robot("turtlebot3-burger")).unwrap();
+    assert!(
+        message.contains("another robot than turtlebot3-burger"),
+        "{message}"
+    );
+    assert_eq!(refusal(robot("default")), None, "control");
+    let text = std::fs::read_to_string("worlds/maze4.json").unwrap();
+    let world = |size: &str| {
+        let text = text.replace("\"cell_size_m\": 1.0", size);
+        DriveOptions {
+            world: Some(Maze::from_json(text.as_bytes(), "other.json").unwrap()),
+            ..DriveOptions::default()
+        }
+    };
+    let message = refusal(world("\"cell_size_m\": 1.5")).unwrap();
+    assert!(message.contains("cells of 1 m"), "{message}");
+    assert_eq!(refusal(world("\"cell_size_m\": 1.0")), None, "control");
+    let start = |start| DriveOptions {
+        start: Some(start),
+        ..DriveOptions::default()
+    };
+    assert!(refusal(start([0.5, 0.5, 0.0])).unwrap().contains("--start"));
+    assert_eq!(refusal(start([1.5, 6.5, 0.0])), None, "control");
+}
+
+#[test]
+fn a_percept_that_is_looked_up_is_refused() {
+    let plan = Plan::new(maze4()).sensor(Sensor::Position);
+    let knowledge = Knowledge::Table(std::collections::BTreeMap::new());
+    let refused = DriveSetup::new(&plan, &knowledge, DriveOptions::default());
+    assert!(matches!(refused, Err(Refusal::Privileged("position"))));
+}
+
+#[test]
+fn the_simulated_robot_stops_half_a_second_after_the_last_command() {
+    let physics = Plan::new(maze4()).config.settings.physics;
+    let mut robot = SimulatedRobot::new(maze4(), &physics, 1, None).unwrap();
+    robot.command(Speeds {
+        forward_mps: 0.0,
+        turn_radps: 1.0,
+    });
+    let mut rates: Vec<f64> = Vec::new();
+    for _ in 0..16 {
+        rates.push(robot.step().odometry.speeds.turn_radps);
+    }
+    assert!(rates[9] > 0.9, "control: {rates:?}");
+    assert!(rates[14].abs() < 0.05, "{rates:?}");
+}

@@ -1,0 +1,302 @@
+//! Puts late scans and frequent odometry onto one time line, in the steps of the onboard computer.
+//!
+//! A scan arrives when its turn is over, so its first beams are as old as a turn. The onboard computer takes them in when they
+//! were sent: it lags behind by up to a turn, and the motion since then is that of odometry ([`Timeline::since`]).
+
+use std::collections::VecDeque;
+
+use nalgebra::{Isometry2, UnitComplex, Vector2};
+use xcscr_sensing::{Return, STEP_S};
+
+use super::readings::{Imu, Odometry, Scan};
+use crate::arena::Speeds;
+
+/// A step of the onboard computer in nanoseconds.
+pub const STEP_NS: u64 = (STEP_S * 1e9) as u64;
+/// Over a longer gap between two readings of the gyro, its rate is not known.
+const GYRO_GAP_NS: u64 = 75_000_000;
+/// Without scans the onboard computer lags behind by at most so much.
+const MOST_LAG_NS: u64 = 2_000_000_000;
+
+/// Where odometry was at one time.
+#[derive(Debug, Clone, Copy)]
+struct Stand {
+    time_ns: u64,
+    pose: Isometry2<f64>,
+    speeds: Speeds,
+    /// The way along the heading since the beginning, in metres.
+    travel_m: f64,
+    /// The turn since the beginning, in radians.
+    turned_rad: f64,
+}
+
+/// A beam that was not taken in yet.
+#[derive(Debug, Clone, Copy)]
+struct Beam {
+    time_ns: u64,
+    number: u32,
+    bearing: UnitComplex<f64>,
+    range_m: Option<f64>,
+}
+
+/// What the sensors read in one step.
+#[derive(Debug, Default)]
+pub struct StepReadings {
+    /// How far the left and the right wheel rolled, in metres.
+    pub rolled_m: [f64; 2],
+    /// How far the gyro turned, in radians; `None` without one.
+    pub turned_rad: Option<f64>,
+    /// The beams in the order of time.
+    pub beams: Vec<Return>,
+}
+
+/// Odometry, gyro and beams that the onboard computer has not taken in yet.
+#[derive(Debug)]
+pub struct Timeline {
+    wheel_base_m: f64,
+    laser_in_base: Isometry2<f64>,
+    stands: VecDeque<Stand>,
+    /// Angles of the gyro: when, and how far it has turned.
+    gyro: VecDeque<(u64, f64)>,
+    beams: VecDeque<Beam>,
+    /// Until when the onboard computer has taken everything in.
+    time_ns: u64,
+    /// No more beams will come from before.
+    horizon_ns: u64,
+}
+
+impl Timeline {
+    /// An empty time line of a robot with such a distance between its wheels, in metres, and its lidar there.
+    pub fn new(wheel_base_m: f64, laser_in_base: Isometry2<f64>) -> Self {
+        Self {
+            wheel_base_m,
+            laser_in_base,
+            stands: VecDeque::new(),
+            gyro: VecDeque::new(),
+            beams: VecDeque::new(),
+            time_ns: 0,
+            horizon_ns: 0,
+        }
+    }
+
+    /// Adds odometry, which must be newer than the last one.
+    pub fn add_odometry(&mut self, odometry: &Odometry) {
+        let last = self.stands.back();
+        let (travel_m, turned_rad) = last.map_or((0.0, 0.0), |last| {
+            let moved = last.pose.inverse() * odometry.pose;
+            let turned_rad = moved.rotation.angle();
+            let half_rad = turned_rad / 2.0;
+            let along = Vector2::new(libm::cos(half_rad), libm::sin(half_rad));
+            let chord_m = moved.translation.vector.dot(&along);
+            let arc = match half_rad.abs() < 1e-9 {
+                true => 1.0,
+                false => half_rad / libm::sin(half_rad),
+            };
+            (last.travel_m + arc * chord_m, last.turned_rad + turned_rad)
+        });
+        self.stands.push_back(Stand {
+            time_ns: odometry.stamp_ns,
+            pose: odometry.pose,
+            speeds: odometry.speeds,
+            travel_m,
+            turned_rad,
+        });
+    }
+
+    /// Adds a reading of the gyro; one that is no newer than the last one is dropped.
+    pub fn add_imu(&mut self, imu: &Imu) {
+        let angle_rad = match self.gyro.back() {
+            Some(&(last_ns, _)) if imu.stamp_ns <= last_ns => return,
+            Some(&(last_ns, angle_rad)) => {
+                angle_rad + imu.turn_radps * (imu.stamp_ns - last_ns) as f64 * 1e-9
+            }
+            None => 0.0,
+        };
+        self.gyro.push_back((imu.stamp_ns, angle_rad));
+    }
+
+    /// Adds a turn of the lidar, which must be newer than the last one.
+    pub fn add_scan(&mut self, scan: &Scan) {
+        for (number, &range_m) in scan.ranges_m.iter().enumerate() {
+            let (bearing, range_m) = self.beam(scan, number, range_m);
+            self.beams.push_back(Beam {
+                time_ns: beam_time_ns(scan, number),
+                number: number as u32,
+                bearing,
+                range_m,
+            });
+        }
+        let last_ns = beam_time_ns(scan, scan.ranges_m.len().saturating_sub(1));
+        let apart_ns = (scan.time_increment_s * 1e9).round() as u64;
+        let rest_ns = if apart_ns == 0 { STEP_NS } else { apart_ns };
+        // Rounding must not keep back the last step of a turn.
+        self.horizon_ns = last_ns + rest_ns + 1_000;
+    }
+
+    /// The direction of a beam from the robot's heading, and its range from the robot's middle.
+    fn beam(&self, scan: &Scan, number: usize, range_m: f64) -> (UnitComplex<f64>, Option<f64>) {
+        let angle_rad = scan.angle_min_rad + number as f64 * scan.angle_increment_rad;
+        let (sine, cosine) = libm::sincos(angle_rad);
+        let direction = self.laser_in_base.rotation * Vector2::new(cosine, sine);
+        let bearing =
+            |way: Vector2<f64>| UnitComplex::new_normalize(nalgebra::Complex::new(way.x, way.y));
+        if range_m == f64::NEG_INFINITY || (range_m < scan.range_min_m && range_m >= 0.0) {
+            return (bearing(direction), Some(f64::NEG_INFINITY));
+        }
+        // NaN is no measurement.
+        let is_measured = range_m <= scan.range_max_m;
+        if !is_measured {
+            return (bearing(direction), None);
+        }
+        let end = self.laser_in_base.translation.vector + range_m * direction;
+        let far_m = end.norm();
+        match far_m > 0.0 {
+            true => (bearing(end), Some(far_m)),
+            false => (bearing(direction), None),
+        }
+    }
+
+    /// The onboard computer begins at a time.
+    pub fn begin(&mut self, time_ns: u64) {
+        self.time_ns = time_ns;
+    }
+
+    /// Until when the onboard computer has taken everything in.
+    pub fn time_ns(&self) -> u64 {
+        self.time_ns
+    }
+
+    /// The newest odometry: when, where, and how fast.
+    pub fn latest(&self) -> Option<(u64, Isometry2<f64>, Speeds)> {
+        let latest = self.stands.back()?;
+        Some((latest.time_ns, latest.pose, latest.speeds))
+    }
+
+    /// How the robot has moved since the time of the onboard computer, by odometry.
+    pub fn since(&self) -> Option<Isometry2<f64>> {
+        Some(self.pose_at(self.time_ns)?.inverse() * self.stands.back()?.pose)
+    }
+
+    /// Where odometry was at a time; the oldest or newest known pose beyond those.
+    pub fn pose_at(&self, time_ns: u64) -> Option<Isometry2<f64>> {
+        let (before, after, share) = self.around(time_ns)?;
+        let moved = before.pose.inverse() * after.pose;
+        let turn = UnitComplex::new(share * moved.rotation.angle());
+        let part = Isometry2::from_parts((share * moved.translation.vector).into(), turn);
+        Some(before.pose * part)
+    }
+
+    /// The poses before and after a time, and how far between them it is, from 0 to 1.
+    fn around(&self, time_ns: u64) -> Option<(&Stand, &Stand, f64)> {
+        let after = self.stands.partition_point(|stand| stand.time_ns < time_ns);
+        let last = self.stands.len().checked_sub(1)?;
+        let (after, before) = (after.min(last), after.saturating_sub(1));
+        let (before, after) = (self.stands.get(before)?, self.stands.get(after)?);
+        let whole_ns = after.time_ns.saturating_sub(before.time_ns);
+        let share = match whole_ns {
+            0 => 0.0,
+            _ => time_ns.saturating_sub(before.time_ns) as f64 / whole_ns as f64,
+        };
+        Some((before, after, share.min(1.0)))
+    }
+
+    /// The readings of the next step of the onboard computer, once odometry and scans reach its end.
+    pub fn next_step(&mut self) -> Option<StepReadings> {
+        let latest_ns = self.stands.back()?.time_ns;
+        let end_ns = self.time_ns + STEP_NS;
+        let is_late = end_ns + MOST_LAG_NS <= latest_ns;
+        if end_ns > latest_ns || (end_ns > self.horizon_ns && !is_late) {
+            return None;
+        }
+        let readings = StepReadings {
+            rolled_m: self.rolled(self.time_ns, end_ns)?,
+            turned_rad: self.turned(self.time_ns, end_ns),
+            beams: self.beams_until(end_ns),
+        };
+        self.time_ns = end_ns;
+        self.forget();
+        Some(readings)
+    }
+
+    fn rolled(&self, from_ns: u64, to_ns: u64) -> Option<[f64; 2]> {
+        let at = |time_ns| {
+            let (before, after, share) = self.around(time_ns)?;
+            let between = |a: f64, b: f64| a + share * (b - a);
+            Some([
+                between(before.travel_m, after.travel_m),
+                between(before.turned_rad, after.turned_rad),
+            ])
+        };
+        let ([from_m, from_rad], [to_m, to_rad]) = (at(from_ns)?, at(to_ns)?);
+        let half_m = (to_rad - from_rad) * self.wheel_base_m / 2.0;
+        Some([to_m - from_m - half_m, to_m - from_m + half_m])
+    }
+
+    /// How far the gyro turned; `None` if it does not cover the time, or a reading is missing.
+    fn turned(&self, from_ns: u64, to_ns: u64) -> Option<f64> {
+        let first = self
+            .gyro
+            .partition_point(|&(gyro_ns, _)| gyro_ns <= from_ns);
+        let last = self.gyro.partition_point(|&(gyro_ns, _)| gyro_ns < to_ns);
+        let covering = self
+            .gyro
+            .range(first.saturating_sub(1)..(last + 1).min(self.gyro.len()));
+        let ends = covering.clone().skip(1);
+        let has_gap = covering.zip(ends).any(|(a, b)| b.0 - a.0 > GYRO_GAP_NS);
+        if has_gap {
+            return None;
+        }
+        let at = |time_ns| {
+            let next = self.gyro.partition_point(|&(gyro_ns, _)| gyro_ns < time_ns);
+            let &(after_ns, after_rad) = self.gyro.get(next)?;
+            let before = next.checked_sub(1).and_then(|before| self.gyro.get(before));
+            match before {
+                Some(&(before_ns, before_rad)) => {
+                    let share = (time_ns - before_ns) as f64 / (after_ns - before_ns) as f64;
+                    Some(before_rad + share * (after_rad - before_rad))
+                }
+                None => (after_ns == time_ns).then_some(after_rad),
+            }
+        };
+        Some(at(to_ns)? - at(from_ns)?)
+    }
+
+    fn beams_until(&mut self, end_ns: u64) -> Vec<Return> {
+        let mut returns = Vec::new();
+        while let Some(beam) = self.beams.front().copied() {
+            if beam.time_ns >= end_ns {
+                break;
+            }
+            self.beams.pop_front();
+            if beam.time_ns < self.time_ns {
+                continue;
+            }
+            returns.push(Return {
+                number: beam.number,
+                moment: (beam.time_ns - self.time_ns) as f64 / STEP_NS as f64,
+                bearing: beam.bearing,
+                range_m: beam.range_m,
+            });
+        }
+        returns
+    }
+
+    /// Forgets what lies before the time of the onboard computer.
+    fn forget(&mut self) {
+        while self
+            .stands
+            .get(1)
+            .is_some_and(|s| s.time_ns <= self.time_ns)
+        {
+            self.stands.pop_front();
+        }
+        while self.gyro.get(1).is_some_and(|g| g.0 <= self.time_ns) {
+            self.gyro.pop_front();
+        }
+    }
+}
+
+/// When a beam of a scan was sent, in nanoseconds.
+pub fn beam_time_ns(scan: &Scan, number: usize) -> u64 {
+    scan.stamp_ns + (number as f64 * scan.time_increment_s.max(0.0) * 1e9).round() as u64
+}

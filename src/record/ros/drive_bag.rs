@@ -1,0 +1,294 @@
+//! Recordings of drives: what arrived, what was commanded, and why.
+
+use std::fs::{File, OpenOptions};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use byteorder::LittleEndian;
+use mcap::records::MessageHeader;
+use mcap::{Compression, McapError, MessageStream, WriteOptions, Writer};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::drive_messages::{Clock, Imu, Text, Twist};
+use super::messages::{EstimatedPose, LaserScan, MAP, ODOM, OccupancyGrid, Odometry, Transforms};
+use super::schemas::{CLOCK, GRID, IMU, Interface, ODOMETRY, POSE, SCAN, TEXT, TRANSFORMS, TWIST};
+use super::{ENCAPSULATION, LIBRARY, TRANSIENT_LOCAL, VOLATILE};
+use crate::disk;
+use crate::drive::{DriverStep, Fault, Readings};
+use crate::record::error::RecordError;
+use crate::world::Maze;
+
+/// A topic of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Topic {
+    Scan,
+    Odom,
+    Imu,
+    Clock,
+    CmdVel,
+    Tf,
+    Pose,
+    Map,
+    Decision,
+    Fault,
+}
+
+/// The topics in the order of [`Topic`].
+const TOPICS: [(&str, Interface, &str); 10] = [
+    ("/scan", SCAN, VOLATILE),
+    ("/odom", ODOMETRY, VOLATILE),
+    ("/imu", IMU, VOLATILE),
+    ("/clock", CLOCK, VOLATILE),
+    ("/cmd_vel", TWIST, VOLATILE),
+    ("/tf", TRANSFORMS, VOLATILE),
+    ("/pose", POSE, VOLATILE),
+    ("/map", GRID, TRANSIENT_LOCAL),
+    ("/decision", TEXT, VOLATILE),
+    ("/fault", TEXT, VOLATILE),
+];
+
+/// Writes the recording of a drive, message by message.
+///
+/// What arrived between two steps of the driver has the time of the step, so that the drive can be repeated.
+pub struct DriveBag {
+    path: PathBuf,
+    writer: Writer<BufWriter<File>>,
+    channels: [u16; TOPICS.len()],
+    /// The faults that were written last.
+    faults: Vec<&'static str>,
+    clock_ns: Option<u64>,
+}
+
+impl DriveBag {
+    /// Begins a recording in a new file, with the walls of the maze.
+    ///
+    /// # Errors
+    /// When the file exists, unless it may be replaced, or cannot be written.
+    pub fn create(
+        path: &Path,
+        replace: bool,
+        maze: &Maze,
+        time_ns: u64,
+    ) -> Result<Self, RecordError> {
+        let mut options = OpenOptions::new();
+        options.write(true).truncate(replace).create(replace);
+        let file = options.create_new(!replace).open(path);
+        let file = file.map_err(|cause| RecordError::Create {
+            path: path.to_owned(),
+            cause,
+        })?;
+        let faulty = |cause: McapError| unwritten(path, &cause);
+        let mut writer = WriteOptions::new()
+            .compression(Some(Compression::Zstd))
+            .compression_threads(0)
+            .profile("ros2")
+            .library(LIBRARY)
+            .create(BufWriter::new(file))
+            .map_err(faulty)?;
+        let mut channels = [0; TOPICS.len()];
+        for (channel, (topic, interface, qos)) in channels.iter_mut().zip(TOPICS) {
+            let Interface { name, definition } = interface;
+            let schema = writer.add_schema(name, "ros2msg", definition.as_bytes());
+            let metadata = [("offered_qos_profiles".to_owned(), qos.to_owned())].into();
+            let added = schema.and_then(|id| writer.add_channel(id, topic, "cdr", &metadata));
+            *channel = added.map_err(faulty)?;
+        }
+        let mut bag = Self {
+            path: path.to_owned(),
+            writer,
+            channels,
+            faults: Vec::new(),
+            clock_ns: None,
+        };
+        bag.write(Topic::Map, time_ns, &OccupancyGrid::new(time_ns, maze))?;
+        Ok(bag)
+    }
+
+    /// Writes what arrived until a step of the driver, and what the driver made of it.
+    ///
+    /// # Errors
+    /// When the disk is full, or fails.
+    pub fn step(
+        &mut self,
+        time_ns: u64,
+        readings: &Readings,
+        step: &DriverStep,
+    ) -> Result<(), RecordError> {
+        if let Some(clock_ns) = readings
+            .clock_ns
+            .filter(|_| self.clock_ns != readings.clock_ns)
+        {
+            self.clock_ns = readings.clock_ns;
+            self.write(Topic::Clock, time_ns, &Clock::new(clock_ns))?;
+        }
+        for odometry in &readings.odometry {
+            self.write(Topic::Odom, time_ns, &Odometry::from(odometry))?;
+        }
+        for imu in &readings.imu {
+            self.write(Topic::Imu, time_ns, &Imu::from(imu))?;
+        }
+        for scan in &readings.scans {
+            self.write(Topic::Scan, time_ns, &LaserScan::from(scan))?;
+        }
+        self.write(Topic::CmdVel, time_ns, &Twist::from(step.command))?;
+        if let Some(belief) = &step.belief {
+            let frames = [(MAP, ODOM, belief.odom_in_map)];
+            self.write(
+                Topic::Tf,
+                time_ns,
+                &Transforms::new(belief.stamp_ns, &frames),
+            )?;
+            self.write(Topic::Pose, time_ns, &EstimatedPose::from(belief))?;
+        }
+        if let Some(decision) = &step.decision {
+            self.write(Topic::Decision, time_ns, &Text::new(decision.words.clone()))?;
+        }
+        let faults: Vec<_> = step.faults.iter().map(Fault::name).collect();
+        if faults != self.faults {
+            self.faults = faults;
+            let words: Vec<String> = step.faults.iter().map(Fault::to_string).collect();
+            self.write(Topic::Fault, time_ns, &Text::new(words.join("; ")))?;
+        }
+        Ok(())
+    }
+
+    fn write(
+        &mut self,
+        topic: Topic,
+        time_ns: u64,
+        message: &impl Serialize,
+    ) -> Result<(), RecordError> {
+        let body = cdr_encoding::to_vec::<_, LittleEndian>(message)
+            .map_err(|cause| unwritten(&self.path, &cause))?;
+        let header = MessageHeader {
+            channel_id: self.channels[topic as usize],
+            sequence: 0,
+            log_time: time_ns,
+            publish_time: time_ns,
+        };
+        let message = [&ENCAPSULATION[..], &body].concat();
+        let written = self.writer.write_to_known_channel(&header, &message);
+        written.map_err(|cause| unwritten(&self.path, &cause))
+    }
+
+    /// Ends the recording.
+    ///
+    /// # Errors
+    /// When the disk is full, or fails.
+    pub fn finish(mut self) -> Result<(), RecordError> {
+        let ended = self.writer.finish();
+        ended.map_err(|cause| unwritten(&self.path, &cause))?;
+        Ok(())
+    }
+}
+
+fn unwritten(path: &Path, cause: &impl ToString) -> RecordError {
+    RecordError::Write {
+        path: path.to_owned(),
+        cause: cause.to_string(),
+    }
+}
+
+/// What a drive, or a bag of another program, recorded of a robot.
+#[derive(Debug, Clone, Default)]
+pub struct DriveRecording {
+    /// What arrived, by the time when it was recorded in nanoseconds.
+    pub readings: Vec<(u64, Readings)>,
+    /// The decisions of the driver, in words; empty in bags of other programs.
+    pub decisions: Vec<String>,
+}
+
+impl DriveRecording {
+    /// Reads `/scan`, `/odom`, `/imu` and `/clock`, in any namespace, from an MCAP file in the encoding of ROS 2.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is damaged, or has other messages under these names.
+    pub fn read(path: &Path) -> Result<Self, RecordError> {
+        let bytes = disk::read(path, disk::MOST_BYTES).map_err(|cause| RecordError::Read {
+            path: path.to_owned(),
+            cause,
+        })?;
+        let damaged = |cause: String| RecordError::Damaged {
+            path: path.to_owned(),
+            cause,
+        };
+        let mut recording = Self::default();
+        let mut clock_ns = None;
+        let messages = MessageStream::new(&bytes).map_err(|cause| damaged(cause.to_string()))?;
+        for message in messages {
+            let message = message.map_err(|cause| damaged(cause.to_string()))?;
+            let channel = &message.channel;
+            let topic = channel.topic.rsplit('/').next().unwrap_or_default();
+            let added = recording.add(topic, message.log_time, &message.data, &mut clock_ns);
+            added.map_err(|cause| damaged(format!("{}: {cause}", channel.topic)))?;
+        }
+        Ok(recording)
+    }
+
+    fn add(
+        &mut self,
+        topic: &str,
+        time_ns: u64,
+        data: &[u8],
+        clock_ns: &mut Option<u64>,
+    ) -> Result<(), String> {
+        match topic {
+            "scan" => {
+                let scan = decoded::<LaserScan>(data)?;
+                self.at(time_ns, *clock_ns).scans.push((&scan).into());
+            }
+            "odom" => {
+                let odometry = decoded::<Odometry>(data)?;
+                self.at(time_ns, *clock_ns)
+                    .odometry
+                    .push((&odometry).into());
+            }
+            "imu" => {
+                let imu = decoded::<Imu>(data)?;
+                self.at(time_ns, *clock_ns).imu.push((&imu).into());
+            }
+            "clock" => {
+                *clock_ns = Some(decoded::<Clock>(data)?.clock.nanoseconds());
+                self.at(time_ns, *clock_ns);
+            }
+            // The driver was called, maybe because nothing arrived for a while.
+            "cmd_vel" => {
+                self.at(time_ns, *clock_ns);
+            }
+            "decision" => self
+                .decisions
+                .push(decoded::<Text>(data)?.data.into_owned()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The readings of a time.
+    fn at(&mut self, time_ns: u64, clock_ns: Option<u64>) -> &mut Readings {
+        if self
+            .readings
+            .last()
+            .is_none_or(|(last_ns, _)| *last_ns != time_ns)
+        {
+            self.readings.push((time_ns, Readings::default()));
+        }
+        let last = self.readings.len() - 1;
+        let readings = &mut self.readings[last].1;
+        readings.clock_ns = clock_ns;
+        readings
+    }
+}
+
+/// A message with the four bytes that name its encoding.
+fn decoded<M: DeserializeOwned>(data: &[u8]) -> Result<M, String> {
+    match data.split_at_checked(ENCAPSULATION.len()) {
+        Some((head, body)) if head[..2] == ENCAPSULATION[..2] => {
+            let decoded = cdr_encoding::from_bytes::<M, LittleEndian>(body);
+            decoded
+                .map(|(message, _)| message)
+                .map_err(|e| e.to_string())
+        }
+        _ => Err("not in the little-endian encoding of ROS 2".to_owned()),
+    }
+}

@@ -1,0 +1,357 @@
+//! The driver as a node.
+
+use std::thread::sleep;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use ros2_client::{Gid, Publisher, Subscription};
+use serde::Serialize;
+
+use super::error::Ros2Error;
+use super::link::{Link, drain, heard, told};
+use crate::arena::Speeds;
+use crate::drive::{Driver, DriverOptions, DriverStep, Fault, Network, Phase, Readings};
+use crate::record::DriveBag;
+use crate::record::drive_messages::{Clock, Imu, Text, Twist, TwistStamped};
+use crate::record::messages::{EstimatedPose, LaserScan, MAP, ODOM, Odometry, Transforms};
+
+/// The control period: the driver is called at least so often.
+const PERIOD: Duration = Duration::from_millis(50);
+/// How often one looks for messages.
+const TICK: Duration = Duration::from_millis(1);
+/// How often the graph is looked at.
+const GRAPH: Duration = Duration::from_millis(100);
+/// How long the last commands get to arrive.
+const FAREWELL: Duration = Duration::from_millis(200);
+const TWIST: [&str; 2] = ["geometry_msgs", "Twist"];
+const STAMPED: [&str; 2] = ["geometry_msgs", "TwistStamped"];
+const SCAN: [&str; 2] = ["sensor_msgs", "LaserScan"];
+const ODOMETRY: [&str; 2] = ["nav_msgs", "Odometry"];
+
+/// What happens during a drive.
+#[derive(Debug)]
+pub enum DriveReport<'a> {
+    /// The driver decided, or an action ended.
+    Step(&'a DriverStep),
+    /// Other faults hold than before; none if it goes on.
+    Faults(&'a [Fault]),
+}
+
+/// The times from a scan to the command that follows it, in milliseconds.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Latency {
+    /// Scans.
+    pub count: usize,
+    /// The median.
+    pub median_ms: f64,
+    /// Of a hundred, one is slower.
+    pub p99_ms: f64,
+    /// The slowest.
+    pub most_ms: f64,
+}
+
+/// What a drive came to.
+#[derive(Debug, Clone)]
+pub struct DriveSummary {
+    /// How far it came.
+    pub phase: Phase,
+    /// Decisions of the policy.
+    pub decisions: u32,
+    /// The faults at its end.
+    pub faults: Vec<Fault>,
+    /// From the time at which a scan was sent, by its publisher's clock, until the command was published.
+    pub latency: Latency,
+}
+
+/// The publisher of commands.
+enum Velocity {
+    Plain(Publisher<Twist>),
+    Stamped(Publisher<TwistStamped>),
+}
+
+impl Velocity {
+    fn gid(&self) -> Gid {
+        match self {
+            Self::Plain(to) => to.gid(),
+            Self::Stamped(to) => to.gid(),
+        }
+    }
+
+    fn publish(&self, time_ns: u64, speeds: Speeds) -> Result<(), Ros2Error> {
+        let fault = |cause: String| Ros2Error::Publish {
+            topic: "/cmd_vel",
+            cause,
+        };
+        match self {
+            Self::Plain(to) => to
+                .publish(speeds.into())
+                .map_err(|cause| fault(format!("{cause:?}"))),
+            Self::Stamped(to) => to
+                .publish(TwistStamped::new(time_ns, speeds))
+                .map_err(|cause| fault(format!("{cause:?}"))),
+        }
+    }
+}
+
+fn publisher_of<M: Serialize>(link: &mut Link, kind: [&str; 2]) -> Result<Publisher<M>, Ros2Error> {
+    link.publisher("cmd_vel", kind, &told())
+}
+
+struct DriveNode {
+    link: Link,
+    scan: Subscription<LaserScan>,
+    odom: Subscription<Odometry>,
+    imu: Subscription<Imu>,
+    clock: Option<Subscription<Clock>>,
+    cmd_vel: Option<Velocity>,
+    /// The type of commands.
+    velocity: [&'static str; 2],
+    tf: Publisher<Transforms>,
+    pose: Publisher<EstimatedPose>,
+    decision: Publisher<Text>,
+    fault: Publisher<Text>,
+    clock_ns: Option<u64>,
+    network: Network,
+    looked: Option<Instant>,
+}
+
+/// What was taken from the topics.
+struct Taken {
+    readings: Readings,
+    /// When the newest scan was sent, in nanoseconds since 1970.
+    scan_sent_ns: Option<i64>,
+}
+
+impl DriveNode {
+    fn open(options: &DriverOptions) -> Result<Self, Ros2Error> {
+        let mut link = Link::open("xcscr_driver", &options.node)?;
+        let text = ["std_msgs", "String"];
+        let clock = ["rosgraph_msgs", "Clock"];
+        let pose = ["geometry_msgs", "PoseWithCovarianceStamped"];
+        Ok(Self {
+            scan: link.subscription("scan", SCAN, &heard())?,
+            odom: link.subscription("odom", ODOMETRY, &heard())?,
+            imu: link.subscription("imu", ["sensor_msgs", "Imu"], &heard())?,
+            clock: match options.sim_time {
+                true => Some(link.subscription("clock", clock, &heard())?),
+                false => None,
+            },
+            cmd_vel: match (options.dry_run, options.stamped) {
+                (true, _) => None,
+                (false, false) => Some(Velocity::Plain(publisher_of(&mut link, TWIST)?)),
+                (false, true) => Some(Velocity::Stamped(publisher_of(&mut link, STAMPED)?)),
+            },
+            velocity: if options.stamped { STAMPED } else { TWIST },
+            tf: link.publisher("tf", ["tf2_msgs", "TFMessage"], &told())?,
+            pose: link.publisher("xcscr/pose", pose, &told())?,
+            decision: link.publisher("xcscr/decision", text, &told())?,
+            fault: link.publisher("xcscr/fault", text, &told())?,
+            clock_ns: None,
+            network: Network::default(),
+            looked: None,
+            link,
+        })
+    }
+
+    fn take(&mut self) -> Taken {
+        for (clock, _) in self.clock.iter().flat_map(drain) {
+            self.clock_ns = Some(clock.clock.nanoseconds());
+        }
+        let odometry = drain(&self.odom);
+        let imu = drain(&self.imu);
+        let scans = drain(&self.scan);
+        if self.looked.is_none_or(|at| at.elapsed() >= GRAPH) {
+            self.look();
+        }
+        Taken {
+            scan_sent_ns: scans.last().map(|(_, sent_ns)| *sent_ns),
+            readings: Readings {
+                scans: scans.iter().map(|(scan, _)| scan.into()).collect(),
+                odometry: odometry
+                    .iter()
+                    .map(|(odometry, _)| odometry.into())
+                    .collect(),
+                imu: imu.iter().map(|(imu, _)| imu.into()).collect(),
+                clock_ns: self.clock_ns,
+                network: self.network.clone(),
+            },
+        }
+    }
+
+    /// Looks at the graph.
+    fn look(&mut self) {
+        self.looked = Some(Instant::now());
+        let own = self.cmd_vel.as_ref().map(Velocity::gid);
+        let link = &self.link;
+        let named = |topic: &str, cause: Option<String>| Some((format!("/{topic}"), cause?));
+        let incompatible = [
+            named("scan", link.unheard("scan", SCAN, &heard())),
+            named("odom", link.unheard("odom", ODOMETRY, &heard())),
+            named("cmd_vel", link.unhearing("cmd_vel", self.velocity, &told())),
+        ];
+        self.network = Network {
+            other_publishers: link.other_publishers("cmd_vel", own),
+            incompatible: incompatible.into_iter().flatten().collect(),
+        };
+    }
+
+    fn publish(&self, step: &DriverStep) -> Result<(), Ros2Error> {
+        if let Some(cmd_vel) = &self.cmd_vel {
+            let time_ns = step.belief.map_or(0, |belief| belief.stamp_ns);
+            cmd_vel.publish(time_ns, step.command)?;
+        }
+        // What follows is for people: a full queue loses it.
+        if let Some(belief) = &step.belief {
+            let frames = [(MAP, ODOM, belief.odom_in_map)];
+            let _ = self.tf.publish(Transforms::new(belief.stamp_ns, &frames));
+            let _ = self.pose.publish(belief.into());
+        }
+        if let Some(decision) = &step.decision {
+            let _ = self.decision.publish(Text::new(decision.words.clone()));
+        }
+        Ok(())
+    }
+}
+
+/// Commands rest when the drive ends, in whatever way: by a panic, too.
+struct RestAtEnd(DriveNode);
+
+impl Drop for RestAtEnd {
+    fn drop(&mut self) {
+        if let Some(cmd_vel) = &self.0.cmd_vel {
+            for _ in 0..3 {
+                let _ = cmd_vel.publish(0, Speeds::default());
+            }
+            sleep(FAREWELL);
+        }
+    }
+}
+
+/// Drives a robot until it is at the goal, out of steps, lost, or `stop` says so.
+///
+/// # Errors
+/// When the node or a topic cannot be made, a command cannot be sent, or the recording cannot be written. The robot is commanded
+/// to rest before that.
+pub fn drive(
+    driver: Driver,
+    options: &DriverOptions,
+    bag: Option<DriveBag>,
+    stop: &dyn Fn() -> bool,
+    report: &mut dyn FnMut(DriveReport<'_>),
+) -> Result<DriveSummary, Ros2Error> {
+    let mut drive = Drive {
+        node: RestAtEnd(DriveNode::open(options)?),
+        driver,
+        bag,
+        imu: Vec::new(),
+        decisions: 0,
+        faults: Vec::new(),
+        latencies_ms: Vec::new(),
+    };
+    let end = drive.follow(stop, report)?;
+    let Drive {
+        node,
+        bag,
+        decisions,
+        latencies_ms,
+        ..
+    } = drive;
+    // The robot rests before the disk is waited for.
+    drop(node);
+    bag.map_or(Ok(()), DriveBag::finish)?;
+    Ok(DriveSummary {
+        phase: end.phase,
+        decisions,
+        faults: end.faults,
+        latency: Latency::of(latencies_ms),
+    })
+}
+
+/// A drive under way.
+struct Drive {
+    node: RestAtEnd,
+    driver: Driver,
+    bag: Option<DriveBag>,
+    /// Readings of the gyro that wait for odometry or a scan.
+    imu: Vec<crate::drive::Imu>,
+    decisions: u32,
+    /// The names of the faults that were reported last.
+    faults: Vec<&'static str>,
+    latencies_ms: Vec<f64>,
+}
+
+impl Drive {
+    /// Calls the driver when messages arrive, and at least in every control period. Returns the last step.
+    fn follow(
+        &mut self,
+        stop: &dyn Fn() -> bool,
+        report: &mut dyn FnMut(DriveReport<'_>),
+    ) -> Result<DriverStep, Ros2Error> {
+        let (began, began_ns) = (Instant::now(), unix_ns());
+        let mut last: Option<Instant> = None;
+        loop {
+            let mut taken = self.node.0.take();
+            self.imu.append(&mut taken.readings.imu);
+            let readings = &mut taken.readings;
+            let is_due = last.is_none_or(|at| at.elapsed() >= PERIOD);
+            if readings.odometry.is_empty() && readings.scans.is_empty() && !is_due {
+                sleep(TICK);
+                continue;
+            }
+            readings.imu = std::mem::take(&mut self.imu);
+            if stop() {
+                self.driver.interrupt();
+            }
+            last = Some(Instant::now());
+            let steady_ns = began_ns + began.elapsed().as_nanos() as u64;
+            let step = self.driver.step(steady_ns, readings);
+            self.node.0.publish(&step)?;
+            if let Some(sent_ns) = taken.scan_sent_ns.filter(|&sent_ns| sent_ns > 0) {
+                let passed_ms = (unix_ns() as f64 - sent_ns as f64) * 1e-6;
+                self.latencies_ms.push(passed_ms);
+            }
+            self.report(&step, report);
+            if let Some(bag) = &mut self.bag {
+                bag.step(steady_ns, readings, &step)?;
+            }
+            let is_over = matches!(step.phase, Phase::AtGoal | Phase::OutOfSteps);
+            if is_over || step.faults.iter().any(Fault::is_final) {
+                return Ok(step);
+            }
+        }
+    }
+
+    fn report(&mut self, step: &DriverStep, report: &mut dyn FnMut(DriveReport<'_>)) {
+        let names: Vec<_> = step.faults.iter().map(Fault::name).collect();
+        if names != self.faults {
+            self.faults = names;
+            let words: Vec<String> = step.faults.iter().map(Fault::to_string).collect();
+            let _ = self.node.0.fault.publish(Text::new(words.join("; ")));
+            report(DriveReport::Faults(&step.faults));
+        }
+        self.decisions += u32::from(step.decision.is_some());
+        if step.decision.is_some() || step.outcome.is_some() {
+            report(DriveReport::Step(step));
+        }
+    }
+}
+
+impl Latency {
+    fn of(mut all_ms: Vec<f64>) -> Self {
+        all_ms.sort_by(f64::total_cmp);
+        let at = |share: f64| {
+            let last = all_ms.len().checked_sub(1)?;
+            all_ms.get((share * last as f64).ceil() as usize).copied()
+        };
+        Self {
+            count: all_ms.len(),
+            median_ms: at(0.5).unwrap_or(0.0),
+            p99_ms: at(0.99).unwrap_or(0.0),
+            most_ms: at(1.0).unwrap_or(0.0),
+        }
+    }
+}
+
+fn unix_ns() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    since.map_or(0, |since| since.as_nanos() as u64)
+}

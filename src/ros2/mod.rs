@@ -1,0 +1,13 @@
+//! ROS 2 without a ROS installation: the driver and the simulated robot as nodes (feature `ros2`).
+//!
+//! The nodes speak DDS in pure Rust. Everything that decides is in [`crate::drive`]; here are topics, their quality of service, and
+//! the loops that move messages.
+
+mod drive_node;
+mod error;
+mod link;
+mod robot_node;
+
+pub use drive_node::{DriveReport, DriveSummary, Latency, drive};
+pub use error::Ros2Error;
+pub use robot_node::simulate;
