@@ -1,5 +1,6 @@
-//! The Python module `xcscr._native`: the robot, and trials of the learners.
+//! The Python module `xcscr._native`: the robot, trials of the learners, and XCS by itself.
 
+mod agent;
 mod plan;
 mod robot;
 mod robots;
@@ -11,6 +12,8 @@ use pyo3::prelude::*;
 /// The native part of the package `xcscr`.
 #[pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::agent::Agent;
     #[pymodule_export]
     use super::robot::Robot;
     #[pymodule_export]

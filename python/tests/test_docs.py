@@ -14,8 +14,9 @@ def blocks(page):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_every_block_of_a_page_runs(page):
+def test_every_block_of_a_page_runs(page, tmp_path, monkeypatch):
     assert blocks(page), "there is none"
+    monkeypatch.chdir(tmp_path)
     for block in blocks(page):
         # A figure needs matplotlib, which the tests do without.
         exec(block.replace('curve["steps"].plot()\n', ""), {})

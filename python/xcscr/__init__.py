@@ -6,16 +6,45 @@
 >>> result = xcscr.train("maze4", arena="grid", episodes=20)
 """
 
+from typing import TYPE_CHECKING, Any
+
 from gymnasium.envs.registration import register, registry
 
 from ._native import bundled_worlds, methods, sensors
 from .envs import MazeEnv
 from .learning import Result, Rule, train
+from .parameters import Parameters
 from .vector import MazeVectorEnv
 from .wheels import WheelsEnv
+from .xcs import XCS, XCSRule
 
-__all__ = ["MazeEnv", "MazeVectorEnv", "Result", "Rule", "WheelsEnv", "bundled_worlds", "methods", "sensors", "train"]
+if TYPE_CHECKING:
+    from .classifier import XCSClassifier as XCSClassifier
+
+__all__ = [
+    "MazeEnv",
+    "MazeVectorEnv",
+    "Parameters",
+    "Result",
+    "Rule",
+    "WheelsEnv",
+    "XCS",
+    "XCSRule",
+    "bundled_worlds",
+    "methods",
+    "sensors",
+    "train",
+]
 __version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    """Imports the classifier when it is used, because it needs scikit-learn."""
+    if name != "XCSClassifier":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from .classifier import XCSClassifier
+
+    return XCSClassifier
 
 
 def _id(world: str) -> str:

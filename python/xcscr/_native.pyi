@@ -1,6 +1,32 @@
 from typing import Any, final
 
-__all__ = ["Robot", "Robots", "Trained", "Wheels", "train", "bundled_worlds", "methods", "sensors"]
+__all__ = ["Agent", "Robot", "Robots", "Trained", "Wheels", "train", "bundled_worlds", "methods", "sensors"]
+
+@final
+class Agent:
+    def __new__(
+        cls,
+        intervals: bool,
+        width: int,
+        actions: int,
+        params: str,
+        spreads: str,
+        gamma: float,
+        exploration: float,
+        seed: int,
+    ) -> Agent: ...
+    def act(self, percept: bytes, explores: bool) -> int: ...
+    def update(self, reward: float, next: bytes | None) -> None: ...
+    def end_episode(self) -> None: ...
+    def learn_table(self, rows: bytes, answers: bytes, trials: int, seed: int) -> None: ...
+    def values(self, rows: bytes) -> bytes: ...
+    def rules(
+        self,
+    ) -> list[tuple[list[tuple[int, float, float]], int, float, float, float, int, int, float, int]]: ...
+    @property
+    def numerosity(self) -> int: ...
+    def state(self) -> bytes: ...
+    def restore(self, state: bytes) -> None: ...
 
 @final
 class Robot:

@@ -58,7 +58,7 @@ fn learn(seed: u64) -> Result<(Runner<Multiplexer>, f64), xcs::bounds::OutOfRang
         ..Params::default()
     };
     let mut runner = Runner::new(Multiplexer::new(seed), params, seed)?;
-    runner.exploration = 1.0;
+    runner.agent.exploration = 1.0;
     for _ in 0..10_000 {
         runner.learn();
     }

@@ -4,17 +4,19 @@ use serde::{Deserialize, Serialize};
 
 use super::condition::Condition;
 use super::params::Params;
+use super::representation::Representation;
 use crate::signal::Action;
 
 /// A macro-classifier: `numerosity` identical rules that share their figures.
 ///
 /// The condition comes first, and what a learning step needs lies together behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Classifier {
+#[serde(deny_unknown_fields, bound = "C: Representation")]
+pub struct Classifier<C = Condition> {
     /// Which percepts it matches.
-    pub condition: Condition,
+    pub condition: C,
     /// What it advocates.
+    #[serde(deserialize_with = "Action::read::<C, _>")]
     pub action: Action,
     /// p: the expected payoff.
     pub prediction: f64,
@@ -42,9 +44,9 @@ fn no_mapping() -> f32 {
     1.0
 }
 
-impl Classifier {
+impl<C: Representation> Classifier<C> {
     /// A covering rule, which knows nothing yet.
-    pub fn new(condition: Condition, action: Action, time: u64, params: &Params) -> Self {
+    pub fn new(condition: C, action: Action, time: u64, params: &Params) -> Self {
         Self {
             condition,
             action,

@@ -93,9 +93,9 @@ impl DeletionVotes {
 
     /// The position of the rule on which a roulette ball at `ball` (in `[0, 1)`) comes to rest.
     /// There is at least one rule.
-    pub fn roulette(
+    pub fn roulette<C>(
         &mut self,
-        rules: &[Classifier],
+        rules: &[Classifier<C>],
         micro: u32,
         params: &Params,
         ball: f64,
@@ -139,7 +139,7 @@ fn stop(votes: impl Iterator<Item = f64>, left: &mut f64) -> usize {
 
 impl Group {
     /// Looks at the rules that changed; `rules` are those of the group.
-    fn refresh(&mut self, rules: &[Classifier], params: &Params) {
+    fn refresh<C>(&mut self, rules: &[Classifier<C>], params: &Params) {
         while self.dirty != 0 {
             let at = self.dirty.trailing_zeros() as usize;
             self.dirty &= self.dirty - 1;
@@ -237,7 +237,7 @@ impl Sums {
 }
 
 impl WeightedRule {
-    fn of(rule: &Classifier, params: &Params) -> Self {
+    fn of<C>(rule: &Classifier<C>, params: &Params) -> Self {
         let numerosity = f64::from(rule.numerosity);
         let mean = rule.fitness / numerosity;
         let plain = rule.set_size * numerosity * f64::from(rule.eam);

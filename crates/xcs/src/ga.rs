@@ -3,8 +3,9 @@
 use super::classifier::Classifier;
 use super::handles::ClassifierId;
 use super::params::Params;
+use super::representation::Representation;
 use crate::random::Stream;
-use crate::signal::{Action, Percept};
+use crate::signal::Action;
 
 /// Fraction of the parents' error that a child inherits (Butz and Wilson 2001).
 const ERROR_INHERITANCE: f64 = 0.25;
@@ -12,15 +13,15 @@ const ERROR_INHERITANCE: f64 = 0.25;
 const FITNESS_INHERITANCE: f64 = 0.1;
 
 /// A rule of a niche, with the id under which it lives in \[P\].
-pub(super) type Parent = (ClassifierId, Classifier);
+pub(super) type Parent<C> = (ClassifierId, Classifier<C>);
 
 /// Selects a parent by roulette over fitness, of which the niche has `total`; `None` from an
 /// empty niche.
-pub(super) fn select<'a>(
-    niche: impl Iterator<Item = (ClassifierId, &'a Classifier)>,
+pub(super) fn select<'a, C: Representation + 'a>(
+    niche: impl Iterator<Item = (ClassifierId, &'a Classifier<C>)>,
     total: f64,
     stream: &mut Stream,
-) -> Option<Parent> {
+) -> Option<Parent<C>> {
     let mut left = stream.unit() * total;
     let mut last = None;
     for (id, rule) in niche {
@@ -30,23 +31,24 @@ pub(super) fn select<'a>(
             break;
         }
     }
-    last.map(|(id, rule)| (id, *rule))
+    last.map(|(id, rule)| (id, rule.clone()))
 }
 
 /// Two children of two parents in one niche: crossed over, mutated within the niche, and without
 /// experience of their own. `actions` is the number of actions.
-pub(super) fn children(
-    parents: &[Parent; 2],
-    percept: &Percept,
+pub(super) fn children<C: Representation>(
+    parents: &[Parent<C>; 2],
+    percept: &C::Percept,
     actions: usize,
     params: &Params,
+    settings: &C::Settings,
     stream: &mut Stream,
-) -> [Classifier; 2] {
+) -> [Classifier<C>; 2] {
     let [mut first, mut second] = [&parents[0].1, &parents[1].1].map(|parent| Classifier {
         numerosity: 1,
         experience: 0,
         fitness: parent.fitness / f64::from(parent.numerosity),
-        ..*parent
+        ..parent.clone()
     });
     if stream.chance(params.chi) {
         cross(&mut first, &mut second, stream);
@@ -54,7 +56,7 @@ pub(super) fn children(
     [first, second].map(|mut child| {
         child.error *= ERROR_INHERITANCE;
         child.fitness *= FITNESS_INHERITANCE;
-        child.condition.mutate(percept, params.mu, stream);
+        child.condition.mutate(percept, params, settings, stream);
         if stream.chance(params.mu) {
             child.action = other_action(child.action, actions, stream);
         }
@@ -63,7 +65,11 @@ pub(super) fn children(
 }
 
 /// Two-point crossover of the conditions; the figures become the parents' means.
-fn cross(first: &mut Classifier, second: &mut Classifier, stream: &mut Stream) {
+fn cross<C: Representation>(
+    first: &mut Classifier<C>,
+    second: &mut Classifier<C>,
+    stream: &mut Stream,
+) {
     let alleles = first.condition.width();
     let [x, y] = [0; 2].map(|_| stream.below(alleles + 1));
     first
@@ -81,7 +87,7 @@ fn average(a: &mut f64, b: &mut f64) {
 
 /// One of the other actions, each with the same chance.
 fn other_action(action: Action, actions: usize, stream: &mut Stream) -> Action {
-    let mut others = Action::all(actions).filter(|&other| other != action);
+    let mut others = Action::wide_all(actions).filter(|&other| other != action);
     match others.clone().count() {
         0 => action,
         count => others.nth(stream.below(count)).unwrap_or(action),

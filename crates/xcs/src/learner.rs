@@ -8,17 +8,20 @@ use super::labelled_examples::LabelledExamples;
 use super::params::{GaClock, Params, SubsumerTies, UpdateOrder};
 use super::population::{MOST_STEPS, Population};
 use super::prediction::PredictionArray;
+use super::representation::Representation;
 use super::saved;
 use super::sets::{ActionSet, MatchSet};
 use crate::random::Stream;
-use crate::signal::{Action, MAX_ACTIONS, Percept};
+use crate::signal::{Action, Percept};
 
 /// XCS: a population and the procedures that cover, predict, update and evolve it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Xcs {
+pub struct Xcs<C: Representation = Condition> {
     pub(super) params: Params,
+    /// The parameters of the representation's operators.
+    settings: C::Settings,
     pub(super) actions: usize,
-    pub(super) population: Population,
+    pub(super) population: Population<C>,
     /// t: match sets formed so far, as [`GaClock`] counts them.
     time: u64,
     pub(super) stream: Stream,
@@ -31,21 +34,48 @@ pub struct Xcs {
 /// What learning changes in an [`Xcs`]: all that a file must keep for a learner with the same
 /// parameters to go on to the bit.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Learned {
+#[serde(bound = "C: Representation")]
+pub struct Learned<C: Representation = Condition> {
     #[serde(with = "saved")]
-    population: Population,
+    population: Population<C>,
     time: u64,
     stream: Stream,
     evolves: bool,
 }
 
 impl Xcs {
-    /// An empty learner for `actions` actions (1 to [`MAX_ACTIONS`]) that draws from `stream`.
+    /// An empty learner for `actions` actions (1 to [`MAX_ACTIONS`](crate::MAX_ACTIONS)) that draws from `stream`.
     /// The parameters must have been checked.
     pub fn new(params: Params, actions: usize, stream: Stream) -> Self {
+        Self::with_settings(params, (), actions, stream)
+    }
+
+    /// Discovers rules from examples by induction instead of by the GA.
+    pub fn induce(&mut self, induction: &mut Induction, labelled_examples: &mut LabelledExamples) {
+        induction.learn(&mut self.population, labelled_examples, &self.params);
+    }
+
+    /// The prediction array in a percept, read from \[P\] without covering or changing anything.
+    pub fn values(&self, percept: &Percept) -> PredictionArray {
+        let sums = self.population.sums(percept);
+        sums.array(self.actions, self.params.value_over_match_set)
+    }
+}
+
+impl<C: Representation> Xcs<C> {
+    /// Creates an untrained learner with any representation, for `actions` actions (1 to
+    /// [`Representation::MAX_ACTIONS`]), that draws from `stream`. The parameters and settings must
+    /// have been checked.
+    pub fn with_settings(
+        params: Params,
+        settings: C::Settings,
+        actions: usize,
+        stream: Stream,
+    ) -> Self {
         Self {
             params,
-            actions: actions.clamp(1, MAX_ACTIONS),
+            settings,
+            actions: actions.clamp(1, C::MAX_ACTIONS),
             population: Population::default(),
             time: 0,
             stream,
@@ -55,7 +85,7 @@ impl Xcs {
     }
 
     /// Starts from rules that were learned elsewhere, as if the GA had visited each of them just now.
-    pub fn start_from(&mut self, rules: &Population) {
+    pub fn start_from(&mut self, rules: &Population<C>) {
         self.population = rules.stamped(self.time, self.eam_at_first());
         self.population
             .delete_surplus(&self.params, &mut self.stream);
@@ -67,7 +97,7 @@ impl Xcs {
     }
 
     /// Starts from rules that were learned before.
-    pub fn with_population(mut self, population: Population) -> Self {
+    pub fn with_population(mut self, population: Population<C>) -> Self {
         self.population = population;
         self.population
             .delete_surplus(&self.params, &mut self.stream);
@@ -75,7 +105,7 @@ impl Xcs {
     }
 
     /// What learning has changed so far.
-    pub fn learned(&self) -> Learned {
+    pub fn learned(&self) -> Learned<C> {
         Learned {
             population: self.population.clone(),
             time: self.time,
@@ -86,10 +116,10 @@ impl Xcs {
 
     /// Goes on from what a learner with the same parameters had learned; `false`, and nothing is
     /// changed, if that cannot have been learned with these parameters.
-    pub fn resume(&mut self, learned: Learned) -> bool {
+    pub fn resume(&mut self, learned: Learned<C>) -> bool {
         let eams = 1.0..=self.eam_at_first();
         let known =
-            |rule: &Classifier| rule.action.index() < self.actions && eams.contains(&rule.eam);
+            |rule: &Classifier<C>| rule.action.index() < self.actions && eams.contains(&rule.eam);
         let fits = learned.time <= MOST_STEPS
             && learned.population.micro() <= self.params.population_size
             && learned.population.rules().iter().all(known);
@@ -102,20 +132,15 @@ impl Xcs {
         fits
     }
 
-    /// Discovers rules from examples by induction instead of by the GA.
-    pub fn induce(&mut self, induction: &mut Induction, labelled_examples: &mut LabelledExamples) {
-        induction.learn(&mut self.population, labelled_examples, &self.params);
-    }
-
     /// Forms \[M\] without covering.
-    pub fn match_without_covering(&self, percept: &Percept, set: &mut MatchSet) {
+    pub fn match_without_covering(&self, percept: &C::Percept, set: &mut MatchSet<C>) {
         set.clear(percept);
         self.population
             .for_each_match(percept, |id, rule| set.add(id, rule));
     }
 
     /// \[P\].
-    pub fn population(&self) -> &Population {
+    pub fn population(&self) -> &Population<C> {
         &self.population
     }
 
@@ -131,7 +156,7 @@ impl Xcs {
 
     /// Forms \[M\] and covers every action that no rule of \[M\] advocates (GENERATE MATCH SET), or
     /// as many as an adaptive mapping asks for.
-    pub fn form_match_set(&mut self, percept: &Percept, set: &mut MatchSet) {
+    pub fn form_match_set(&mut self, percept: &C::Percept, set: &mut MatchSet<C>) {
         if self.evolves || self.params.ga_clock == GaClock::AllSteps {
             self.time += 1;
         }
@@ -154,8 +179,8 @@ impl Xcs {
     }
 
     /// Covers all actions that \[M\] lacks; `false` if it lacks none.
-    fn cover_missing(&mut self, percept: &Percept, set: &MatchSet) -> bool {
-        let missing = Action::all(self.actions).filter(|&action| !set.covers(action));
+    fn cover_missing(&mut self, percept: &C::Percept, set: &MatchSet<C>) -> bool {
+        let missing = Action::wide_all(self.actions).filter(|&action| !set.covers(action));
         let mut lacks_some = false;
         for action in missing {
             self.cover(percept, action);
@@ -164,15 +189,15 @@ impl Xcs {
         lacks_some
     }
 
-    pub(super) fn cover(&mut self, percept: &Percept, action: Action) {
-        let condition = Condition::covering(percept, self.params.dont_care, &mut self.stream);
+    pub(super) fn cover(&mut self, percept: &C::Percept, action: Action) {
+        let condition = C::covering(percept, &self.params, &self.settings, &mut self.stream);
         let rule = Classifier::new(condition, action, self.time, &self.params);
         let eam = self.eam_at_first();
         self.population.insert(Classifier { eam, ..rule });
     }
 
     /// The rules of \[P\] that match a percept and advocate an action, without covering.
-    pub fn matching_action_set(&self, percept: &Percept, action: Action) -> ActionSet {
+    pub fn matching_action_set(&self, percept: &C::Percept, action: Action) -> ActionSet<C> {
         let mut members = Vec::new();
         self.population.for_each_match(percept, |id, rule| {
             if rule.action == action {
@@ -180,26 +205,28 @@ impl Xcs {
             }
         });
         ActionSet {
-            percept: *percept,
+            percept: percept.clone(),
             action,
             members,
         }
     }
 
     /// The prediction array of \[M\] (Eq. 6), as it was when \[M\] was formed.
-    pub fn predict(&self, set: &MatchSet) -> PredictionArray {
+    pub fn predict(&self, set: &MatchSet<C>) -> PredictionArray {
         set.prediction(self.actions, self.params.value_over_match_set)
     }
 
-    /// The prediction array in a percept, read from \[P\] without covering or changing anything.
-    pub fn values(&self, percept: &Percept) -> PredictionArray {
+    /// Returns the value of each action in a percept, in the order of the actions, read from \[P\]
+    /// without covering or changing anything; `None` for an action that no rule advocates.
+    pub fn action_values(&self, percept: &C::Percept) -> Vec<Option<f64>> {
         let sums = self.population.sums(percept);
-        sums.array(self.actions, self.params.value_over_match_set)
+        let value = |action| sums.value(action, self.params.value_over_match_set);
+        Action::wide_all(self.actions).map(value).collect()
     }
 
     /// The rule of a set that weighs most in the value of its action: the fittest; of equals, the
     /// first in the set.
-    pub fn strongest<'a>(&'a self, set: &'a ActionSet) -> Option<&'a Classifier> {
+    pub fn strongest<'a>(&'a self, set: &'a ActionSet<C>) -> Option<&'a Classifier<C>> {
         let rules = self.population.living(set.members()).map(|(_, rule)| rule);
         rules.reduce(|best, next| {
             if next.fitness > best.fitness {
@@ -211,7 +238,7 @@ impl Xcs {
     }
 
     /// Micro-classifiers in a set, and their fitness-weighted mean error.
-    pub fn size_and_error(&self, set: &ActionSet) -> (u32, f64) {
+    pub fn size_and_error(&self, set: &ActionSet<C>) -> (u32, f64) {
         let (mut micro, mut error, mut fitness) = (0, 0.0, 0.0);
         for (_, rule) in self.population.living(set.members()) {
             micro += rule.numerosity;
@@ -224,7 +251,7 @@ impl Xcs {
     /// Updates the rules of \[A\] toward the payoff `target` at learning rate `beta` (UPDATE SET):
     /// experience, error (Eq. 2) and prediction (Eq. 1, whose printed sign is wrong) in the order
     /// of [`UpdateOrder`], set size, fitness; then action-set subsumption.
-    pub fn update(&mut self, set: &ActionSet, target: f64, beta: f64) {
+    pub fn update(&mut self, set: &ActionSet<C>, target: f64, beta: f64) {
         let micro: u32 = self
             .population
             .living(set.members())
@@ -232,8 +259,8 @@ impl Xcs {
             .sum();
         let params = &self.params;
         // With extreme settings all accuracies are 0; then all rules count alike.
-        let accuracy = |rule: &Classifier| rule.accuracy(params).max(f64::MIN_POSITIVE);
-        let share = |rule: &Classifier| accuracy(rule) * f64::from(rule.numerosity);
+        let accuracy = |rule: &Classifier<C>| rule.accuracy(params).max(f64::MIN_POSITIVE);
+        let share = |rule: &Classifier<C>| accuracy(rule) * f64::from(rule.numerosity);
         let mut total = 0.0;
         for &id in &set.members {
             let Some(rule) = self.population.get_mut(id) else {
@@ -267,7 +294,7 @@ impl Xcs {
 
     /// The most general accurate rule of \[A\] takes over the numerosity of all less general ones
     /// (DO ACTION SET SUBSUMPTION).
-    fn subsume_in_action_set(&mut self, set: &ActionSet) {
+    fn subsume_in_action_set(&mut self, set: &ActionSet<C>) {
         let able = self.population.living(set.members());
         let able = able.filter(|(_, rule)| rule.could_subsume(&self.params));
         let (ties, stream) = (self.params.subsumer_ties, &mut self.stream);
@@ -276,12 +303,13 @@ impl Xcs {
             let wins_tie = old == new && ties == SubsumerTies::Random && stream.chance(0.5);
             if new < old || wins_tie { next } else { best }
         });
-        let Some((subsumer, &general)) = most_general else {
+        let Some((subsumer, general)) = most_general.map(|(id, rule)| (id, rule.condition.clone()))
+        else {
             return;
         };
         for &id in set.members.iter().filter(|&&id| id != subsumer) {
             let rule = self.population.get(id);
-            if rule.is_some_and(|r| general.condition.is_more_general_than(&r.condition))
+            if rule.is_some_and(|r| general.is_more_general_than(&r.condition))
                 && let Some(absorbed) = self.population.remove(id)
             {
                 self.population
@@ -291,7 +319,7 @@ impl Xcs {
     }
 
     /// Runs the GA in the niche of \[A\] when its rules have waited long enough (RUN GA).
-    pub fn evolve(&mut self, set: &ActionSet) {
+    pub fn evolve(&mut self, set: &ActionSet<C>) {
         if !(self.params.ga && self.evolves && self.is_due(set)) {
             return;
         }
@@ -304,7 +332,8 @@ impl Xcs {
             return;
         };
         let (actions, stream) = (self.actions, &mut self.stream);
-        for mut child in ga::children(&parents, &set.percept, actions, &self.params, stream) {
+        let (params, settings) = (&self.params, &self.settings);
+        for mut child in ga::children(&parents, &set.percept, actions, params, settings, stream) {
             if child.action != set.action {
                 child.eam = self.eam_at_first();
             }
@@ -315,7 +344,7 @@ impl Xcs {
     }
 
     /// Two rules of \[A\], which may be the same; `None` when all of them were deleted.
-    fn select_parents(&mut self, set: &ActionSet) -> Option<[Parent; 2]> {
+    fn select_parents(&mut self, set: &ActionSet<C>) -> Option<[Parent<C>; 2]> {
         let niche = self.population.living(set.members());
         let total = niche.clone().map(|(_, rule)| rule.fitness).sum();
         let mother = ga::select(niche.clone(), total, &mut self.stream);
@@ -324,7 +353,7 @@ impl Xcs {
     }
 
     /// Have the rules of \[A\] waited longer than theta_GA on average?
-    fn is_due(&self, set: &ActionSet) -> bool {
+    fn is_due(&self, set: &ActionSet<C>) -> bool {
         let (mut stamps, mut micro) = (0, 0);
         for (_, rule) in self.population.living(set.members()) {
             stamps += rule.time_stamp * u64::from(rule.numerosity);
@@ -335,9 +364,10 @@ impl Xcs {
     }
 
     /// A child that a parent subsumes adds to the parent; any other joins \[P\].
-    fn insert_child(&mut self, child: Classifier, parents: &[Parent; 2]) {
+    fn insert_child(&mut self, child: Classifier<C>, parents: &[Parent<C>; 2]) {
         let params = &self.params;
-        let subsumes = |(_, rule): &&Parent| params.ga_subsumption && rule.subsumes(&child, params);
+        let subsumes =
+            |(_, rule): &&Parent<C>| params.ga_subsumption && rule.subsumes(&child, params);
         match parents.iter().find(subsumes) {
             Some(&(parent, _)) => self.population.modify(parent, |rule| rule.numerosity += 1),
             None => {

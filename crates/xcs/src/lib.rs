@@ -38,15 +38,21 @@
 //! Who is credited with what, and when, can also be the caller's part, which then calls, step by
 //! step, [`Xcs::form_match_set`], [`Xcs::predict`], [`MatchSet::action_set`], [`Xcs::update`] and
 //! [`Xcs::evolve`]. With an adaptive mapping it is XCSAM: see [`Xcs::with_adaptive_mapping`].
-//! [`compact`] condenses what was learned. The examples show the 11-multiplexer and a corridor.
+//! [`compact`] condenses what was learned. The examples show the 11-multiplexer, the real-valued
+//! 6-multiplexer and a corridor.
 //!
-//! Percepts have up to 320 bits, and there are up to 8 actions.
+//! Conditions are ternary ([`Condition`]): percepts have up to 320 bits, and there are up to 8
+//! actions. For real-valued percepts there are interval conditions ([`Intervals`], XCSR) with any
+//! number of attributes and up to 256 actions; see [`Runner::with_settings`]. Both are a
+//! [`Representation`], the type parameter of all types here. [`Agent`] learns from a caller that
+//! carries out the actions itself.
 
 #![warn(clippy::unwrap_used, clippy::print_stdout, clippy::print_stderr)]
 
 pub mod bounds;
 pub mod random;
 
+mod agent;
 mod classifier;
 mod compaction;
 mod condition;
@@ -54,6 +60,7 @@ mod deletion;
 mod ga;
 mod handles;
 mod induction;
+mod intervals;
 mod learner;
 mod labelled_examples;
 mod mapping;
@@ -61,6 +68,7 @@ mod match_index;
 mod params;
 mod population;
 mod prediction;
+mod representation;
 mod runner;
 mod saved;
 mod sets;
@@ -68,20 +76,27 @@ mod signal;
 #[cfg(test)]
 mod utmost;
 
+pub use agent::{Agent, AgentState};
 pub use classifier::Classifier;
 pub use compaction::compact;
 pub use condition::{Condition, ConditionError};
 pub use handles::ClassifierId;
 pub use induction::{Induction, Record};
+pub use intervals::{
+    IntervalError, IntervalIndex, IntervalSettings, Intervals, NotANumber, RealPercept,
+};
 pub use labelled_examples::{LabelledExample, LabelledExamples};
 pub use learner::{Learned, Xcs};
+pub use match_index::MatchIndex;
 pub use params::{GaClock, Params, SubsumerTies, UpdateOrder};
 pub use population::{Population, PopulationError};
 pub use prediction::{PredictionArray, PredictionSums};
+pub use representation::{Index, Representation};
 pub use runner::{Environment, Episode, Response, Runner};
 pub use sets::{ActionSet, MatchSet};
 pub use signal::{
     Action, ByAction, MAX_ACTIONS, MAX_PERCEPT_BITS, PERCEPT_WORDS, Percept, PerceptError,
+    WIDE_ACTIONS,
 };
 
 /// Its example is tested with the others.

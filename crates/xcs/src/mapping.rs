@@ -7,10 +7,11 @@
 //! the mean eam of \[M\], and rules of large eam are deleted first.
 
 use super::learner::Xcs;
+use super::representation::Representation;
 use super::sets::{ActionSet, MatchSet};
-use crate::signal::{Action, Percept};
+use crate::signal::Action;
 
-impl Xcs {
+impl<C: Representation> Xcs<C> {
     /// From now on the mapping adapts.
     pub fn with_adaptive_mapping(mut self) -> Self {
         self.adapts = true;
@@ -30,7 +31,7 @@ impl Xcs {
     /// Moves eam of the rules of \[A\] at learning rate beta: toward 1 if `payoff` shows that its
     /// action is one of the best in a percept whose `greatest` worth was known, toward the number
     /// of actions otherwise. Does nothing where the mapping does not adapt.
-    pub fn adapt_mapping(&mut self, set: &ActionSet, payoff: f64, greatest: f64) {
+    pub fn adapt_mapping(&mut self, set: &ActionSet<C>, payoff: f64, greatest: f64) {
         if !self.adapts {
             return;
         }
@@ -49,8 +50,8 @@ impl Xcs {
 
     /// Covers one of the actions that \[M\] lacks, any with the same chance, if it holds fewer than
     /// its rules ask for; `false` if it holds enough.
-    pub(super) fn cover_as_asked(&mut self, percept: &Percept, set: &MatchSet) -> bool {
-        let missing = Action::all(self.actions).filter(|&action| !set.covers(action));
+    pub(super) fn cover_as_asked(&mut self, percept: &C::Percept, set: &MatchSet<C>) -> bool {
+        let missing = Action::wide_all(self.actions).filter(|&action| !set.covers(action));
         let missing: Vec<Action> = missing.collect();
         let held = self.actions - missing.len();
         if held as f64 >= self.actions_asked(set) {
@@ -63,7 +64,7 @@ impl Xcs {
     }
 
     /// The mean eam of the micro-classifiers of \[M\]; of none, the number of actions.
-    fn actions_asked(&self, set: &MatchSet) -> f64 {
+    fn actions_asked(&self, set: &MatchSet<C>) -> f64 {
         if set.is_empty() {
             return self.actions as f64;
         }

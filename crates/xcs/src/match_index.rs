@@ -1,6 +1,7 @@
 //! Inverted bit index: which rules match a percept, 64 rules at a time.
 
 use super::condition::Condition;
+use super::representation::Index;
 use crate::signal::{MAX_PERCEPT_BITS, Percept};
 
 /// Alleles that are looked up at once.
@@ -20,7 +21,7 @@ const GROUP: usize = 4;
 /// and adding or removing a rule touches one stretch of `4 * width` words. Tables of eight bits
 /// would halve the look-ups again, and take eight times the memory.
 #[derive(Debug, Clone, Default)]
-pub(super) struct MatchIndex {
+pub struct MatchIndex {
     /// For each 64 rules, a table for every four alleles: who is ruled out by each value.
     ruled_out: Vec<[u64; VALUES]>,
     /// Tables for each 64 rules.
@@ -28,9 +29,8 @@ pub(super) struct MatchIndex {
     rules: usize,
 }
 
-impl MatchIndex {
-    /// Adds a rule at the next position. All rules have the same width.
-    pub fn push(&mut self, condition: &Condition) {
+impl Index<Condition> for MatchIndex {
+    fn push(&mut self, condition: &Condition) {
         if self.rules == 0 {
             self.tables = condition.width().div_ceil(ALLELES);
         }
@@ -48,8 +48,7 @@ impl MatchIndex {
         self.rules += 1;
     }
 
-    /// Removes the rule at `position`; the last rule takes its place.
-    pub fn swap_remove(&mut self, position: usize) {
+    fn swap_remove(&mut self, position: usize) {
         self.rules -= 1;
         let (to, from) = (position % 64, self.rules % 64);
         let (to_block, from_block) = (position / 64 * self.tables, self.rules / 64 * self.tables);
@@ -67,8 +66,7 @@ impl MatchIndex {
             .truncate(self.rules.div_ceil(64) * self.tables);
     }
 
-    /// Calls `found` with the position of each rule that matches, in ascending order.
-    pub fn for_each_match(&self, percept: &Percept, mut found: impl FnMut(usize)) {
+    fn for_each_match(&self, percept: &Percept, mut found: impl FnMut(usize)) {
         let mut values = [0; MAX_PERCEPT_BITS / ALLELES];
         let values = &mut values[..self.tables];
         cut(percept, values);

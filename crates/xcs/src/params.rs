@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::settings;
 
 /// The greatest N.
-pub(super) const GREATEST_POPULATION: u32 = 1_000_000;
+pub(crate) const GREATEST_POPULATION: u32 = 1_000_000;
 
 /// Which of a rule's figures is updated first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

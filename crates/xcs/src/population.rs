@@ -9,11 +9,11 @@ use super::classifier::Classifier;
 use super::condition::Condition;
 use super::deletion::DeletionVotes;
 use super::handles::{ClassifierId, Handles};
-use super::match_index::MatchIndex;
 use super::params::{GREATEST_POPULATION, Params};
 use super::prediction::PredictionSums;
+use super::representation::{Index, Representation};
 use crate::random::Stream;
-use crate::signal::{Action, Percept};
+use crate::signal::Action;
 
 /// More steps than any run can reach; counters up to here leave room for arithmetic.
 pub(super) const MOST_STEPS: u64 = 1 << 40;
@@ -25,19 +25,36 @@ const GREATEST_FIGURE: f64 = 1e100;
 /// Rules lie densely in a vector; a removed rule's place is taken by the last one. The order is
 /// part of the state, because roulettes walk along it: a restored population goes on exactly as
 /// the saved one would have.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-#[serde(into = "Vec<Classifier>", try_from = "Vec<Classifier>")]
-pub struct Population {
-    rules: Vec<Classifier>,
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(
+    into = "Vec<Classifier<C>>",
+    try_from = "Vec<Classifier<C>>",
+    bound = "C: Representation"
+)]
+pub struct Population<C: Representation = Condition> {
+    rules: Vec<Classifier<C>>,
     handles: Handles,
-    index: MatchIndex,
+    index: C::Index,
     votes: DeletionVotes,
     /// The rule of a condition and action. Never iterated over.
-    twins: HashMap<(Condition, Action), ClassifierId, FixedState>,
+    twins: HashMap<(C, Action), ClassifierId, FixedState>,
     micro: u32,
 }
 
-impl Population {
+impl<C: Representation> Default for Population<C> {
+    fn default() -> Self {
+        Self {
+            rules: Vec::new(),
+            handles: Handles::default(),
+            index: C::Index::default(),
+            votes: DeletionVotes::default(),
+            twins: HashMap::default(),
+            micro: 0,
+        }
+    }
+}
+
+impl<C: Representation> Population<C> {
     /// The number of macro-classifiers.
     pub fn len(&self) -> usize {
         self.rules.len()
@@ -54,12 +71,12 @@ impl Population {
     }
 
     /// All rules, in the order of the population.
-    pub fn rules(&self) -> &[Classifier] {
+    pub fn rules(&self) -> &[Classifier<C>] {
         &self.rules
     }
 
     /// The rule that an id names; `None` once it was deleted.
-    pub fn get(&self, id: ClassifierId) -> Option<&Classifier> {
+    pub fn get(&self, id: ClassifierId) -> Option<&Classifier<C>> {
         self.handles.position(id).map(|at| &self.rules[at])
     }
 
@@ -77,18 +94,18 @@ impl Population {
     pub(super) fn living<'a>(
         &'a self,
         ids: &'a [ClassifierId],
-    ) -> impl Iterator<Item = (ClassifierId, &'a Classifier)> + Clone {
+    ) -> impl Iterator<Item = (ClassifierId, &'a Classifier<C>)> + Clone {
         ids.iter().filter_map(|&id| Some((id, self.get(id)?)))
     }
 
     /// A rule to be changed in anything but its condition, action and numerosity. If that moves
     /// its deletion vote, [`Self::modify`] must be called on it afterwards.
-    pub(super) fn get_mut(&mut self, id: ClassifierId) -> Option<&mut Classifier> {
+    pub(super) fn get_mut(&mut self, id: ClassifierId) -> Option<&mut Classifier<C>> {
         self.handles.position(id).map(|at| &mut self.rules[at])
     }
 
     /// Changes a rule; does nothing once it was deleted. Condition and action must stay.
-    pub(super) fn modify(&mut self, id: ClassifierId, change: impl FnOnce(&mut Classifier)) {
+    pub(super) fn modify(&mut self, id: ClassifierId, change: impl FnOnce(&mut Classifier<C>)) {
         let Some(at) = self.handles.position(id) else {
             return;
         };
@@ -100,8 +117,8 @@ impl Population {
     }
 
     /// Adds a rule, or its numerosity to the rule that has the same condition and action.
-    pub(super) fn insert(&mut self, rule: Classifier) -> ClassifierId {
-        let key = (rule.condition, rule.action);
+    pub(super) fn insert(&mut self, rule: Classifier<C>) -> ClassifierId {
+        let key = (rule.condition.clone(), rule.action);
         if let Some(&twin) = self.twins.get(&key) {
             self.modify(twin, |twin| twin.numerosity += rule.numerosity);
             return twin;
@@ -116,12 +133,12 @@ impl Population {
     }
 
     /// Removes a rule with all its numerosity and returns it.
-    pub(super) fn remove(&mut self, id: ClassifierId) -> Option<Classifier> {
+    pub(super) fn remove(&mut self, id: ClassifierId) -> Option<Classifier<C>> {
         let at = self.handles.position(id)?;
         self.handles.swap_remove(at);
         self.index.swap_remove(at);
         let rule = self.rules.swap_remove(at);
-        self.twins.remove(&(rule.condition, rule.action));
+        self.twins.remove(&(rule.condition.clone(), rule.action));
         self.micro -= rule.numerosity;
         self.votes.touch(at);
         self.votes.touch(self.rules.len());
@@ -143,7 +160,7 @@ impl Population {
     }
 
     /// What the value of each action under a percept comes from: the rules that match it.
-    pub fn sums(&self, percept: &Percept) -> PredictionSums {
+    pub fn sums(&self, percept: &C::Percept) -> PredictionSums {
         let mut sums = PredictionSums::default();
         self.for_each_match(percept, |_, rule| sums.add(rule));
         sums
@@ -163,7 +180,7 @@ impl Population {
     /// Notes in the rules of \[A\] that they acted once more, and whether that was right. Experience counts
     /// the steps; fitness is the share that was right, with one right step to begin with, as the accuracy of
     /// UCS (Bernadó-Mansilla and Garrell, 2003). Tells whether there are any.
-    pub fn record(&mut self, percept: &Percept, action: Action, right: bool) -> bool {
+    pub fn record(&mut self, percept: &C::Percept, action: Action, right: bool) -> bool {
         let mut acted = Vec::new();
         self.for_each_match(percept, |id, rule| {
             if rule.action == action {
@@ -187,7 +204,7 @@ impl Population {
             stamped.insert(Classifier {
                 time_stamp: time,
                 eam,
-                ..*rule
+                ..rule.clone()
             });
         }
         stamped
@@ -205,22 +222,22 @@ impl Population {
     /// Calls `found` with each rule that matches, in the order of the population.
     pub fn for_each_match(
         &self,
-        percept: &Percept,
-        mut found: impl FnMut(ClassifierId, &Classifier),
+        percept: &C::Percept,
+        mut found: impl FnMut(ClassifierId, &Classifier<C>),
     ) {
         self.index
             .for_each_match(percept, |at| found(self.handles.id_at(at), &self.rules[at]));
     }
 }
 
-impl PartialEq for Population {
+impl<C: Representation> PartialEq for Population<C> {
     fn eq(&self, other: &Self) -> bool {
         self.rules == other.rules
     }
 }
 
-impl From<Population> for Vec<Classifier> {
-    fn from(population: Population) -> Self {
+impl<C: Representation> From<Population<C>> for Vec<Classifier<C>> {
+    fn from(population: Population<C>) -> Self {
         population.rules
     }
 }
@@ -228,42 +245,45 @@ impl From<Population> for Vec<Classifier> {
 /// Rules that cannot form a population.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("rule {number} ({condition}) {fault}")]
-pub struct PopulationError {
+pub struct PopulationError<C = Condition> {
     /// The rule's place in the list, from 1.
     pub number: usize,
     /// Its condition.
-    pub condition: Condition,
+    pub condition: C,
     /// What is wrong with it.
     pub fault: &'static str,
 }
 
-impl TryFrom<Vec<Classifier>> for Population {
-    type Error = PopulationError;
+impl<C: Representation> TryFrom<Vec<Classifier<C>>> for Population<C> {
+    type Error = PopulationError<C>;
 
-    fn try_from(rules: Vec<Classifier>) -> Result<Self, PopulationError> {
+    fn try_from(rules: Vec<Classifier<C>>) -> Result<Self, PopulationError<C>> {
         let width = rules.first().map_or(0, |rule| rule.condition.width());
         let mut population = Self::default();
         for (at, rule) in rules.into_iter().enumerate() {
             let fault = |fault| PopulationError {
                 number: at + 1,
-                condition: rule.condition,
+                condition: rule.condition.clone(),
                 fault,
             };
             fault_of(&rule, width).map_or(Ok(()), |text| Err(fault(text)))?;
             if population.micro.saturating_add(rule.numerosity) > GREATEST_POPULATION {
                 return Err(fault("makes the sum of numerosities larger than 1,000,000"));
             }
-            population.insert(rule);
-            if population.len() != at + 1 {
+            if population
+                .twins
+                .contains_key(&(rule.condition.clone(), rule.action))
+            {
                 return Err(fault("is listed twice with the same action"));
             }
+            population.insert(rule);
         }
         Ok(population)
     }
 }
 
 /// What keeps a rule from a file out of a population with conditions of `width`.
-fn fault_of(rule: &Classifier, width: usize) -> Option<&'static str> {
+fn fault_of<C: Representation>(rule: &Classifier<C>, width: usize) -> Option<&'static str> {
     let figures = [rule.prediction, rule.error, rule.fitness];
     if rule.condition.width() != width {
         Some("has a condition of another width than the first rule")

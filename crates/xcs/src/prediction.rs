@@ -1,5 +1,7 @@
 //! The prediction array: the value of each action (Eq. 6).
 
+use serde::{Deserialize, Serialize};
+
 use super::classifier::Classifier;
 use crate::signal::{Action, ByAction, MAX_ACTIONS};
 
@@ -48,18 +50,43 @@ impl PredictionArray {
 }
 
 /// What the value of each action comes from, added up rule by rule.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct PredictionSums {
     /// By action: the fitness-weighted predictions, and the fitness.
     sums: ByAction<(f64, f64)>,
+    /// The same of the actions from [`MAX_ACTIONS`] on, as many as were added.
+    wide: Vec<(f64, f64)>,
 }
 
 impl PredictionSums {
     /// Adds a rule that matches.
-    pub fn add(&mut self, rule: &Classifier) {
-        let (weighted, fitness) = &mut self.sums[rule.action.index()];
+    pub fn add<C>(&mut self, rule: &Classifier<C>) {
+        let at = rule.action.index();
+        let (weighted, fitness) = match self.sums.get_mut(at) {
+            Some(sums) => sums,
+            None => {
+                let at = at - MAX_ACTIONS;
+                self.wide.resize(self.wide.len().max(at + 1), (0.0, 0.0));
+                &mut self.wide[at]
+            }
+        };
         *weighted += rule.prediction * rule.fitness;
         *fitness += rule.fitness;
+    }
+
+    /// Returns the value of one action, as [`Self::array`] has it, also of a wide action; `None` when no
+    /// rule advocates it.
+    pub fn value(&self, action: Action, over_match_set: bool) -> Option<f64> {
+        let wide = || self.wide.get(action.index() - MAX_ACTIONS);
+        let &(weighted, own) = self.sums.get(action.index()).or_else(wide)?;
+        let all = || {
+            self.sums
+                .iter()
+                .chain(&self.wide)
+                .map(|(_, fitness)| fitness)
+        };
+        let total = if over_match_set { all().sum() } else { own };
+        (own > 0.0).then(|| weighted / total)
     }
 
     /// The fitness-weighted mean prediction of each of `actions` actions. Eq. 6 as printed divides

@@ -1,35 +1,35 @@
 //! The loop of perceiving, acting and learning, for any [`Environment`].
 
-use crate::bounds::{OutOfRange, within};
+use crate::agent::Agent;
+use crate::bounds::OutOfRange;
+use crate::condition::Condition;
 use crate::learner::Xcs;
 use crate::params::Params;
-use crate::prediction::PredictionArray;
-use crate::random::Stream;
-use crate::sets::{ActionSet, MatchSet};
-use crate::signal::{Action, MAX_ACTIONS, Percept};
+use crate::representation::Representation;
+use crate::signal::{Action, Percept};
 
 /// Something to act in: it shows percepts, takes actions and gives rewards.
 ///
 /// A classification task is an environment whose episodes end after one action (single-step); in
 /// all others the reward travels back from step to step, discounted (multistep).
-pub trait Environment {
-    /// The number of actions, 1 to [`MAX_ACTIONS`]; always the same.
+pub trait Environment<C: Representation = Condition> {
+    /// The number of actions, 1 to [`Representation::MAX_ACTIONS`]; always the same.
     fn actions(&self) -> usize;
 
     /// Opens an episode and shows its first percept. All percepts are of the same width.
-    fn begin(&mut self) -> Percept;
+    fn begin(&mut self) -> C::Percept;
 
     /// Carries out an action, one of the first [`actions`](Self::actions).
-    fn act(&mut self, action: Action) -> Response;
+    fn act(&mut self, action: Action) -> Response<C::Percept>;
 }
 
 /// What comes of an action.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Response {
+pub struct Response<P = Percept> {
     /// The reward, a finite number.
     pub reward: f64,
     /// What is perceived now; `None` when the episode has ended.
-    pub next: Option<Percept>,
+    pub next: Option<P>,
 }
 
 /// What came of an episode.
@@ -47,92 +47,67 @@ pub struct Episode {
 ///
 /// The same environment, parameters and seed give the same rules, on every machine.
 #[derive(Debug, Clone)]
-pub struct Runner<E> {
+pub struct Runner<E, C: Representation = Condition> {
     /// The environment.
     pub environment: E,
-    /// gamma: how much a reward is worth one step earlier; 0 to 1. Without effect in single-step
-    /// environments. By default 0.71, as in Butz and Wilson.
-    pub gamma: f64,
-    /// p_explr: the probability with which a step of learning takes any action instead of one of
-    /// the best; 0 to 1. By default 0.5.
-    pub exploration: f64,
+    /// The learner, with its discount factor and its exploration rate.
+    pub agent: Agent<C>,
     /// The most steps of an episode; by default 1000.
     pub step_limit: u32,
-    xcs: Xcs,
-    match_set: MatchSet,
-    choices: Stream,
-}
-
-/// Who draws random numbers.
-enum Draws {
-    Evolution,
-    Choices,
-}
-
-impl From<Draws> for u64 {
-    fn from(who: Draws) -> Self {
-        who as Self
-    }
 }
 
 impl<E: Environment> Runner<E> {
-    /// A learner that knows nothing yet.
+    /// Creates an untrained learner with ternary conditions.
     ///
     /// # Errors
     /// When a parameter, or the environment's number of actions, lies outside its range.
     pub fn new(environment: E, params: Params, seed: u64) -> Result<Self, OutOfRange> {
-        params.check()?;
-        within("actions", environment.actions(), 1..=MAX_ACTIONS)?;
-        let evolution = Stream::new(seed, Draws::Evolution);
-        let xcs = Xcs::new(params, environment.actions(), evolution);
+        Self::with_settings(environment, params, (), seed)
+    }
+}
+
+impl<C: Representation, E: Environment<C>> Runner<E, C> {
+    /// Creates an untrained learner with any representation of conditions.
+    ///
+    /// # Errors
+    /// When a parameter, a setting, or the environment's number of actions, lies outside its range.
+    pub fn with_settings(
+        environment: E,
+        params: Params,
+        settings: C::Settings,
+        seed: u64,
+    ) -> Result<Self, OutOfRange> {
+        let agent = Agent::new(params, settings, environment.actions(), seed)?;
         Ok(Self {
             environment,
-            gamma: 0.71,
-            exploration: 0.5,
+            agent,
             step_limit: 1000,
-            xcs,
-            match_set: MatchSet::default(),
-            choices: Stream::new(seed, Draws::Choices),
         })
     }
 
     /// The learner.
-    pub fn xcs(&self) -> &Xcs {
-        &self.xcs
+    pub fn xcs(&self) -> &Xcs<C> {
+        self.agent.xcs()
     }
 
     /// Learns in one episode. Each action set is updated with its reward and, unless the episode
-    /// ended there, gamma times the greatest value of what was perceived next, also at the step limit.
+    /// ended there, gamma times the greatest value of the next percept, also at the step limit.
     pub fn learn(&mut self) -> Episode {
         let mut episode = Episode::default();
         let mut percept = self.environment.begin();
-        let mut waiting: Option<(ActionSet, f64)> = None;
-        loop {
-            self.xcs.form_match_set(&percept, &mut self.match_set);
-            let values = self.xcs.predict(&self.match_set);
-            if let Some((set, reward)) = waiting.take() {
-                let followed = self.gamma * values.greatest().unwrap_or(0.0);
-                self.credit(&set, reward + followed);
-            }
-            if episode.steps == self.step_limit {
-                return episode;
-            }
-            let Some(set) = self
-                .choose(&values)
-                .and_then(|it| self.match_set.action_set(it))
-            else {
-                return episode;
+        while episode.steps < self.step_limit {
+            let Some(action) = self.agent.act(&percept, true) else {
+                break;
             };
-            let response = self.act(set.action, &mut episode);
+            let response = self.act(action, &mut episode);
+            self.agent.update(response.reward, response.next.as_ref());
             match response.next {
                 Some(next) => percept = next,
-                None => {
-                    self.credit(&set, response.reward);
-                    return episode;
-                }
+                None => break,
             }
-            waiting = Some((set, response.reward));
         }
+        self.agent.end_episode();
+        episode
     }
 
     /// Takes one of the best actions in each step of an episode, and learns nothing. An episode
@@ -141,8 +116,7 @@ impl<E: Environment> Runner<E> {
         let mut episode = Episode::default();
         let mut percept = self.environment.begin();
         while episode.steps < self.step_limit {
-            let values = self.xcs.values(&percept);
-            let Some(action) = self.best(&values) else {
+            let Some(action) = self.agent.best_action(&percept) else {
                 break;
             };
             match self.act(action, &mut episode).next {
@@ -153,30 +127,12 @@ impl<E: Environment> Runner<E> {
         episode
     }
 
-    fn act(&mut self, action: Action, episode: &mut Episode) -> Response {
+    fn act(&mut self, action: Action, episode: &mut Episode) -> Response<C::Percept> {
         let response = self.environment.act(action);
         episode.steps += 1;
         episode.reward += response.reward;
         episode.ended = response.next.is_none();
         response
-    }
-
-    fn credit(&mut self, set: &ActionSet, payoff: f64) {
-        self.xcs.update(set, payoff, self.xcs.params().beta);
-        self.xcs.evolve(set);
-    }
-
-    fn choose(&mut self, values: &PredictionArray) -> Option<Action> {
-        if self.choices.chance(self.exploration) {
-            Action::new(self.choices.below(self.xcs.actions()))
-        } else {
-            self.best(values)
-        }
-    }
-
-    fn best(&mut self, values: &PredictionArray) -> Option<Action> {
-        let best: Vec<Action> = values.best_actions().collect();
-        self.choices.choose(&best).copied()
     }
 }
 
@@ -255,7 +211,7 @@ mod tests {
     #[test]
     fn control_without_discounted_rewards_only_the_last_cell_is_worth_something() {
         let mut runner = runner(specific());
-        runner.gamma = 0.0;
+        runner.agent.gamma = 0.0;
         (0..300).for_each(|_| assert!(runner.learn().ended));
         let values = |cell| {
             runner

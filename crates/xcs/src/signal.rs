@@ -5,12 +5,17 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::condition::Condition;
+use crate::representation::Representation;
+
 /// Machine words in a [`Percept`]; 64 bits each.
 pub const PERCEPT_WORDS: usize = 5;
 /// The widest percept, in bits.
 pub const MAX_PERCEPT_BITS: usize = 64 * PERCEPT_WORDS;
 /// The largest number of actions that a learner can tell apart.
 pub const MAX_ACTIONS: usize = 8;
+/// The largest number of actions of a learner with interval conditions.
+pub const WIDE_ACTIONS: usize = 256;
 
 /// A value for each action, also for those that an environment does not have.
 pub type ByAction<T> = [T; MAX_ACTIONS];
@@ -138,7 +143,8 @@ impl From<Percept> for String {
     }
 }
 
-/// What can be done: one of `0..n`, where `n` is at most [`MAX_ACTIONS`].
+/// What can be done: one of `0..n`, where `n` is at most [`MAX_ACTIONS`], or [`WIDE_ACTIONS`] for
+/// learners with interval conditions.
 ///
 /// The learner knows only the number; its meaning is the environment's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -156,6 +162,33 @@ impl Action {
         (0..count.min(MAX_ACTIONS)).map(|index| Self(index as u8))
     }
 
+    /// Returns action number `index` for a learner with interval conditions; `None` from
+    /// [`WIDE_ACTIONS`] on. Values by action ([`ByAction`]) have no place for such an action.
+    pub fn wide(index: usize) -> Option<Self> {
+        u8::try_from(index).ok().map(Self)
+    }
+
+    /// Returns the first `count` actions (at most [`WIDE_ACTIONS`]), in order.
+    pub(super) fn wide_all(count: usize) -> impl DoubleEndedIterator<Item = Self> + Clone {
+        (0..count.min(WIDE_ACTIONS)).map(|index| Self(index as u8))
+    }
+
+    /// Reads an action of a learner with at most `C::MAX_ACTIONS` actions.
+    pub(super) fn read<'de, C, D>(deserializer: D) -> Result<Self, D::Error>
+    where
+        C: Representation,
+        D: serde::Deserializer<'de>,
+    {
+        let index = u8::deserialize(deserializer)?;
+        if usize::from(index) < C::MAX_ACTIONS {
+            return Ok(Self(index));
+        }
+        Err(serde::de::Error::custom(format!(
+            "action {index} is out of range 0 to {}",
+            C::MAX_ACTIONS - 1
+        )))
+    }
+
     /// The number of this action, counted from 0.
     pub fn index(self) -> usize {
         usize::from(self.0)
@@ -164,13 +197,7 @@ impl Action {
 
 impl<'de> Deserialize<'de> for Action {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let index = u8::deserialize(deserializer)?;
-        Self::new(usize::from(index)).ok_or_else(|| {
-            serde::de::Error::custom(format!(
-                "action {index} is out of range 0 to {}",
-                MAX_ACTIONS - 1
-            ))
-        })
+        Self::read::<Condition, D>(deserializer)
     }
 }
 

@@ -111,7 +111,7 @@ fn one_action_more_is_refused_and_the_message_names_the_bound() {
 }
 
 #[test]
-fn examples_of_all_actions_survive_a_file() {
+fn lessons_of_all_actions_survive_a_file() {
     let mut labelled_examples = LabelledExamples::default();
     for situation in 0..SITUATIONS {
         let mut best = ByAction::default();

@@ -20,6 +20,7 @@ pub struct Twist {
 }
 
 /// `geometry_msgs/msg/TwistStamped`.
+#[cfg(feature = "ros2")]
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct TwistStamped {
     pub header: Header,
@@ -95,6 +96,7 @@ impl From<Speeds> for Twist {
     }
 }
 
+#[cfg(feature = "ros2")]
 impl TwistStamped {
     /// Speeds in the frame of the robot.
     pub fn new(time_ns: u64, speeds: Speeds) -> Self {

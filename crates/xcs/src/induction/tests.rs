@@ -40,7 +40,7 @@ fn a_rule_looks_at_a_later_part_only_where_the_earlier_does_not_suffice() {
 }
 
 #[test]
-fn figures_are_those_of_the_examples_or_a_record_of_steps() {
+fn figures_are_those_of_the_lessons_or_a_record_of_steps() {
     let figures = |rule: &Classifier| (rule.prediction, rule.experience, rule.fitness);
     let of_examples = learned(Induction::in_parts(&[1], Record::LabelledExamples));
     assert!(
@@ -58,7 +58,7 @@ fn figures_are_those_of_the_examples_or_a_record_of_steps() {
     );
 }
 #[test]
-fn a_rule_that_covers_no_example_keeps_its_figures() {
+fn a_rule_that_covers_no_lesson_keeps_its_figures() {
     let mut best = crate::ByAction::default();
     best[0] = true;
     let percept = "00".parse().unwrap();
@@ -88,7 +88,7 @@ fn a_rule_that_covers_no_example_keeps_its_figures() {
 }
 
 #[test]
-fn a_rule_that_covers_no_example_stays_when_something_else_is_learned() {
+fn a_rule_that_covers_no_lesson_stays_when_something_else_is_learned() {
     let labelled_example = |percept: &str, action: usize| {
         let mut best = crate::ByAction::default();
         best[action] = true;

@@ -23,7 +23,7 @@ fn a_twin_adds_its_numerosity() {
 #[test]
 fn a_record_is_kept_by_the_rules_that_match_and_have_the_action() {
     let params = Params::default();
-    let new = |condition: &str, action| Classifier {
+    let new = |condition: &str, action| Classifier::<Condition> {
         fitness: 1.0,
         ..Classifier::new(
             condition.parse().unwrap(),

@@ -1,0 +1,310 @@
+//! XCS as an agent, action by action.
+
+use serde::{Deserialize, Serialize};
+
+use crate::bounds::{OutOfRange, within};
+use crate::condition::Condition;
+use crate::learner::{Learned, Xcs};
+use crate::params::{GREATEST_POPULATION, Params};
+use crate::random::Stream;
+use crate::representation::Representation;
+use crate::sets::{ActionSet, MatchSet, SavedActionSet, SavedMatchSet};
+use crate::signal::Action;
+
+/// The fewest micro-classifiers for each action; with fewer, covering might never end.
+const RULES_PER_ACTION: u32 = 4;
+
+/// Standard XCS for a caller that carries out the actions: `act`, then `update`, step by step.
+///
+/// [`Runner`](crate::Runner) does this for an [`Environment`](crate::Environment). The same calls,
+/// parameters and seed give the same rules, on every machine.
+#[derive(Debug, Clone)]
+pub struct Agent<C: Representation = Condition> {
+    /// gamma: the discount factor of rewards, 0 to 1. Without effect in single-step problems. By
+    /// default 0.71, as in Butz and Wilson.
+    pub gamma: f64,
+    /// p_explr: the probability with which a step of learning takes any action instead of one of
+    /// the best; 0 to 1. By default 0.5.
+    pub exploration: f64,
+    xcs: Xcs<C>,
+    match_set: MatchSet<C>,
+    /// Was \[M\] formed by `update`, for the next call of `act`?
+    is_formed: bool,
+    /// The action set that waits for its reward.
+    waiting: Option<ActionSet<C>>,
+    choices: Stream,
+}
+
+/// The state of an [`Agent`]. An agent with the same parameters continues from it exactly, also within
+/// an episode.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "C: Representation")]
+pub struct AgentState<C: Representation = Condition> {
+    learned: Learned<C>,
+    choices: Stream,
+    formed: Option<SavedMatchSet<C>>,
+    waiting: Option<SavedActionSet<C>>,
+}
+
+/// The consumers of random numbers.
+enum Draws {
+    Evolution,
+    Choices,
+}
+
+impl From<Draws> for u64 {
+    fn from(who: Draws) -> Self {
+        who as Self
+    }
+}
+
+impl<C: Representation> Agent<C> {
+    /// Creates an untrained agent for `actions` actions (1 to [`Representation::MAX_ACTIONS`]).
+    ///
+    /// # Errors
+    /// When a parameter, a setting or the number of actions lies outside its range, or when the
+    /// population has room for fewer than four micro-classifiers for each action.
+    pub fn new(
+        params: Params,
+        settings: C::Settings,
+        actions: usize,
+        seed: u64,
+    ) -> Result<Self, OutOfRange> {
+        params.check()?;
+        C::check(&settings)?;
+        within("actions", actions, 1..=C::MAX_ACTIONS)?;
+        let fewest = RULES_PER_ACTION * actions as u32;
+        let range = fewest..=GREATEST_POPULATION;
+        within("xcs.population_size", params.population_size, range)?;
+        let evolution = Stream::new(seed, Draws::Evolution);
+        Ok(Self {
+            gamma: 0.71,
+            exploration: 0.5,
+            xcs: Xcs::with_settings(params, settings, actions, evolution),
+            match_set: MatchSet::default(),
+            is_formed: false,
+            waiting: None,
+            choices: Stream::new(seed, Draws::Choices),
+        })
+    }
+
+    /// The learner.
+    pub fn xcs(&self) -> &Xcs<C> {
+        &self.xcs
+    }
+
+    /// Returns whether an action waits for its reward.
+    pub fn is_waiting(&self) -> bool {
+        self.waiting.is_some()
+    }
+
+    /// Forms \[M\], with covering, and chooses an action: any action with the probability
+    /// `exploration` if `explores`, and one of the best otherwise. An action that still waits for
+    /// its reward is forgotten.
+    pub fn act(&mut self, percept: &C::Percept, explores: bool) -> Option<Action> {
+        self.form_match_set(percept);
+        let action = if explores && self.choices.chance(self.exploration) {
+            Action::wide(self.choices.below(self.xcs.actions()))
+        } else {
+            let values = |action| self.match_set.sums().value(action, self.over_match_set());
+            let best = best_of(self.xcs.actions(), values);
+            self.choices.choose(&best).copied()
+        };
+        self.waiting = action.and_then(|action| self.match_set.action_set(action));
+        action
+    }
+
+    /// Forms \[M\], with covering, and takes the given action, as if `act` had chosen it. Does nothing
+    /// for an action that the agent does not have.
+    pub fn take(&mut self, percept: &C::Percept, action: Action) {
+        if action.index() < self.xcs.actions() {
+            self.form_match_set(percept);
+            self.waiting = self.match_set.action_set(action);
+        }
+    }
+
+    fn form_match_set(&mut self, percept: &C::Percept) {
+        if !(self.is_formed && self.match_set.percept() == Some(percept)) {
+            self.xcs.form_match_set(percept, &mut self.match_set);
+        }
+        self.is_formed = false;
+    }
+
+    /// Updates the action set of the last action with its reward and gamma times the greatest value
+    /// of the next percept, and runs the GA in it. `next` is `None` where the episode ended. Does
+    /// nothing when no action waits for its reward.
+    pub fn update(&mut self, reward: f64, next: Option<&C::Percept>) {
+        let Some(set) = self.waiting.take() else {
+            return;
+        };
+        let mut payoff = reward;
+        if let Some(next) = next {
+            self.xcs.form_match_set(next, &mut self.match_set);
+            self.is_formed = true;
+            let values = |action| self.match_set.sums().value(action, self.over_match_set());
+            let all = Action::wide_all(self.xcs.actions()).filter_map(values);
+            payoff += self.gamma * all.reduce(f64::max).unwrap_or(0.0);
+        }
+        self.xcs.update(&set, payoff, self.xcs.params().beta);
+        self.xcs.evolve(&set);
+    }
+
+    /// Forgets the action that waits for its reward, and the percept after it.
+    pub fn end_episode(&mut self) {
+        self.waiting = None;
+        self.is_formed = false;
+    }
+
+    /// Returns one of the best actions and learns nothing; `None` where no rule matches. Draws a
+    /// random number where several actions are best.
+    pub fn best_action(&mut self, percept: &C::Percept) -> Option<Action> {
+        let sums = self.xcs.population().sums(percept);
+        let values = |action| sums.value(action, self.over_match_set());
+        let best = best_of(self.xcs.actions(), values);
+        self.choices.choose(&best).copied()
+    }
+
+    /// Returns the state, from which an agent with the same parameters continues exactly.
+    pub fn state(&self) -> AgentState<C> {
+        let population = self.xcs.population();
+        AgentState {
+            learned: self.xcs.learned(),
+            choices: self.choices.clone(),
+            formed: self
+                .is_formed
+                .then(|| self.match_set.saved(population))
+                .flatten(),
+            waiting: self.waiting.as_ref().map(|set| set.saved(population)),
+        }
+    }
+
+    /// Continues from the state of an agent with the same parameters. Returns `false`, and changes
+    /// nothing, if the state cannot come from such an agent.
+    pub fn restore(&mut self, state: AgentState<C>) -> bool {
+        let mut xcs = self.xcs.clone();
+        if !xcs.resume(state.learned) {
+            return false;
+        }
+        let (population, actions) = (xcs.population(), xcs.actions());
+        let formed = state.formed.map(|set| set.restored(population, actions));
+        let waiting = state.waiting.map(|set| set.restored(population, actions));
+        if matches!(formed, Some(None)) || matches!(waiting, Some(None)) {
+            return false;
+        }
+        self.is_formed = formed.is_some();
+        self.match_set = formed.flatten().unwrap_or_default();
+        self.waiting = waiting.flatten();
+        self.choices = state.choices;
+        self.xcs = xcs;
+        true
+    }
+
+    fn over_match_set(&self) -> bool {
+        self.xcs.params().value_over_match_set
+    }
+}
+
+/// Returns all of `actions` actions that attain the greatest value.
+fn best_of(actions: usize, value: impl Fn(Action) -> Option<f64>) -> Vec<Action> {
+    let all = Action::wide_all(actions);
+    let greatest = all.clone().filter_map(&value).reduce(f64::max);
+    all.filter(|&action| greatest.is_some() && value(action) == greatest)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{IntervalSettings, Intervals, Percept, RealPercept};
+
+    fn agent<C: Representation>(actions: usize, settings: C::Settings) -> Agent<C> {
+        Agent::new(Params::default(), settings, actions, 1).unwrap()
+    }
+
+    #[test]
+    fn a_reward_is_discounted_by_the_next_percepts_greatest_value() {
+        let params = Params {
+            dont_care: 0.0,
+            ..Params::default()
+        };
+        let mut agent: Agent = Agent::new(params, (), 2, 1).unwrap();
+        let [first, second]: [Percept; 2] = ["01", "10"].map(|text| text.parse().unwrap());
+        agent.exploration = 0.0;
+        let last = agent.act(&second, true).unwrap();
+        agent.update(100.0, None);
+        let action = agent.act(&first, true).unwrap();
+        agent.update(5.0, Some(&second));
+        // The first update of a rule sets its prediction: 100, and 5 + 0.71 * 100.
+        let value = |percept, action: Action| agent.xcs().action_values(percept)[action.index()];
+        assert_eq!(value(&second, last), Some(100.0));
+        assert_eq!(value(&first, action), Some(76.0));
+    }
+
+    #[test]
+    fn a_given_action_is_rewarded_and_one_beyond_the_last_does_nothing() {
+        let mut agent: Agent = agent(3, ());
+        let percept = "01".parse().unwrap();
+        let [given, beyond] = [2, 3].map(|index| Action::new(index).unwrap());
+        agent.take(&percept, given);
+        agent.update(10.0, None);
+        assert_eq!(agent.xcs().action_values(&percept)[2], Some(10.0));
+        agent.take(&percept, beyond);
+        assert!(!agent.is_waiting());
+    }
+
+    #[test]
+    fn a_restored_agent_goes_on_to_the_bit_within_an_episode() {
+        let mut agent: Agent<Intervals> = agent(12, IntervalSettings::default());
+        let percept = |at: usize| RealPercept::new(&[(at % 7) as f64 / 6.0, 0.5]).unwrap();
+        let step = |agent: &mut Agent<Intervals>, at: usize| {
+            let action = agent.act(&percept(at), true).unwrap();
+            let reward = if action.index() == at % 7 {
+                1000.0
+            } else {
+                0.0
+            };
+            agent.update(reward, Some(&percept(at + 1)));
+        };
+        (0..2000).for_each(|at| step(&mut agent, at));
+        agent.act(&percept(2000), true).unwrap();
+        let bytes = postcard::to_allocvec(&agent.state()).unwrap();
+        let mut restored = agent.clone();
+        restored.end_episode();
+        let state = postcard::from_bytes(&bytes).unwrap();
+        assert!(restored.restore(state));
+        for agent in [&mut agent, &mut restored] {
+            agent.update(1.0, Some(&percept(2001)));
+        }
+        // Between `update` and `act`, \[M\] is part of the state.
+        let bytes = postcard::to_allocvec(&agent.state()).unwrap();
+        assert!(restored.restore(postcard::from_bytes(&bytes).unwrap()));
+        for agent in [&mut agent, &mut restored] {
+            (2001..2500).for_each(|at| step(agent, at));
+        }
+        assert_eq!(agent.state(), restored.state());
+    }
+
+    #[test]
+    fn a_state_of_an_agent_with_more_actions_is_refused() {
+        let mut wide: Agent<Intervals> = agent(12, IntervalSettings::default());
+        wide.act(&RealPercept::new(&[0.5]).unwrap(), true);
+        let mut narrow: Agent<Intervals> = agent(2, IntervalSettings::default());
+        let before = narrow.state();
+        assert!(!narrow.restore(wide.state()));
+        assert_eq!(narrow.state(), before);
+    }
+
+    #[test]
+    fn a_population_too_small_for_all_actions_is_refused() {
+        let params = Params {
+            population_size: 399,
+            ..Params::default()
+        };
+        let settings = IntervalSettings::default();
+        let error = Agent::<Intervals>::new(params, settings, 100, 1).err();
+        assert_eq!(
+            error.unwrap().to_string(),
+            "`xcs.population_size` is 399, but must be from 400 to 1000000"
+        );
+    }
+}

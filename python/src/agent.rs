@@ -1,0 +1,360 @@
+//! XCS for Python's environments and tables.
+
+use pyo3::prelude::*;
+use xcs::bounds::OutOfRange;
+use xcs::random::Stream;
+use xcs::{
+    Action, Condition, IntervalSettings, Intervals, Params, Percept, RealPercept, Representation,
+};
+
+use crate::plan::invalid;
+
+/// Inputs of a table that are learned between two looks at signals, such as that of Ctrl-C.
+const TRIALS_AT_ONCE: u64 = 1000;
+/// The number of the random stream that chooses the rows of a table.
+const ROWS_STREAM: u64 = 2;
+/// The reward of a right answer; a wrong one has none.
+const RIGHT: f64 = 1000.0;
+
+/// The attributes that a condition tests, each with its lower and upper bound.
+type Tests = Vec<(usize, f64, f64)>;
+/// Tests, action, prediction, error, fitness, numerosity, experience, set size, time stamp.
+type Rule = (Tests, usize, f64, f64, f64, u32, u32, f64, u64);
+
+/// A representation that Python can use: percepts come as numbers.
+trait Numeric: Representation {
+    fn percept(values: &[f64]) -> Result<Self::Percept, String>;
+    fn tests(&self) -> Tests;
+}
+
+impl Numeric for Condition {
+    fn percept(values: &[f64]) -> Result<Percept, String> {
+        let bits = Percept::from_bits(values.iter().map(|&value| value >= 0.5));
+        bits.ok_or_else(|| "the percept has more bits than a ternary condition".into())
+    }
+
+    fn tests(&self) -> Tests {
+        let value = |bit| Some(f64::from(u8::from(self.allele(bit)?)));
+        (0..self.width())
+            .filter_map(|bit| value(bit).map(|value| (bit, value, value)))
+            .collect()
+    }
+}
+
+impl Numeric for Intervals {
+    fn percept(values: &[f64]) -> Result<RealPercept, String> {
+        RealPercept::new(values).map_err(|fault| fault.to_string())
+    }
+
+    fn tests(&self) -> Tests {
+        let all = self.bounds().iter().enumerate();
+        all.filter(|(_, bounds)| **bounds != [0.0, 1.0])
+            .map(|(attribute, &[lower, upper])| (attribute, lower, upper))
+            .collect()
+    }
+}
+
+/// A learner with any representation.
+trait Learner: Send + Sync {
+    fn act(&mut self, values: &[f64], explores: bool) -> Result<Option<Action>, String>;
+    fn take(&mut self, values: &[f64], action: Action) -> Result<(), String>;
+    fn update(&mut self, reward: f64, next: Option<&[f64]>) -> Result<(), String>;
+    fn end_episode(&mut self);
+    fn is_waiting(&self) -> bool;
+    fn values(&self, values: &[f64]) -> Result<Vec<Option<f64>>, String>;
+    fn rules(&self) -> Vec<Rule>;
+    fn micro(&self) -> u32;
+    fn state(&self) -> Result<Vec<u8>, String>;
+    fn restore(&mut self, state: &[u8], width: usize) -> Result<(), String>;
+}
+
+impl<C> Learner for xcs::Agent<C>
+where
+    C: Numeric + Send + Sync,
+    C::Percept: Send + Sync,
+    C::Index: Send + Sync,
+    C::Settings: Send + Sync,
+{
+    fn act(&mut self, values: &[f64], explores: bool) -> Result<Option<Action>, String> {
+        Ok(self.act(&C::percept(values)?, explores))
+    }
+
+    fn take(&mut self, values: &[f64], action: Action) -> Result<(), String> {
+        self.take(&C::percept(values)?, action);
+        Ok(())
+    }
+
+    fn update(&mut self, reward: f64, next: Option<&[f64]>) -> Result<(), String> {
+        let next = next.map(C::percept).transpose()?;
+        self.update(reward, next.as_ref());
+        Ok(())
+    }
+
+    fn end_episode(&mut self) {
+        self.end_episode();
+    }
+
+    fn is_waiting(&self) -> bool {
+        self.is_waiting()
+    }
+
+    fn values(&self, values: &[f64]) -> Result<Vec<Option<f64>>, String> {
+        Ok(self.xcs().action_values(&C::percept(values)?))
+    }
+
+    fn rules(&self) -> Vec<Rule> {
+        let rules = self.xcs().population().rules().iter();
+        rules
+            .map(|rule| {
+                (
+                    rule.condition.tests(),
+                    rule.action.index(),
+                    rule.prediction,
+                    rule.error,
+                    rule.fitness,
+                    rule.numerosity,
+                    rule.experience,
+                    rule.set_size,
+                    rule.time_stamp,
+                )
+            })
+            .collect()
+    }
+
+    fn micro(&self) -> u32 {
+        self.xcs().population().micro()
+    }
+
+    fn state(&self) -> Result<Vec<u8>, String> {
+        postcard::to_allocvec(&self.state()).map_err(|fault| fault.to_string())
+    }
+
+    fn restore(&mut self, state: &[u8], width: usize) -> Result<(), String> {
+        let refused = "the state is damaged, or of a learner with other arguments";
+        let state = postcard::from_bytes(state).map_err(|_| refused)?;
+        let mut restored = self.clone();
+        let fits = restored.restore(state)
+            && (restored.xcs().population().rules().iter())
+                .all(|rule| rule.condition.width() == width);
+        if fits {
+            *self = restored;
+        }
+        fits.then_some(()).ok_or_else(|| refused.into())
+    }
+}
+
+/// XCS with ternary or interval conditions. Percepts are bytes: eight-byte floats in this machine's order.
+#[pyclass(module = "xcscr._native")]
+pub struct Agent {
+    learner: Box<dyn Learner>,
+    width: usize,
+    actions: usize,
+}
+
+/// Reads settings from JSON.
+fn settings<T: serde::de::DeserializeOwned>(json: &str) -> PyResult<T> {
+    serde_json::from_str(json).map_err(|fault| {
+        let text = fault.to_string();
+        invalid(text.split(" at line").next().unwrap_or(&text))
+    })
+}
+
+/// Converts an error; the message has Python's names of the parameters.
+fn out_of_range(fault: OutOfRange) -> PyErr {
+    let text = fault.to_string();
+    let text = text.replace("`xcsr.", "`").replace("`xcs.", "`");
+    invalid(text.replace("`dont_care`", "`p_hash`"))
+}
+
+fn agent<C: Representation>(
+    params: Params,
+    settings: C::Settings,
+    actions: usize,
+    (gamma, exploration): (f64, f64),
+    seed: u64,
+) -> PyResult<xcs::Agent<C>> {
+    let mut agent = xcs::Agent::new(params, settings, actions, seed).map_err(out_of_range)?;
+    (agent.gamma, agent.exploration) = (gamma, exploration);
+    Ok(agent)
+}
+
+impl Agent {
+    /// The numbers of one percept.
+    fn percept(&self, bytes: &[u8]) -> PyResult<Vec<f64>> {
+        let values = numbers(bytes);
+        if values.len() == self.width {
+            return Ok(values);
+        }
+        Err(invalid(format!(
+            "the percept has {} values, but the learner has {}",
+            values.len(),
+            self.width
+        )))
+    }
+
+    /// The numbers of a table of percepts.
+    fn table(&self, bytes: &[u8]) -> PyResult<Vec<f64>> {
+        let values = numbers(bytes);
+        match values.len().checked_rem(self.width) {
+            Some(0) => Ok(values),
+            _ => Err(invalid(
+                "the table is not as wide as the learner's percepts",
+            )),
+        }
+    }
+}
+
+/// The right one of `actions` actions with probability 1/2, and otherwise any other.
+fn half_right(right: usize, actions: usize, stream: &mut Stream) -> usize {
+    if actions < 2 || stream.below(2) == 0 {
+        return right;
+    }
+    (right + 1 + stream.below(actions - 1)) % actions
+}
+
+/// The eight-byte floats of a buffer.
+fn numbers(bytes: &[u8]) -> Vec<f64> {
+    let (chunks, _) = bytes.as_chunks::<8>();
+    chunks
+        .iter()
+        .map(|chunk| f64::from_ne_bytes(*chunk))
+        .collect()
+}
+
+#[pymethods]
+impl Agent {
+    #[new]
+    #[pyo3(signature = (intervals, width, actions, params, spreads, gamma, exploration, seed))]
+    #[expect(clippy::too_many_arguments, reason = "called by xcscr.XCS only")]
+    fn new(
+        intervals: bool,
+        width: usize,
+        actions: usize,
+        params: &str,
+        spreads: &str,
+        gamma: f64,
+        exploration: f64,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let params: Params = settings(params)?;
+        let spreads: IntervalSettings = settings(spreads)?;
+        spreads.check().map_err(out_of_range)?;
+        for (key, value) in [("gamma", gamma), ("p_explore", exploration)] {
+            xcs::bounds::within(key, value, 0.0..=1.0).map_err(out_of_range)?;
+        }
+        let rates = (gamma, exploration);
+        let learner: Box<dyn Learner> = if intervals {
+            xcs::bounds::within("n_features", width, 1..=1_000_000).map_err(out_of_range)?;
+            Box::new(agent::<Intervals>(params, spreads, actions, rates, seed)?)
+        } else {
+            xcs::bounds::within("n_bits", width, 1..=xcs::MAX_PERCEPT_BITS)
+                .map_err(out_of_range)?;
+            Box::new(agent::<Condition>(params, (), actions, rates, seed)?)
+        };
+        Ok(Self {
+            learner,
+            width,
+            actions,
+        })
+    }
+
+    /// Chooses an action for a percept and remembers its action set until `update`.
+    fn act(&mut self, percept: &[u8], explores: bool) -> PyResult<usize> {
+        let percept = self.percept(percept)?;
+        let action = self.learner.act(&percept, explores).map_err(invalid)?;
+        Ok(action.map_or(0, Action::index))
+    }
+
+    /// Learns from the reward of the last action; `next` is `None` where the episode ended.
+    #[pyo3(signature = (reward, next))]
+    fn update(&mut self, reward: f64, next: Option<&[u8]>) -> PyResult<()> {
+        if !self.learner.is_waiting() {
+            return Err(invalid(
+                "no action waits for a reward: call act before update",
+            ));
+        }
+        xcs::bounds::within("reward", reward, -1e12..=1e12).map_err(out_of_range)?;
+        let next = next.map(|bytes| self.percept(bytes)).transpose()?;
+        self.learner
+            .update(reward, next.as_deref())
+            .map_err(invalid)
+    }
+
+    /// Forgets the action that waits for its reward.
+    fn end_episode(&mut self) {
+        self.learner.end_episode();
+    }
+
+    /// Learns `trials` rows of a table, drawn at random, from their answers (a byte each). Half of the trials take the
+    /// right action, and the others any other action: then rewards are as frequent as with two actions.
+    fn learn_table(
+        &mut self,
+        py: Python<'_>,
+        rows: &[u8],
+        answers: &[u8],
+        trials: u64,
+        seed: u64,
+    ) -> PyResult<()> {
+        let rows = self.table(rows)?;
+        if rows.is_empty() || rows.len() / self.width != answers.len() {
+            return Err(invalid("there must be one answer for each row, and a row"));
+        }
+        let mut stream = Stream::new(seed, ROWS_STREAM);
+        let (learner, width, actions) = (&mut self.learner, self.width, self.actions);
+        let mut left = trials;
+        while left > 0 {
+            let now = left.min(TRIALS_AT_ONCE);
+            py.detach(|| {
+                (0..now).try_for_each(|_| {
+                    let at = stream.below(answers.len());
+                    let right = usize::from(answers[at]);
+                    let taken = half_right(right, actions, &mut stream);
+                    let action = Action::wide(taken).ok_or("there is no such action")?;
+                    learner.take(&rows[at * width..][..width], action)?;
+                    learner.update(if taken == right { RIGHT } else { 0.0 }, None)
+                })
+            })
+            .map_err(|fault: String| invalid(fault))?;
+            left -= now;
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
+    /// The value of each action in each percept of a table, as bytes of eight-byte floats; NaN where no rule advocates it.
+    fn values(&self, py: Python<'_>, rows: &[u8]) -> PyResult<Vec<u8>> {
+        let rows = self.table(rows)?;
+        let (learner, width) = (&self.learner, self.width);
+        py.detach(|| {
+            let mut bytes = Vec::with_capacity(rows.len() / width * self.actions * 8);
+            for row in rows.chunks(width) {
+                let values = learner.values(row)?.into_iter();
+                values.for_each(|value| bytes.extend(value.unwrap_or(f64::NAN).to_ne_bytes()));
+            }
+            Ok(bytes)
+        })
+        .map_err(|fault: String| invalid(fault))
+    }
+
+    /// The rules in the order of the population: tests (attribute, lower, upper), action, prediction, error, fitness,
+    /// numerosity, experience, set size, time stamp.
+    fn rules(&self) -> Vec<Rule> {
+        self.learner.rules()
+    }
+
+    /// The number of micro-classifiers.
+    #[getter]
+    fn numerosity(&self) -> u32 {
+        self.learner.micro()
+    }
+
+    /// The state of the learner as bytes.
+    fn state(&self) -> PyResult<Vec<u8>> {
+        self.learner.state().map_err(invalid)
+    }
+
+    /// Continues from the state of an agent with the same arguments.
+    fn restore(&mut self, state: &[u8]) -> PyResult<()> {
+        self.learner.restore(state, self.width).map_err(invalid)
+    }
+}

@@ -1,0 +1,80 @@
+"""XCS as a classifier of scikit-learn."""
+
+import pickle
+import subprocess
+import sys
+
+import numpy
+import pytest
+
+pytest.importorskip("sklearn")
+
+from sklearn.datasets import load_iris, load_wine  # noqa: E402
+from sklearn.model_selection import GridSearchCV, cross_val_score  # noqa: E402
+from sklearn.utils.estimator_checks import parametrize_with_checks  # noqa: E402
+from xcscr import XCSClassifier  # noqa: E402
+
+
+def test_the_package_imports_without_scikit_learn_and_the_classifier_says_what_it_needs():
+    code = """
+import sys
+sys.modules["sklearn"] = None
+from xcscr import *
+try:
+    import xcscr
+    xcscr.XCSClassifier
+except ImportError as error:
+    print(error)
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout == "XCSClassifier needs scikit-learn: pip install xcscr[sklearn]\n"
+
+
+@parametrize_with_checks([XCSClassifier()])
+def test_scikit_learns_checks_pass(estimator, check):
+    check(estimator)
+
+
+@pytest.mark.parametrize("load", [load_iris, load_wine])
+def test_tables_are_learned(load):
+    X, y = load(return_X_y=True)
+    assert cross_val_score(XCSClassifier(), X, y, cv=5).mean() > 0.9
+
+
+def test_rules_are_in_units_of_the_features_and_name_the_class():
+    pytest.importorskip("pandas")
+    table = load_iris(as_frame=True)
+    names = table.target_names[table.target]
+    model = XCSClassifier().fit(table.data, names)
+    frame = model.rules_frame()
+    assert set(frame["class"]) == {"setosa", "versicolor", "virginica"}
+    assert any("petal length (cm) <=" in condition for condition in frame["condition"])
+    assert model.predict(table.data.iloc[:1]).tolist() == ["setosa"]
+
+
+def test_more_classes_than_a_ternary_learner_has_actions_are_learned():
+    X = numpy.random.default_rng(1).random((1200, 2))
+    y = (12 * X[:, 1]).astype(int)
+    model = XCSClassifier(60_000).fit(X[:1000], y[:1000])
+    assert len(model.classes_) == 12
+    assert model.score(X[1000:], y[1000:]) > 0.9
+
+
+def test_a_pickled_model_answers_alike_and_the_seed_decides():
+    X, y = load_iris(return_X_y=True)
+    model = XCSClassifier(5000).fit(X, y)
+    copy = pickle.loads(pickle.dumps(model))
+    assert copy.rules() == model.rules()
+    assert numpy.array_equal(copy.predict_proba(X), model.predict_proba(X))
+    assert XCSClassifier(5000).fit(X, y).rules() == model.rules()
+    assert XCSClassifier(5000, random_state=2).fit(X, y).rules() != model.rules(), "control"
+
+
+def test_parameters_are_searched_and_checked():
+    X, y = load_iris(return_X_y=True)
+    search = GridSearchCV(XCSClassifier(2000), {"s0": [0.2, 0.8]}, cv=2).fit(X, y)
+    assert search.best_params_["s0"] in (0.2, 0.8)
+    with pytest.raises(ValueError, match="`beta` is 2"):
+        XCSClassifier(beta=2.0).fit(X, y)
+    with pytest.raises(ValueError, match="iterations is 0"):
+        XCSClassifier(0).fit(X, y)

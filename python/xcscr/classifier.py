@@ -1,0 +1,161 @@
+"""XCS for tables, with the interface of scikit-learn."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy
+
+from ._native import Agent
+from .parameters import as_json, plain
+from .percepts import Reals, named
+from .xcs import XCSRule, frame_of, rules_of
+
+try:
+    from sklearn.base import BaseEstimator, ClassifierMixin  # type: ignore[import-untyped]
+    from sklearn.utils import check_random_state  # type: ignore[import-untyped]
+    from sklearn.utils.multiclass import check_classification_targets  # type: ignore[import-untyped]
+    from sklearn.utils.validation import check_is_fitted, validate_data  # type: ignore[import-untyped]
+except ImportError as error:
+    raise ImportError("XCSClassifier needs scikit-learn: pip install xcscr[sklearn]") from error
+
+#: A learner has at most this many actions.
+MOST_CLASSES = 256
+
+
+class XCSClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+    """XCSR as a classifier of scikit-learn: readable interval rules for tables of numbers.
+
+    Each of `iterations` trials draws a row and learns from one answer: half of them from the right class, with
+    the reward 1000, and the others from any other class, with the reward 0. `fit` scales each feature from its
+    smallest to its greatest value to 0 to 1. The same data and `random_state` give the same rules on every machine.
+
+    Parameters
+    ----------
+    iterations : int, default 50000
+        Trials of learning.
+    population_size, beta, alpha, epsilon_0, nu, theta_ga, chi, mu, theta_del, delta, theta_sub, s0, m, \
+initial_prediction, initial_error, initial_fitness, ga_subsumption, action_set_subsumption
+        See `xcscr.Parameters`.
+    random_state : int, RandomState or None, default 1
+        The seed.
+
+    Attributes
+    ----------
+    classes_ : array of the classes
+    n_features_in_ : number of features
+    feature_names_in_ : names of the features, where `X` is a frame
+    n_iter_ : trials that were run
+    """
+
+    def __init__(
+        self,
+        iterations: int = 50_000,
+        *,
+        population_size: int = 1600,
+        beta: float = 0.2,
+        alpha: float = 0.1,
+        epsilon_0: float = 10.0,
+        nu: int = 5,
+        theta_ga: int = 25,
+        chi: float = 0.8,
+        mu: float = 0.04,
+        theta_del: int = 20,
+        delta: float = 0.1,
+        theta_sub: int = 20,
+        s0: float = 1.0,
+        m: float = 0.1,
+        initial_prediction: float = 0.0,
+        initial_error: float = 0.0,
+        initial_fitness: float = 0.01,
+        ga_subsumption: bool = True,
+        action_set_subsumption: bool = True,
+        random_state: Any = 1,
+    ) -> None:
+        self.iterations = iterations
+        self.population_size = population_size
+        self.beta = beta
+        self.alpha = alpha
+        self.epsilon_0 = epsilon_0
+        self.nu = nu
+        self.theta_ga = theta_ga
+        self.chi = chi
+        self.mu = mu
+        self.theta_del = theta_del
+        self.delta = delta
+        self.theta_sub = theta_sub
+        self.s0 = s0
+        self.m = m
+        self.initial_prediction = initial_prediction
+        self.initial_error = initial_error
+        self.initial_fitness = initial_fitness
+        self.ga_subsumption = ga_subsumption
+        self.action_set_subsumption = action_set_subsumption
+        self.random_state = random_state
+
+    def _seed(self) -> int:
+        if isinstance(self.random_state, (int, numpy.integer)):
+            return int(self.random_state)
+        return int(check_random_state(self.random_state).randint(2**31))
+
+    def _untrained(self, width: int, classes: int, seed: int) -> Agent:
+        chosen = {key: value for key, value in self.get_params().items() if key not in ("iterations", "random_state")}
+        xcs, spreads = as_json(plain(chosen))
+        return Agent(True, width, classes, xcs, spreads, 0.0, 1.0, seed)
+
+    def fit(self, X: Any, y: Any) -> XCSClassifier:
+        """Learns rules from the rows of `X` and their classes `y`."""
+        X, y = validate_data(self, X, y, dtype=float)
+        check_classification_targets(y)
+        self.classes_, answers = numpy.unique(y, return_inverse=True)
+        if len(self.classes_) > MOST_CLASSES:
+            raise ValueError(f"{len(self.classes_)} classes are too many: there may be up to {MOST_CLASSES}")
+        if self.iterations < 1:
+            raise ValueError(f"iterations is {self.iterations}, but must be at least 1")
+        names = named(getattr(self, "feature_names_in_", None), X.shape[1], "x")
+        self._percepts = Reals(tuple(X.min(axis=0).tolist()), tuple(X.max(axis=0).tolist()), names)
+        seed = self._seed()
+        self._agent = self._untrained(X.shape[1], len(self.classes_), seed)
+        rows = self._percepts.rows(X).tobytes()
+        self._agent.learn_table(rows, answers.astype(numpy.uint8).tobytes(), int(self.iterations), seed)
+        self._prior = numpy.bincount(answers) / len(answers)
+        self.n_iter_ = int(self.iterations)
+        return self
+
+    def predict_proba(self, X: Any) -> Any:
+        """The predicted reward of each class as a share of the sum; the shares in training where no rule matches."""
+        check_is_fitted(self)
+        X = validate_data(self, X, dtype=float, reset=False)
+        values = numpy.frombuffer(self._agent.values(self._percepts.rows(X).tobytes()))
+        values = numpy.nan_to_num(values.reshape(len(X), -1)).clip(min=0.0)
+        values = numpy.where(values.sum(axis=1, keepdims=True) > 1e-9, values, self._prior)
+        return values / values.sum(axis=1, keepdims=True)
+
+    def predict(self, X: Any) -> Any:
+        """The class of the greatest predicted reward."""
+        shares = self.predict_proba(X)
+        return self.classes_[numpy.argmax(shares, axis=1)]
+
+    def rules(self) -> list[XCSRule]:
+        """The rules with conditions in units of the features, the most numerous first. `action` numbers `classes_`."""
+        check_is_fitted(self)
+        return rules_of(self._agent, self._percepts, 0)
+
+    def rules_frame(self) -> Any:
+        """A pandas frame with a row for each rule and the class in a column of its own."""
+        frame = frame_of(self.rules())
+        frame.insert(1, "class", self.classes_[frame["action"]])
+        return frame
+
+    def __getstate__(self) -> dict[str, Any]:
+        state: dict[str, Any] = super().__getstate__()
+        if "_agent" in state:
+            state = state | {"_agent": self._agent.state()}
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        saved = state.get("_agent")
+        super().__setstate__({key: value for key, value in state.items() if key != "_agent"})
+        if saved is not None:
+            self._agent = self._untrained(self.n_features_in_, len(self.classes_), 0)
+            self._agent.restore(saved)

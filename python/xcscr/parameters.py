@@ -1,0 +1,72 @@
+"""The parameters of XCS by the names of the field."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Literal, TypedDict
+
+import numpy
+
+#: Parameters of interval conditions.
+SPREADS = ("s0", "m")
+
+
+class Parameters(TypedDict, total=False):
+    """Parameters of XCS (Butz and Wilson 2001) and XCSR (Wilson 2000); the defaults are in brackets.
+
+    population_size: N, the most micro-classifiers (1600).
+    p_hash: P#, the probability of a don't-care in covering, for binary percepts (0.3).
+    beta: the learning rate (0.2).
+    alpha, epsilon_0, nu: accuracy is 1 up to the error epsilon_0, and alpha (error / epsilon_0)^-nu above it
+        (0.1, 10, 5). epsilon_0 is in units of reward.
+    theta_ga: mean steps between two runs of the genetic algorithm in a niche (25).
+    chi, mu: the probabilities of crossover and of mutating an attribute (0.8, 0.04).
+    theta_del, delta: from this experience on, fitness below delta of the mean counts in deletion (20, 0.1).
+    theta_sub: the experience from which on a rule can subsume others (20).
+    s0: the largest distance of a bound from the percept in covering, of the range of a feature (1). With dozens of
+        features, take 10 or more: then most features begin as don't-cares.
+    m: the largest change of a bound in mutation, of the range of a feature (0.1).
+    initial_prediction, initial_error, initial_fitness: the figures of a covering rule (0, 0, 0.01).
+    ga, ga_subsumption, action_set_subsumption: switches (True).
+    update_order, subsumer_ties, ga_clock: variants of the algorithm.
+    """
+
+    population_size: int
+    p_hash: float
+    beta: float
+    alpha: float
+    epsilon_0: float
+    nu: int
+    theta_ga: int
+    chi: float
+    mu: float
+    theta_del: int
+    delta: float
+    theta_sub: int
+    s0: float
+    m: float
+    initial_prediction: float
+    initial_error: float
+    initial_fitness: float
+    ga: bool
+    ga_subsumption: bool
+    action_set_subsumption: bool
+    update_order: Literal["error-first", "prediction-first"]
+    subsumer_ties: Literal["first", "random"]
+    ga_clock: Literal["all-steps", "evolving-steps"]
+
+
+def plain(parameters: dict[str, Any]) -> dict[str, Any]:
+    """Returns the parameters with Python's own numbers in place of numpy's. Raises TypeError for unknown names."""
+    unknown = sorted(parameters.keys() - Parameters.__annotations__.keys())
+    if unknown:
+        known = ", ".join(Parameters.__annotations__)
+        raise TypeError(f"unknown parameter {unknown[0]!r}: choose from {known}")
+    return {key: value.item() if isinstance(value, numpy.generic) else value for key, value in parameters.items()}
+
+
+def as_json(parameters: dict[str, Any]) -> tuple[str, str]:
+    """Returns the parameters of XCS and those of interval conditions, as the native part takes them."""
+    native = {"dont_care" if key == "p_hash" else key: value for key, value in parameters.items()}
+    spreads = {key: native.pop(key) for key in SPREADS if key in native}
+    return json.dumps(native), json.dumps(spreads)
