@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use xcscr::study::STUDY_KEYS;
+use xcscr::study::StudyKey;
 use xcscr::trial::{ReadBy, Resolved, Settings};
 
 /// The page of the documentation, as the declarations have it.
@@ -61,12 +61,12 @@ fn page_of_keys() -> String {
     let mut page = "# Keys of a study file\n\nAlso printed by `xcscr study keys`. This page is made from the source (`UPDATE_DOCS=1 cargo test --test \
         settings` writes it anew).\n"
         .to_owned();
-    for key in &STUDY_KEYS {
-        let default = match key.default {
-            "" => "required".to_owned(),
-            default => format!("default: {}", default.replace('`', "")),
+    for key in StudyKey::all() {
+        let default = match &key.default {
+            None => "required".to_owned(),
+            Some(default) => format!("default: {}", default.replace('`', "")),
         };
-        let (name, kind, about, example) = (key.name, key.kind, key.about, key.example);
+        let (name, kind, about, example) = (&key.name, &key.kind, &key.about, &key.example);
         let text = format!(
             "\n## {name}\n\nA {kind}; {default}. {about}\n\n```toml,example\n{example}\n```"
         );

@@ -33,6 +33,9 @@ pub struct Picture {
     pub svg: String,
 }
 
+/// The name of a column, and the function that formats an item as its cell.
+pub(crate) type Column<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
+
 /// A header and rows. The first column and text columns are left-aligned, numbers right-aligned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
@@ -49,6 +52,14 @@ impl Table {
             header: header.into_iter().map(Into::into).collect(),
             rows: Vec::new(),
         }
+    }
+
+    /// Creates a table with a row for each item.
+    pub(crate) fn of<T>(items: impl IntoIterator<Item = T>, columns: &[Column<'_, T>]) -> Self {
+        let mut table = Self::new(columns.iter().map(|(name, _)| *name));
+        let row = |item| columns.iter().map(|(_, cell)| cell(&item)).collect();
+        table.rows = items.into_iter().map(row).collect();
+        table
     }
 
     /// Removes the columns accepted by `is_dull` whose cells are the same in every row.

@@ -15,10 +15,10 @@ use serde::Serialize;
 
 use super::analysis::learning::CurveSums;
 use super::error::StudyError;
-use super::own::Agents;
+use super::own::{Agents, Study};
 use super::protocol::Protocol;
-use super::store::files::{EPISODES, LEARNING_CURVES};
-use super::store::folder::StudyFolder;
+use super::store::StudyFolder;
+use super::store::outputs::{EPISODES, LEARNING_CURVES};
 use super::store::record::trial;
 use crate::episode::{Ending, Episode};
 use crate::trial::Trial;
@@ -77,74 +77,70 @@ impl EpisodeRow {
     }
 }
 
-impl StudyFolder {
-    /// Runs the trials of the study again. Writes a row for each episode to `episodes.csv.gz` in
+impl Study {
+    /// Runs the trials of a study again. Writes a row for each episode to `episodes.csv.gz` in
     /// the study's folder, in the order of the trials. Writes the means to `learning-curves.csv`,
     /// which the report plots. A failed trial has no rows. `stop` is called between batches of
     /// trials.
     ///
     /// # Errors
-    /// When the threads cannot be started, a file has other contents or cannot be written, or
-    /// `stop` returned true.
-    pub fn write_episodes(&self, jobs: usize, stop: &dyn Fn() -> bool) -> Result<(), StudyError> {
-        self.write_episodes_with(&Agents::default(), jobs, stop)
-    }
-
-    /// Like [`Self::write_episodes`], with custom agents.
-    pub(super) fn write_episodes_with(
+    /// When the threads cannot be started, this program lacks an agent of the study, a file has
+    /// other contents or cannot be written, or `stop` returned true.
+    pub fn write_episodes(
         &self,
-        agents: &Agents,
+        folder: &StudyFolder,
         jobs: usize,
         stop: &dyn Fn() -> bool,
     ) -> Result<(), StudyError> {
         let pool = ThreadPoolBuilder::new().num_threads(jobs).build();
-        let pool = pool.map_err(|cause| StudyError::Jobs {
-            jobs,
-            fault: cause.to_string(),
-        })?;
-        agents.require_for(self.protocol())?;
+        let pool = pool.map_err(|cause| StudyError::jobs(jobs, cause))?;
+        let arms = &folder.protocol().arms;
+        self.agents.require_for(folder.protocol())?;
         let mut sums: Vec<CurveSums> = Vec::new();
-        sums.resize_with(self.protocol().arms.len(), CurveSums::default);
-        self.write_with(EPISODES, |file| {
+        sums.resize_with(arms.len(), CurveSums::default);
+        folder.write_with(EPISODES, |file| {
             let mut table = csv::Writer::from_writer(GzEncoder::new(file, Compression::default()));
-            self.write_rows((&pool, agents), &mut table, &mut sums, stop)?;
+            let study = (folder.protocol(), &self.agents);
+            write_rows(study, &pool, &mut table, &mut sums, stop)?;
             let packed = table.into_inner().map_err(|fault| fault.into_error())?;
             packed.finish().map(|_| ())
         })?;
-        self.write_with(LEARNING_CURVES, |file| {
+        folder.write_with(LEARNING_CURVES, |file| {
             let mut table = csv::Writer::from_writer(file);
-            let arms = self.protocol().arms.iter().zip(&sums);
-            for point in arms.flat_map(|(arm, sums)| sums.points(arm)) {
+            for point in arms
+                .iter()
+                .zip(&sums)
+                .flat_map(|(arm, sums)| sums.points(arm))
+            {
                 table.serialize(point)?;
             }
             table.flush()
         })
     }
+}
 
-    fn write_rows(
-        &self,
-        (pool, agents): (&ThreadPool, &Agents),
-        table: &mut csv::Writer<impl Write>,
-        sums: &mut [CurveSums],
-        stop: &dyn Fn() -> bool,
-    ) -> io::Result<()> {
-        let protocol = self.protocol();
-        let trials: Vec<usize> = (0..protocol.len()).collect();
-        for trials in trials.chunks(TRIALS_PER_THREAD * pool.current_num_threads()) {
-            if stop() {
-                return Err(io::ErrorKind::Interrupted.into());
-            }
-            let rows = |&trial: &usize| rows(protocol, agents, trial);
-            let all: Vec<Vec<EpisodeRow>> = pool.install(|| trials.par_iter().map(rows).collect());
-            for (trial, rows) in trials.iter().zip(&all) {
-                if !rows.is_empty() {
-                    sums[trial / protocol.trials].add(rows.iter().map(|row| row.steps));
-                }
-                rows.iter().try_for_each(|row| table.serialize(row))?;
-            }
+fn write_rows(
+    (protocol, agents): (&Protocol, &Agents),
+    pool: &ThreadPool,
+    table: &mut csv::Writer<impl Write>,
+    sums: &mut [CurveSums],
+    stop: &dyn Fn() -> bool,
+) -> io::Result<()> {
+    let trials: Vec<usize> = (0..protocol.len()).collect();
+    for trials in trials.chunks(TRIALS_PER_THREAD * pool.current_num_threads()) {
+        if stop() {
+            return Err(io::ErrorKind::Interrupted.into());
         }
-        Ok(())
+        let rows = |&trial: &usize| rows(protocol, agents, trial);
+        let all: Vec<Vec<EpisodeRow>> = pool.install(|| trials.par_iter().map(rows).collect());
+        for (trial, rows) in trials.iter().zip(&all) {
+            if !rows.is_empty() {
+                sums[trial / protocol.trials].add(rows.iter().map(|row| row.steps));
+            }
+            rows.iter().try_for_each(|row| table.serialize(row))?;
+        }
     }
+    Ok(())
 }
 
 /// Returns the rows of a trial, or none if the trial fails.

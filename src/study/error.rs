@@ -11,67 +11,6 @@ use crate::world::WorldError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// The study file does not exist.
-    #[error("unknown study \"{}\": pass a TOML file or one of: {shipped}", .file.display())]
-    Missing {
-        /// The file.
-        file: PathBuf,
-        /// The names of the studies that are shipped with the program.
-        shipped: String,
-    },
-    /// The folder contains no study.
-    #[error("{} contains no study: it has no plan.json", .0.display())]
-    NoStudy(PathBuf),
-    /// The folder contains no planned study.
-    #[error("{} contains no planned study: it has no tasks.json; create one with `xcscr study plan STUDY --tasks N --out DIR`", .0.display())]
-    NotPlanned(PathBuf),
-    /// The number of tasks is missing for a new planned study.
-    #[error("{} is new: give the number of tasks, such as `--tasks 100`", .0.display())]
-    NoTasks(PathBuf),
-    /// The study is split into another number of tasks.
-    #[error("{} is split into {found} tasks, not {wanted}: leave out `--tasks`, or choose another folder with `--out`", .folder.display())]
-    OtherTasks {
-        /// The folder.
-        folder: PathBuf,
-        /// The number of tasks in the folder.
-        found: usize,
-        /// The number of tasks that was requested.
-        wanted: usize,
-    },
-    /// The study has no task of this number.
-    #[error("{} has no task {task}: give a number from 1 to {count}", .folder.display())]
-    NoTask {
-        /// The folder.
-        folder: PathBuf,
-        /// The task.
-        task: usize,
-        /// The number of tasks.
-        count: usize,
-    },
-    /// Another version of this program made the plan.
-    #[error("{} was planned by xcscr {found}, but this is {}: use that version, or plan the study again in another folder", .folder.display(), env!("CARGO_PKG_VERSION"))]
-    OtherVersion {
-        /// The folder.
-        folder: PathBuf,
-        /// The version that made the plan.
-        found: String,
-    },
-    /// A command of the cluster engine failed.
-    #[error("{command}: {fault}")]
-    Engine {
-        /// The command.
-        command: String,
-        /// The engine's message, and a hint.
-        fault: String,
-    },
-    /// Invalid study file.
-    #[error("{origin}: {fault}")]
-    File {
-        /// The file.
-        origin: String,
-        /// The fault.
-        fault: String,
-    },
     /// Invalid setting.
     #[error(transparent)]
     Settings(#[from] SettingsError),
@@ -81,54 +20,15 @@ pub enum StudyError {
     /// Invalid number in the study.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The folder contains files that are not a study of the required kind.
-    #[error("{} contains {holds}; refusing to change it: choose another folder with `--out`", .folder.display())]
-    Foreign {
-        /// The folder.
-        folder: PathBuf,
-        /// What the folder contains.
-        holds: &'static str,
-    },
-    /// A file exists, and its contents differ from what would be written.
-    #[error("{} exists and differs from what this study would write: replace it with `--force`; the trials are kept", .0.display())]
-    Exists(PathBuf),
-    /// A generated file was changed by hand.
-    #[error("{} was changed after xcscr wrote it: move it away, then run the same command again", .0.display())]
-    Altered(PathBuf),
-    /// The folder contains another study.
-    #[error(
-        "{} contains another study (plan {found}, but this one is {wanted}): choose another folder with `--out`, or replace that study with `study run --force`",
-        .folder.display()
-    )]
-    OtherStudy {
-        /// The folder.
-        folder: PathBuf,
-        /// The plan in the folder.
-        found: String,
-        /// The requested plan.
-        wanted: String,
-    },
-    /// Another process uses the folder.
-    #[error("{} is in use by {holder}: wait for it, or choose another folder with `--out`", .folder.display())]
-    Locked {
-        /// The folder.
-        folder: PathBuf,
-        /// The process that uses the folder.
-        holder: String,
-    },
-    /// Folders of different studies cannot be merged.
-    #[error("{} and {} contain different studies (plans {} and {})", .0.display(), .1.display(), .2, .3)]
-    Mixed(PathBuf, PathBuf, String, String),
-    /// A trial has two different results.
-    #[error("{} contains another result of trial {trial} than {before}: the plan is the same, so the program or the machine may differ", .place.display())]
-    Contradiction {
-        /// The folder or file with the second result.
-        place: PathBuf,
-        /// The trial.
-        trial: usize,
-        /// Where the first result is.
-        before: &'static str,
-    },
+    /// A study or its folder does not exist.
+    #[error("{0}")]
+    Missing(String),
+    /// An argument is missing, or does not fit the study.
+    #[error("{0}")]
+    Usage(String),
+    /// A study file, a plan or a journal is invalid, or two of them contradict each other.
+    #[error("{0}")]
+    Invalid(String),
     /// Trials are missing.
     #[error("{missing} of {total} trials are missing; `xcscr study status` lists them")]
     Incomplete {
@@ -137,14 +37,12 @@ pub enum StudyError {
         /// The number of trials.
         total: usize,
     },
-    /// A file of the study is damaged.
-    #[error("{} is damaged: {fault}", .path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// The fault.
-        fault: String,
-    },
+    /// The folder or a file in it has other contents, which are not replaced.
+    #[error("{0}")]
+    Refused(String),
+    /// Another process uses the folder.
+    #[error("{0}")]
+    Locked(String),
     /// A folder or file cannot be created.
     #[error("cannot create {}: {cause}{}", .path.display(), disk::way_out_or(.cause, "; choose another folder with `--out`, or free this one"))]
     Create {
@@ -161,21 +59,14 @@ pub enum StudyError {
         /// The cause.
         cause: io::Error,
     },
+    /// Threads cannot be started, or a command of the cluster engine failed.
+    #[error("{0}")]
+    System(String),
     /// A figure cannot be drawn.
     #[error("cannot draw {name}: {fault}")]
     Figure {
         /// The figure.
-        name: String,
-        /// The cause.
-        fault: String,
-    },
-    /// The threads cannot be started.
-    #[error(
-        "cannot start {jobs} jobs: {fault}; allow more memory and processes, or fewer `--jobs`"
-    )]
-    Jobs {
-        /// The number of threads.
-        jobs: usize,
+        name: &'static str,
         /// The cause.
         fault: String,
     },
@@ -191,9 +82,28 @@ fn hint(cause: &io::Error) -> String {
 }
 
 impl StudyError {
-    pub(super) fn file(origin: &str, fault: &str) -> Self {
-        let (origin, fault) = (origin.to_owned(), fault.to_owned());
-        Self::File { origin, fault }
+    /// Returns the error for a fault in the study file `origin`.
+    pub(super) fn file(origin: &str, fault: impl std::fmt::Display) -> Self {
+        Self::Invalid(format!("{origin}: {fault}"))
+    }
+
+    pub(super) fn damaged(path: &Path, fault: impl std::fmt::Display) -> Self {
+        Self::Invalid(format!("{} is damaged: {fault}", path.display()))
+    }
+
+    /// Returns the error for a generated file that was changed by hand.
+    pub(super) fn altered(path: &Path) -> Self {
+        Self::Refused(format!(
+            "{} was changed after xcscr wrote it: move it away, then run the same command again",
+            path.display()
+        ))
+    }
+
+    /// Returns the error for `jobs` threads that cannot be started.
+    pub(super) fn jobs(jobs: usize, fault: impl std::fmt::Display) -> Self {
+        Self::System(format!(
+            "cannot start {jobs} jobs: {fault}; allow more memory and processes, or fewer `--jobs`"
+        ))
     }
 
     pub(super) fn io(path: &Path, cause: io::Error) -> Self {
@@ -204,10 +114,5 @@ impl StudyError {
     pub(super) fn create(path: &Path, cause: io::Error) -> Self {
         let path = path.to_owned();
         Self::Create { path, cause }
-    }
-
-    pub(super) fn damaged(path: &Path, fault: impl ToString) -> Self {
-        let (path, fault) = (path.to_owned(), fault.to_string());
-        Self::Damaged { path, fault }
     }
 }

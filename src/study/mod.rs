@@ -13,13 +13,13 @@ mod statistics;
 mod store;
 mod tuning;
 
-pub use cluster::{PlannedStudy, Queued, Slurm, Survey, TaskState, TaskSurvey};
+pub use cluster::{Queued, Slurm, TaskProgress, TaskState};
 pub use error::StudyError;
 pub use own::Study;
-pub use protocol::{Arm, Overrides, Protocol, STUDY_KEYS, StudyFile, StudyKey, Variant};
+pub use protocol::{Arm, Overrides, Protocol, StudyFile, StudyKey, Variant};
 pub use report::Report;
-pub use robustness::{Condition, ConditionResult, LeftOut, Robustness};
+pub use robustness::{ConditionResult, LeftOut, Robustness};
 pub use runner::StudyWatcher;
 pub use statistics::Interval;
-pub use store::{Figures, Shard, StudyFolder, TrialRecord};
+pub use store::{Figures, PlannedStudy, Shard, StudyFolder, TrialRecord};
 pub use tuning::{Found, Rung, Stage, Standing, Tuning, Verdict};

@@ -7,8 +7,8 @@ use std::path::Path;
 use super::error::StudyError;
 use super::protocol::Protocol;
 use super::runner::{StudyWatcher, run_trials};
-use super::store::Shard;
-use super::store::folder::{OpenFolder, StudyFolder};
+use super::store::plan::ALL_TASKS;
+use super::store::{Shard, StudyFolder};
 use crate::agent::Agent;
 use crate::trial::Plan;
 
@@ -32,16 +32,12 @@ impl Agents {
     /// Checks that this program has all agents of a study.
     ///
     /// # Errors
-    /// [`StudyError::File`] when an agent is missing.
+    /// [`StudyError::Invalid`] when an agent is missing.
     pub fn require_for(&self, protocol: &Protocol) -> Result<(), StudyError> {
         let mut named = protocol.arms.iter().filter_map(|arm| arm.agent.as_ref());
         let lacking = named.find(|name| !self.0.contains_key(*name));
         lacking.map_or(Ok(()), |name| {
-            let origin = protocol.name.clone();
-            Err(StudyError::File {
-                origin,
-                fault: missing(name),
-            })
+            Err(StudyError::file(&protocol.name, missing(name)))
         })
     }
 }
@@ -60,7 +56,7 @@ impl fmt::Debug for Agents {
 #[derive(Debug)]
 pub struct Study {
     protocol: Protocol,
-    agents: Agents,
+    pub(super) agents: Agents,
 }
 
 impl Study {
@@ -78,7 +74,7 @@ impl Study {
     /// write these, but only a program that has the agent can run its trials.
     ///
     /// # Errors
-    /// [`StudyError::File`] when the name is taken, or has other characters than lower-case
+    /// [`StudyError::Invalid`] when the name is taken, or has other characters than lower-case
     /// letters, digits and hyphens.
     pub fn with_agent(
         mut self,
@@ -107,25 +103,16 @@ impl Study {
         jobs: usize,
         watcher: &mut dyn StudyWatcher,
     ) -> Result<StudyFolder, StudyError> {
-        let mut open = OpenFolder::open(out, &self.protocol)?;
-        let mut trials = open.folder().missing();
+        let mut folder = StudyFolder::open(out, &self.protocol)?;
+        let mut trials = folder.missing();
         trials.retain(|trial| shard.holds(*trial));
-        let study = (&self.protocol, &self.agents);
-        run_trials(study, &trials, jobs, &mut open, watcher)?;
-        open.close()
-    }
-
-    /// Writes a row for each episode to `episodes.csv.gz` in the study's folder: see
-    /// [`StudyFolder::write_episodes`].
-    ///
-    /// # Errors
-    /// The same as for [`StudyFolder::write_episodes`].
-    pub fn write_episodes(
-        &self,
-        folder: &StudyFolder,
-        jobs: usize,
-        stop: &dyn Fn() -> bool,
-    ) -> Result<(), StudyError> {
-        folder.write_episodes_with(&self.agents, jobs, stop)
+        run_trials(
+            &mut folder,
+            &self.agents,
+            (ALL_TASKS, &trials),
+            jobs,
+            watcher,
+        )?;
+        Ok(folder)
     }
 }

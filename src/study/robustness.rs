@@ -1,133 +1,112 @@
 //! Evaluation of a learned policy under conditions that it was not trained for.
 
-use std::fmt;
-
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::statistics::{Interval, Proportion};
 use crate::agent::Knowledge;
-use crate::arena::{ArenaKind, View};
+use crate::arena::{ArenaKind, FaultParams, View};
 use crate::episode::{Observer, Step};
 use crate::trial::{Config, Evaluation, Plan, PlanError};
 
+/// What a condition requires of a run.
+#[derive(Debug, Clone, Copy)]
+enum Needs {
+    Nothing,
+    Physics,
+    Sensing,
+    Lidar,
+    Gyro,
+}
+
 /// A change to the settings of a run. All other settings stay the same.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Condition {
-    /// No change.
-    Unchanged,
-    /// `physics.noise`: multiplies the noise of wheels and sensors.
-    Noise(u8),
-    /// `arena.slip`: the probability that another action is carried out.
-    Slip(f64),
-    /// `sensor.flip_probability`: the probability that a bit of the percept is flipped.
-    Flips(f64),
-    /// The friction of the whole floor, in tenths. The robot does not know it.
-    FloorFriction(u8),
-    /// `physics.faults.dead_sector_deg`: the width of the sector ahead without lidar returns.
-    DeadSector(f64),
-    /// `physics.faults.stuck_encoder`: the encoder of the left wheel does not count.
-    StuckEncoder,
-    /// `physics.faults.gyro_drift_radps2`: the drift rate of the gyro's bias.
-    GyroDrift(f64),
-    /// `physics.faults.dead_bumper`: the front bumper never closes.
-    DeadBumper,
+struct Condition {
+    name: &'static str,
+    needs: Needs,
+    change: fn(&mut Plan),
+}
+
+/// All conditions, in the order of the table. The robot does not know the friction of the floor.
+const CONDITIONS: [Condition; 17] = [
+    Condition::new("unchanged", Needs::Nothing, |_| ()),
+    Condition::new("noise 0", Needs::Physics, |plan| set_noise(plan, 0.0)),
+    Condition::new("noise 1", Needs::Physics, |plan| set_noise(plan, 1.0)),
+    Condition::new("noise 2", Needs::Physics, |plan| set_noise(plan, 2.0)),
+    Condition::new("noise 3", Needs::Physics, |plan| set_noise(plan, 3.0)),
+    Condition::new("noise 4", Needs::Physics, |plan| set_noise(plan, 4.0)),
+    Condition::new("noise 5", Needs::Physics, |plan| set_noise(plan, 5.0)),
+    Condition::new("slip 0.1", Needs::Nothing, |plan| set_slip(plan, 0.1)),
+    Condition::new("slip 0.25", Needs::Nothing, |plan| set_slip(plan, 0.25)),
+    Condition::new("flips 0.01", Needs::Nothing, |plan| set_flips(plan, 0.01)),
+    Condition::new("flips 0.05", Needs::Nothing, |plan| set_flips(plan, 0.05)),
+    Condition::new("floor friction 0.5", Needs::Physics, |plan| {
+        plan.maze = plan.maze.with_friction(5);
+    }),
+    Condition::new("floor friction 0.3", Needs::Physics, |plan| {
+        plan.maze = plan.maze.with_friction(3);
+    }),
+    Condition::new("dead sector 90 deg", Needs::Lidar, |plan| {
+        faults(plan).dead_sector_deg = 90.0;
+    }),
+    Condition::new("stuck encoder", Needs::Sensing, |plan| {
+        faults(plan).stuck_encoder = true;
+    }),
+    Condition::new("gyro drift 0.001 rad/s2", Needs::Gyro, |plan| {
+        faults(plan).gyro_drift_radps2 = 0.001;
+    }),
+    Condition::new("dead bumper", Needs::Sensing, |plan| {
+        faults(plan).dead_bumper = true;
+    }),
+];
+
+fn set_noise(plan: &mut Plan, level: f64) {
+    plan.config.settings.physics.noise = level;
+}
+
+fn set_slip(plan: &mut Plan, probability: f64) {
+    plan.config.settings.arena.slip = probability;
+}
+
+fn set_flips(plan: &mut Plan, probability: f64) {
+    plan.config.settings.sensor.flip_probability = probability;
+}
+
+/// Returns the faults, which are present from the first episode.
+fn faults(plan: &mut Plan) -> &mut FaultParams {
+    let faults = &mut plan.config.settings.physics.faults;
+    faults.from_episode = 1;
+    faults
 }
 
 impl Condition {
-    /// All conditions, in the order of the table.
-    pub const ALL: [Self; 17] = [
-        Self::Unchanged,
-        Self::Noise(0),
-        Self::Noise(1),
-        Self::Noise(2),
-        Self::Noise(3),
-        Self::Noise(4),
-        Self::Noise(5),
-        Self::Slip(0.1),
-        Self::Slip(0.25),
-        Self::Flips(0.01),
-        Self::Flips(0.05),
-        Self::FloorFriction(5),
-        Self::FloorFriction(3),
-        Self::DeadSector(90.0),
-        Self::StuckEncoder,
-        Self::GyroDrift(0.001),
-        Self::DeadBumper,
-    ];
+    const fn new(name: &'static str, needs: Needs, change: fn(&mut Plan)) -> Self {
+        Self {
+            name,
+            needs,
+            change,
+        }
+    }
 
     /// Returns the reason why the condition does not apply to a run, or `None` if it does.
-    fn obstacle(self, config: &Config) -> Option<&'static str> {
+    fn obstacle(&self, config: &Config) -> Option<&'static str> {
         let physics = &config.settings.physics;
         let is_on_grid = config.arena == ArenaKind::Grid;
-        match self {
-            Self::Unchanged | Self::Slip(_) | Self::Flips(_) => None,
+        match self.needs {
+            Needs::Nothing => None,
             _ if is_on_grid => Some("the grid has no wheels, floor or sensors"),
-            Self::Noise(_) | Self::FloorFriction(_) => None,
+            Needs::Physics => None,
             _ if !config.senses() => Some("the robot has access to its true pose"),
-            Self::DeadSector(_) if !physics.lidar.fitted => Some("the robot has no lidar"),
-            Self::GyroDrift(_) if !physics.gyro.fitted => Some("the robot has no gyro"),
+            Needs::Lidar if !physics.lidar.fitted => Some("the robot has no lidar"),
+            Needs::Gyro if !physics.gyro.fitted => Some("the robot has no gyro"),
             _ => None,
         }
-    }
-
-    /// Returns the plan under this condition. Faults are active from the first episode.
-    fn apply(self, mut plan: Plan) -> Plan {
-        let settings = &mut plan.config.settings;
-        let faults = &mut settings.physics.faults;
-        match self {
-            Self::Unchanged => return plan,
-            Self::Noise(level) => settings.physics.noise = f64::from(level),
-            Self::Slip(probability) => settings.arena.slip = probability,
-            Self::Flips(probability) => settings.sensor.flip_probability = probability,
-            Self::FloorFriction(tenths) => plan.maze = plan.maze.with_friction(tenths),
-            Self::DeadSector(degrees) => faults.dead_sector_deg = degrees,
-            Self::StuckEncoder => faults.stuck_encoder = true,
-            Self::GyroDrift(rate) => faults.gyro_drift_radps2 = rate,
-            Self::DeadBumper => faults.dead_bumper = true,
-        }
-        if self.is_fault() {
-            plan.config.settings.physics.faults.from_episode = 1;
-        }
-        plan
-    }
-
-    fn is_fault(self) -> bool {
-        matches!(
-            self,
-            Self::DeadSector(_) | Self::StuckEncoder | Self::GyroDrift(_) | Self::DeadBumper
-        )
-    }
-}
-
-impl fmt::Display for Condition {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unchanged => f.pad("unchanged"),
-            Self::Noise(level) => f.pad(&format!("noise {level}")),
-            Self::Slip(probability) => f.pad(&format!("slip {probability}")),
-            Self::Flips(probability) => f.pad(&format!("flips {probability}")),
-            Self::FloorFriction(tenths) => {
-                f.pad(&format!("floor friction {}", f64::from(*tenths) / 10.0))
-            }
-            Self::DeadSector(degrees) => f.pad(&format!("dead sector {degrees} deg")),
-            Self::StuckEncoder => f.pad("stuck encoder"),
-            Self::GyroDrift(rate) => f.pad(&format!("gyro drift {rate} rad/s2")),
-            Self::DeadBumper => f.pad("dead bumper"),
-        }
-    }
-}
-
-impl Serialize for Condition {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
     }
 }
 
 /// The result of a policy under one condition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ConditionResult {
-    /// The condition.
-    pub condition: Condition,
+    /// The name of the condition.
+    pub condition: &'static str,
     /// Number of episodes.
     pub episodes: u32,
     /// Number of episodes that reached a goal.
@@ -146,8 +125,8 @@ pub struct ConditionResult {
 /// A condition that does not apply to a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
-    /// The condition.
-    pub condition: Condition,
+    /// The name of the condition.
+    pub condition: &'static str,
     /// The reason.
     pub reason: &'static str,
 }
@@ -182,12 +161,17 @@ impl Robustness {
             conditions: Vec::new(),
             left_out: Vec::new(),
         };
-        for condition in Condition::ALL {
+        for condition in CONDITIONS {
             match condition.obstacle(&plan.config) {
-                Some(reason) => found.left_out.push(LeftOut { condition, reason }),
+                Some(reason) => found.left_out.push(LeftOut {
+                    condition: condition.name,
+                    reason,
+                }),
                 None => {
-                    let plan = condition.apply(plan.clone());
-                    let result = ConditionResult::of(condition, &plan, knowledge, episodes)?;
+                    let mut changed = plan.clone();
+                    (condition.change)(&mut changed);
+                    let name = condition.name;
+                    let result = ConditionResult::of(name, &changed, knowledge, episodes)?;
                     found.conditions.push(result);
                 }
             }
@@ -198,7 +182,7 @@ impl Robustness {
 
 impl ConditionResult {
     fn of(
-        condition: Condition,
+        condition: &'static str,
         plan: &Plan,
         knowledge: &Knowledge,
         episodes: u32,

@@ -1,7 +1,8 @@
 //! What stands in a folder.
 
+use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Puts a file where there may be one, as tests do that try thousands of files. It is made anew: one
 /// that is cut to nothing and written again goes to the disk at once on ext4, which takes 150 times as long.
@@ -21,17 +22,46 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Every file of a folder with its bytes, in order.
+/// Every file of a folder with its bytes, in order. Of the journals of a study, whose number and order
+/// depend on the processes that ran it, the trials.
 pub fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
     let mut files: Vec<_> = entries
         .map(|entry| {
             let name = entry.file_name().into_string().unwrap();
-            (name, fs::read(entry.path()).unwrap())
+            let bytes = match name == "journals" {
+                true => trials(&entry.path()).into_iter().collect::<String>().into(),
+                false => fs::read(entry.path()).unwrap(),
+            };
+            (name, bytes)
         })
         .collect();
     files.sort();
     files
+}
+
+/// The lines of finished trials in a folder of journals, each once.
+fn trials(journals: &Path) -> BTreeSet<String> {
+    let texts = contents(journals)
+        .into_iter()
+        .map(|(_, bytes)| String::from_utf8(bytes).unwrap());
+    texts
+        .flat_map(|text| {
+            text.split_inclusive('\n')
+                .skip(1)
+                .map(str::to_owned)
+                .collect::<Vec<_>>()
+        })
+        .filter(|line| line.ends_with('\n'))
+        .collect()
+}
+
+/// The journal of a study that one process ran.
+pub fn journal(study: &Path) -> PathBuf {
+    let journals = study.join("journals");
+    let names = names(&journals);
+    assert_eq!(names.len(), 1, "{names:?}");
+    journals.join(&names[0])
 }
 
 /// Two folders hold the same files with the same bytes.

@@ -157,11 +157,12 @@ fn journals_and_plans() {
     let file = write(folder.path(), "s.toml", study);
     let words = ["study", "run", &file];
     expect(0, &[&words[..], &["--quiet", "--out", dir]].concat());
-    let journal = fs::read_to_string(out.join("journal")).unwrap();
-    let mut lines: Vec<String> = journal.lines().map(str::to_owned).collect();
+    let journal = crate::kit::folder::journal(&out);
+    let text = fs::read_to_string(&journal).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let json = format!("{{\"trial\":0,\"result\":{{\"Err\":{}}}}}", quoted(EVIL));
     lines[1] = format!("{:08x} {json}", crc32fast::hash(json.as_bytes()));
-    fs::write(out.join("journal"), lines.join("\n") + "\n").unwrap();
+    fs::write(&journal, lines.join("\n") + "\n").unwrap();
     let said = assert_harmless(&["study", "report", dir, "--force"]);
     assert!(said.contains("\\u001b[31m"), "{said}");
     assert_harmless(&[&words[..], &["--quiet", "--out", dir]].concat());

@@ -148,7 +148,7 @@ fn a_study_leaves_a_trial_without_end_after_a_signal_and_ends_at_once_after_a_se
     let (file, dir) = (study.to_str().unwrap(), out.to_str().unwrap());
     let endless = ["study", "run", file, "--out", dir];
     let child = spawn(&endless);
-    wait_for(&out.join("journal"));
+    wait_for(&out.join("journals"));
     sleep(Duration::from_millis(200));
     signal(&child, "USR1");
     let (_, stderr) = end_of(child, 75, "one signal");

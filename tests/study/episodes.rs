@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use crate::studies::Desk;
+use crate::desk::Desk;
 
 /// The rows of the table of episodes, by column.
 fn episode_rows(folder: &Path) -> Vec<BTreeMap<String, String>> {

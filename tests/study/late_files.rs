@@ -10,8 +10,8 @@ use crate::kit::folder;
 use tempfile::TempDir;
 use xcscr::streams::StreamName;
 use xcscr::study::{
-    Overrides, PlannedStudy, Protocol, Shard, Study, StudyError, StudyFile, StudyWatcher,
-    TrialRecord,
+    Overrides, PlannedStudy, Protocol, Shard, Study, StudyError, StudyFile, StudyFolder,
+    StudyWatcher, TrialRecord,
 };
 use xcscr::xcs::random::Stream;
 
@@ -68,6 +68,10 @@ impl Cluster {
     }
 }
 
+fn merge(path: &Path) -> Result<StudyFolder, StudyError> {
+    StudyFolder::merge(&[path.to_owned()], &path.join("result"))
+}
+
 /// Ends an attempt after some trials.
 struct Patience(usize);
 
@@ -104,15 +108,15 @@ fn whatever_the_machines_see_of_each_other_the_merge_is_that_of_one_process_or_n
             torn += usize::from(half > 0);
             cluster.take_up(&path, half);
 
-            let (planned, path) = cluster.view(|length| Some(chance.below(2 * length).min(length)));
-            match planned.merge(&path.join("result")) {
+            let (_, path) = cluster.view(|length| Some(chance.below(2 * length).min(length)));
+            match merge(&path) {
                 Err(StudyError::Incomplete { .. }) => refused += 1,
                 Ok(_) => break,
                 Err(other) => panic!("round {round}: {other}"),
             }
         }
-        let (planned, path) = cluster.view(Some);
-        planned.merge(&path.join("result")).unwrap();
+        let (_, path) = cluster.view(Some);
+        merge(&path).unwrap();
         folder::assert_same(&path.join("result"), &whole.path().join("a"), "merged");
         let lines = |bytes: &Vec<u8>| bytes.iter().filter(|byte| **byte == b'\n').count();
         let kept: usize = cluster
@@ -149,8 +153,8 @@ fn two_results_of_one_trial_that_differ_are_refused_with_their_place() {
     let forged = format!("{header}\n{sum:08x} {other}\n");
     let twin = format!("{name}0");
     cluster.written.insert(twin.clone(), forged.into_bytes());
-    let (planned, path) = cluster.view(Some);
-    let message = planned.merge(&path.join("result")).unwrap_err().to_string();
+    let (_, path) = cluster.view(Some);
+    let message = merge(&path).unwrap_err().to_string();
     assert!(
         message.contains(&twin) && message.contains("another result of trial 0"),
         "{message}"

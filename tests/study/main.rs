@@ -5,6 +5,7 @@
 #[path = "../kit/mod.rs"]
 mod kit;
 
+mod desk;
 mod episodes;
 mod late_files;
 #[cfg(target_os = "linux")]

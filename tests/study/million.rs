@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::kit::program;
+use crate::kit::{folder, program};
 
 const TASKS: usize = 7;
 
@@ -30,11 +30,11 @@ fn planned(folder: &Path, trials: usize) -> String {
             "study", "plan", toml, "--trials", &half, "--tasks", &tasks, "--out", &out,
         ],
     );
-    let journal = fs::read_to_string(one.join("journal")).unwrap();
+    let journal = fs::read_to_string(folder::journal(&one)).unwrap();
     let line = journal.lines().nth(1).unwrap();
     let record: Value = serde_json::from_str(line.split_once(' ').unwrap().1).unwrap();
     let plan: Value =
-        serde_json::from_slice(&fs::read(folder.join("planned/tasks.json")).unwrap()).unwrap();
+        serde_json::from_slice(&fs::read(folder.join("planned/plan.json")).unwrap()).unwrap();
     let header = journal
         .lines()
         .next()
@@ -49,7 +49,7 @@ fn planned(folder: &Path, trials: usize) -> String {
         for trial in (task - 1..trials).step_by(TASKS) {
             let mut record = record.clone();
             record["trial"] = trial.into();
-            let figures = record["result"]["Ok"].as_object_mut().unwrap();
+            let figures = record["result"]["Ok"]["progress"].as_object_mut().unwrap();
             let steps = 5 + trial * 31 % 200;
             figures.insert("steps".to_owned(), steps.into());
             for others in ["collisions", "optimal_episodes"] {
@@ -61,7 +61,6 @@ fn planned(folder: &Path, trials: usize) -> String {
                 "first_optimal_episode",
                 "first_optimal_env_steps",
                 "first_executed_optimal_episode",
-                "optimal",
             ] {
                 figures.remove(unknown);
             }

@@ -4,7 +4,8 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::process::Stdio;
 
-use super::tasks::Desk;
+use super::tasks::desk;
+use crate::desk::Desk;
 use crate::kit::folder;
 
 /// Settings to choose among.
@@ -39,7 +40,7 @@ fn at_once(desk: &Desk, words: impl Fn(usize) -> String) -> Vec<(Option<i32>, St
 
 #[test]
 fn many_processes_that_plan_one_study_at_once_all_succeed_and_leave_one_plan() {
-    let desk = Desk::new();
+    let desk = desk();
     desk.done("plan small.toml --tasks 8 --out alone");
     for round in 0..5 {
         let out = format!("split{round}");
@@ -49,21 +50,21 @@ fn many_processes_that_plan_one_study_at_once_all_succeed_and_leave_one_plan() {
         }
         let [made, alone] = [out.as_str(), "alone"].map(|name| desk.path(name));
         assert_eq!(folder::names(&made), folder::names(&alone));
-        let [made, alone] = [made, alone].map(|path| fs::read(path.join("tasks.json")).unwrap());
+        let [made, alone] = [made, alone].map(|path| fs::read(path.join("plan.json")).unwrap());
         assert!(made == alone, "another plan than that of one process");
     }
 }
 
 #[test]
 fn of_processes_that_split_a_study_differently_at_once_none_is_overruled_in_silence() {
-    let desk = Desk::new();
+    let desk = desk();
     for round in 0..5 {
         let out = format!("split{round}");
         let tasks = |number: usize| 2 + number % 2;
         let ended = at_once(&desk, |number| {
             format!("plan small.toml --tasks {} --out {out}", tasks(number))
         });
-        let text = fs::read_to_string(desk.path(&out).join("tasks.json")).unwrap();
+        let text = fs::read_to_string(desk.path(&out).join("plan.json")).unwrap();
         for (number, (code, said)) in ended.into_iter().enumerate() {
             let is_there = text.contains(&format!("\"tasks\": {},", tasks(number)));
             assert_eq!(code, Some(if is_there { 0 } else { 73 }), "{said}");
@@ -73,7 +74,7 @@ fn of_processes_that_split_a_study_differently_at_once_none_is_overruled_in_sile
 
 #[test]
 fn many_processes_that_search_in_one_folder_at_once_agree() {
-    let desk = Desk::new();
+    let desk = desk();
     fs::write(desk.path("sweep.toml"), SWEEP).unwrap();
     let words = "tune sweep.toml --budget 4 --tasks 1 --out found";
     for (code, said) in at_once(&desk, |_| words.to_owned()) {
@@ -99,7 +100,7 @@ fn many_processes_that_search_in_one_folder_at_once_agree() {
 
 #[test]
 fn scripts_are_written_anew_for_other_tasks_unless_they_were_changed_by_hand() {
-    let desk = Desk::new();
+    let desk = desk();
     let words = "submit small.toml --tasks 2 --time 1h --out split";
     desk.done(words);
     let array = desk.path("split/slurm/array.sh");
@@ -129,7 +130,7 @@ fn scripts_are_written_anew_for_other_tasks_unless_they_were_changed_by_hand() {
 
 #[test]
 fn a_link_to_another_folder_of_scripts_is_not_followed() {
-    let desk = Desk::new();
+    let desk = desk();
     desk.done("plan small.toml --tasks 2 --out split");
     fs::create_dir(desk.path("elsewhere")).unwrap();
     fs::write(desk.path("elsewhere/merge.sh"), "mine").unwrap();

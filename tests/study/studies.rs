@@ -1,102 +1,27 @@
 //! Studies as their users run them: whole, in shards, interrupted, mixed up.
 //!
-//! The promise is that the folder of a finished study holds the same bytes, however it came
-//! about.
+//! The promise is that the folder of a finished study holds the same tables and report, byte for byte,
+//! and the same trials, however it came about.
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Output, Stdio};
+use std::path::PathBuf;
+use std::process::Stdio;
 use std::time::Duration;
 
-use tempfile::TempDir;
+use crate::desk::{Desk, SMALL};
+use crate::kit::folder;
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
 
-/// 2 worlds x 2 methods x 4 trials.
-const SMALL: &str = r#"
-name = "small"
-worlds = ["maze4", "maze5"]
-methods = ["xcs", "xcscr"]
-trials = 4
-episodes = 12
-seed = 7
-"#;
-
-/// A folder with the study file `small.toml`, and studies in it.
-pub struct Desk(TempDir);
-
-impl Desk {
-    pub fn new() -> Self {
-        let desk = Self(tempfile::tempdir().unwrap());
-        desk.write("small.toml", SMALL);
-        desk
+/// The size of all journals of a study.
+fn journaled(desk: &Desk, name: &str) -> usize {
+    let journals = desk.path(name).join("journals");
+    if !journals.exists() {
+        return 0;
     }
-
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    pub fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).unwrap();
-    }
-
-    fn command(&self, words: &str) -> std::process::Command {
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_xcscr"));
-        command
-            .current_dir(self.0.path())
-            .arg("study")
-            .args(words.split(' '));
-        command
-    }
-
-    pub fn study(&self, words: &str) -> Output {
-        self.command(words).output().unwrap()
-    }
-
-    /// Runs a command that must succeed.
-    pub fn done(&self, words: &str) -> String {
-        let output = self.study(words);
-        assert_eq!(output.status.code(), Some(0), "study {words}: {output:?}");
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    /// Runs a command that must end with `code`, and gives its message.
-    pub fn refused(&self, words: &str, code: i32) -> String {
-        self.ends(words, code).1
-    }
-
-    /// Stdout and stderr of a command that ends with this code.
-    fn ends(&self, words: &str, code: i32) -> (String, String) {
-        let output = self.study(words);
-        assert_eq!(
-            output.status.code(),
-            Some(code),
-            "study {words}: {output:?}"
-        );
-        let text = |bytes| String::from_utf8(bytes).unwrap();
-        (text(output.stdout), text(output.stderr))
-    }
-
-    /// All files of a study.
-    fn bytes(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
-        let file = |entry: fs::DirEntry| {
-            let name = entry.file_name().into_string().unwrap();
-            (name, fs::read(entry.path()).unwrap())
-        };
-        let entries = fs::read_dir(self.path(folder)).unwrap();
-        entries.map(|entry| file(entry.unwrap())).collect()
-    }
-
-    fn assert_same(&self, folder: &str, other: &str) {
-        let (a, b) = (self.bytes(folder), self.bytes(other));
-        assert!(a.keys().eq(b.keys()), "{:?} {:?}", a.keys(), b.keys());
-        let differing: Vec<&String> = a.keys().filter(|name| a[*name] != b[*name]).collect();
-        assert!(
-            differing.is_empty(),
-            "{folder} and {other} differ in {differing:?}"
-        );
-    }
+    let contents = folder::contents(&journals);
+    contents.iter().map(|(_, bytes)| bytes.len()).sum()
 }
 
 #[test]
@@ -169,15 +94,6 @@ fn links_in_a_study_folder_lead_nobody_out_of_it() {
     assert!(message.contains("trials.csv exists"), "{message}");
     desk.done("run small.toml --trials 1 --out a --force");
     assert_eq!(fs::read(desk.path("precious")).unwrap(), b"precious");
-    fs::remove_file(desk.path("a").join("journal")).unwrap();
-    fs::write(desk.path("precious"), "").unwrap();
-    std::os::unix::fs::symlink(desk.path("precious"), desk.path("a").join("journal")).unwrap();
-    let message = desk.refused("run small.toml --trials 1 --out a", 73);
-    assert!(
-        message.contains("journal: it is not a regular file"),
-        "{message}"
-    );
-    assert_eq!(fs::read(desk.path("precious")).unwrap(), b"");
 }
 
 #[test]
@@ -205,8 +121,7 @@ fn a_signal_ends_it_in_order_and_the_same_command_goes_on() {
     let words = "run small.toml --out a --trials 200 --jobs 1";
     let mut child = desk.command(words).stderr(Stdio::null()).spawn().unwrap();
     // The first lines of the journal show that trials are running.
-    let begun = || fs::metadata(desk.path("a/journal")).is_ok_and(|file| file.len() > 500);
-    while !begun() {
+    while journaled(&desk, "a") < 500 {
         std::thread::sleep(Duration::from_millis(5));
     }
     let pid = child.id().to_string();
@@ -349,8 +264,7 @@ fn a_folder_in_use_is_refused_with_the_holder_and_a_dead_holder_does_not_matter(
     let desk = Desk::new();
     let words = "run paper --out a --jobs 1 --quiet";
     let mut child = desk.command(words).stdout(Stdio::null()).spawn().unwrap();
-    let journal = desk.path("a/journal");
-    while !Path::new(&journal).exists() {
+    while journaled(&desk, "a") == 0 {
         std::thread::sleep(Duration::from_millis(5));
     }
     let message = desk.refused(words, 73);
@@ -412,17 +326,22 @@ fn damage_is_noticed() {
     );
 }
 
-/// The lines of the journal of a study of 12 episodes.
-fn journal(desk: &Desk) -> Vec<String> {
-    desk.done("run small.toml --out a --trials 2");
-    let text = fs::read_to_string(desk.path("a/journal")).unwrap();
-    text.lines().map(str::to_owned).collect()
+/// The journal of a study of 12 episodes, and its lines, in the order of the trials.
+fn journal(desk: &Desk) -> (PathBuf, Vec<String>) {
+    desk.done("run small.toml --out a --trials 2 --jobs 1");
+    let path = folder::journal(&desk.path("a"));
+    let text = fs::read_to_string(&path).unwrap();
+    (path, text.lines().map(str::to_owned).collect())
 }
 
 /// The same with other figures in the line of a trial, and the right checksum.
 fn forge(line: &str, figure: &str, value: serde_json::Value) -> String {
     let mut record: serde_json::Value = serde_json::from_str(&line[9..]).unwrap();
-    record["result"]["Ok"][figure] = value;
+    let figures = &mut record["result"]["Ok"];
+    match figures["progress"].get_mut(figure) {
+        Some(progress) => *progress = value,
+        None => figures[figure] = value,
+    }
     let json = record.to_string();
     format!("{:08x} {json}", crc32fast::hash(json.as_bytes()))
 }
@@ -430,12 +349,12 @@ fn forge(line: &str, figure: &str, value: serde_json::Value) -> String {
 #[test]
 fn one_flipped_bit_in_a_journal_is_damage_and_takes_no_finished_trial_away() {
     let desk = Desk::new();
-    let mut lines = journal(&desk);
+    let (path, mut lines) = journal(&desk);
     let flipped = lines[2].replacen("\"steps\"", "\"stepr\"", 1);
     assert_ne!(lines[2], flipped);
     lines[2] = flipped;
     let text = lines.join("\n") + "\n";
-    desk.write("a/journal", &text);
+    fs::write(&path, &text).unwrap();
     for words in [
         "status a",
         "report a",
@@ -444,23 +363,23 @@ fn one_flipped_bit_in_a_journal_is_damage_and_takes_no_finished_trial_away() {
     ] {
         let message = desk.refused(words, 65);
         assert!(message.contains("line 3 is damaged"), "{words}: {message}");
-        assert_eq!(fs::read_to_string(desk.path("a/journal")).unwrap(), text);
+        assert_eq!(fs::read_to_string(&path).unwrap(), text);
     }
     // Control: the way out that the message names.
     lines.remove(2);
-    desk.write("a/journal", &(lines.join("\n") + "\n"));
+    fs::write(&path, lines.join("\n") + "\n").unwrap();
     desk.done("run small.toml --out a --trials 2");
 }
 
 #[test]
 fn a_journal_that_contradicts_itself_is_refused() {
     let desk = Desk::new();
-    let mut lines = journal(&desk);
+    let (path, mut lines) = journal(&desk);
     lines.push(lines[3].clone());
-    desk.write("a/journal", &(lines.join("\n") + "\n"));
+    fs::write(&path, lines.join("\n") + "\n").unwrap();
     desk.done("status a");
     lines.push(forge(&lines[3], "rules", 999.into()));
-    desk.write("a/journal", &(lines.join("\n") + "\n"));
+    fs::write(&path, lines.join("\n") + "\n").unwrap();
     let message = desk.refused("status a", 65);
     assert!(
         message.contains("another result of trial 2 than an earlier line"),
@@ -471,10 +390,11 @@ fn a_journal_that_contradicts_itself_is_refused() {
 #[test]
 fn a_merge_into_a_folder_with_other_results_is_refused() {
     let desk = Desk::new();
-    let mut lines = journal(&desk);
+    let (_, mut lines) = journal(&desk);
     desk.done("merge a --out b");
     lines[1] = forge(&lines[1], "rules", 999.into());
-    desk.write("b/journal", &(lines.join("\n") + "\n"));
+    let merged = folder::journal(&desk.path("b"));
+    fs::write(merged, lines.join("\n") + "\n").unwrap();
     let message = desk.refused("merge a --out b", 65);
     assert!(message.contains("another result of trial 0"), "{message}");
 }
@@ -482,7 +402,7 @@ fn a_merge_into_a_folder_with_other_results_is_refused() {
 #[test]
 fn figures_that_no_trial_can_have_are_refused_though_their_checksum_is_right() {
     let desk = Desk::new();
-    let lines = journal(&desk);
+    let (path, lines) = journal(&desk);
     for (figure, value) in [
         ("first_optimal_episode", serde_json::json!(0)),
         ("first_optimal_episode", serde_json::json!(13)),
@@ -500,7 +420,7 @@ fn figures_that_no_trial_can_have_are_refused_though_their_checksum_is_right() {
         for trial in 1..lines.len() {
             let mut lines = lines.clone();
             lines[trial] = forge(&lines[trial], figure, value.clone());
-            desk.write("a/journal", &(lines.join("\n") + "\n"));
+            fs::write(&path, lines.join("\n") + "\n").unwrap();
             for words in ["report a", "run small.toml --out a --trials 2"] {
                 let message = desk.refused(words, 65);
                 assert!(message.contains(figure), "{figure} {value}: {message}");
@@ -619,7 +539,7 @@ fn a_trial_of_a_study_is_the_same_as_training_with_its_seed() {
     assert_eq!([row["world"], row["method"]], ["maze4", "xcscr"]);
     let world = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/maze4.json");
     let mut train = std::process::Command::new(env!("CARGO_BIN_EXE_xcscr"));
-    train.current_dir(desk.0.path()).args([
+    train.current_dir(desk.path("")).args([
         "train",
         world,
         "--method",
@@ -646,7 +566,10 @@ fn the_html_report_is_one_page_that_needs_nothing_else() {
     let desk = Desk::new();
     desk.done("run small.toml --out a");
     let page = desk.done("report a --format html");
-    assert_eq!(page.as_bytes(), desk.bytes("a")["report.html"]);
+    assert_eq!(
+        page.as_bytes(),
+        fs::read(desk.path("a/report.html")).unwrap()
+    );
     // Comments of the script are no addresses.
     let code: Vec<&str> = page
         .lines()

@@ -3,99 +3,49 @@
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
-use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
+use crate::desk::Desk;
 use crate::kit::folder;
 use serde_json::Value;
-use tempfile::TempDir;
 use xcscr::streams::StreamName;
 use xcscr::xcs::random::Stream;
 
-/// 2 worlds x 2 methods x 4 trials.
-const SMALL: &str = r#"
-name = "small"
-worlds = ["maze4", "maze5"]
-methods = ["xcs", "xcscr"]
-trials = 4
-episodes = 12
-seed = 7
-"#;
+/// A folder with an engine that notes what it is asked.
+pub fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.write("queue", "");
+    fs::create_dir(desk.path("bin")).unwrap();
+    let here = desk.path("").display().to_string();
+    play(&desk, "squeue", &format!("cat {here}/queue"));
+    let sbatch = format!("echo \"$PWD $*\" >> {here}/submitted; wc -l < {here}/submitted");
+    play(&desk, "sbatch", &sbatch);
+    desk
+}
 
-/// A folder with `small.toml`, and an engine that notes what it is asked.
-pub struct Desk(TempDir);
+/// Puts a script in the place of a program.
+fn play(desk: &Desk, name: &str, script: &str) {
+    let path = desk.path("bin").join(name);
+    fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+}
 
-impl Desk {
-    pub fn new() -> Self {
-        let desk = Self(tempfile::tempdir().unwrap());
-        fs::write(desk.path("small.toml"), SMALL).unwrap();
-        fs::write(desk.path("queue"), "").unwrap();
-        fs::create_dir(desk.path("bin")).unwrap();
-        let here = desk.0.path().display();
-        desk.play("squeue", &format!("cat {here}/queue"));
-        desk.play(
-            "sbatch",
-            &format!("echo \"$PWD $*\" >> {here}/submitted; wc -l < {here}/submitted"),
-        );
-        desk
-    }
+fn status(desk: &Desk, folder: &str) -> Value {
+    serde_json::from_str(&desk.done(&format!("status {folder} --json"))).unwrap()
+}
 
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// Puts a script in the place of a program.
-    fn play(&self, name: &str, script: &str) {
-        let path = self.path("bin").join(name);
-        fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
-    }
-
-    pub fn command(&self, words: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_xcscr"));
-        let path = std::env::var("PATH").unwrap();
-        command
-            .current_dir(self.0.path())
-            .env("PATH", format!("{}:{path}", self.path("bin").display()))
-            .arg("study")
-            .args(words.split(' '));
-        command
-    }
-
-    fn run(&self, words: &str) -> Output {
-        self.command(words).output().unwrap()
-    }
-
-    #[track_caller]
-    pub fn ends(&self, words: &str, code: i32) -> (String, String) {
-        let output = self.run(words);
-        assert_eq!(output.status.code(), Some(code), "{words}: {output:?}");
-        let text = |bytes| String::from_utf8(bytes).unwrap();
-        (text(output.stdout), text(output.stderr))
-    }
-
-    #[track_caller]
-    pub fn done(&self, words: &str) -> String {
-        self.ends(words, 0).0
-    }
-
-    fn status(&self, folder: &str) -> Value {
-        serde_json::from_str(&self.done(&format!("status {folder} --json"))).unwrap()
-    }
-
-    /// The numbers of the trials in the journals, in the order of their lines.
-    fn kept(&self, folder: &str) -> Vec<u64> {
-        let journals = folder::contents(&self.path(folder).join("journals"));
-        let lines = journals.iter().flat_map(|(_, bytes)| {
-            let text = String::from_utf8_lossy(bytes).into_owned();
-            let whole = text.rfind('\n').map_or(0, |end| end + 1);
-            let lines = text[..whole].lines().skip(1).map(str::to_owned);
-            lines.collect::<Vec<_>>()
-        });
-        lines.map(|line| trial_in(&line)).collect()
-    }
+/// The numbers of the trials in the journals, in the order of their lines.
+fn finished(desk: &Desk, folder: &str) -> Vec<u64> {
+    let journals = folder::contents(&desk.path(folder).join("journals"));
+    let lines = journals.iter().flat_map(|(_, bytes)| {
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        let lines = text[..whole].lines().skip(1).map(str::to_owned);
+        lines.collect::<Vec<_>>()
+    });
+    lines.map(|line| trial_in(&line)).collect()
 }
 
 fn trial_in(line: &str) -> u64 {
@@ -106,23 +56,23 @@ fn trial_in(line: &str) -> u64 {
 
 #[test]
 fn a_plan_says_what_would_be_run_and_writes_nothing_unless_told_where() {
-    let desk = Desk::new();
-    let before = folder::names(desk.0.path());
+    let desk = desk();
+    let before = folder::names(&desk.path(""));
     let said = desk.done("plan small.toml --tasks 5");
     assert!(
         said.contains("4 arms x 4 trials of 12 episodes = 16 trials"),
         "{said}"
     );
     assert!(said.contains("5 tasks of at most 4 trials"), "{said}");
-    assert_eq!(folder::names(desk.0.path()), before);
+    assert_eq!(folder::names(&desk.path("")), before);
     let json: Value = serde_json::from_str(&desk.done("plan small.toml --json")).unwrap();
     desk.done("run small.toml --out whole");
-    assert_eq!(json["plan"], desk.status("whole")["plan"]);
+    assert_eq!(json["plan"], status(&desk, "whole")["plan"]);
 }
 
 #[test]
 fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
-    let desk = Desk::new();
+    let desk = desk();
     desk.done("run small.toml --out whole");
     for tasks in [1, 3, 16] {
         let out = format!("split{tasks}");
@@ -132,7 +82,7 @@ fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
         }
         desk.done(&format!("task {out} 1"));
         assert_eq!(
-            desk.kept(&out).len(),
+            finished(&desk, &out).len(),
             16,
             "a finished task runs nothing again"
         );
@@ -143,8 +93,25 @@ fn tasks_in_any_order_and_again_merge_to_the_bytes_of_one_process() {
 }
 
 #[test]
+fn one_process_finishes_what_tasks_began_and_tasks_what_one_process_began() {
+    let desk = desk();
+    desk.done("run small.toml --out whole");
+    desk.done("plan small.toml --tasks 3 --out split");
+    desk.done("task split 2");
+    desk.done("run small.toml --out split --shard 1/2");
+    desk.done("task split 1");
+    desk.done("run small.toml --out split --quiet");
+    let mut kept = finished(&desk, "split");
+    kept.sort_unstable();
+    assert_eq!(kept, (0..16).collect::<Vec<u64>>(), "a trial ran twice");
+    desk.done("merge split");
+    let result = desk.path("split/result");
+    folder::assert_same(&result, &desk.path("whole"), "split");
+}
+
+#[test]
 fn what_is_not_finished_is_not_merged_and_status_tells_the_tasks() {
-    let desk = Desk::new();
+    let desk = desk();
     desk.done("plan small.toml --tasks 5 --out split");
     desk.done("task split 2");
     desk.done("task split 4");
@@ -162,7 +129,7 @@ fn what_is_not_finished_is_not_merged_and_status_tells_the_tasks() {
 
 #[test]
 fn killed_at_random_moments_a_task_keeps_what_it_finished_and_runs_none_of_it_again() {
-    let desk = Desk::new();
+    let desk = desk();
     desk.done("run small.toml --trials 30 --out whole");
     let mut moments = Stream::new(1, StreamName::World);
     for jobs in [1, 3] {
@@ -177,13 +144,13 @@ fn killed_at_random_moments_a_task_keeps_what_it_finished_and_runs_none_of_it_ag
             sleep(Duration::from_millis(100 + moments.below(500) as u64));
             child.kill().unwrap();
             child.wait().unwrap();
-            let kept = desk.kept(&out).len();
+            let kept = finished(&desk, &out).len();
             assert!(kept >= known, "{kept} are left of {known} trials");
             (known, interrupted) = (kept, interrupted + 1);
         }
         desk.done(&words);
         // No trial is in two journals: what was finished was seen by the next attempt.
-        let mut kept = desk.kept(&out);
+        let mut kept = finished(&desk, &out);
         kept.sort_unstable();
         assert_eq!(kept, (0..120).collect::<Vec<u64>>(), "{jobs} jobs");
         desk.done(&format!("merge {out}"));
@@ -194,16 +161,16 @@ fn killed_at_random_moments_a_task_keeps_what_it_finished_and_runs_none_of_it_ag
 
 #[test]
 fn a_signal_ends_a_task_in_order_with_code_75_and_the_next_attempt_goes_on() {
-    let desk = Desk::new();
+    let desk = desk();
     desk.done("plan small.toml --trials 100 --tasks 2 --out split");
     for name in ["USR1", "TERM"] {
-        let before = desk.kept("split").len();
+        let before = finished(&desk, "split").len();
         let mut child = desk
             .command("task split 1 --jobs 1")
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        while desk.kept("split").len() < before + 2 {
+        while finished(&desk, "split").len() < before + 2 {
             sleep(Duration::from_millis(5));
         }
         let pid = child.id().to_string();
@@ -212,14 +179,14 @@ fn a_signal_ends_a_task_in_order_with_code_75_and_the_next_attempt_goes_on() {
             .status()
             .unwrap();
         assert_eq!(child.wait().unwrap().code(), Some(75), "{name}");
-        let kept = desk.status("split")["finished"].as_u64().unwrap();
-        assert_eq!(kept, desk.kept("split").len() as u64, "{name}");
+        let kept = status(&desk, "split")["finished"].as_u64().unwrap();
+        assert_eq!(kept, finished(&desk, "split").len() as u64, "{name}");
     }
 }
 
 #[test]
 fn submitted_again_is_what_is_neither_finished_nor_in_the_queue() {
-    let desk = Desk::new();
+    let desk = desk();
     let words = "submit small.toml --time 90m --partition short --array-limit 2 --out split";
     let (_, said) = desk.ends(words, 2);
     assert!(said.contains("such as `--tasks 100`"), "{said}");
@@ -252,7 +219,7 @@ fn submitted_again_is_what_is_neither_finished_nor_in_the_queue() {
     fs::write(desk.path("split/journals/00006-abc"), "").unwrap();
     let queue = format!("1 3 RUNNING {here}\n1 4 PENDING {here}\n1 7 RUNNING {here}2\n");
     fs::write(desk.path("queue"), queue).unwrap();
-    let status = desk.status("split");
+    let status = status(&desk, "split");
     for (key, tasks) in [
         ("complete", vec![1, 2, 5]),
         ("running", vec![3]),
@@ -276,12 +243,13 @@ fn submitted_again_is_what_is_neither_finished_nor_in_the_queue() {
 
 #[test]
 fn what_the_engine_refuses_is_told_and_a_dry_run_asks_it_nothing() {
-    let desk = Desk::new();
+    let desk = desk();
     let words = "submit small.toml --tasks 2 --time 1h --out split";
     let said = desk.done(&format!("{words} --dry-run"));
     assert!(said.contains("#SBATCH --array=1-2\n"), "{said}");
     assert!(!desk.path("split").exists() && !desk.path("submitted").exists());
-    desk.play(
+    play(
+        &desk,
         "sbatch",
         "echo 'invalid partition specified: x' >&2; exit 1",
     );
@@ -295,7 +263,7 @@ fn what_the_engine_refuses_is_told_and_a_dry_run_asks_it_nothing() {
 
 #[test]
 fn another_study_another_split_and_another_program_are_refused() {
-    let desk = Desk::new();
+    let desk = desk();
     desk.done("plan small.toml --tasks 4 --out split");
     desk.done("plan small.toml --tasks 4 --out split");
     let (_, said) = desk.ends("plan small.toml --tasks 5 --out split", 73);
@@ -312,10 +280,9 @@ fn another_study_another_split_and_another_program_are_refused() {
         said.contains("`tasks` is 17, but must be from 1 to 16"),
         "{said}"
     );
-    desk.ends("run small.toml --out split", 73);
-    let plan = fs::read_to_string(desk.path("split/tasks.json")).unwrap();
+    let plan = fs::read_to_string(desk.path("split/plan.json")).unwrap();
     fs::write(
-        desk.path("split/tasks.json"),
+        desk.path("split/plan.json"),
         plan.replace("\"seed\": 7", "\"seed\": 8"),
     )
     .unwrap();
@@ -325,7 +292,7 @@ fn another_study_another_split_and_another_program_are_refused() {
         "{said}"
     );
     fs::write(
-        desk.path("split/tasks.json"),
+        desk.path("split/plan.json"),
         plan.replace("\"tasks\": 4", "\"tasks\": 2"),
     )
     .unwrap();
@@ -335,7 +302,7 @@ fn another_study_another_split_and_another_program_are_refused() {
 
 #[test]
 fn a_folder_that_holds_something_else_is_refused_by_what_it_holds_and_left_as_it_is() {
-    let desk = Desk::new();
+    let desk = desk();
     let kinds = ["notes", "whole", "split", "search"];
     let [plan, submit, run, tune] = [
         "plan small.toml --tasks 4 --out",
@@ -355,19 +322,16 @@ fn a_folder_that_holds_something_else_is_refused_by_what_it_holds_and_left_as_it
             "contains files that xcscr did not create",
             vec![plan, submit, run, tune],
         ),
-        (
-            "whole",
-            "contains a study created by `xcscr study run`",
-            vec![plan, submit, tune],
-        ),
-        ("split", "contains a planned study", vec![run, tune]),
+        ("whole", "is split into 1 tasks, not 4", vec![plan, submit]),
+        ("whole", "contains a study", vec![tune]),
+        ("split", "contains a study", vec![tune]),
         ("search", "contains a search", vec![plan, submit, run]),
     ] {
-        for command in refused {
+        for command in &refused {
             let (_, said) = desk.ends(&format!("{command} {kind}"), 73);
             assert!(said.contains(words), "{command} {kind}: {said}");
         }
-        if ["notes", "whole", "search"].contains(&kind) {
+        if refused.contains(&submit) {
             let (_, said) = desk.ends(&format!("{submit} {kind} --dry-run"), 73);
             assert!(said.contains(words), "a dry run in {kind}: {said}");
         }
@@ -377,7 +341,7 @@ fn a_folder_that_holds_something_else_is_refused_by_what_it_holds_and_left_as_it
 
 #[test]
 fn a_task_whose_journal_cannot_be_made_names_no_option_that_it_does_not_have() {
-    let desk = Desk::new();
+    let desk = desk();
     desk.done("plan small.toml --tasks 4 --out split");
     fs::remove_dir(desk.path("split/journals")).unwrap();
     fs::write(desk.path("split/journals"), "in the way").unwrap();

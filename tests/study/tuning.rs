@@ -76,7 +76,7 @@ fn a_search_halves_its_candidates_within_its_budget_and_ends_on_fresh_seeds() {
     );
     // The final, and each rung, have seeds of their own.
     let seeds = |name: &str| -> Value {
-        let plan = fs::read(desk.path().join("a").join(name).join("tasks.json")).unwrap();
+        let plan = fs::read(desk.path().join("a").join(name).join("plan.json")).unwrap();
         serde_json::from_slice::<Value>(&plan).unwrap()["study"]["seed"].clone()
     };
     assert!(seeds("final") != seeds("rung-1") && seeds("rung-1") != 1);

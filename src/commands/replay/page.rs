@@ -8,7 +8,7 @@ use xcscr::record::player;
 use xcscr::record::reader::Recording;
 use xcscr::record::{Comparison, RecordMode, RecordingKind};
 use xcscr::run;
-use xcscr::study::StudyFolder;
+use xcscr::study::{PlannedStudy, StudyFolder};
 
 use super::{browser, highlights};
 use crate::commands::failure::{Exit, Failure};
@@ -43,7 +43,7 @@ pub fn write(
 }
 
 fn page_of(path: &Path, out: &mut impl Write) -> Result<String, Failure> {
-    if StudyFolder::is_in(path) {
+    if PlannedStudy::is_in(path) {
         return page_of_study(&StudyFolder::read(path)?, out);
     }
     Ok(player::page(&highlights::recording(path)?)?)

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Subcommand, ValueEnum};
 use xcscr::study::{
-    PlannedStudy, Protocol, Report, STUDY_KEYS, Shard, Study, StudyError, StudyFolder,
+    PlannedStudy, Protocol, Report, Shard, Slurm, Study, StudyError, StudyFolder, StudyKey,
 };
 
 use crate::commands::failure::{Exit, Failure};
@@ -167,17 +167,17 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
             folders,
             shards,
             json,
-        } => match &folders[..] {
-            [folder] if PlannedStudy::is_in(folder) => {
-                let planned = PlannedStudy::read(folder)?;
-                PlannedStatus::of(&planned)?.print(&planned, *json, out)
+        } => {
+            let folder = StudyFolder::join(folders)?;
+            let planned = folder.planned();
+            let has_tasks = planned.tasks() > 1 || Slurm::knows(planned);
+            match folders.len() == 1 && has_tasks {
+                true => PlannedStatus::of(&folder)?.print(planned, *json, out),
+                false => {
+                    Status::new(&folder, shards.map(|shards| shards as usize)).print(*json, out)
+                }
             }
-            _ => {
-                let folder = StudyFolder::join(folders)?;
-                let status = Status::new(&folder, shards.map(|shards| shards as usize));
-                status.print(*json, out)
-            }
-        },
+        }
         StudyCommand::Merge {
             folders,
             out: path,
@@ -207,10 +207,10 @@ pub fn run(command: &StudyCommand, out: &mut impl Write) -> Result<(), Failure> 
 
 /// Lists the keys of a study file.
 fn keys(out: &mut impl Write) -> Result<(), Failure> {
-    for key in &STUDY_KEYS {
+    for key in StudyKey::all() {
         let default = match key.default {
-            "" => "required".to_owned(),
-            default => format!("default: {default}"),
+            None => "required".to_owned(),
+            Some(default) => format!("default: {default}"),
         };
         writeln!(out, "{} ({}; {default})", key.name, key.kind)?;
         write_words(out, &format!("  {}", key.about))?;
@@ -221,27 +221,18 @@ fn keys(out: &mut impl Write) -> Result<(), Failure> {
 }
 
 fn merge(folders: &[PathBuf], out: Option<&Path>, force: bool) -> Result<StudyFolder, Failure> {
-    if let [folder] = folders
-        && PlannedStudy::is_in(folder)
-    {
-        let planned = PlannedStudy::read(folder)?;
-        let result = planned.result();
-        let path = out.unwrap_or(&result);
-        if force {
-            StudyFolder::replace_other(path, planned.protocol())?;
+    let path = match (out, folders) {
+        (Some(out), _) => out.to_owned(),
+        (None, [folder]) => PlannedStudy::read(folder)?.result(),
+        _ => {
+            let message = "name the folder of the whole study with `--out DIR`";
+            return Err(Failure::new(Exit::Usage, message));
         }
-        return Ok(planned.merge(path)?.replacing(force));
-    }
-    let path = out.ok_or_else(|| {
-        Failure::new(
-            Exit::Usage,
-            "name the folder of the whole study with `--out DIR`",
-        )
-    })?;
+    };
     if force {
-        StudyFolder::replace_other(path, StudyFolder::join(folders)?.protocol())?;
+        StudyFolder::replace_other(&path, StudyFolder::join(folders)?.protocol())?;
     }
-    Ok(StudyFolder::merge(folders, path)?.replacing(force))
+    Ok(StudyFolder::merge(folders, &path)?.replacing(force))
 }
 
 fn run_trials(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
@@ -300,7 +291,8 @@ fn with_episodes(folder: StudyFolder, jobs: usize) -> Result<StudyFolder, Failur
 
 fn write_episodes(folder: &StudyFolder, jobs: usize) -> Result<(), Failure> {
     let interrupt = Interrupt::notice()?;
-    let written = folder.write_episodes(jobs, &|| interrupt.came());
+    let study = Study::new(folder.protocol().clone());
+    let written = study.write_episodes(folder, jobs, &|| interrupt.came());
     if written.is_err() && interrupt.came() {
         let message = "interrupted; nothing was written: run the same command again";
         return Err(Failure::new(Exit::Interrupted, message));
@@ -325,7 +317,7 @@ fn say_warnings(protocol: &Protocol) {
 fn report(path: &Path, force: bool, format: Format, out: &mut impl Write) -> Result<(), Failure> {
     // A running study can be read, but nothing can be written to its folder.
     let (folder, busy) = match StudyFolder::read_locked(path) {
-        Err(busy @ StudyError::Locked { .. }) => (StudyFolder::read(path)?, Some(busy)),
+        Err(busy @ StudyError::Locked(_)) => (StudyFolder::read(path)?, Some(busy)),
         folder => (folder?, None),
     };
     if let Err(incomplete) = folder.require_complete() {
@@ -385,18 +377,12 @@ impl From<StudyError> for Failure {
             StudyError::World(error) => return error.into(),
             StudyError::Plan(error) => return error.into(),
             StudyError::Incomplete { .. } => Exit::Refuted,
-            StudyError::NoTasks(_) | StudyError::NoTask { .. } => Exit::Usage,
-            StudyError::Missing { .. } | StudyError::NoStudy(_) | StudyError::NotPlanned(_) => {
-                Exit::Missing
+            StudyError::Usage(_) => Exit::Usage,
+            StudyError::Missing(_) => Exit::Missing,
+            StudyError::Refused(_) | StudyError::Locked(_) | StudyError::Create { .. } => {
+                Exit::CannotCreate
             }
-            StudyError::OtherStudy { .. }
-            | StudyError::OtherTasks { .. }
-            | StudyError::Foreign { .. }
-            | StudyError::Exists(_)
-            | StudyError::Altered(_)
-            | StudyError::Locked { .. }
-            | StudyError::Create { .. } => Exit::CannotCreate,
-            StudyError::Io { .. } | StudyError::Jobs { .. } | StudyError::Engine { .. } => Exit::Io,
+            StudyError::Io { .. } | StudyError::System(_) => Exit::Io,
             StudyError::Figure { .. } => Exit::Internal,
             _ => Exit::BadData,
         };

@@ -4,10 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use xcscr::study::{PlannedStudy, Protocol};
+use xcscr::study::{Arm, PlannedStudy, Protocol};
 
 use super::choice::ChoiceArgs;
-use super::status::name;
 use crate::commands::failure::Failure;
 use crate::commands::terminal::say;
 
@@ -67,7 +66,7 @@ impl Outline {
         Self {
             study: protocol.name.clone(),
             plan: protocol.id(),
-            arms: protocol.arms.iter().map(name).collect(),
+            arms: protocol.arms.iter().map(Arm::name).collect(),
             trials_per_arm: protocol.trials,
             trials: protocol.len(),
             episodes: protocol.episodes,

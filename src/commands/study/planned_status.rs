@@ -4,7 +4,7 @@ use std::io::Write;
 
 use serde::Serialize;
 use xcscr::disk::typed;
-use xcscr::study::{PlannedStudy, Slurm, TaskState};
+use xcscr::study::{PlannedStudy, Slurm, StudyFolder, TaskState};
 
 use super::status::head;
 use crate::commands::failure::Failure;
@@ -29,13 +29,13 @@ pub(super) struct PlannedStatus {
 }
 
 impl PlannedStatus {
-    pub fn of(planned: &PlannedStudy) -> Result<Self, Failure> {
+    pub fn of(folder: &StudyFolder) -> Result<Self, Failure> {
+        let planned = folder.planned();
         let queue = match Slurm::knows(planned) {
             true => Slurm::queue(planned)?,
             false => vec![],
         };
-        let survey = planned.survey()?;
-        let states = survey.states(&queue);
+        let (trials, states) = (planned.protocol().len(), folder.task_states(&queue)?);
         let tasks_that = |are: &[TaskState]| -> Vec<usize> {
             let some = states.iter().filter(|(_, state)| are.contains(state));
             some.map(|(task, _)| *task).collect()
@@ -43,9 +43,9 @@ impl PlannedStatus {
         Ok(Self {
             study: planned.protocol().name.clone(),
             plan: planned.plan().to_owned(),
-            trials: survey.trials(),
-            finished: survey.trials() - survey.missing().len(),
-            failed_trials: survey.failed().len(),
+            trials,
+            finished: trials - folder.missing().len(),
+            failed_trials: folder.failed().len(),
             tasks: planned.tasks(),
             complete: tasks_that(&[TaskState::Complete]),
             running: tasks_that(&[TaskState::Running]),

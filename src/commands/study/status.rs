@@ -61,7 +61,10 @@ impl Status {
             finished: protocol.len() - missing.len(),
             failed: folder.failed(),
             shards: shards.map(open),
-            arms: (protocol.arms.iter().map(name).collect(), protocol.trials),
+            arms: (
+                protocol.arms.iter().map(Arm::name).collect(),
+                protocol.trials,
+            ),
             missing,
         }
     }
@@ -101,17 +104,4 @@ impl Status {
 /// Returns the first line of a status.
 pub(super) fn head(study: &str, plan: &str, finished: usize, trials: usize) -> String {
     format!("study {study}, plan {plan}: {finished} of {trials} trials finished")
-}
-
-/// Describes the common properties of an arm's trials.
-pub(super) fn name(arm: &Arm) -> String {
-    let words = [
-        &arm.world,
-        arm.method.name(),
-        arm.arena.name(),
-        arm.sensor.name(),
-    ];
-    format!("{} {}", words.join(" "), arm.variant)
-        .trim_end()
-        .to_owned()
 }

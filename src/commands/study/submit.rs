@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use xcscr::study::{PlannedStudy, Queued, Slurm, TaskState};
+use xcscr::study::{PlannedStudy, Queued, Slurm, StudyFolder, TaskState};
 
 use super::choice::ChoiceArgs;
 use crate::commands::failure::Failure;
@@ -96,8 +96,10 @@ pub(super) fn run(args: &SubmitArgs, out: &mut impl Write) -> Result<(), Failure
 
 /// Returns the tasks that are neither finished nor in the queue.
 fn open_tasks(planned: &PlannedStudy, queue: &[Queued]) -> Result<Vec<usize>, Failure> {
-    let states = planned.survey()?.states(queue).into_iter();
-    let open = states.filter(|(_, state)| matches!(state, TaskState::Failed | TaskState::Missing));
+    let states = StudyFolder::of(planned.clone(), None)?.task_states(queue)?;
+    let open = states
+        .into_iter()
+        .filter(|(_, state)| matches!(state, TaskState::Failed | TaskState::Missing));
     Ok(open.map(|(task, _)| task).collect())
 }
 

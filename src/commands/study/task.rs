@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use xcscr::study::PlannedStudy;
+use xcscr::study::{PlannedStudy, TaskProgress};
 
 use super::progress::Progress;
 use crate::commands::failure::{Exit, Failure};
@@ -35,15 +35,18 @@ pub(super) fn run(args: &TaskArgs) -> Result<(), Failure> {
     let shutdown_message = move || interrupted(task, counter.load(Ordering::Relaxed));
     let mut progress =
         Progress::new(args.quiet, Interrupt::watch(shutdown_message)?).counting(finished);
-    let (survey, finished) = planned.run_task(task, args.jobs.into(), &mut progress)?;
+    let TaskProgress {
+        trials,
+        missing,
+        finished,
+    } = planned.run_task(task, args.jobs.into(), &mut progress)?;
     drop(progress);
-    if !survey.missing().is_empty() {
+    if missing > 0 {
         return Err(interrupted(task, finished));
     }
-    let all = survey.trials();
     if !args.quiet {
         say(&format!(
-            "task {task}: all {all} trials are finished, {finished} of them in this run"
+            "task {task}: all {trials} trials are finished, {finished} of them in this run"
         ));
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use xcscr::disk::typed;
-use xcscr::study::{Found, PlannedStudy, Rung, Stage, Tuning, Verdict};
+use xcscr::study::{Found, PlannedStudy, Rung, Stage, StudyFolder, Tuning, Verdict};
 
 use super::choice::ChoiceArgs;
 use super::progress::Progress;
@@ -49,8 +49,8 @@ pub(super) fn run(args: &TuneArgs, out: &mut impl Write) -> Result<(), Failure> 
             Stage::Open(planned) if args.tasks.is_some() => return Err(to_run(&planned)),
             Stage::Open(planned) => {
                 let mut progress = Progress::new(args.quiet, interrupt.clone());
-                let (survey, _) = planned.run_task(1, args.jobs.into(), &mut progress)?;
-                if !survey.missing().is_empty() {
+                let task = planned.run_task(1, args.jobs.into(), &mut progress)?;
+                if task.missing > 0 {
                     return Err(shutdown_message());
                 }
             }
@@ -89,7 +89,8 @@ fn show(found: &Found, out: &mut impl Write) -> Result<(), Failure> {
          more than they ran. behind: difference from the best with the same seeds, with its standard error.\n\
          The search took {spent} of {budget} trials. On fresh seeds:\n"
     )?;
-    let folder = found.last.merge(&found.last.result())?;
+    let last = &found.last;
+    let folder = StudyFolder::merge(&[last.path().to_owned()], &last.result())?;
     finish(&folder, Format::Text, out)
 }
 

@@ -2,8 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::summary::rounded;
+use crate::disk;
 use crate::study::protocol::Arm;
+use crate::study::statistics::rounded;
+use crate::study::store::StudyFolder;
+use crate::study::store::outputs::LEARNING_CURVES;
 
 /// Half-width of a normal 95 % interval, in standard errors.
 const Z_95: f64 = 1.96;
@@ -73,9 +76,18 @@ impl CurveSums {
     }
 }
 
+impl StudyFolder {
+    /// Returns the learning curve of each arm, as written with the episode table. `None` without a
+    /// table.
+    pub(in crate::study) fn learning_curves(&self) -> Option<Vec<Vec<CurvePoint>>> {
+        let table = disk::read(&self.path().join(LEARNING_CURVES), disk::MOST_BYTES).ok()?;
+        curves(&self.protocol().arms, self.protocol().episodes, &table)
+    }
+}
+
 /// Parses a table of learning curves, and returns one curve for each arm. `None` if the table does
 /// not match the arms and the number of episodes.
-pub fn curves(arms: &[Arm], episodes: u32, table: &[u8]) -> Option<Vec<Vec<CurvePoint>>> {
+fn curves(arms: &[Arm], episodes: u32, table: &[u8]) -> Option<Vec<Vec<CurvePoint>>> {
     let rows = csv::Reader::from_reader(table).into_deserialize();
     let points: Vec<CurvePoint> = rows.collect::<Result<_, _>>().ok()?;
     let mut points = points.into_iter().peekable();

@@ -9,9 +9,9 @@ use crate::episode::Mistakes;
 use crate::streams::StreamName;
 use crate::study::protocol::{Arm, Protocol};
 use crate::study::statistics::{
-    Interval, Lifetime, Pairs, Proportion, Survival, bootstrap_interval, quantile,
+    Interval, Lifetime, Pairs, Proportion, Survival, bootstrap_interval, quantile, rounded,
 };
-use crate::study::store::folder::StudyFolder;
+use crate::study::store::StudyFolder;
 use crate::study::store::{Driven, Figures};
 use crate::trial::Progress;
 use xcs::random::Stream;
@@ -173,13 +173,6 @@ impl<'a> ArmRecords<'a> {
         let steps: u64 = progress().map(|one| one.steps).sum();
         (found > 0).then(|| rounded(found as f64 / steps.max(1) as f64))
     }
-
-    /// Returns the rounded mean of a figure. `None` without trials.
-    fn mean(&self, figure: impl Fn(&Figures) -> f64) -> Option<f64> {
-        let sum: f64 = self.figures().map(|one| figure(&one)).sum();
-        let trials = self.figures().count();
-        (trials > 0).then(|| rounded(sum / trials as f64))
-    }
 }
 
 /// Orders trials by success: a trial whose policy became optimal is better.
@@ -292,11 +285,12 @@ impl ArmSummary {
     fn new(records: &ArmRecords<'_>, seed: u64) -> Self {
         let arm = records.arm;
         let successes = records.successes();
-        let wilson = successes.wilson();
+        let wilson = successes.wilson().rounded();
         let survival = Survival::new(&records.lifetimes());
-        let iqm = records.iqm_env_steps(seed);
+        let iqm = records.iqm_env_steps(seed).map(Interval::rounded);
         let compacted = records.compacted_rules();
         let always = records.driven_always();
+        let reliable = always.map(|always| always.wilson().rounded());
         let count =
             |is: &dyn Fn(&Figures) -> bool| records.figures().filter(|one| is(one)).count() as u64;
         Self {
@@ -308,29 +302,29 @@ impl ArmSummary {
             trials: successes.trials,
             failed: records.failed,
             successes: successes.successes,
-            wilson_low: rounded(wilson.low),
-            wilson_high: rounded(wilson.high),
+            wilson_low: wilson.low,
+            wilson_high: wilson.high,
             median_episode: survival.time_when_left(0.5),
             p95_episode: survival.time_when_left(0.05),
             median_episode_of_successes: quantile(&records.first_episodes(), 0.5),
             retained: records.retained(),
             mean_optimal_share_after_first: records.mean_share_after_first(),
             executed_optimal: count(&|one| one.progress.first_executed_optimal_episode.is_some()),
-            iqm_env_steps: iqm.map(|iqm| rounded(iqm.value)),
-            iqm_env_steps_low: iqm.map(|iqm| rounded(iqm.low)),
-            iqm_env_steps_high: iqm.map(|iqm| rounded(iqm.high)),
-            mean_steps: records.mean(|one| one.progress.steps as f64),
-            mean_collisions: records.mean(|one| one.progress.collisions as f64),
+            iqm_env_steps: iqm.map(|iqm| iqm.value),
+            iqm_env_steps_low: iqm.map(|iqm| iqm.low),
+            iqm_env_steps_high: iqm.map(|iqm| iqm.high),
+            mean_steps: records.mean_of(|one| Some(one.progress.steps as f64)),
+            mean_collisions: records.mean_of(|one| Some(one.progress.collisions as f64)),
             observation_error_share: records.share_of_steps(|one| one.observation_error),
             mislocalised_share: records.share_of_steps(|one| one.mislocalised),
-            mean_rules: records.mean(|one| one.rules as f64),
+            mean_rules: records.mean_of(|one| Some(one.rules as f64)),
             mean_greedy_steps: records.mean_of(|one| one.greedy_steps),
             most_greedy_steps: records.greedy_steps().reduce(f64::max).map(rounded),
             mean_greedy_ratio: records.mean_of(|one| one.greedy_ratio),
             driven_goals: records.mean_of(|one| one.driven.map(|d| d.share(d.goals))),
             driven_always: always.map(|always| always.successes),
-            driven_always_low: always.map(|always| rounded(always.wilson().low)),
-            driven_always_high: always.map(|always| rounded(always.wilson().high)),
+            driven_always_low: reliable.map(|share| share.low),
+            driven_always_high: reliable.map(|share| share.high),
             driven_optimal: records.mean_of(|one| one.driven.map(|d| d.share(d.optimal))),
             driven_steps: records.mean_of(|one| one.driven.map(|d| d.steps)),
             median_compacted_rules: quantile(&compacted, 0.5),
@@ -341,9 +335,4 @@ impl ArmSummary {
                 .map(|n| n as usize),
         }
     }
-}
-
-/// Rounds to six decimals.
-pub fn rounded(number: f64) -> f64 {
-    (number * 1e6).round() / 1e6
 }

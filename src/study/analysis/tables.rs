@@ -1,94 +1,92 @@
 //! `trials.csv` and `summary.json`, for other programs.
 
 use serde::Serialize;
+use serde_json::Value;
 
-use super::summary::{ArmSummary, rounded};
+use super::summary::ArmSummary;
 use crate::study::error::StudyError;
-use crate::study::protocol::Protocol;
-use crate::study::store::folder::StudyFolder;
-use crate::study::store::{Figures, TrialRecord};
+use crate::study::protocol::{Arm, Protocol};
+use crate::study::statistics::rounded;
+use crate::study::store::StudyFolder;
+use crate::study::store::{Driven, Figures, TrialRecord};
 use crate::trial::Progress;
 
-/// A row of `trials.csv`; fields without a value are empty.
-#[derive(Debug, Serialize)]
-struct TrialRow<'a> {
-    world: &'a str,
-    method: &'a str,
-    arena: &'static str,
-    sensor: &'static str,
-    variant: String,
-    trial: usize,
-    seed: u64,
-    first_optimal_episode: Option<u32>,
-    first_optimal_env_steps: Option<u64>,
-    first_executed_optimal_episode: Option<u32>,
-    retained: Option<bool>,
-    optimal_share_after_first: Option<f64>,
-    steps: Option<u64>,
-    collisions: Option<u64>,
-    observation_errors: Option<u64>,
-    mislocalised: Option<u64>,
-    chosen_by_rules: Option<u64>,
-    chosen_by_table: Option<u64>,
-    chosen_by_planner: Option<u64>,
-    chosen_by_chance: Option<u64>,
-    most_rules: Option<usize>,
-    rules: Option<usize>,
-    compacted_rules: Option<usize>,
-    greedy_steps: Option<f64>,
-    greedy_ratio: Option<f64>,
-    driven_goals: Option<u32>,
-    driven_optimal: Option<u32>,
-    driven_steps: Option<f64>,
-    error: String,
+/// A finished trial, as in a row of `trials.csv`.
+struct Row<'a> {
+    protocol: &'a Protocol,
+    arm: &'a Arm,
+    record: &'a TrialRecord,
 }
 
-impl<'a> TrialRow<'a> {
-    fn new(protocol: &'a Protocol, record: &'a TrialRecord) -> Self {
-        let arm = protocol.arm(record.trial);
-        let figures = record.figures();
-        let driven = figures.and_then(|one| one.driven);
-        let progress = figures.map(|Figures { progress, .. }| progress);
-        Self {
-            world: &arm.world,
-            method: arm.method_name(),
-            arena: arm.arena.name(),
-            sensor: arm.sensor.name(),
-            variant: arm.variant.to_string(),
-            trial: protocol.replicate(record.trial),
-            seed: protocol.trial_seed(record.trial),
-            first_optimal_episode: progress.and_then(|one| one.first_optimal_episode),
-            first_optimal_env_steps: progress.and_then(|one| one.first_optimal_env_steps),
-            first_executed_optimal_episode: progress
-                .and_then(|one| one.first_executed_optimal_episode),
-            retained: progress.map(|one| one.optimal),
-            optimal_share_after_first: progress
-                .and_then(Progress::optimal_share_after_first)
-                .map(rounded),
-            steps: progress.map(|one| one.steps),
-            collisions: progress.map(|one| one.collisions),
-            observation_errors: progress.map(|one| one.mistakes.observation_error),
-            mislocalised: progress.map(|one| one.mistakes.mislocalised),
-            chosen_by_rules: progress.map(|one| one.chosen.rules),
-            chosen_by_table: progress.map(|one| one.chosen.table),
-            chosen_by_planner: progress.map(|one| one.chosen.planner),
-            chosen_by_chance: progress.map(|one| one.chosen.chance),
-            most_rules: progress.map(|one| one.most_rules),
-            rules: figures.map(|one| one.rules),
-            compacted_rules: figures.and_then(|one| one.compacted_rules),
-            greedy_steps: figures.and_then(|one| one.greedy_steps).map(rounded),
-            greedy_ratio: figures.and_then(|one| one.greedy_ratio).map(rounded),
-            driven_goals: driven.map(|one| one.goals),
-            driven_optimal: driven.map(|one| one.optimal),
-            driven_steps: driven.map(|one| rounded(one.steps)),
-            error: record
-                .result
-                .as_ref()
-                .err()
-                .map_or_else(String::new, |fault| plain(fault)),
-        }
+impl Row<'_> {
+    fn figure<T: Into<Value>>(&self, figure: impl FnOnce(&Figures) -> T) -> Value {
+        self.record
+            .figures()
+            .map(figure)
+            .map_or(Value::Null, T::into)
+    }
+
+    fn progress<T: Into<Value>>(&self, figure: impl FnOnce(&Progress) -> T) -> Value {
+        self.figure(|one| figure(&one.progress))
+    }
+
+    fn driven<T: Into<Value>>(&self, figure: impl FnOnce(&Driven) -> T) -> Value {
+        self.figure(|one| one.driven.as_ref().map(figure).map_or(Value::Null, T::into))
     }
 }
+
+/// The name of a column, and the function that returns its cell.
+type Column = (&'static str, fn(&Row<'_>) -> Value);
+
+/// The columns of `trials.csv`; cells without a value are empty.
+const COLUMNS: [Column; 29] = [
+    ("world", |r| r.arm.world.as_str().into()),
+    ("method", |r| r.arm.method_name().into()),
+    ("arena", |r| r.arm.arena.name().into()),
+    ("sensor", |r| r.arm.sensor.name().into()),
+    ("variant", |r| r.arm.variant.to_string().into()),
+    ("trial", |r| r.protocol.replicate(r.record.trial).into()),
+    ("seed", |r| r.protocol.trial_seed(r.record.trial).into()),
+    ("first_optimal_episode", |r| {
+        r.progress(|p| p.first_optimal_episode)
+    }),
+    ("first_optimal_env_steps", |r| {
+        r.progress(|p| p.first_optimal_env_steps)
+    }),
+    ("first_executed_optimal_episode", |r| {
+        r.progress(|p| p.first_executed_optimal_episode)
+    }),
+    ("retained", |r| r.progress(|p| p.optimal)),
+    ("optimal_share_after_first", |r| {
+        r.progress(|p| p.optimal_share_after_first().map(rounded))
+    }),
+    ("steps", |r| r.progress(|p| p.steps)),
+    ("collisions", |r| r.progress(|p| p.collisions)),
+    ("observation_errors", |r| {
+        r.progress(|p| p.mistakes.observation_error)
+    }),
+    ("mislocalised", |r| r.progress(|p| p.mistakes.mislocalised)),
+    ("chosen_by_rules", |r| r.progress(|p| p.chosen.rules)),
+    ("chosen_by_table", |r| r.progress(|p| p.chosen.table)),
+    ("chosen_by_planner", |r| r.progress(|p| p.chosen.planner)),
+    ("chosen_by_chance", |r| r.progress(|p| p.chosen.chance)),
+    ("most_rules", |r| r.progress(|p| p.most_rules)),
+    ("rules", |r| r.figure(|p| p.rules)),
+    ("compacted_rules", |r| r.figure(|p| p.compacted_rules)),
+    ("greedy_steps", |r| {
+        r.figure(|p| p.greedy_steps.map(rounded))
+    }),
+    ("greedy_ratio", |r| {
+        r.figure(|p| p.greedy_ratio.map(rounded))
+    }),
+    ("driven_goals", |r| r.driven(|p| p.goals)),
+    ("driven_optimal", |r| r.driven(|p| p.optimal)),
+    ("driven_steps", |r| r.driven(|one| rounded(one.steps))),
+    ("error", |r| {
+        let fault = r.record.result.as_ref().err();
+        fault.map_or("".into(), |fault| plain(fault).into())
+    }),
+];
 
 /// Replaces control characters, which could control a terminal: journals may come from elsewhere.
 fn plain(message: &str) -> String {
@@ -130,10 +128,17 @@ impl StudyFolder {
     /// # Errors
     /// An error of the file system.
     pub fn write_tables(&self) -> Result<(), StudyError> {
+        let protocol = self.protocol();
         self.write_with("trials.csv", |file| {
             let mut table = csv::Writer::from_writer(file);
+            table.write_record(COLUMNS.map(|(name, _)| name))?;
             for record in self.records() {
-                table.serialize(TrialRow::new(self.protocol(), &record))?;
+                let row = Row {
+                    protocol,
+                    arm: protocol.arm(record.trial),
+                    record: &record,
+                };
+                table.serialize(COLUMNS.map(|(_, cell)| cell(&row)).as_slice())?;
             }
             table.flush()
         })?;

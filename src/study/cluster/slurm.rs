@@ -6,12 +6,10 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::planned::PlannedStudy;
-use super::survey::Survey;
 use crate::disk;
 use crate::study::error::StudyError;
 use crate::study::protocol::id_of;
-use crate::study::store::files::write_whole;
+use crate::study::store::PlannedStudy;
 
 /// The folder of scripts and logs, relative to the folder of the study.
 const FOLDER: &str = "slurm";
@@ -42,21 +40,6 @@ pub struct Slurm {
     pub array_limit: Option<usize>,
 }
 
-/// The state of a task.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TaskState {
-    /// All its trials are finished.
-    Complete,
-    /// The task is running.
-    Running,
-    /// The task is in the queue.
-    Waiting,
-    /// The task was started, and ended before its last trial.
-    Failed,
-    /// The task was never started.
-    Missing,
-}
-
 /// A task in Slurm's queue.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Queued {
@@ -77,7 +60,7 @@ impl Slurm {
     /// Checks that Slurm's commands are installed.
     ///
     /// # Errors
-    /// [`StudyError::Engine`] when they are not.
+    /// [`StudyError::System`] when they are not.
     pub fn require() -> Result<(), StudyError> {
         let folders = std::env::var_os("PATH").unwrap_or_default();
         let mut folders = std::env::split_paths(&folders);
@@ -90,7 +73,7 @@ impl Slurm {
     /// Returns the tasks of a study that are in the queue.
     ///
     /// # Errors
-    /// [`StudyError::Engine`] when the queue cannot be read.
+    /// [`StudyError::System`] when the queue cannot be read.
     pub fn queue(planned: &PlannedStudy) -> Result<Vec<Queued>, StudyError> {
         let mut command = Command::new("squeue");
         let name = format!("--name={}", name(planned));
@@ -121,7 +104,7 @@ impl Slurm {
     /// merge job.
     ///
     /// # Errors
-    /// [`StudyError::Altered`] when a script was changed by hand, [`StudyError::Engine`], or an error
+    /// [`StudyError::Refused`] when a script was changed by hand, [`StudyError::System`], or an error
     /// of the file system.
     pub fn submit(
         &self,
@@ -136,7 +119,7 @@ impl Slurm {
         let logs = planned.path().join(FOLDER).join("logs");
         fs::create_dir_all(&logs).map_err(|cause| StudyError::create(&logs, cause))?;
         for (path, text) in scripts {
-            write_whole(&path, text.as_bytes())?;
+            disk::replace(&path, text.as_bytes()).map_err(|cause| StudyError::io(&path, cause))?;
         }
         let array = sbatch(planned, ARRAY, &[])?;
         let after = dependency(&array, queue);
@@ -159,30 +142,10 @@ impl Slurm {
         ];
         own.extend(self.cpus.map(|cpus| format!("--cpus-per-task={cpus}")));
         let head = self.head(&name(planned), "%a", &own);
-        let (program, count) = (disk::typed(&self.program), planned.tasks());
-        format!(
-            r#"{head}
-# Runs one of the {count} tasks of this study. Slurm sends a signal before the time limit, and when it
-# needs the machine. The program then keeps its finished trials and exits with code 75. The task goes
-# back into the queue, unless it was cancelled.
-{program} study task . "$SLURM_ARRAY_TASK_ID" --jobs "${{SLURM_CPUS_PER_TASK:-1}}" --quiet &
-task=$!
-trap 'stopped=yes; kill -TERM "$task"' USR1 TERM
-wait "$task"
-code=$?
-if [ -n "${{stopped:-}}" ]; then
-    wait "$task"
-    code=$?
-fi
-if [ "$code" -eq 75 ]; then
-    me="${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}"
-    if [ "$(squeue --noheader --jobs="$me" --states=RUNNING --format=%T)" = RUNNING ]; then
-        scontrol requeue "$me"
-    fi
-fi
-exit "$code"
-"#
-        )
+        let script = include_str!("array.sh");
+        let script = script.replace("@TASKS@", &planned.tasks().to_string());
+        let script = script.replace("@PROGRAM@", &disk::typed(&self.program));
+        format!("{head}\n{script}")
     }
 
     fn merge_script(&self, planned: &PlannedStudy) -> String {
@@ -228,26 +191,6 @@ impl Slurm {
     }
 }
 
-impl Survey {
-    /// Returns the state of each task, given the tasks in the queue.
-    pub fn states(&self, queue: &[Queued]) -> Vec<(usize, TaskState)> {
-        let state = |one: &super::TaskSurvey| {
-            let queued = queue.iter().find(|waiting| waiting.task == one.task);
-            match (one.missing, queued, one.attempts) {
-                (0, _, _) => TaskState::Complete,
-                (_, Some(Queued { running: true, .. }), _) => TaskState::Running,
-                (_, Some(_), _) => TaskState::Waiting,
-                (_, None, 0) => TaskState::Missing,
-                (_, None, _) => TaskState::Failed,
-            }
-        };
-        self.tasks()
-            .iter()
-            .map(|one| (one.task, state(one)))
-            .collect()
-    }
-}
-
 /// Appends a checksum to a script, to detect changes by hand.
 fn signed(script: String) -> String {
     let checksum = id_of(&script);
@@ -265,7 +208,7 @@ fn require_own(path: &Path) -> Result<(), StudyError> {
     let script = text.rsplit_once(CHECKSUM).map(|(script, _)| script);
     match script.is_some_and(|script| signed(script.to_owned()) == text) {
         true => Ok(()),
-        false => Err(StudyError::Altered(path.to_owned())),
+        false => Err(StudyError::altered(path)),
     }
 }
 
@@ -306,31 +249,23 @@ fn sbatch(planned: &PlannedStudy, script: &str, options: &[String]) -> Result<St
 }
 
 fn no_slurm(command: &str) -> StudyError {
-    StudyError::Engine {
-        command: command.to_owned(),
-        fault:
-            "Slurm is not installed here; run this on a login node of the cluster, or print the scripts \
-                with `study submit --dry-run`"
-                .to_owned(),
-    }
+    StudyError::System(format!(
+        "{command}: Slurm is not installed here; run this on a login node of the cluster, or print the \
+         scripts with `study submit --dry-run`"
+    ))
 }
 
 /// Runs a command, and returns its standard output.
 fn answer(mut command: Command) -> Result<String, StudyError> {
     let name = command.get_program().to_string_lossy().into_owned();
-    let fault = |fault: String| StudyError::Engine {
-        command: name.clone(),
-        fault,
-    };
+    let fault = |fault: &str| StudyError::System(format!("{name}: {fault}"));
     let output = command.output().map_err(|cause| match cause.kind() {
         ErrorKind::NotFound => no_slurm(&name),
-        _ => fault(cause.to_string()),
+        _ => fault(&cause.to_string()),
     })?;
     match output.status.success() {
         true => Ok(String::from_utf8_lossy(&output.stdout).into_owned()),
-        false => Err(fault(
-            String::from_utf8_lossy(&output.stderr).trim().to_owned(),
-        )),
+        false => Err(fault(String::from_utf8_lossy(&output.stderr).trim())),
     }
 }
 

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use super::keys::names;
 use super::shipped;
 use crate::agent::Method;
 use crate::arena::ArenaKind;
@@ -28,55 +27,41 @@ pub struct StudyFile {
     pub(super) document: Document,
 }
 
-/// The keys and values of a study file.
+/// The keys and values of a study file. `keys.toml` describes them.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct Document {
     pub name: String,
     pub worlds: Vec<String>,
-    /// Worlds in which trials learn beforehand, or [`NOTHING`]. The study runs each alternative.
     #[serde(default)]
     pub after: Vec<String>,
     pub methods: Vec<Method>,
     #[serde(default = "Document::grid")]
     pub arenas: Vec<ArenaKind>,
-    /// The sensors. By default, the usual sensor of each arena.
     #[serde(default)]
     pub sensors: Option<Vec<Sensor>>,
     pub trials: usize,
     pub episodes: u32,
-    /// Number of episodes in which the policy of each finished trial is tested.
     #[serde(default)]
     pub drives: u32,
     #[serde(default = "Document::one")]
     pub seed: u64,
-    /// The robot profile of all trials: a bundled name, or a path relative to the folder of this
-    /// file.
     #[serde(default)]
     pub robot: Option<String>,
-    /// Settings of all trials.
     #[serde(default)]
     pub settings: Table,
-    /// Settings of all trials in a world. They override `settings`.
     #[serde(default)]
     pub world_settings: BTreeMap<String, Table>,
-    /// The sensors in a world. They replace `sensors`.
     #[serde(default)]
     pub world_sensors: BTreeMap<String, Vec<Sensor>>,
-    /// Settings of all trials of a method. They override `world_settings`.
     #[serde(default)]
     pub method_settings: BTreeMap<String, Table>,
-    /// Settings, each with a list of values. The study runs every combination.
     #[serde(default)]
     pub sweep: Table,
-    /// Tables of settings. The study runs each table with every combination of the swept settings.
     #[serde(default)]
     pub variants: Vec<Table>,
-    /// The number of combinations to run, drawn at random. All if `None`.
     #[serde(default)]
     pub sample: Option<usize>,
-    /// Switches that are turned off one at a time, in addition to a variant with none turned off.
-    /// Other settings are given with the value that turns them off, as `key=value`.
     #[serde(default)]
     pub without: Vec<String>,
 }
@@ -104,12 +89,13 @@ impl StudyFile {
             return Self::parse(text, &name.display().to_string(), Path::new(""));
         }
         let text = disk::read_text(name, MOST_TOML_BYTES).map_err(|cause| match cause.kind() {
-            ErrorKind::NotFound => StudyError::Missing {
-                file: name.to_owned(),
-                shipped: shipped::study_names(),
-            },
+            ErrorKind::NotFound => StudyError::Missing(format!(
+                "unknown study \"{}\": pass a TOML file or one of: {}",
+                name.display(),
+                shipped::study_names()
+            )),
             ErrorKind::InvalidData | ErrorKind::FileTooLarge => {
-                StudyError::file(&name.display().to_string(), &cause.to_string())
+                StudyError::file(&name.display().to_string(), cause)
             }
             _ => StudyError::io(name, cause),
         })?;
@@ -123,13 +109,7 @@ impl StudyFile {
     /// # Errors
     /// When the text is not a valid study.
     pub fn parse(text: &str, origin: &str, folder: &Path) -> Result<Self, StudyError> {
-        let fault = |fault: String| StudyError::file(origin, &readable(&fault));
-        let table: Table = text
-            .parse()
-            .map_err(|e: toml::de::Error| fault(e.to_string()))?;
-        if let Some(key) = table.keys().find(|key| !names().any(|name| name == *key)) {
-            return Err(fault(unknown_key(key)));
-        }
+        let fault = |fault: String| StudyError::file(origin, readable(&fault));
         let document: Document =
             toml::from_str(text).map_err(|e: toml::de::Error| fault(e.to_string()))?;
         Ok(Self {
@@ -159,7 +139,7 @@ impl StudyFile {
             return Ok(Maze::from_json(text.as_bytes(), name)?);
         }
         if let Ok(recipe) = name.parse::<Recipe>() {
-            let fault = |fault: OutOfRange| StudyError::file(&self.origin, &fault.to_string());
+            let fault = |fault: OutOfRange| StudyError::file(&self.origin, fault.to_string());
             return recipe.maze().map_err(fault);
         }
         if !name.ends_with(".json") {
@@ -168,7 +148,7 @@ impl StudyFile {
                 "there is no world `{name}`: give a path to a .json file, one of {names}, or kind, \
                  size and seed of a generated one, such as rooms-12-3"
             );
-            return Err(StudyError::file(&self.origin, &fault));
+            return Err(StudyError::file(&self.origin, fault));
         }
         Ok(Maze::load(&self.folder.join(name))?)
     }
@@ -186,7 +166,7 @@ impl StudyFile {
         };
         let profile = RobotProfile::load(name);
         let settings = profile.and_then(|profile| Ok(profile.settings_over(&defaults)?));
-        settings.map_err(|fault| StudyError::file(&self.origin, &fault.to_string()))
+        settings.map_err(|fault| StudyError::file(&self.origin, fault.to_string()))
     }
 
     /// Returns the settings of one world.
@@ -213,7 +193,7 @@ impl StudyFile {
         let unknown = named.find(|name| !worlds.iter().any(|maze| maze.name() == *name));
         unknown.map_or(Ok(()), |name| {
             let fault = format!("`{name}` is not a world of this study");
-            Err(StudyError::file(&self.origin, &fault))
+            Err(StudyError::file(&self.origin, fault))
         })
     }
 
@@ -224,7 +204,7 @@ impl StudyFile {
         if let Some(name) = settings.keys().find(|name| !known(name)) {
             let names: Vec<&str> = Method::ALL.iter().map(|method| method.name()).collect();
             let fault = format!("there is no method `{name}`, only {}", names.join(", "));
-            return Err(StudyError::file(&self.origin, &fault));
+            return Err(StudyError::file(&self.origin, fault));
         }
         Ok(settings.get(method.name()).cloned().unwrap_or_default())
     }
@@ -237,39 +217,37 @@ impl StudyFile {
             Value::Array(values) if !values.is_empty() => Ok((key, values)),
             _ => Err(StudyError::file(
                 &self.origin,
-                &format!("`sweep.{key}` must be a list of values, such as [0.1, 0.2]"),
+                format!("`sweep.{key}` must be a list of values, such as [0.1, 0.2]"),
             )),
         };
         entries.into_iter().map(list).collect()
     }
 }
 
-fn unknown_key(key: &str) -> String {
-    match similar(key, names()) {
-        Some(known) => format!("there is no key `{key}`; did you mean `{known}`?"),
-        None => {
-            let all: Vec<&str> = names().collect();
-            format!("there is no key `{key}`, only {}", all.join(", "))
-        }
+/// Returns the message of the TOML library. For an unknown key or value, the message is replaced by
+/// one that suggests the most similar name, or lists all names.
+fn readable(fault: &str) -> String {
+    if let Some((_, key, known)) = unknown(fault, "unknown field `") {
+        return match similar(key, known.iter().copied()) {
+            Some(known) => format!("there is no key `{key}`; did you mean `{known}`?"),
+            None => format!("there is no key `{key}`, only {}", known.join(", ")),
+        };
     }
+    let Some((place, name, known)) = unknown(fault, "unknown variant `") else {
+        return shortened(fault);
+    };
+    let hint = similar(name, known.iter().copied()).map_or_else(
+        || format!("give one of {}", known.join(", ")),
+        |name| format!("did you mean `{name}`?"),
+    );
+    format!("{place}there is no `{}`: {hint}", shortened(name))
 }
 
-/// Returns the message of the TOML library. For an unknown variant, the message is replaced by one
-/// that suggests the most similar name, or lists all names.
-fn readable(fault: &str) -> String {
-    let named = || {
-        let (place, rest) = fault.split_once("unknown variant `")?;
-        let (name, known) = rest.split_once("`, expected ")?;
-        let known = known.split('`').skip(1).step_by(2);
-        let nearest = similar(name, known.clone());
-        let all = || known.collect::<Vec<_>>().join(", ");
-        let hint = nearest.map_or_else(
-            || format!("give one of {}", all()),
-            |name| format!("did you mean `{name}`?"),
-        );
-        Some(format!("{place}there is no `{}`: {hint}", shortened(name)))
-    };
-    named().unwrap_or_else(|| shortened(fault))
+/// Returns the place, the unknown name and the known names in a message of the TOML library.
+fn unknown<'a>(fault: &'a str, kind: &str) -> Option<(&'a str, &'a str, Vec<&'a str>)> {
+    let (place, rest) = fault.split_once(kind)?;
+    let (name, known) = rest.split_once("`, expected ")?;
+    Some((place, name, known.split('`').skip(1).step_by(2).collect()))
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ pub fn freeze(file: &StudyFile, overrides: &Overrides) -> Result<Protocol, Study
     protocol.check_numbers().map_err(PlanError::from)?;
     match protocol.check() {
         Ok(()) => Ok(protocol),
-        Err(fault) => Err(StudyError::file(&file.origin, &fault)),
+        Err(fault) => Err(StudyError::file(&file.origin, fault)),
     }
 }
 
@@ -75,7 +75,7 @@ fn check_number(file: &StudyFile, places: usize) -> Result<(), StudyError> {
         return Ok(());
     }
     let fault = format!("it has {number} combinations, but the maximum is {MOST_ARMS}");
-    Err(StudyError::file(&file.origin, &fault))
+    Err(StudyError::file(&file.origin, fault))
 }
 
 /// Returns every combination, in the order of the file, worlds first. An arm's earlier world
@@ -140,7 +140,7 @@ fn afters_of(
         let fault = format!(
             "the method `{name}` learns no rules, but `after` transfers rules: remove one of them"
         );
-        return Err(StudyError::file(&file.origin, &fault));
+        return Err(StudyError::file(&file.origin, fault));
     }
     let name = |maze: &Option<&Maze>| maze.map(|maze| maze.name().to_owned());
     Ok(afters.iter().map(name).collect())

@@ -16,7 +16,7 @@ use serde_json::value::RawValue;
 
 pub(super) use file::NOTHING;
 pub use file::StudyFile;
-pub use keys::{STUDY_KEYS, StudyKey};
+pub use keys::StudyKey;
 pub use overrides::Overrides;
 pub(super) use unread::refuse_duplicates;
 
@@ -91,6 +91,13 @@ impl Arm {
         Some(self.method).filter(|_| self.agent.is_none())
     }
 
+    /// Returns the world, the method, the arena, the sensor and the variant in words.
+    pub fn name(&self) -> String {
+        let words = [self.method_name(), self.arena.name(), self.sensor.name()];
+        let name = format!("{} {} {}", self.world, words.join(" "), self.variant);
+        name.trim_end().to_owned()
+    }
+
     /// Returns true if the arms differ in nothing but the method.
     fn differs_only_in_method(&self, other: &Self) -> bool {
         let place = |arm: &Self| (arm.arena, arm.sensor, arm.world.clone(), arm.after.clone());
@@ -141,7 +148,7 @@ impl Protocol {
     /// Adds a custom agent in every combination in which the study has a method.
     pub(super) fn add_agent(&mut self, name: &str) -> Result<(), StudyError> {
         let origin = self.name.clone();
-        let refusal = |fault| Err(StudyError::File { origin, fault });
+        let refusal = |fault: String| Err(StudyError::file(&origin, fault));
         if !is_agent_name(name) {
             return refusal(format!(
                 "invalid agent name `{name}`: use 1 to 40 lower-case letters, digits and hyphens"

@@ -24,23 +24,13 @@ const STUDIES: [(&str, &str); 15] = [
 
 /// Returns the text of a shipped study file.
 pub fn study(name: &str) -> Option<&'static str> {
-    find(&STUDIES, name)
+    let study = STUDIES.iter().find(|(known, _)| *known == name);
+    study.map(|(_, text)| *text)
 }
 
 /// Returns the names of the shipped studies.
 pub fn study_names() -> String {
-    names(&STUDIES)
-}
-
-fn names(list: &[(&str, &str)]) -> String {
-    let names: Vec<&str> = list.iter().map(|(name, _)| *name).collect();
-    names.join(", ")
-}
-
-fn find(list: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
-    list.iter()
-        .find(|(known, _)| *known == name)
-        .map(|(_, text)| *text)
+    STUDIES.map(|(name, _)| name).join(", ")
 }
 
 #[cfg(test)]

@@ -54,13 +54,6 @@ impl Arm {
             sensor.name()
         )
     }
-
-    /// Returns the name of the arm in messages.
-    fn name(&self) -> String {
-        let words = [self.method_name(), self.arena.name(), self.sensor.name()];
-        let name = format!("{} {} {}", self.world, words.join(" "), self.variant);
-        name.trim_end().to_owned()
-    }
 }
 
 /// Rejects settings in the study file or on the command line that none of their arms reads, and a
@@ -142,7 +135,7 @@ pub(in crate::study) fn refuse_duplicates(origin: &str, arms: &[Arm]) -> Result<
             twin.name(),
             arm.name()
         );
-        return Err(StudyError::file(origin, &fault));
+        return Err(StudyError::file(origin, fault));
     }
     Ok(())
 }

@@ -138,7 +138,7 @@ fn refuse_set(file: &StudyFile, overrides: &Overrides, key: &str) -> Result<(), 
         return Ok(());
     }
     let fault = format!("`{key}` is swept by this study: leave it out of --set");
-    Err(StudyError::file(&file.origin, &fault))
+    Err(StudyError::file(&file.origin, fault))
 }
 
 /// Rejects a swept setting that another key of the file, `besides`, also sets.
@@ -153,7 +153,7 @@ fn refuse_swept(
     }
     let fault =
         format!("`{switch}` is both in `sweep` and in `{besides}`: leave it out of one of them");
-    Err(StudyError::file(&file.origin, &fault))
+    Err(StudyError::file(&file.origin, fault))
 }
 
 /// Returns a variant with one more setting.

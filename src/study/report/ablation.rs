@@ -3,10 +3,11 @@
 use serde::Serialize;
 
 use super::comparisons::{p_value, points, points_range};
+use super::distinct;
 use crate::page::Table;
-use crate::study::analysis::summary::{ArmRecords, by_success, rounded};
+use crate::study::analysis::summary::{ArmRecords, by_success};
 use crate::study::protocol::Arm;
-use crate::study::statistics::{Interval, Pairs, Proportion, holm};
+use crate::study::statistics::{Interval, Pairs, Proportion, holm, rounded};
 
 /// The effect of one switch in one world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,14 +53,7 @@ pub type Place = (String, String);
 
 /// Returns the places of the arms, in the order of the study.
 pub fn places(arms: &[ArmRecords<'_>]) -> Vec<Place> {
-    let mut places: Vec<Place> = Vec::new();
-    for one in arms {
-        let place = place(one.arm);
-        if !places.contains(&place) {
-            places.push(place);
-        }
-    }
-    places
+    distinct(arms.iter().map(|one| place(one.arm)))
 }
 
 /// Returns the place of an arm.
@@ -149,45 +143,27 @@ fn pooled(arms: &[&ArmRecords<'_>], switch: &str, on: bool) -> Proportion {
 }
 
 fn difference(arms: &[&ArmRecords<'_>], switch: &str) -> Interval {
-    let difference = pooled(arms, switch, true).difference(pooled(arms, switch, false));
-    Interval {
-        value: rounded(difference.value),
-        low: rounded(difference.low),
-        high: rounded(difference.high),
-    }
+    let [with, without] = [true, false].map(|on| pooled(arms, switch, on));
+    with.difference(without).rounded()
 }
 
 /// Formats the effects as a table, in percentage points.
 pub fn table(effects: &[SwitchEffect]) -> Table {
-    let mut table = Table::new([
-        "world",
-        "setting",
-        "switch",
-        "main effect",
-        "95 % interval",
-        "Holm p",
-        "added last",
-        "95 % interval ",
-        "alone",
-        "95 % interval  ",
-    ]);
-    table.rows = effects
-        .iter()
-        .map(|one| {
-            vec![
-                one.world.clone(),
-                one.setting.clone(),
-                short(&one.switch),
-                points(one.main_effect.value),
-                points_range(one.main_effect),
-                p_value(one.holm_p),
-                points(one.last_added.value),
-                points_range(one.last_added),
-                points(one.alone.value),
-                points_range(one.alone),
-            ]
-        })
-        .collect();
+    let table = Table::of(
+        effects,
+        &[
+            ("world", &|one| one.world.clone()),
+            ("setting", &|one| one.setting.clone()),
+            ("switch", &|one| short(&one.switch)),
+            ("main effect", &|one| points(one.main_effect.value)),
+            ("95 % interval", &|one| points_range(one.main_effect)),
+            ("Holm p", &|one| p_value(one.holm_p)),
+            ("added last", &|one| points(one.last_added.value)),
+            ("95 % interval ", &|one| points_range(one.last_added)),
+            ("alone", &|one| points(one.alone.value)),
+            ("95 % interval  ", &|one| points_range(one.alone)),
+        ],
+    );
     table.without_dull(|name| name == "setting")
 }
 

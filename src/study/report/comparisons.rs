@@ -3,12 +3,13 @@
 use serde::Serialize;
 
 use super::ablation;
+use super::results::shown;
 use crate::agent::Method;
 use crate::page::Table;
-use crate::study::analysis::summary::{ArmRecords, by_steps, by_success, rounded};
+use crate::study::analysis::summary::{ArmRecords, by_steps, by_success};
 use crate::study::protocol::{Arm, NOTHING};
 use crate::study::statistics::{
-    Interval, detectable_difference, detectable_share, holm, log_rank, trials_needed,
+    Interval, detectable_difference, detectable_share, holm, log_rank, rounded, trials_needed,
 };
 
 /// The accepted probability of a type I error.
@@ -101,18 +102,13 @@ impl Comparison {
         let (a, b) = (pair.one, pair.other);
         let (ours, theirs) = (a.successes(), b.successes());
         let (successes, steps) = (a.pairs(b, by_success), a.pairs(b, by_steps));
-        let difference = successes.difference();
         let [method, against, setting] = pair.names.clone();
         Self {
             world: a.arm.world.clone(),
             setting,
             method,
             against,
-            difference: Interval {
-                value: rounded(difference.value),
-                low: rounded(difference.low),
-                high: rounded(difference.high),
-            },
+            difference: successes.difference().rounded(),
             mcnemar_p: successes.p(),
             holm_p: 1.0,
             log_rank_p: rounded(log_rank(&a.lifetimes(), &b.lifetimes())),
@@ -134,10 +130,26 @@ struct Pair<'a> {
     family: String,
 }
 
+impl<'a> Pair<'a> {
+    /// Creates a pair in the family of all pairs with these names.
+    fn new(one: &'a ArmRecords<'a>, other: &'a ArmRecords<'a>, names: [String; 3]) -> Self {
+        Self {
+            one,
+            other,
+            family: names.join(" "),
+            names,
+        }
+    }
+}
+
 /// Returns all pairs of arms to compare.
 fn pairs<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     let mut pairs = pairs_of_methods(arms);
-    pairs.extend(pairs_without(arms));
+    pairs.extend(
+        AGAINST_NOTHING
+            .iter()
+            .flat_map(|key| pairs_without(arms, key)),
+    );
     pairs.extend(pairs_of_values(arms));
     pairs
 }
@@ -146,49 +158,34 @@ fn pairs<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
 fn pairs_of_methods<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
     let best = best_method(arms);
     let pair = |other: &'a ArmRecords<'a>| {
-        let is_best = |one: &&ArmRecords<'_>| {
+        let setting = setting(other.arm, "");
+        let one = arms.iter().find(|one| {
             Some(one.arm.method_name()) == best
                 && one.arm.world == other.arm.world
-                && setting(one.arm, "") == setting(other.arm, "")
-        };
-        let one = arms.iter().find(is_best)?;
+                && self::setting(one.arm, "") == setting
+        })?;
         let [ours, theirs] = [one, other].map(|records| records.arm.method_name().to_owned());
-        let names = [ours, theirs, setting(one.arm, "")];
-        let family = names.join(" ");
-        (names[0] != names[1]).then_some(Pair {
-            one,
-            other,
-            names,
-            family,
-        })
+        (ours != theirs).then(|| Pair::new(one, other, [ours, theirs, setting]))
     };
     arms.iter().filter_map(pair).collect()
 }
 
 /// Pairs each value of `after` or `without` with nothing. A family spans all worlds.
-fn pairs_without<'a>(arms: &'a [ArmRecords<'a>]) -> Vec<Pair<'a>> {
-    let pair = |key: &str, one: &'a ArmRecords<'a>| {
+fn pairs_without<'a>(arms: &'a [ArmRecords<'a>], key: &str) -> Vec<Pair<'a>> {
+    let pair = |one: &'a ArmRecords<'a>| {
         let value = value(one.arm, key).filter(|value| *value != NOTHING)?;
-        let is_control = |other: &&ArmRecords<'_>| {
-            value_is_nothing(other.arm, key)
+        let (method, setting) = (one.arm.method_name(), setting(one.arm, key));
+        let other = arms.iter().find(|other| {
+            self::value(other.arm, key) == Some(NOTHING)
                 && other.arm.world == one.arm.world
-                && other.arm.method_name() == one.arm.method_name()
-                && setting(other.arm, key) == setting(one.arm, key)
-        };
-        let other = arms.iter().find(is_control)?;
-        let ours = format!("{} {key} {value}", one.arm.method_name());
-        let names = [ours, format!("{key} {NOTHING}"), setting(one.arm, key)];
-        let family = names.join(" ");
-        Some(Pair {
-            one,
-            other,
-            names,
-            family,
-        })
+                && other.arm.method_name() == method
+                && self::setting(other.arm, key) == setting
+        })?;
+        let ours = format!("{method} {key} {value}");
+        let names = [ours, format!("{key} {NOTHING}"), setting];
+        Some(Pair::new(one, other, names))
     };
-    let keys = AGAINST_NOTHING.iter();
-    keys.flat_map(|key| arms.iter().filter_map(|one| pair(key, one)))
-        .collect()
+    arms.iter().filter_map(pair).collect()
 }
 
 /// Pairs each combination of swept values with the first one of its place and method, which
@@ -240,10 +237,6 @@ fn value<'a>(arm: &'a Arm, key: &str) -> Option<&'a str> {
     arm.variant.0.get(key)?.as_str()
 }
 
-fn value_is_nothing(arm: &Arm, key: &str) -> bool {
-    value(arm, key) == Some(NOTHING)
-}
-
 /// Returns arena, sensor and the varied settings except `key`.
 fn setting(arm: &Arm, key: &str) -> String {
     let mut variant = arm.variant.clone();
@@ -255,52 +248,42 @@ fn setting(arm: &Arm, key: &str) -> String {
 
 /// Formats the comparisons as a table, with letters for the names of swept settings.
 pub fn table(comparisons: &[Comparison], letters: &[(String, String)]) -> Table {
-    let mut table = Table::new([
-        "world",
-        "setting",
-        "comparison",
-        "points",
-        "95 % interval",
-        "McNemar p",
-        "Holm p",
-        "log-rank p",
-        "sooner, later",
-        "steps: Holm p",
-        "decided",
-        "trials needed",
-    ]);
-    table.rows = comparisons.iter().map(|one| row(one, letters)).collect();
-    table.without_dull(|name| name == "setting")
-}
-
-fn row(one: &Comparison, letters: &[(String, String)]) -> Vec<String> {
     let short = |name: &str| {
         let names = letters.iter().filter(|_| letters.len() > 1);
         names.fold(name.to_owned(), |name, (letter, key)| {
             name.replace(&format!("{key}="), &format!("{letter}="))
         })
     };
-    let decided = match (one.decides_share(), one.decides_steps()) {
-        (true, true) => "share, steps",
-        (true, false) => "share",
-        (false, true) => "steps",
-        (false, false) => "no",
-    };
-    let trials = one.trials_needed.map(|trials| trials.to_string());
-    vec![
-        one.world.clone(),
-        one.setting.clone(),
-        format!("{} − {}", short(&one.method), short(&one.against)),
-        points(one.difference.value),
-        points_range(one.difference),
-        p_value(one.mcnemar_p),
-        p_value(one.holm_p),
-        p_value(one.log_rank_p),
-        format!("{}, {}", one.sooner, one.later),
-        p_value(one.steps_holm_p),
-        decided.to_owned(),
-        trials.unwrap_or("–".to_owned()),
-    ]
+    let table = Table::of(
+        comparisons,
+        &[
+            ("world", &|one| one.world.clone()),
+            ("setting", &|one| one.setting.clone()),
+            ("comparison", &|one| {
+                format!("{} − {}", short(&one.method), short(&one.against))
+            }),
+            ("points", &|one| points(one.difference.value)),
+            ("95 % interval", &|one| points_range(one.difference)),
+            ("McNemar p", &|one| p_value(one.mcnemar_p)),
+            ("Holm p", &|one| p_value(one.holm_p)),
+            ("log-rank p", &|one| p_value(one.log_rank_p)),
+            ("sooner, later", &|one| {
+                format!("{}, {}", one.sooner, one.later)
+            }),
+            ("steps: Holm p", &|one| p_value(one.steps_holm_p)),
+            ("decided", &|one| {
+                match (one.decides_share(), one.decides_steps()) {
+                    (true, true) => "share, steps",
+                    (true, false) => "share",
+                    (false, true) => "steps",
+                    (false, false) => "no",
+                }
+                .to_owned()
+            }),
+            ("trials needed", &|one| shown(one.trials_needed)),
+        ],
+    );
+    table.without_dull(|name| name == "setting")
 }
 
 /// The description of the columns.

@@ -22,7 +22,7 @@ use super::analysis::summary::{ArmRecords, ArmSummary};
 use super::error::StudyError;
 use super::protocol::Protocol;
 use super::report::figures::draw_figures;
-use super::store::folder::StudyFolder;
+use super::store::StudyFolder;
 
 /// The report of a study. As JSON, it contains all figures: the results per arm, the comparison
 /// with the paper, the comparisons of methods, and the contribution of each switch.
@@ -158,7 +158,11 @@ impl Report {
             blocks.push(Block::Heading("Figures".to_owned()));
             blocks.extend(self.pictures.iter().cloned().map(Block::Picture));
         }
-        self.add_tests(&mut blocks);
+        let tests = self.tests();
+        if !tests.is_empty() {
+            blocks.push(Block::Heading("Tests".to_owned()));
+            blocks.extend(tests);
+        }
         blocks.push(Block::Heading("Limitations".to_owned()));
         blocks.extend(self.limits().into_iter().map(Block::Text));
         blocks
@@ -189,60 +193,45 @@ impl Report {
         )
     }
 
-    fn add_tests(&self, blocks: &mut Vec<Block>) {
+    /// Returns the tables of tests, and what they decide.
+    fn tests(&self) -> Vec<Block> {
         let mut tests = Vec::new();
-        self.add_paper(&mut tests);
-        self.add_nearest(&mut tests);
-        self.add_comparisons(&mut tests);
-        self.add_switches(&mut tests);
-        if !tests.is_empty() {
-            blocks.push(Block::Heading("Tests".to_owned()));
-            blocks.extend(tests);
+        let mut add = |heading: &str, tables: &[Table], texts: &[String]| {
+            tests.push(Block::Subheading(heading.to_owned()));
+            tests.extend(tables.iter().cloned().map(Block::Table));
+            tests.extend(texts.iter().cloned().map(Block::Text));
+        };
+        let Self {
+            against_paper,
+            nearest,
+            comparisons,
+            switches,
+            ..
+        } = self;
+        if !against_paper.is_empty() {
+            let verdict = paper::verdict(against_paper);
+            let table = paper::table(against_paper);
+            add("Comparison with the paper", &[table], &[verdict]);
         }
-    }
-
-    fn add_paper(&self, blocks: &mut Vec<Block>) {
-        if !self.against_paper.is_empty() {
-            blocks.extend([
-                Block::Subheading("Comparison with the paper".to_owned()),
-                Block::Table(paper::table(&self.against_paper)),
-                Block::Text(paper::verdict(&self.against_paper)),
-            ]);
-        }
-    }
-
-    fn add_nearest(&self, blocks: &mut Vec<Block>) {
         // A study of one method, such as an ablation, has another purpose.
-        let is_search = |one: &Nearness| one.numbers.len() > 1 && self.nearest.len() > 1;
-        if self.nearest.first().is_some_and(is_search) {
-            blocks.extend([
-                Block::Subheading("Settings nearest to the paper".to_owned()),
-                Block::Table(nearest::table(&self.nearest)),
-                Block::Table(nearest::effects(&self.nearest)),
-                Block::Text(nearest::legend(&self.nearest)),
-            ]);
+        if nearest.len() > 1 && nearest[0].numbers.len() > 1 {
+            let tables = [nearest::table(nearest), nearest::effects(nearest)];
+            let legend = nearest::legend(nearest);
+            add("Settings nearest to the paper", &tables, &[legend]);
         }
-    }
-
-    fn add_comparisons(&self, blocks: &mut Vec<Block>) {
-        if !self.comparisons.is_empty() {
-            blocks.extend([
-                Block::Subheading("Pairwise comparisons".to_owned()),
-                Block::Table(comparisons::table(&self.comparisons, &self.letters)),
-                Block::Text(comparisons::LEGEND.to_owned()),
-                Block::Text(comparisons::decided(&self.comparisons)),
-            ]);
+        if !comparisons.is_empty() {
+            let table = comparisons::table(comparisons, &self.letters);
+            let texts = [
+                comparisons::LEGEND.to_owned(),
+                comparisons::decided(comparisons),
+            ];
+            add("Pairwise comparisons", &[table], &texts);
         }
-    }
-
-    fn add_switches(&self, blocks: &mut Vec<Block>) {
-        if !self.switches.is_empty() {
-            blocks.extend([
-                Block::Subheading("Contribution of each switch".to_owned()),
-                Block::Table(ablation::table(&self.switches)),
-                Block::Text(ablation::verdict(&self.switches)),
-            ]);
+        if !switches.is_empty() {
+            let (table, verdict) = (ablation::table(switches), ablation::verdict(switches));
+            add("Contribution of each switch", &[table], &[verdict]);
         }
+        tests
     }
 
     /// Describes what the data leave open.
@@ -257,4 +246,15 @@ impl Report {
         }
         limits
     }
+}
+
+/// Returns each item once, in the order of first occurrence.
+fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
+    let mut list = Vec::new();
+    for item in items {
+        if !list.contains(&item) {
+            list.push(item);
+        }
+    }
+    list
 }

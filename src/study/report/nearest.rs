@@ -6,8 +6,9 @@ use serde::Serialize;
 
 use super::paper::AgainstPaper;
 use crate::page::Table;
-use crate::study::analysis::summary::{ArmRecords, rounded};
+use crate::study::analysis::summary::ArmRecords;
 use crate::study::protocol::{Protocol, Variant};
+use crate::study::statistics::rounded;
 
 /// Number of combinations in the table.
 const BEST: usize = 10;

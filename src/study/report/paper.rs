@@ -1,28 +1,55 @@
 //! Comparison of a study with the numbers of the paper.
 
-use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
 
 use super::comparisons::p_value;
-use crate::agent::Method;
+use super::results::shown;
 use crate::page::Table;
 use crate::sensor::Sensor;
-use crate::study::analysis::summary::{ArmRecords, rounded};
+use crate::study::analysis::summary::ArmRecords;
 use crate::study::protocol::{Arm, Protocol, Variant};
-use crate::study::statistics::{Proportion, fisher_exact, holm, quantile, trials_needed};
+use crate::study::statistics::{Proportion, fisher_exact, holm, quantile, rounded, trials_needed};
 
-/// The last episode of an early success in the paper, by world. `xcscr` mainly succeeds before it.
-const EARLY: [(&str, u32); 3] = [("maze4", 40), ("maze5", 70), ("maze6", 70)];
+/// The numbers of the paper.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Paper {
+    episodes: u32,
+    trials: u64,
+    /// The last episode of an early success, by world.
+    early: BTreeMap<String, u32>,
+    /// The number of successful trials, by method and world.
+    successes: BTreeMap<String, BTreeMap<String, u64>>,
+    pub readings: Vec<Reading>,
+}
 
-/// Episodes per trial in the paper.
-const EPISODES: u32 = 180;
+/// A passage of the paper that can be read in several ways.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reading {
+    /// The setting that selects the reading.
+    pub setting: String,
+    pub passage: String,
+}
 
-/// The paper's successes of 100 trials, in the same worlds. The paper has one adapted method.
-const SUCCESSES: [(Method, [u64; 3]); 4] = [
-    (Method::Xcs, [7, 2, 0]),
-    (Method::AdaptedEven, [77, 29, 25]),
-    (Method::AdaptedDiscounted, [77, 29, 25]),
-    (Method::Xcscr, [79, 54, 65]),
-];
+impl Paper {
+    /// Returns the successes of a method in a world, and the last episode of an early success.
+    fn numbers(&self, method: &str, world: &str) -> Option<(Proportion, u32)> {
+        let successes = Proportion {
+            successes: *self.successes.get(method)?.get(world)?,
+            trials: self.trials,
+        };
+        Some((successes, *self.early.get(world)?))
+    }
+}
+
+/// The paper that introduced XCSCR.
+pub static PAPER: LazyLock<Paper> = LazyLock::new(|| {
+    toml::from_str(include_str!("paper.toml")).expect("the embedded numbers are valid")
+});
 
 /// An arm whose experiment the paper also reports.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -74,7 +101,7 @@ impl AgainstPaper {
             *sensor == Sensor::Neighbours && protocol.has_shipped(world)
         };
         match protocol.episodes {
-            EPISODES => arms
+            episodes if episodes == PAPER.episodes => arms
                 .iter()
                 .filter(is_theirs)
                 .filter_map(|one| Some((one.arm.variant.clone(), Self::new(one)?)))
@@ -85,15 +112,8 @@ impl AgainstPaper {
 
     fn new(records: &ArmRecords<'_>) -> Option<Self> {
         let arm = records.arm;
-        let paper = successes(arm.built_in()?, &arm.world)?;
-        let (_, early_episode) = *EARLY.iter().find(|(world, _)| *world == arm.world)?;
-        let (ours, theirs) = (
-            records.successes(),
-            Proportion {
-                successes: paper,
-                trials: 100,
-            },
-        );
+        let (theirs, early_episode) = PAPER.numbers(arm.built_in()?.name(), &arm.world)?;
+        let ours = records.successes();
         let firsts = records.first_episodes();
         let early = firsts
             .iter()
@@ -104,7 +124,7 @@ impl AgainstPaper {
             world: arm.world.clone(),
             method: arm.method.name(),
             arena: arm.arena.name(),
-            paper,
+            paper: theirs.successes,
             successes: ours.successes,
             trials: ours.trials,
             fisher_p: rounded(fisher_exact(ours, theirs)),
@@ -117,13 +137,6 @@ impl AgainstPaper {
     }
 }
 
-/// Returns the paper's number of successes of 100 trials.
-fn successes(method: Method, world: &str) -> Option<u64> {
-    let world = EARLY.iter().position(|(known, _)| *known == world)?;
-    let row = SUCCESSES.iter().find(|(known, _)| *known == method);
-    row.map(|(_, successes)| successes[world])
-}
-
 /// Returns the difference of two shares in units of its standard error. One success and one failure
 /// are added to the pooled counts, so that the result is finite.
 fn standard_score(a: Proportion, b: Proportion) -> f64 {
@@ -134,41 +147,28 @@ fn standard_score(a: Proportion, b: Proportion) -> f64 {
 
 /// Formats the comparison as a table.
 pub fn table(rows: &[AgainstPaper]) -> Table {
-    let mut table = Table::new([
-        "world",
-        "method",
-        "arena",
-        "paper",
-        "here",
-        "of",
-        "points",
-        "Fisher p",
-        "Holm p",
-        "median of successes",
-        "early",
-    ]);
-    table.rows = rows
-        .iter()
-        .map(|row| {
-            let share = 100.0 * row.successes as f64 / row.trials.max(1) as f64;
-            let median = row.median_of_successes;
-            vec![
-                row.world.clone(),
-                row.method.to_owned(),
-                row.arena.to_owned(),
-                row.paper.to_string(),
-                row.successes.to_string(),
-                row.trials.to_string(),
-                format!("{:+.0}", share - row.paper as f64),
-                p_value(row.fisher_p),
-                p_value(row.holm_p),
-                median.map_or("–".to_owned(), |episode| episode.to_string()),
-                row.early.map_or("–".to_owned(), |early| {
-                    format!("{:.0} % by {}", 100.0 * early, row.early_episode)
-                }),
-            ]
-        })
-        .collect();
+    let share = |row: &AgainstPaper| 100.0 * row.successes as f64 / row.trials.max(1) as f64;
+    let table = Table::of(
+        rows,
+        &[
+            ("world", &|row| row.world.clone()),
+            ("method", &|row| row.method.to_owned()),
+            ("arena", &|row| row.arena.to_owned()),
+            ("paper", &|row| row.paper.to_string()),
+            ("here", &|row| row.successes.to_string()),
+            ("of", &|row| row.trials.to_string()),
+            ("points", &|row| {
+                format!("{:+.0}", share(row) - row.paper as f64)
+            }),
+            ("Fisher p", &|row| p_value(row.fisher_p)),
+            ("Holm p", &|row| p_value(row.holm_p)),
+            ("median of successes", &|row| shown(row.median_of_successes)),
+            ("early", &|row| {
+                let words = |early| format!("{:.0} % by {}", 100.0 * early, row.early_episode);
+                shown(row.early.map(words))
+            }),
+        ],
+    );
     table.without_dull(|name| name == "arena")
 }
 
@@ -200,18 +200,26 @@ pub fn verdict(rows: &[AgainstPaper]) -> String {
 /// Describes what a comparison with the paper leaves open.
 pub fn limits(rows: &[AgainstPaper]) -> String {
     let near = rows.iter().filter(|row| row.holm_p >= 0.05).count();
-    let of_100 = |successes| Proportion {
-        successes,
-        trials: 100,
+    let of = |method| {
+        PAPER
+            .numbers(method, "maze4")
+            .map(|(successes, _)| successes)
     };
-    let p = p_value(fisher_exact(of_100(79), of_100(77)));
-    let needed = trials_needed(0.79, 0.77).unwrap_or(0);
+    let own = of("xcscr").zip(of("adapted-even"));
+    let own = own.map_or(String::new(), |(a, b)| {
+        let p = p_value(fisher_exact(a, b));
+        let needed = trials_needed(a.share(), b.share()).unwrap_or(0);
+        format!(
+            " Its own {} against {} of {} in Maze4 cannot be decided either: p = {p}; it would take \
+             {needed} trials of each method.",
+            a.successes, b.successes, a.trials
+        )
+    });
     format!(
         "{near} of {} numbers do not differ significantly from the paper's. This does not make them the \
          same: 100 trials against 100 miss differences of up to about 20 points one time in five. The \
          paper prints neither its seeds nor all of its settings; other settings may give the same \
-         numbers. Its own 79 against 77 of 100 in Maze4 cannot be decided either: p = {p}; it would \
-         take {needed} trials of each method.",
+         numbers.{own}",
         rows.len()
     )
 }

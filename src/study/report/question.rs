@@ -2,12 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use super::distinct;
 use crate::study::protocol::Arm;
 
 /// Returns the question that the arms of a study answer.
 pub fn question(arms: &[Arm]) -> String {
-    let methods = listed(arms.iter().map(|arm| arm.method_name().to_owned()));
-    let worlds = listed(arms.iter().map(|arm| arm.world.clone()));
+    let methods = distinct(arms.iter().map(|arm| arm.method_name().to_owned()));
+    let worlds = distinct(arms.iter().map(|arm| arm.world.clone()));
     let (which, find, keep) = match methods.len() {
         1 => ("Does", "find", "does it keep"),
         _ => ("Which of", "finds", "which of them keeps"),
@@ -26,17 +27,6 @@ pub fn question(arms: &[Arm]) -> String {
         enumerated(&methods),
         enumerated(&worlds)
     )
-}
-
-/// Returns each name once, in the order of first occurrence.
-fn listed(names: impl Iterator<Item = String>) -> Vec<String> {
-    let mut list = Vec::new();
-    for name in names {
-        if !list.contains(&name) {
-            list.push(name);
-        }
-    }
-    list
 }
 
 fn enumerated(names: &[String]) -> String {

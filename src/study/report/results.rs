@@ -8,60 +8,18 @@ use crate::page::Table;
 use crate::study::analysis::summary::ArmSummary;
 use crate::study::protocol::{Arm, Variant};
 
-/// Descriptions of columns, by the name of one of them.
-const LEGEND: [(&str, &str); 13] = [
-    (
-        "solved",
-        "solved: trials whose greedy policy became globally optimal, with Wilson's interval.",
-    ),
-    (
-        "median",
-        "median, p95: the episode by which half, or 95 %, of all trials were optimal (Kaplan-Meier; – when they never were).",
-    ),
-    (
-        "retained",
-        "retained: trials whose policy is optimal after the last episode.",
-    ),
-    (
-        "stays optimal",
-        "stays optimal: the mean share of episodes with an optimal policy, after the first one.",
-    ),
-    (
-        "steps (IQM)",
-        "steps: environment steps until a trial is solved, interquartile mean with bootstrap interval; unsolved trials count with all their steps.",
-    ),
-    (
-        "driven",
-        "driven: after training, the greedy policy drives the trial's robot; the share of these drives that reach a goal, and the 95 % interval of the share of trials whose drives all do.",
-    ),
-    (
-        "shortest",
-        "shortest: drives along a shortest path (where moves slip: drives with best actions only).",
-    ),
-    ("driven steps", "driven steps: their mean steps."),
-    (
-        "obs. errors",
-        "obs. errors: the share of steps whose percept differs from that of perfect sensors.",
-    ),
-    (
-        "mislocalised",
-        "mislocalised: the share of steps after which the robot is in another cell than its estimate.",
-    ),
-    ("collisions", "collisions: mean of a trial."),
-    ("rules", "rules: mean of a trial."),
-    (
-        "compacted",
-        "compacted: rules of retained trials after compaction, median and maximum.",
-    ),
-];
+/// A description in each line, after the name of one or more columns.
+const LEGEND: &str = include_str!("legend.txt");
 
 /// Describes the columns of a table of results.
 pub fn legend(table: &Table) -> String {
-    let shown = LEGEND
-        .iter()
-        .filter(|(column, _)| table.header.iter().any(|name| name == column));
-    let words: Vec<&str> = shown.map(|(_, words)| *words).collect();
-    words.join(" ")
+    let is_shown = |line: &&str| {
+        let name = line.split([':', ',']).next().unwrap_or_default();
+        let mut columns = table.header.iter();
+        columns.any(|column| column == name || column.strip_suffix(" (IQM)") == Some(name))
+    };
+    let shown = LEGEND.lines().filter(is_shown);
+    shown.collect::<Vec<_>>().join(" ")
 }
 
 /// Assigns letters to the settings of a sweep, in the order of their names.
@@ -112,37 +70,56 @@ fn variant(variant: &Variant, letters: &[(String, String)]) -> String {
 
 /// Formats all arms and their summaries as a table. Constant columns are left out.
 pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
-    let mut table = Table::new([
-        "world",
-        "method",
-        "arena",
-        "sensor",
-        "variant",
-        "solved",
-        "of",
-        "95 % interval",
-        "retained",
-        "stays optimal",
-        "median",
-        "p95",
-        "steps (IQM)",
-        "95 % interval ",
-        "driven",
-        "95 % interval  ",
-        "shortest",
-        "driven steps",
-        "obs. errors",
-        "mislocalised",
-        "collisions",
-        "rules",
-        "compacted",
-        "failed",
-    ]);
     let letters = letters(arms);
     let rows = arms.iter().zip(summaries);
-    table.rows = rows
-        .map(|(arm, one)| row(one, variant(&arm.variant, &letters)))
-        .collect();
+    let table = Table::of(
+        rows,
+        &[
+            ("world", &|(_, one)| one.world.clone()),
+            ("method", &|(_, one)| one.method.clone()),
+            ("arena", &|(_, one)| one.arena.to_owned()),
+            ("sensor", &|(_, one)| one.sensor.to_owned()),
+            ("variant", &|(arm, _)| variant(&arm.variant, &letters)),
+            ("solved", &|(_, one)| one.successes.to_string()),
+            ("of", &|(_, one)| one.trials.to_string()),
+            ("95 % interval", &|(_, one)| {
+                let limits = Some((one.wilson_low, one.wilson_high));
+                percents(limits.filter(|_| one.trials > 0))
+            }),
+            ("retained", &|(_, one)| one.retained.to_string()),
+            ("stays optimal", &|(_, one)| {
+                percent(one.mean_optimal_share_after_first)
+            }),
+            ("median", &|(_, one)| shown(one.median_episode)),
+            ("p95", &|(_, one)| shown(one.p95_episode)),
+            ("steps (IQM)", &|(_, one)| whole(one.iqm_env_steps)),
+            ("95 % interval ", &|(_, one)| {
+                let limits = one.iqm_env_steps_low.zip(one.iqm_env_steps_high);
+                shown(limits.map(|(low, high)| format!("{low:.0}–{high:.0}")))
+            }),
+            ("driven", &|(_, one)| percent(one.driven_goals)),
+            ("95 % interval  ", &|(_, one)| {
+                percents(one.driven_always_low.zip(one.driven_always_high))
+            }),
+            ("shortest", &|(_, one)| percent(one.driven_optimal)),
+            ("driven steps", &|(_, one)| {
+                shown(one.driven_steps.map(|steps| format!("{steps:.1}")))
+            }),
+            ("obs. errors", &|(_, one)| {
+                per_mille(one.observation_error_share)
+            }),
+            ("mislocalised", &|(_, one)| {
+                per_mille(one.mislocalised_share)
+            }),
+            ("collisions", &|(_, one)| whole(one.mean_collisions)),
+            ("rules", &|(_, one)| whole(one.mean_rules)),
+            ("compacted", &|(_, one)| {
+                let counts = one.median_compacted_rules.zip(one.most_compacted_rules);
+                shown(counts.map(|(median, most)| format!("{median:.0}, {most}")))
+            }),
+            ("failed", &|(_, one)| one.failed.to_string()),
+        ],
+    );
     let none_erred = summaries
         .iter()
         .all(|one| one.observation_error_share.is_none() && one.mislocalised_share.is_none());
@@ -154,69 +131,29 @@ pub fn table(arms: &[Arm], summaries: &[ArmSummary]) -> Table {
     })
 }
 
-fn row(arm: &ArmSummary, variant: String) -> Vec<String> {
-    vec![
-        arm.world.clone(),
-        arm.method.clone(),
-        arm.arena.to_owned(),
-        arm.sensor.to_owned(),
-        variant,
-        arm.successes.to_string(),
-        arm.trials.to_string(),
-        match arm.trials {
-            0 => "–".to_owned(),
-            _ => percent_range(arm.wilson_low, arm.wilson_high),
-        },
-        arm.retained.to_string(),
-        percent(arm.mean_optimal_share_after_first),
-        arm.median_episode
-            .map_or("–".to_owned(), |episode| episode.to_string()),
-        arm.p95_episode
-            .map_or("–".to_owned(), |episode| episode.to_string()),
-        whole(arm.iqm_env_steps),
-        arm.iqm_env_steps_low
-            .zip(arm.iqm_env_steps_high)
-            .map_or("–".to_owned(), |(low, high)| {
-                format!("{low:.0}–{high:.0}")
-            }),
-        percent(arm.driven_goals),
-        arm.driven_always_low
-            .zip(arm.driven_always_high)
-            .map_or("–".to_owned(), |(low, high)| percent_range(low, high)),
-        percent(arm.driven_optimal),
-        arm.driven_steps
-            .map_or("–".to_owned(), |steps| format!("{steps:.1}")),
-        per_mille(arm.observation_error_share),
-        per_mille(arm.mislocalised_share),
-        whole(arm.mean_collisions),
-        whole(arm.mean_rules),
-        arm.median_compacted_rules
-            .zip(arm.most_compacted_rules)
-            .map_or("–".to_owned(), |(median, most)| {
-                format!("{median:.0}, {most}")
-            }),
-        arm.failed.to_string(),
-    ]
+/// Formats a value, or a dash if there is none.
+pub fn shown(value: Option<impl ToString>) -> String {
+    value.map_or("–".to_owned(), |value| value.to_string())
 }
 
 /// Formats a mean without decimals.
 fn whole(mean: Option<f64>) -> String {
-    mean.map_or("–".to_owned(), |mean| format!("{mean:.0}"))
+    shown(mean.map(|mean| format!("{mean:.0}")))
 }
 
 /// Formats a share in thousandths.
 fn per_mille(share: Option<f64>) -> String {
-    share.map_or("–".to_owned(), |share| format!("{:.2} ‰", 1000.0 * share))
+    shown(share.map(|share| format!("{:.2} ‰", 1000.0 * share)))
 }
 
 /// Formats a share in percent.
-pub fn percent(share: Option<f64>) -> String {
-    share.map_or("–".to_owned(), |share| format!("{:.0} %", 100.0 * share))
+fn percent(share: Option<f64>) -> String {
+    shown(share.map(|share| format!("{:.0} %", 100.0 * share)))
 }
 
 /// Formats two shares as a range in percent.
-pub fn percent_range(low: f64, high: f64) -> String {
-    format!("{:.0}–{:.0} %", 100.0 * low, 100.0 * high)
+fn percents(limits: Option<(f64, f64)>) -> String {
+    shown(limits.map(|(low, high)| format!("{:.0}–{:.0} %", 100.0 * low, 100.0 * high)))
 }
 
 /// Describes what the numbers of the table cannot show.
@@ -244,14 +181,6 @@ pub fn limits(arms: &[ArmSummary], episodes: u32) -> String {
 /// Describes which method needs the fewest steps to the first optimum, and where. `None` for one
 /// method.
 pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
-    let place = |arm: &ArmSummary| {
-        (
-            arm.world.clone(),
-            arm.arena,
-            arm.sensor,
-            arm.variant.clone(),
-        )
-    };
     let places: BTreeSet<_> = arms.iter().map(place).collect();
     let arenas: BTreeSet<_> = arms.iter().map(|arm| arm.arena).collect();
     let sensors: BTreeSet<_> = arms.iter().map(|arm| arm.sensor).collect();
@@ -285,6 +214,11 @@ pub fn fewest_steps(arms: &[ArmSummary]) -> Option<String> {
             words.join("; ")
         )
     })
+}
+
+/// Returns what arms of different methods have in common.
+fn place(arm: &ArmSummary) -> [&str; 4] {
+    [&arm.world, arm.arena, arm.sensor, &arm.variant]
 }
 
 /// Returns the arm with the fewest steps in one place, and whether its lead is significant. `None`

@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use toml::{Table, Value};
 
+use super::distinct;
+use super::paper::{PAPER, Reading};
 use crate::agent::Method;
 use crate::page;
 use crate::study::protocol::{Arm, Protocol};
@@ -50,13 +52,8 @@ fn scope(arms: &[Arm], holds: &[bool]) -> String {
             let mut own = arms.iter().zip(holds).filter(|(arm, _)| name(arm) == *one);
             own.all(|(_, holds)| *holds)
         };
-        let mut names: Vec<&str> = Vec::new();
-        for arm in arms {
-            if !names.contains(&name(arm)) {
-                names.push(name(arm));
-            }
-        }
-        let names: Vec<&str> = names.into_iter().filter(held).collect();
+        let names = distinct(arms.iter().map(name)).into_iter();
+        let names: Vec<&str> = names.filter(held).collect();
         let covered = arms.iter().zip(holds);
         let whole = covered
             .filter(|(_, holds)| **holds)
@@ -76,44 +73,6 @@ fn scope(arms: &[Arm], holds: &[bool]) -> String {
     format!("for {}", Vec::from_iter(places).join(", "))
 }
 
-/// Passages of the paper that can be read in several ways, and the setting that selects the
-/// reading.
-const READINGS: [(&str, &str); 15] = [
-    (
-        "reward.xcs_payment",
-        "II-C: payment of standard XCS in a step",
-    ),
-    (
-        "reward.xcs_step_limit",
-        "II-C: handling of the step limit in standard XCS",
-    ),
-    ("reward.failure", "II-C, III-A: r_l of a failure"),
-    (
-        "reward.sharing",
-        "Eq. 8 or 9: distribution of the reward in XCSCR",
-    ),
-    ("reward.even_constant", "Eq. 8: c"),
-    (
-        "reward.stack_evolution",
-        "figure 1: time of the GA in sets that wait in [R]",
-    ),
-    (
-        "reward.beta_collision",
-        "III-A, III-C: the learning rate of collisions",
-    ),
-    ("reward.beta_step_threshold", "Eq. 10: beta"),
-    ("reward.theta_x", "Alg. 2: fires with 1 - theta_x"),
-    ("xcs.value_over_match_set", "Eq. 6: the denominator"),
-    ("xcs.action_set_subsumption", "IV-A: \"settings from Butz\""),
-    ("xcs.update_order", "Eq. 1 and 2: their order"),
-    (
-        "xcs.subsumer_ties",
-        "Butz and Wilson 2001: ties among subsumers",
-    ),
-    ("xcs.ga_clock", "Butz and Wilson 2001: the unit of t"),
-    ("reward.step_threshold", "III-D: the first step-threshold"),
-];
-
 /// Returns a table of the selected readings, or `None` if no method of the paper took part.
 pub fn readings(protocol: &Protocol) -> Option<page::Table> {
     let arms = protocol.arms.iter().enumerate();
@@ -121,22 +80,19 @@ pub fn readings(protocol: &Protocol) -> Option<page::Table> {
     let settled = arms.map(|(number, _)| protocol.plan(number * protocol.trials).settled());
     let all: Vec<_> = settled.map(|plan| values(&plan.config.settings)).collect();
     let defaults = values(&Settings::default());
-    let mut table = page::Table::new([
-        "ambiguous passage of the paper",
-        "setting",
-        "here",
-        "default",
-    ]);
-    table.rows = READINGS
-        .iter()
-        .map(|(key, source)| {
-            let here: BTreeSet<String> = all.iter().map(|one| shown(one, key)).collect();
-            let here = Vec::from_iter(here).join(", ");
-            [*source, key, &here, &shown(&defaults, key)]
-                .map(str::to_owned)
-                .to_vec()
-        })
-        .collect();
+    let here = |reading: &&Reading| {
+        let here = all.iter().map(|one| shown(one, &reading.setting));
+        Vec::from_iter(here.collect::<BTreeSet<_>>()).join(", ")
+    };
+    let table = page::Table::of(
+        &PAPER.readings,
+        &[
+            ("ambiguous passage of the paper", &|one| one.passage.clone()),
+            ("setting", &|one| one.setting.clone()),
+            ("here", &here),
+            ("default", &|one| shown(&defaults, &one.setting)),
+        ],
+    );
     (!all.is_empty()).then_some(table)
 }
 
@@ -207,8 +163,8 @@ mod tests {
     #[test]
     fn every_reading_of_the_paper_is_a_setting() {
         let defaults = values(&Settings::default());
-        for (key, _) in READINGS {
-            assert!(defaults.contains_key(key), "there is no setting `{key}`");
+        for Reading { setting, .. } in &PAPER.readings {
+            assert!(defaults.contains_key(setting), "no setting `{setting}`");
         }
     }
 

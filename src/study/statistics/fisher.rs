@@ -39,13 +39,7 @@ pub fn holm(ps: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn assert_close(actual: f64, expected: f64) {
-        assert!(
-            (actual - expected).abs() < 1e-9,
-            "{actual} is not {expected}"
-        );
-    }
+    use crate::study::statistics::assert_close;
 
     fn of_100(successes: u64) -> Proportion {
         Proportion {

@@ -29,3 +29,25 @@ pub struct Interval {
     /// The upper limit.
     pub high: f64,
 }
+
+impl Interval {
+    /// Rounds all numbers to six decimals.
+    pub fn rounded(self) -> Self {
+        Self {
+            value: rounded(self.value),
+            low: rounded(self.low),
+            high: rounded(self.high),
+        }
+    }
+}
+
+/// Rounds to six decimals. The last digits of logarithms differ between machines.
+pub fn rounded(number: f64) -> f64 {
+    (number * 1e6).round() / 1e6
+}
+
+#[cfg(test)]
+fn assert_close(actual: f64, expected: f64) {
+    let is_close = (actual - expected).abs() < 1e-9;
+    assert!(is_close, "{actual} is not {expected}");
+}

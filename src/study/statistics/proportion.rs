@@ -88,13 +88,7 @@ pub fn detectable_difference(trials: u64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn assert_close(actual: f64, expected: f64) {
-        assert!(
-            (actual - expected).abs() < 1e-9,
-            "{actual} is not {expected}"
-        );
-    }
+    use crate::study::statistics::assert_close;
 
     #[test]
     fn trials_needed_give_fishers_test_its_power() {

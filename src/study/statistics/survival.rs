@@ -159,6 +159,7 @@ pub fn log_rank(a: &[Lifetime], b: &[Lifetime]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::statistics::assert_close;
 
     /// The remission times of leukaemia patients in weeks (Freireich and others 1963), with 6-MP
     /// and with placebo. A plus marks a censored time.
@@ -171,13 +172,6 @@ mod tests {
             happened: !word.ends_with('+'),
         };
         text.split(' ').map(one).collect()
-    }
-
-    fn assert_close(actual: f64, expected: f64) {
-        assert!(
-            (actual - expected).abs() < 1e-9,
-            "{actual} is not {expected}"
-        );
     }
 
     #[test]

@@ -1,11 +1,10 @@
 //! A journal of finished trials on disk: one trial per line, each line with its checksum.
 //!
-//! Only complete lines count. A killed process can leave an incomplete last line, which is cut off
-//! when the journal is opened again. A bad line before the last is damage, and the journal is
-//! rejected. At the end of a study the journal is rewritten in the order of the trials, so equal
-//! studies have equal journals.
+//! A journal has one writer, which only appends. Only complete lines count, because a killed process
+//! can leave an incomplete last line. A bad line before the last is damage, and the journal is
+//! rejected.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -18,8 +17,8 @@ const MOST_LINE_BYTES: u64 = 1 << 20;
 
 /// The first words of a journal.
 const MAGIC: &str = "xcscr study journal";
-/// The version of the line format. Version 2 added `optimal_episodes`.
-const FORMAT: u32 = 2;
+/// The version of the line format.
+const FORMAT: u32 = 3;
 
 /// An open journal.
 #[derive(Debug)]
@@ -29,37 +28,25 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens or creates the journal of the study with this plan. The first `whole` bytes are valid.
-    pub fn open(path: &Path, plan: &str, whole: u64) -> Result<Self, StudyError> {
-        let opened = disk::require_plain(path)
-            .and_then(|()| OpenOptions::new().create(true).append(true).open(path));
-        let file = opened.map_err(|cause| StudyError::create(path, cause))?;
-        let mut journal = Self {
-            path: path.to_owned(),
-            file,
-        };
-        journal.repair(whole, plan)?;
-        Ok(journal)
-    }
-
-    /// Starts a journal in a new file that has no other writer.
-    pub fn begin(path: &Path, file: File, plan: &str) -> Result<Self, StudyError> {
-        let path = path.to_owned();
+    /// Starts a journal of a task in a new file in `folder`.
+    pub fn begin(folder: &Path, task: usize, plan: &str) -> Result<Self, StudyError> {
+        let mut builder = tempfile::Builder::new();
+        let prefix = format!("{task:05}-");
+        builder.prefix(&prefix).rand_bytes(10);
+        // Temporary files are readable only by their owner; make this one as readable as other
+        // files.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let made = builder.tempfile_in(folder);
+        let made = made.map_err(|cause| StudyError::io(folder, cause))?;
+        let kept = made.keep();
+        let (file, path) = kept.map_err(|fault| StudyError::io(folder, fault.error))?;
         let mut journal = Self { path, file };
-        journal.repair(0, plan)?;
-        Ok(journal)
-    }
-
-    /// Truncates the file to the valid bytes, and writes the header if it is missing.
-    fn repair(&mut self, whole: u64, plan: &str) -> Result<(), StudyError> {
-        let cut = self.file.set_len(whole);
-        let begun = cut.and_then(|()| match whole {
-            0 => self.file.write_all(header(plan).as_bytes()),
-            _ => Ok(()),
-        });
+        let begun = journal.file.write_all(header(plan).as_bytes());
         begun
-            .and_then(|()| self.file.sync_all())
-            .map_err(|cause| StudyError::io(&self.path, cause))
+            .and_then(|()| journal.file.sync_all())
+            .map_err(|cause| StudyError::io(&journal.path, cause))?;
+        Ok(journal)
     }
 
     /// Appends records.
@@ -76,19 +63,8 @@ impl Journal {
     }
 }
 
-/// Writes a journal of these records.
-pub fn write(
-    file: &mut dyn Write,
-    plan: &str,
-    mut records: impl Iterator<Item = TrialRecord>,
-) -> io::Result<()> {
-    file.write_all(header(plan).as_bytes())?;
-    records.try_for_each(|record| file.write_all(line(&record).as_bytes()))
-}
-
-/// Calls `each` with the records of a journal, in the order of its lines. A missing journal has no
-/// records. Returns the number of bytes up to the end of the last complete line. At most one
-/// incomplete line follows.
+/// Calls `each` with the records of a journal, in the order of its lines. An incomplete last line is
+/// ignored.
 ///
 /// # Errors
 /// [`StudyError::Damaged`] when the journal belongs to another plan, or a line before the last is
@@ -97,23 +73,19 @@ pub fn read(
     path: &Path,
     plan: &str,
     each: &mut dyn FnMut(TrialRecord) -> Result<(), StudyError>,
-) -> Result<u64, StudyError> {
-    let mut lines = match disk::open(path) {
-        Ok(file) => BufReader::new(file),
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(0),
-        Err(cause) => return Err(StudyError::io(path, cause)),
-    };
+) -> Result<(), StudyError> {
+    let file = disk::open(path).map_err(|cause| StudyError::io(path, cause))?;
+    let mut lines = BufReader::new(file);
     let mut next = || next_line(&mut lines).map_err(|cause| StudyError::io(path, cause));
     let header = header(plan);
     let first = next()?;
     if first != header.as_bytes() {
         // A half-written header is the beginning of a new journal.
         return match header.as_bytes().starts_with(&first) {
-            true => Ok(0),
+            true => Ok(()),
             false => Err(StudyError::damaged(path, foreign(&first))),
         };
     }
-    let mut whole = header.len() as u64;
     for number in 2.. {
         let line = next()?;
         match parse(&line) {
@@ -122,9 +94,8 @@ pub fn read(
             None if next()?.is_empty() => break,
             None => return Err(StudyError::damaged(path, damaged_line(number))),
         }
-        whole += line.len() as u64;
     }
-    Ok(whole)
+    Ok(())
 }
 
 /// Returns the next line with its line end, if it has one. Empty at the end of the file.
@@ -174,23 +145,17 @@ fn parse(line: &[u8]) -> Option<TrialRecord> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
+    use std::fs::{self, OpenOptions};
 
     use super::*;
 
-    fn contents(path: &Path, plan: &str) -> Result<(Vec<TrialRecord>, u64), StudyError> {
+    fn contents(path: &Path, plan: &str) -> Result<Vec<TrialRecord>, StudyError> {
         let mut records = Vec::new();
-        let whole = read(path, plan, &mut |record| {
+        read(path, plan, &mut |record| {
             records.push(record);
             Ok(())
         })?;
-        Ok((records, whole))
-    }
-
-    fn text(plan: &str, records: &[TrialRecord]) -> String {
-        let mut text = Vec::new();
-        write(&mut text, plan, records.iter().cloned()).unwrap();
-        String::from_utf8(text).unwrap()
+        Ok(records)
     }
 
     fn records(count: usize) -> Vec<TrialRecord> {
@@ -201,28 +166,35 @@ mod tests {
         (0..count).map(record).collect()
     }
 
-    #[test]
-    fn a_journal_cut_to_any_length_keeps_complete_lines_and_can_be_continued() {
+    /// A folder with the journal of a plan `p`.
+    fn written(records: &[TrialRecord]) -> (tempfile::TempDir, PathBuf, String) {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("journal");
+        let mut journal = Journal::begin(folder.path(), 1, "p").unwrap();
+        journal.write(records).unwrap();
+        journal.sync().unwrap();
+        let text = fs::read_to_string(&journal.path).unwrap();
+        (folder, journal.path, text)
+    }
+
+    #[test]
+    fn a_journal_cut_to_any_length_keeps_complete_lines() {
         let all = records(3);
-        let full = text("p", &all);
+        let (_folder, path, full) = written(&all);
+        let mut found = 0;
         for length in 0..=full.len() {
             fs::write(&path, &full[..length]).unwrap();
-            let (records, whole) = contents(&path, "p").unwrap();
-            let mut journal = Journal::open(&path, "p", whole).unwrap();
-            let kept = records.len();
-            assert_eq!(records, all[..kept]);
-            journal.write(&all[kept..]).unwrap();
-            assert_eq!(fs::read_to_string(&path).unwrap(), full, "cut to {length}");
+            let records = contents(&path, "p").unwrap();
+            let ends = full[..length].matches('\n').count();
+            assert_eq!(records, all[..ends.saturating_sub(1)], "cut to {length}");
+            found = records.len();
         }
+        assert_eq!(found, 3);
     }
 
     #[test]
     fn a_flipped_bit_is_damage_except_in_the_last_line_which_may_be_incomplete() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("journal");
-        let sound = text("p", &records(3)).into_bytes();
+        let (_folder, path, sound) = written(&records(3));
+        let sound = sound.into_bytes();
         let last = sound.len() - line(&records(3)[2]).len();
         for at in 0..8 * sound.len() {
             let mut bytes = sound.clone();
@@ -231,7 +203,7 @@ mod tests {
             // A flipped bit may create a line end, which splits a line in two.
             let may_be_torn = at / 8 >= last - 1 && bytes[at / 8] != b'\n';
             match contents(&path, "p") {
-                Ok((records, _)) => {
+                Ok(records) => {
                     assert!(may_be_torn, "bit {at} is taken for work that is not done");
                     assert!(records.len() < 3, "bit {at} changes nothing");
                 }
@@ -242,9 +214,7 @@ mod tests {
 
     #[test]
     fn a_line_without_an_end_does_not_exhaust_memory() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("journal");
-        fs::write(&path, text("p", &records(1))).unwrap();
+        let (_folder, path, _) = written(&records(1));
         let file = OpenOptions::new().append(true).open(&path).unwrap();
         file.set_len(64 << 30).unwrap();
         assert!(contents(&path, "p").is_err());
@@ -252,20 +222,16 @@ mod tests {
 
     #[test]
     fn the_journal_of_another_plan_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("journal");
-        fs::write(&path, text("p", &records(1))).unwrap();
+        let (_folder, path, _) = written(&records(1));
         assert!(contents(&path, "q").is_err());
     }
 
     #[test]
     fn a_journal_of_another_format_is_refused_with_both_versions() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("journal");
-        let old = text("p", &records(1)).replace("journal 2", "journal 1");
-        fs::write(&path, old).unwrap();
+        let (_folder, path, text) = written(&records(1));
+        fs::write(&path, text.replace("journal 3", "journal 1")).unwrap();
         let fault = contents(&path, "p").unwrap_err().to_string();
-        let words = "it has format 1, and this version reads format 2";
+        let words = "it has format 1, and this version reads format 3";
         assert!(fault.contains(words), "{fault}");
     }
 }

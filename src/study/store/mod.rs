@@ -1,12 +1,22 @@
-//! The files of a study: its folder, and a journal of finished trials for each shard.
+//! The folder of a study: `plan.json`, and a journal of finished trials for each process.
+//!
+//! Only two properties of the file system are required. The writes of a process become visible
+//! eventually, and in order. Only one process can create a file of a given name. No journal is
+//! renamed or has two writers: every process that runs trials writes its own. A process repeats
+//! trials whose results are not visible yet, and gets the same results. A lock only protects the
+//! tables and reports that are generated from all trials.
 
-pub(super) mod files;
 pub(super) mod folder;
-pub(super) mod journal;
+mod journal;
+pub(super) mod outputs;
+pub(super) mod plan;
 pub(super) mod record;
 mod records;
 mod shard;
 
 pub use folder::StudyFolder;
+pub(super) use journal::Journal;
+pub use plan::PlannedStudy;
 pub use record::{Driven, Figures, TrialRecord};
+pub(super) use records::Records;
 pub use shard::Shard;

@@ -15,20 +15,16 @@ use xcs::bounds::{OutOfRange, within};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// The progress of the trial.
-    #[serde(flatten)]
     pub progress: Progress,
     /// Number of rules at the end.
     pub rules: usize,
     /// Number of these rules after compaction; `None` for a table.
     pub compacted_rules: Option<usize>,
     /// Mean steps of the greedy policy over all starts, at the end.
-    #[serde(default)]
     pub greedy_steps: Option<f64>,
     /// `greedy_steps` as a multiple of the optimum.
-    #[serde(default)]
     pub greedy_ratio: Option<f64>,
     /// Results of driving with the greedy policy at the end, if the study has `drives`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub driven: Option<Driven>,
 }
 
@@ -98,22 +94,16 @@ impl Figures {
         };
         within("rules", self.rules, 0..=most)?;
         let limit = f64::from(config.settings.reward.step_threshold);
-        within(
-            "greedy_steps",
-            self.greedy_steps.unwrap_or(1.0),
-            0.0..=limit,
-        )?;
-        within(
-            "greedy_ratio",
-            self.greedy_ratio.unwrap_or(1.0),
-            0.0..=limit,
-        )?;
+        let means = [
+            ("greedy_steps", self.greedy_steps),
+            ("greedy_ratio", self.greedy_ratio),
+        ];
+        for (name, mean) in means {
+            within(name, mean.unwrap_or(1.0), 0.0..=limit)?;
+        }
         self.driven.map_or(Ok(()), |driven| driven.check(limit))?;
-        within(
-            "compacted_rules",
-            self.compacted_rules.unwrap_or(0),
-            0..=self.rules,
-        )
+        let compacted = self.compacted_rules.unwrap_or(0);
+        within("compacted_rules", compacted, 0..=self.rules)
     }
 }
 

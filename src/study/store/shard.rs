@@ -14,11 +14,6 @@ impl Shard {
     /// The shard with all trials.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
-    /// Returns the number of the shard, counted from 1.
-    pub fn number(self) -> usize {
-        self.index
-    }
-
     /// Returns true if the trial belongs to this shard.
     pub fn holds(self, trial: usize) -> bool {
         trial % self.count == self.index - 1

@@ -2,7 +2,7 @@
 
 use crate::study::error::StudyError;
 use crate::study::protocol::{Arm, Protocol, refuse_duplicates};
-use crate::study::store::folder::StudyFolder;
+use crate::study::store::StudyFolder;
 
 /// A combination of method, arena, sensor and settings.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,11 +8,10 @@ use serde::Serialize;
 use super::candidates::Candidate;
 use super::standing::{Standing, Verdict, standings};
 use crate::disk;
-use crate::study::cluster::PlannedStudy;
 use crate::study::error::StudyError;
 use crate::study::protocol::Protocol;
-use crate::study::store::files::{SEARCH, foreign, json, names};
-use crate::study::store::folder::StudyFolder;
+use crate::study::store::plan::{SEARCH, foreign, json, names};
+use crate::study::store::{PlannedStudy, StudyFolder};
 use crate::trial::PlanError;
 use xcs::bounds::within;
 use xcs::random::replicate_seed;
@@ -106,10 +105,11 @@ impl Tuning {
         while rungs.len() < self.rungs() && left.len() > 1 {
             let (number, seeds) = (rungs.len() + 1, self.seeds(&left));
             let planned = self.planned(&format!("rung-{number}"), &left, seeds, number)?;
-            if !planned.survey()?.missing().is_empty() {
+            let study = StudyFolder::of(planned.clone(), None)?;
+            if study.require_complete().is_err() {
                 return Ok(Stage::Open(planned));
             }
-            studies.push(planned.gather()?);
+            studies.push(study);
             let standings = standings(&scores(&left, &studies), left.len().div_ceil(2));
             left = staying(&left, &standings);
             rungs.push(Rung { seeds, standings });
@@ -137,7 +137,10 @@ impl Tuning {
         let is_best = |one: &&Candidate| best.contains(&&one.name);
         let finalists: Vec<Candidate> = self.candidates.iter().filter(is_best).cloned().collect();
         let last = self.planned("final", &finalists, self.protocol.trials, 0)?;
-        if !last.survey()?.missing().is_empty() {
+        if StudyFolder::of(last.clone(), None)?
+            .require_complete()
+            .is_err()
+        {
             return Ok(Stage::Open(last));
         }
         let found = Found {
@@ -152,7 +155,7 @@ impl Tuning {
         let kept = disk::keep_or_create(&path, |file| file.write_all(&json(&found)));
         match kept.map_err(|cause| StudyError::io(&path, cause))? {
             true => Ok(Stage::Done(found)),
-            false => Err(StudyError::Altered(path)),
+            false => Err(StudyError::altered(&path)),
         }
     }
 

@@ -1,23 +1,22 @@
 //! The contribution of switches: the success of every combination, and the effect of each switch.
 
-use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::canvas::{Drawing, Drawn, Size};
-use super::theme::{BLUE, CENTRED, FAINT, FROM_LEFT, INK, RED, Theme, colour};
+use super::canvas::{Canvas, Chart, Drawing, Drawn, Size, write};
+use super::theme::{BLUE, CENTRED, FAINT, FROM_LEFT, INK, RED, colour, line, text};
 use crate::study::analysis::summary::ArmRecords;
 use crate::study::report::ablation::{Place, SwitchEffect, place, places, short, state, switches};
 use crate::study::statistics::{Interval, Proportion};
 
-const TOP: u32 = 40;
+const TOP: i32 = 40;
 const BARS: Size = (560, 170);
-const EFFECTS: u32 = 440;
+const EFFECTS: i32 = 440;
 /// Width of the names of the switches, left of the bars.
-const NAMES: u32 = 190;
-const ROW: u32 = 20;
+const NAMES: i32 = 190;
+const ROW: i32 = 20;
 
-type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Effects<'a, 'b> = Chart<'a, 'b, RangedCoordf64, RangedCoordf64>;
 
 /// A row for each place. It has bars of the success of every combination, over a table of dots that
 /// shows which switches are on. The main effects of the switches are next to them.
@@ -59,84 +58,62 @@ impl<'a> Ablation<'a> {
         arms
     }
 
-    fn table_top(&self) -> u32 {
-        TOP + self.places.len() as u32 * BARS.1
+    fn table_top(&self) -> i32 {
+        TOP + self.places.len() as i32 * BARS.1
     }
 }
 
 impl Drawing for Ablation<'_> {
     fn size(&self) -> Size {
-        let table = (self.switches.len() as u32 + 1) * ROW + 24;
+        let table = (self.switches.len() as i32 + 1) * ROW + 24;
         (NAMES + BARS.0 + EFFECTS, self.table_top() + table)
     }
 
-    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
-        let bars = (theme.px(NAMES + BARS.0 / 2) as i32, theme.ipx(18));
+    fn draw(&self, canvas: &Canvas<'_>) -> Drawn {
         let title = "Trials with an optimal policy, by combination";
-        root.draw_text(title, &theme.text(16).pos(CENTRED), bars)?;
-        let effects = (
-            theme.px(NAMES + BARS.0 + EFFECTS / 2 + 50) as i32,
-            theme.ipx(18),
-        );
+        write(canvas, 16, CENTRED, (NAMES + BARS.0 / 2, 18), title)?;
+        let middle = NAMES + BARS.0 + EFFECTS / 2 + 50;
         let title = "Main effect of each switch (95 %)";
-        root.draw_text(title, &theme.text(16).pos(CENTRED), effects)?;
+        write(canvas, 16, CENTRED, (middle, 18), title)?;
         for (i, name) in self.places.iter().enumerate() {
-            let top = TOP + i as u32 * BARS.1;
-            let area = root.clone().shrink(
-                (theme.px(8), theme.px(top)),
-                (theme.px(NAMES), theme.px(BARS.1)),
-            );
-            self.name(&area, theme, name)?;
-            self.bars(root, theme, name, top)?;
-            self.effects(root, theme, name, top)?;
+            let top = TOP + i as i32 * BARS.1;
+            write_place(canvas, name, top)?;
+            self.bars(canvas, name, top)?;
+            self.effects(canvas, name, top)?;
         }
-        self.table(root, theme)
+        self.table(canvas)
     }
 }
 
-impl Ablation<'_> {
-    fn name<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        name: &Place,
-    ) -> Drawn<DB> {
-        let parts = name.1.split(", ");
-        for (line, part) in std::iter::once(name.0.as_str()).chain(parts).enumerate() {
-            let size = if line == 0 { 15 } else { 12 };
-            let y = theme.ipx((BARS.1 / 2) as i32 - 24 + 18 * line as i32);
-            area.draw_text(part, &theme.text(size).pos(FROM_LEFT), (0, y))?;
-        }
-        Ok(())
+fn write_place(canvas: &Canvas<'_>, (world, setting): &Place, top: i32) -> Drawn {
+    write(canvas, 15, FROM_LEFT, (8, top + BARS.1 / 2 - 24), world)?;
+    for (part, line) in setting.split(", ").zip(1..) {
+        let y = top + BARS.1 / 2 - 24 + 18 * line;
+        write(canvas, 12, FROM_LEFT, (8, y), part)?;
     }
+    Ok(())
+}
 
-    fn bars<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        name: &Place,
-        top: u32,
-    ) -> Drawn<DB> {
-        let corner = (theme.px(NAMES - 50), theme.px(top));
-        let area = root
-            .clone()
-            .shrink(corner, (theme.px(BARS.0 + 50), theme.px(BARS.1)));
+impl Ablation<'_> {
+    fn bars(&self, canvas: &Canvas<'_>, name: &Place, top: i32) -> Drawn {
+        let size = (BARS.0 + 50, BARS.1);
+        let area = canvas.clone().shrink((NAMES - 50, top), size);
         let arms = self.combinations(name);
         let mut chart = ChartBuilder::on(&area)
-            .set_label_area_size(LabelAreaPosition::Left, theme.px(50))
-            .margin_top(theme.px(8))
-            .margin_bottom(theme.px(8))
+            .set_label_area_size(LabelAreaPosition::Left, 50)
+            .margin_top(8)
+            .margin_bottom(8)
             .build_cartesian_2d(0.0..arms.len() as f64, 0.0..1.0)?;
         chart
             .configure_mesh()
             .disable_x_mesh()
             .disable_x_axis()
             .light_line_style(TRANSPARENT)
-            .bold_line_style(theme.line(FAINT, 1))
-            .axis_style(theme.line(INK, 1))
+            .bold_line_style(line(FAINT, 1))
+            .axis_style(line(INK, 1))
             .y_labels(6)
             .y_label_formatter(&|share| format!("{:.0} %", 100.0 * share))
-            .label_style(theme.text(11))
+            .label_style(text(11))
             .draw()?;
         let shares: Vec<Proportion> = arms.iter().map(|one| one.successes()).collect();
         let bar = |(i, share): (usize, &Proportion)| {
@@ -146,110 +123,58 @@ impl Ablation<'_> {
         chart.draw_series(shares.iter().enumerate().map(bar))?;
         let whisker = |(i, share): (usize, &Proportion)| {
             let (middle, wilson) = (i as f64 + 0.5, share.wilson());
-            PathElement::new(
-                [(middle, wilson.low), (middle, wilson.high)],
-                theme.line(INK, 1),
-            )
+            PathElement::new([(middle, wilson.low), (middle, wilson.high)], line(INK, 1))
         };
         chart.draw_series(shares.iter().enumerate().map(whisker))?;
         Ok(())
     }
 
     /// Draws the table under the bars, which shows the switches that are on.
-    fn table<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
+    fn table(&self, canvas: &Canvas<'_>) -> Drawn {
         let arms = self.combinations(&self.places[0]);
-        let width = f64::from(theme.px(BARS.0)) / arms.len() as f64;
-        for (line, switch) in self.switches.iter().enumerate() {
-            let y = theme.px(self.table_top() + 12 + line as u32 * ROW) as i32;
-            root.draw_text(
-                &short(switch),
-                &theme.text(12).pos(FROM_LEFT),
-                (theme.ipx(8), y),
-            )?;
+        let width = f64::from(BARS.0) / arms.len() as f64;
+        let mut y = self.table_top() + 12;
+        for switch in &self.switches {
+            write(canvas, 12, FROM_LEFT, (8, y), &short(switch))?;
             for (i, one) in arms.iter().enumerate() {
-                let x = f64::from(theme.px(NAMES)) + (i as f64 + 0.5) * width;
-                let style = match state(one.arm, switch) {
-                    Some(true) => INK.filled(),
-                    _ => FAINT.filled(),
-                };
-                root.draw(&Circle::new((x as i32, y), theme.ipx(5), style))?;
+                let x = f64::from(NAMES) + (i as f64 + 0.5) * width;
+                let is_on = state(one.arm, switch) == Some(true);
+                let style = if is_on { INK } else { FAINT }.filled();
+                canvas.draw(&Circle::new((x as i32, y), 5, style))?;
             }
+            y += ROW;
         }
-        let y = theme.px(self.table_top() + 14 + self.switches.len() as u32 * ROW) as i32;
-        let x = theme.px(NAMES + BARS.0 / 2) as i32;
         let note = "dark: on; whiskers: 95 % (Wilson)";
-        root.draw_text(note, &theme.text(12).pos(CENTRED), (x, y))
+        write(canvas, 12, CENTRED, (NAMES + BARS.0 / 2, y + 2), note)
     }
 
     /// Draws the main effects as dots with intervals, in percentage points.
-    fn effects<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        name: &Place,
-        top: u32,
-    ) -> Drawn<DB> {
-        let names = 160;
-        let corner = (theme.px(NAMES + BARS.0 + 14), theme.px(top));
-        let area = root
-            .clone()
-            .shrink(corner, (theme.px(EFFECTS - 14), theme.px(BARS.1)));
-        let own: Vec<&SwitchEffect> = self
-            .effects
-            .iter()
-            .filter(|one| (&one.world, &one.setting) == (&name.0, &name.1))
-            .collect();
+    fn effects(&self, canvas: &Canvas<'_>, (world, setting): &Place, top: i32) -> Drawn {
+        let size = (EFFECTS - 14, BARS.1);
+        let area = canvas.clone().shrink((NAMES + BARS.0 + 14, top), size);
+        let own = self.effects.iter();
+        let own = own.filter(|one| (&one.world, &one.setting) == (world, setting));
+        let own: Vec<&SwitchEffect> = own.collect();
         let mut chart = ChartBuilder::on(&area)
-            .set_label_area_size(LabelAreaPosition::Left, theme.px(names))
-            .set_label_area_size(LabelAreaPosition::Bottom, theme.px(34))
-            .margin_right(theme.px(16))
-            .margin_top(theme.px(8))
+            .set_label_area_size(LabelAreaPosition::Left, 160)
+            .set_label_area_size(LabelAreaPosition::Bottom, 34)
+            .margin_right(16)
+            .margin_top(8)
             .build_cartesian_2d(self.reach(), 0.0..own.len() as f64)?;
         chart
             .configure_mesh()
             .disable_y_mesh()
             .disable_y_axis()
             .light_line_style(TRANSPARENT)
-            .bold_line_style(theme.line(FAINT, 1))
-            .axis_style(theme.line(INK, 1))
+            .bold_line_style(line(FAINT, 1))
+            .axis_style(line(INK, 1))
             .x_labels(7)
             .x_label_formatter(&|points| format!("{points:+.0}"))
             .x_desc("percentage points")
-            .axis_desc_style(theme.text(11))
-            .label_style(theme.text(11))
+            .axis_desc_style(text(11))
+            .label_style(text(11))
             .draw()?;
-        self.dots(root, &mut chart, theme, &own)
-    }
-
-    /// Draws the name, the interval and the value of each effect.
-    fn dots<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        chart: &mut Chart<'_, DB>,
-        theme: Theme,
-        effects: &[&SwitchEffect],
-    ) -> Drawn<DB> {
-        let height = effects.len() as f64;
-        let zero = PathElement::new([(0.0, 0.0), (0.0, height)], theme.line(INK, 1));
-        chart.draw_series([zero])?;
-        for (i, effect) in effects.iter().enumerate() {
-            let y = height - i as f64 - 0.5;
-            let Interval { value, low, high } = effect.main_effect;
-            let range = [(100.0 * low, y), (100.0 * high, y)];
-            chart.draw_series([PathElement::new(range, theme.line(colour(RED), 2))])?;
-            let dot = Circle::new((100.0 * value, y), theme.px(4), colour(RED).filled());
-            chart.draw_series([dot])?;
-            let place = (
-                theme.px(NAMES + BARS.0 + 26) as i32,
-                chart.backend_coord(&(0.0, y)).1,
-            );
-            root.draw_text(
-                &short(&effect.switch),
-                &theme.text(12).pos(FROM_LEFT),
-                place,
-            )?;
-        }
-        Ok(())
+        dots(canvas, &mut chart, &own)
     }
 
     /// Returns the range of the axis, which is the same for all places.
@@ -259,4 +184,23 @@ impl Ablation<'_> {
         let widest = (100.0 * ends.fold(0.05, f64::max) / 10.0).ceil() * 10.0;
         -widest..widest
     }
+}
+
+/// Draws the name, the interval and the value of each effect.
+fn dots(canvas: &Canvas<'_>, chart: &mut Effects<'_, '_>, effects: &[&SwitchEffect]) -> Drawn {
+    let height = effects.len() as f64;
+    let zero = PathElement::new([(0.0, 0.0), (0.0, height)], line(INK, 1));
+    chart.draw_series([zero])?;
+    for (i, effect) in effects.iter().enumerate() {
+        let y = height - i as f64 - 0.5;
+        let Interval { value, low, high } = effect.main_effect;
+        let range = [(100.0 * low, y), (100.0 * high, y)];
+        chart.draw_series([PathElement::new(range, line(colour(RED), 2))])?;
+        let dot = Circle::new((100.0 * value, y), 4, colour(RED).filled());
+        chart.draw_series([dot])?;
+        let (_, y) = chart.backend_coord(&(0.0, y));
+        let at = (NAMES + BARS.0 + 26, y);
+        write(canvas, 12, FROM_LEFT, at, &short(&effect.switch))?;
+    }
+    Ok(())
 }

@@ -1,93 +1,123 @@
-//! Renders a drawing as SVG and PNG.
+//! Renders a drawing as SVG, and the SVG as PNG.
+
+use std::sync::Arc;
 
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::Ranged;
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
+use plotters::style::text_anchor::Pos;
+use plotters::style::{FontStyle, register_font};
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{Options, Tree, fontdb::Database};
 
-use super::theme::Theme;
+use super::theme::{CENTRED, FROM_LEFT, colour, line, text};
 
 /// Width and height in pixels.
-pub type Size = (u32, u32);
+pub type Size = (i32, i32);
+
+/// The area of a figure, or a part of it.
+pub type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// A chart in a part of a figure.
+pub type Chart<'a, 'b, X, Y> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<X, Y>>;
 
 /// The result of drawing.
-pub type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+pub type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
+/// DejaVu Sans, reduced to Latin letters. Embedded, so that figures need no installed font and are
+/// the same everywhere.
+const FONT: &[u8] = include_bytes!("../../../../assets/font/DejaVuSans-latin.ttf");
 /// Pixels of a PNG per pixel of the figure, in each direction.
 const PNG_SCALE: u32 = 2;
-/// Drawn pixels per pixel of a PNG, in each direction, for smooth edges. [`smoothed`] assumes two.
-const SMOOTH: u32 = 2;
 
-/// A figure that can be drawn on any backend.
+/// A figure.
 pub trait Drawing {
     /// Returns the size of the figure.
     fn size(&self) -> Size;
 
     /// Draws the figure.
-    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB>;
+    fn draw(&self, canvas: &Canvas<'_>) -> Drawn;
 }
 
 /// Renders a drawing as an SVG document.
-pub fn svg(drawing: &impl Drawing) -> Result<String, String> {
+pub fn svg(drawing: &dyn Drawing) -> Result<String, String> {
+    let registered = register_font("sans-serif", FontStyle::Normal, FONT);
+    registered.map_err(|_| "the embedded font cannot be read")?;
     let mut text = String::new();
-    let theme = Theme::new(1)?;
-    let root = SVGBackend::with_string(&mut text, drawing.size()).into_drawing_area();
-    paint(&root, drawing, theme)?;
-    drop(root);
+    let (width, height) = drawing.size();
+    let size = (width.unsigned_abs(), height.unsigned_abs());
+    let canvas = SVGBackend::with_string(&mut text, size).into_drawing_area();
+    canvas
+        .fill(&WHITE)
+        .and_then(|()| drawing.draw(&canvas))
+        .and_then(|()| canvas.present())
+        .map_err(|fault| fault.to_string())?;
+    drop(canvas);
     // Verdana is as wide as DejaVu Sans, in case the latter is not installed.
     let fonts = "font-family=\"DejaVu Sans, Verdana, sans-serif\"";
     Ok(text.replace("font-family=\"sans-serif\"", fonts))
 }
 
-/// Renders a drawing as a PNG file.
-pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>, String> {
-    let theme = Theme::new(PNG_SCALE * SMOOTH)?;
-    let (width, height) = drawing.size();
-    let (wide, high) = (theme.px(width), theme.px(height));
-    let mut pixels = vec![0; wide as usize * high as usize * 3];
-    {
-        let backend = BitMapBackend::with_buffer(&mut pixels, (wide, high));
-        paint(&backend.into_drawing_area(), drawing, theme)?;
-    }
-    let small = smoothed(&pixels, wide as usize * 3);
-    encode(&small, (width * PNG_SCALE, height * PNG_SCALE)).map_err(|fault| fault.to_string())
+/// Writes text of this size, anchored at a position.
+pub fn write(canvas: &Canvas<'_>, size: u32, anchor: Pos, at: (i32, i32), words: &str) -> Drawn {
+    canvas.draw_text(words, &text(size).pos(anchor), at)
 }
 
-fn paint<DB: DrawingBackend>(
-    root: &DrawingArea<DB, Shift>,
-    drawing: &impl Drawing,
-    theme: Theme,
-) -> Result<(), String> {
-    let painted = root
-        .fill(&WHITE)
-        .and_then(|()| drawing.draw(root, theme))
-        .and_then(|()| root.present());
-    painted.map_err(|fault| fault.to_string())
+/// Writes the title of a figure, and a note under it at a height.
+pub fn write_title(
+    canvas: &Canvas<'_>,
+    middle: i32,
+    title: &str,
+    note: Option<(i32, &str)>,
+) -> Drawn {
+    write(canvas, 17, CENTRED, (middle, 18), title)?;
+    note.map_or(Ok(()), |(y, note)| {
+        write(canvas, 12, CENTRED, (middle, y), note)
+    })
 }
 
-/// Returns the mean of each square of 2 x 2 pixels of three bytes, in rows of `stride` bytes. The
-/// sum is written out, because without optimisation it takes most of a figure's time.
-fn smoothed(pixels: &[u8], stride: usize) -> Vec<u8> {
-    let mut small = Vec::with_capacity(pixels.len() / 4);
-    for rows in pixels.chunks_exact(stride * 2) {
-        let (upper, lower) = rows.split_at(stride);
-        for (a, b) in upper.chunks_exact(6).zip(lower.chunks_exact(6)) {
-            let mean = |at: usize| {
-                let sum = a[at] as u16 + a[at + 3] as u16 + b[at] as u16 + b[at + 3] as u16;
-                (sum / 4) as u8
-            };
-            small.extend_from_slice(&[mean(0), mean(1), mean(2)]);
-        }
-    }
-    small
+/// Draws a straight line.
+pub fn draw_line(canvas: &Canvas<'_>, ends: [(i32, i32); 2], style: ShapeStyle) -> Drawn {
+    canvas.draw(&PathElement::new(ends, style))
 }
 
-fn encode(pixels: &[u8], (width, height): Size) -> Result<Vec<u8>, png::EncodingError> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(pixels)?;
-    writer.finish()?;
-    Ok(bytes)
+/// Draws the line and the name of a series at a height, to explain its colour.
+pub fn draw_key(canvas: &Canvas<'_>, series: usize, y: i32, name: &str) -> Drawn {
+    draw_line(canvas, [(8, y), (28, y)], line(colour(series), 3))?;
+    write(canvas, 12, FROM_LEFT, (34, y), name)
+}
+
+/// Draws the curve of a series in its band.
+pub fn draw_curve<X: Ranged, Y: Ranged>(
+    chart: &mut Chart<'_, '_, X, Y>,
+    series: usize,
+    [low, high, curve]: [Vec<(X::ValueType, Y::ValueType)>; 3],
+) -> Drawn
+where
+    X::ValueType: Clone + 'static,
+    Y::ValueType: Clone + 'static,
+{
+    let hue = colour(series);
+    let band: Vec<_> = high.into_iter().chain(low.into_iter().rev()).collect();
+    chart.draw_series([Polygon::new(band, hue.mix(0.18).filled())])?;
+    chart.draw_series([PathElement::new(curve, line(hue, 2))])?;
+    Ok(())
+}
+
+/// Renders an SVG document as a PNG file.
+pub fn png(svg: &str) -> Result<Vec<u8>, String> {
+    let mut fonts = Database::new();
+    fonts.load_font_data(FONT.to_vec());
+    let options = Options {
+        fontdb: Arc::new(fonts),
+        ..Options::default()
+    };
+    let tree = Tree::from_str(svg, &options).map_err(|fault| fault.to_string())?;
+    let size = tree.size().to_int_size();
+    let (width, height) = (PNG_SCALE * size.width(), PNG_SCALE * size.height());
+    let mut pixels = Pixmap::new(width, height).ok_or("it is empty or too large")?;
+    let scale = Transform::from_scale(PNG_SCALE as f32, PNG_SCALE as f32);
+    resvg::render(&tree, scale, &mut pixels.as_mut());
+    pixels.encode_png().map_err(|fault| fault.to_string())
 }

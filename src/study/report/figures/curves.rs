@@ -1,24 +1,24 @@
 //! Success curves: the share of trials that have found an optimal policy, by episode.
 
-use plotters::coord::Shift;
 use plotters::coord::combinators::WithKeyPoints;
 use plotters::coord::types::{RangedCoordf64, RangedCoordu32};
 use plotters::prelude::*;
 
-use super::canvas::{Drawing, Drawn, Size};
+use super::canvas::{
+    Canvas, Chart, Drawing, Drawn, Size, draw_curve, draw_key, write, write_title,
+};
 use super::panels::Panels;
-use super::theme::{CENTRED, FAINT, FROM_LEFT, INK, Theme, colour, ticks, widest};
+use super::theme::{CENTRED, FAINT, FROM_LEFT, INK, line, text, ticks, widest};
 use crate::study::statistics::{Lifetime, Point, Survival};
 
 const PANEL: Size = (340, 300);
-const TOP: u32 = 36;
+const TOP: i32 = 36;
 /// Minimum width of the names next to the table of unsolved trials, and the margin of longer names.
-const NAMES: u32 = 176;
-const BESIDE_NAMES: u32 = 50;
-const ROW: u32 = 17;
+const NAMES: i32 = 176;
+const BESIDE_NAMES: i32 = 50;
+const ROW: i32 = 17;
 
-type Chart<'a, DB> =
-    ChartContext<'a, DB, Cartesian2d<WithKeyPoints<RangedCoordu32>, RangedCoordf64>>;
+type ByEpisode<'a, 'b> = Chart<'a, 'b, WithKeyPoints<RangedCoordu32>, RangedCoordf64>;
 
 /// A panel for each place, with 1 - Kaplan-Meier and its 95 % band for each series. A table below
 /// shows how many trials are still searching.
@@ -27,124 +27,87 @@ pub struct Curves<'a>(pub(super) &'a Panels<'a>);
 
 impl Drawing for Curves<'_> {
     fn size(&self) -> Size {
-        let (columns, rows) = (self.0.places.len() as u32, self.0.series.len() as u32);
-        (
-            self.names_width() + columns * PANEL.0 + 10,
-            TOP + PANEL.1 + (rows + 2) * ROW + 12,
-        )
+        let (columns, rows) = self.0.size();
+        let width = self.names_width() + columns * PANEL.0 + 10;
+        (width, TOP + PANEL.1 + (rows + 2) * ROW + 12)
     }
 
-    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
-        let middle = i32::try_from(root.dim_in_pixel().0 / 2).unwrap_or(0);
-        let style = theme.text(17).pos(CENTRED);
+    fn draw(&self, canvas: &Canvas<'_>) -> Drawn {
         let title = "Trials that had found a globally optimal policy (95 % bands)";
-        root.draw_text(title, &style, (middle, theme.ipx(18)))?;
-        self.names(root, theme)?;
-        (0..self.0.places.len()).try_for_each(|place| self.panel(root, theme, place))
+        write_title(canvas, self.size().0 / 2, title, None)?;
+        // The names label the rows of the table, and explain the colours.
+        write(canvas, 12, FROM_LEFT, (8, row(0)), "still searching")?;
+        for (series, name) in self.0.series.iter().enumerate() {
+            draw_key(canvas, series, row(series + 1), name)?;
+        }
+        (0..self.0.places.len()).try_for_each(|place| self.panel(canvas, place))
     }
 }
 
 impl Curves<'_> {
-    fn names_width(&self) -> u32 {
+    fn names_width(&self) -> i32 {
         NAMES.max(BESIDE_NAMES + widest(&self.0.series))
     }
 
-    /// Draws the names of the series, which label the rows of the table and explain the colours.
-    fn names<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
-        let style = theme.text(12).pos(FROM_LEFT);
-        root.draw_text("still searching", &style, (theme.ipx(8), row(theme, 0)))?;
-        for (series, name) in self.0.series.iter().enumerate() {
-            let y = row(theme, series + 1);
-            let line = vec![(theme.ipx(8), y), (theme.ipx(28), y)];
-            root.draw(&PathElement::new(line, theme.line(colour(series), 3)))?;
-            root.draw_text(name, &style, (theme.ipx(34), y))?;
-        }
-        Ok(())
-    }
-
-    fn panel<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        place: usize,
-    ) -> Drawn<DB> {
-        let left = self.names_width() - 46 + place as u32 * PANEL.0;
-        let corner = (theme.px(left), theme.px(TOP));
-        let area = root
-            .clone()
-            .shrink(corner, (theme.px(PANEL.0), theme.px(PANEL.1)));
-        let mut chart = ChartBuilder::on(&area)
-            .caption(&self.0.places[place], theme.text(15))
-            .set_label_area_size(LabelAreaPosition::Left, theme.px(46))
-            .set_label_area_size(LabelAreaPosition::Bottom, theme.px(34))
-            .margin_right(theme.px(16))
-            .build_cartesian_2d(
-                (0..self.0.episodes).with_key_points(ticks(self.0.episodes)),
-                0.0..1.0,
-            )?;
+    fn panel(&self, canvas: &Canvas<'_>, place: usize) -> Drawn {
+        let left = self.names_width() - 46 + place as i32 * PANEL.0;
+        let episodes = self.0.episodes;
+        let mut chart = ChartBuilder::on(&canvas.clone().shrink((left, TOP), PANEL))
+            .caption(&self.0.places[place], text(15))
+            .set_label_area_size(LabelAreaPosition::Left, 46)
+            .set_label_area_size(LabelAreaPosition::Bottom, 34)
+            .margin_right(16)
+            .build_cartesian_2d((0..episodes).with_key_points(ticks(episodes)), 0.0..1.0)?;
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
-            .bold_line_style(theme.line(FAINT, 1))
-            .axis_style(theme.line(INK, 1))
+            .bold_line_style(line(FAINT, 1))
+            .axis_style(line(INK, 1))
             .x_labels(20)
             .y_labels(6)
             .y_label_formatter(&|share| format!("{:.0} %", 100.0 * share))
             .x_desc("episode")
-            .axis_desc_style(theme.text(12))
-            .label_style(theme.text(11))
+            .axis_desc_style(text(12))
+            .label_style(text(11))
             .draw()?;
         for series in 0..self.0.series.len() {
             if let Some(records) = self.0.at(place, series) {
                 let lifetimes = records.lifetimes();
-                self.curve(&mut chart, theme, series, &lifetimes)?;
-                self.still_searching(root, &chart, theme, series, &lifetimes)?;
+                let survival = Survival::new(&lifetimes);
+                let shares: [fn(&Point) -> f64; 3] = [
+                    |point| 1.0 - point.high,
+                    |point| 1.0 - point.low,
+                    |point| 1.0 - point.value,
+                ];
+                let stairs = shares.map(|share| staircase(survival.points(), episodes, share));
+                draw_curve(&mut chart, series, stairs)?;
+                self.still_searching(canvas, &chart, series, &lifetimes)?;
             }
         }
         Ok(())
     }
 
-    fn curve<DB: DrawingBackend>(
+    /// Writes the number of trials that are still searching at some episodes, under the chart.
+    fn still_searching(
         &self,
-        chart: &mut Chart<'_, DB>,
-        theme: Theme,
+        canvas: &Canvas<'_>,
+        chart: &ByEpisode<'_, '_>,
         series: usize,
         lifetimes: &[Lifetime],
-    ) -> Drawn<DB> {
-        let survival = Survival::new(lifetimes);
-        let steps = |share: fn(&Point) -> f64| staircase(survival.points(), self.0.episodes, share);
-        let mut band = steps(|point| 1.0 - point.low);
-        band.extend(steps(|point| 1.0 - point.high).into_iter().rev());
-        let hue = colour(series);
-        chart.draw_series([Polygon::new(band, hue.mix(0.18).filled())])?;
-        let line = steps(|point| 1.0 - point.value);
-        chart.draw_series([PathElement::new(line, theme.line(hue, 2))])?;
-        Ok(())
-    }
-
-    /// Draws the number of trials that are still searching at some episodes, under the chart.
-    fn still_searching<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        chart: &Chart<'_, DB>,
-        theme: Theme,
-        series: usize,
-        lifetimes: &[Lifetime],
-    ) -> Drawn<DB> {
-        let style = theme.text(11).pos(CENTRED);
-        for episode in ticks(self.0.episodes) {
+    ) -> Drawn {
+        ticks(self.0.episodes).into_iter().try_for_each(|episode| {
             let (x, _) = chart.backend_coord(&(episode, 0.0));
             let found = |one: &&Lifetime| one.happened && one.time <= episode;
             let searching = lifetimes.len() - lifetimes.iter().filter(found).count();
-            root.draw_text(&searching.to_string(), &style, (x, row(theme, series + 1)))?;
-        }
-        Ok(())
+            let at = (x, row(series + 1));
+            write(canvas, 11, CENTRED, at, &searching.to_string())
+        })
     }
 }
 
 /// Returns the vertical middle of a row of the table. Row 0 is its heading.
-fn row(theme: Theme, row: usize) -> i32 {
-    theme.ipx((TOP + PANEL.1 + row as u32 * ROW + ROW / 2 + 4) as i32)
+fn row(row: usize) -> i32 {
+    TOP + PANEL.1 + row as i32 * ROW + ROW / 2 + 4
 }
 
 /// Returns the corners of a staircase through the points, up to the last episode.

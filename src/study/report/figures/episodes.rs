@@ -1,16 +1,15 @@
 //! Learning curves: the steps of each episode.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::canvas::{Drawing, Drawn, Size};
+use super::canvas::{Canvas, Drawing, Drawn, Size, draw_curve, draw_key, write_title};
 use super::panels::Panels;
-use super::theme::{CENTRED, FAINT, FROM_LEFT, INK, Theme, colour, widest};
+use super::theme::{FAINT, INK, line, text, widest};
 use crate::study::analysis::learning::CurvePoint;
 
 const PANEL: Size = (360, 300);
-const TOP: u32 = 36;
-const ROW: u32 = 17;
+const TOP: i32 = 36;
+const ROW: i32 = 17;
 
 /// A panel for each place, with the mean steps of each episode and their interval for each series.
 #[derive(Debug)]
@@ -31,89 +30,63 @@ impl<'a> Episodes<'a> {
         arm.map_or(&[], |arm| &self.curves[arm])
     }
 
-    fn names_width(&self) -> u32 {
+    fn names_width(&self) -> i32 {
         50 + widest(&self.panels.series)
     }
 }
 
 impl Drawing for Episodes<'_> {
     fn size(&self) -> Size {
-        let (columns, rows) = (
-            self.panels.places.len() as u32,
-            self.panels.series.len() as u32,
-        );
+        let (columns, rows) = self.panels.size();
         let high = PANEL.1.max(rows * ROW + 40);
         (self.names_width() + columns * PANEL.0 + 10, TOP + high + 10)
     }
 
-    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
-        let middle = i32::try_from(root.dim_in_pixel().0 / 2).unwrap_or(0);
-        let style = theme.text(17).pos(CENTRED);
+    fn draw(&self, canvas: &Canvas<'_>) -> Drawn {
         let title = "Steps per episode (mean and its 95 % interval)";
-        root.draw_text(title, &style, (middle, theme.ipx(18)))?;
-        let style = theme.text(12).pos(FROM_LEFT);
+        write_title(canvas, self.size().0 / 2, title, None)?;
         for (series, name) in self.panels.series.iter().enumerate() {
-            let y = theme.ipx((TOP + 40 + series as u32 * ROW) as i32);
-            let line = vec![(theme.ipx(8), y), (theme.ipx(28), y)];
-            root.draw(&PathElement::new(line, theme.line(colour(series), 3)))?;
-            root.draw_text(name, &style, (theme.ipx(34), y))?;
+            draw_key(canvas, series, TOP + 40 + series as i32 * ROW, name)?;
         }
-        (0..self.panels.places.len()).try_for_each(|place| self.panel(root, theme, place))
+        (0..self.panels.places.len()).try_for_each(|place| self.panel(canvas, place))
     }
 }
 
 impl Episodes<'_> {
-    fn panel<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        place: usize,
-    ) -> Drawn<DB> {
-        let corner = (
-            theme.px(self.names_width() + place as u32 * PANEL.0),
-            theme.px(TOP),
-        );
-        let size = (theme.px(PANEL.0), theme.px(PANEL.1));
-        let area = root.clone().shrink(corner, size);
+    fn panel(&self, canvas: &Canvas<'_>, place: usize) -> Drawn {
+        let corner = (self.names_width() + place as i32 * PANEL.0, TOP);
         let curves = 0..self.panels.series.len();
         let highest = curves.clone().flat_map(|series| self.curve(place, series));
         let highest = highest.map(|point| point.high).fold(1.0, f64::max);
-        let mut chart = ChartBuilder::on(&area)
-            .caption(&self.panels.places[place], theme.text(15))
-            .set_label_area_size(LabelAreaPosition::Left, theme.px(46))
-            .set_label_area_size(LabelAreaPosition::Bottom, theme.px(34))
-            .margin_right(theme.px(16))
+        let mut chart = ChartBuilder::on(&canvas.clone().shrink(corner, PANEL))
+            .caption(&self.panels.places[place], text(15))
+            .set_label_area_size(LabelAreaPosition::Left, 46)
+            .set_label_area_size(LabelAreaPosition::Bottom, 34)
+            .margin_right(16)
             .build_cartesian_2d(1.0..f64::from(self.panels.episodes.max(2)), 0.0..highest)?;
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
-            .bold_line_style(theme.line(FAINT, 1))
-            .axis_style(theme.line(INK, 1))
+            .bold_line_style(line(FAINT, 1))
+            .axis_style(line(INK, 1))
             .x_labels(6)
             .y_labels(6)
             .x_label_formatter(&|episode| format!("{episode:.0}"))
             .y_label_formatter(&|steps| format!("{steps:.0}"))
             .x_desc("episode")
             .y_desc("steps")
-            .axis_desc_style(theme.text(12))
-            .label_style(theme.text(11))
+            .axis_desc_style(text(12))
+            .label_style(text(11))
             .draw()?;
+        let heights: [fn(&CurvePoint) -> f64; 3] =
+            [|point| point.low, |point| point.high, |point| point.steps];
         for series in curves {
-            let (points, hue) = (self.curve(place, series), colour(series));
             let along = |height: fn(&CurvePoint) -> f64| {
-                let points = points.iter();
-                points.map(move |point| (f64::from(point.episode), height(point).max(0.0)))
+                let points = self.curve(place, series).iter();
+                let at = |point: &CurvePoint| (f64::from(point.episode), height(point).max(0.0));
+                points.map(at).collect()
             };
-            let mut band: Vec<(f64, f64)> = along(|point| point.high).collect();
-            band.extend(
-                along(|point| point.low)
-                    .collect::<Vec<_>>()
-                    .into_iter()
-                    .rev(),
-            );
-            chart.draw_series([Polygon::new(band, hue.mix(0.18).filled())])?;
-            let line: Vec<(f64, f64)> = along(|point| point.steps).collect();
-            chart.draw_series([PathElement::new(line, theme.line(hue, 2))])?;
+            draw_curve(&mut chart, series, heights.map(along))?;
         }
         Ok(())
     }

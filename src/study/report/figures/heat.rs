@@ -1,28 +1,28 @@
 //! A sweep of two settings as a heat map.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use serde_json::Value;
 
-use super::canvas::{Drawing, Drawn, Size};
-use super::theme::{BLUE, CENTRED, FROM_LEFT, FROM_RIGHT, INK, Theme, colour};
+use super::canvas::{Canvas, Drawing, Drawn, Size, write, write_title};
+use super::panels::index_of;
+use super::theme::{BLUE, CENTRED, FROM_LEFT, FROM_RIGHT, INK, colour, text};
 use crate::study::analysis::summary::ArmSummary;
 use crate::study::protocol::Arm;
 
-const TOP: u32 = 62;
+const TOP: i32 = 62;
 /// Height of the panel's name, and below it the name of the row setting.
-const CAPTION: u32 = 46;
-const LABELS: u32 = 52;
+const CAPTION: i32 = 46;
+const LABELS: i32 = 52;
 /// Width of the values and the name of the row setting.
-const LEFT: u32 = 130;
+const LEFT: i32 = 130;
 const CELL: Size = (76, 44);
-const GAP: u32 = 24;
+const GAP: i32 = 24;
 /// Maximum number of panels in a row.
 const MOST_COLUMNS: usize = 3;
 /// Maximum number of values of a setting.
 const MOST_VALUES: usize = 12;
 /// Minimum width, for the note.
-const NOTE: u32 = 560;
+const NOTE: i32 = 560;
 
 /// A panel for each world, method, arena and sensor. Each cell is a combination of two swept
 /// values.
@@ -79,7 +79,7 @@ impl<'a> Heat<'a> {
     }
 
     fn panel_size(&self) -> Size {
-        let [columns, rows] = [0, 1].map(|axis| self.values[axis].len() as u32);
+        let [columns, rows] = [0, 1].map(|axis| self.values[axis].len() as i32);
         (
             LEFT + columns * CELL.0 + GAP,
             CAPTION + rows * CELL.1 + LABELS,
@@ -91,104 +91,69 @@ impl<'a> Heat<'a> {
     }
 }
 
-fn index_of(values: &mut Vec<Value>, value: &Value) -> usize {
-    values
-        .iter()
-        .position(|known| known == value)
-        .unwrap_or_else(|| {
-            values.push(value.clone());
-            values.len() - 1
-        })
+fn shown(value: &Value) -> String {
+    let text = value.as_str().map(str::to_owned);
+    text.unwrap_or_else(|| value.to_string())
 }
 
-fn shown(value: &Value) -> String {
-    value
-        .as_str()
-        .map_or_else(|| value.to_string(), str::to_owned)
+/// Draws the cell of a combination. More optimal trials make it darker.
+fn cell(canvas: &Canvas<'_>, (left, top): Size, (column, row, arm): &Entry<'_>) -> Drawn {
+    let share = arm.successes as f64 / arm.trials.max(1) as f64;
+    let x = left + LEFT + *column as i32 * CELL.0;
+    let y = top + CAPTION + *row as i32 * CELL.1;
+    let corners = [(x, y), (x + CELL.0 - 2, y + CELL.1 - 2)];
+    let fill = colour(BLUE).mix(0.06 + 0.94 * share).filled();
+    canvas.draw(&Rectangle::new(corners, fill))?;
+    // Light text on dark cells.
+    let ink = if share > 0.55 { WHITE } else { INK };
+    let text = |size| text(size).pos(CENTRED).color(&ink);
+    let x = x + CELL.0 / 2;
+    canvas.draw_text(&format!("{:.0} %", 100.0 * share), &text(13), (x, y + 14))?;
+    let steps = arm.iqm_env_steps.map(|steps| format!("{steps:.0}"));
+    canvas.draw_text(steps.as_deref().unwrap_or("–"), &text(11), (x, y + 31))
 }
 
 impl Drawing for Heat<'_> {
     fn size(&self) -> Size {
-        let (width, height) = self.panel_size();
-        let rows = self.panels.len().div_ceil(self.columns());
-        (
-            NOTE.max(self.columns() as u32 * width),
-            TOP + rows as u32 * height,
-        )
+        let ((width, height), columns) = (self.panel_size(), self.columns());
+        let rows = self.panels.len().div_ceil(columns) as i32;
+        (NOTE.max(columns as i32 * width), TOP + rows * height)
     }
 
-    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
-        let middle = theme.px(self.size().0 / 2) as i32;
+    fn draw(&self, canvas: &Canvas<'_>) -> Drawn {
         let title = "Optimal trials by two settings";
-        root.draw_text(title, &theme.text(17).pos(CENTRED), (middle, theme.ipx(18)))?;
         let note = "the share of optimal trials, and below the environment steps until then (IQM)";
-        root.draw_text(note, &theme.text(12).pos(CENTRED), (middle, theme.ipx(42)))?;
-        let mut panels = self.panels.iter().enumerate();
-        panels.try_for_each(|(number, (name, entries))| {
-            let (width, height) = self.panel_size();
+        write_title(canvas, self.size().0 / 2, title, Some((42, note)))?;
+        let (width, height) = self.panel_size();
+        for (number, (name, entries)) in self.panels.iter().enumerate() {
             let (row, column) = (number / self.columns(), number % self.columns());
-            let corner = (column as u32 * width, TOP + row as u32 * height);
-            self.axes(root, theme, corner, name)?;
+            let corner = (column as i32 * width, TOP + row as i32 * height);
+            self.axes(canvas, corner, name)?;
             entries
                 .iter()
-                .try_for_each(|entry| Self::cell(root, theme, corner, entry))
-        })
+                .try_for_each(|entry| cell(canvas, corner, entry))?;
+        }
+        Ok(())
     }
 }
 
 impl Heat<'_> {
-    /// Draws the name of a panel, and the names and values of both settings.
-    fn axes<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        (left, top): (u32, u32),
-        name: &str,
-    ) -> Drawn<DB> {
-        let at = |x: u32, y: u32| (theme.px(x) as i32, theme.px(y) as i32);
+    /// Writes the name of a panel, and the names and values of both settings.
+    fn axes(&self, canvas: &Canvas<'_>, (left, top): Size, name: &str) -> Drawn {
+        write(canvas, 14, FROM_LEFT, (left + 16, top + 12), name)?;
         let [columns, rows] = &self.values;
-        let (wide, high) = (columns.len() as u32 * CELL.0, rows.len() as u32 * CELL.1);
-        let centre = left + LEFT + wide / 2;
-        let text = |size| theme.text(size).pos(CENTRED);
-        let title = theme.text(14).pos(FROM_LEFT);
-        root.draw_text(name, &title, at(left + 16, top + 12))?;
-        let bottom = top + CAPTION + high;
+        let (left, top) = (left + LEFT, top + CAPTION);
+        let bottom = top + rows.len() as i32 * CELL.1;
         for (column, value) in columns.iter().enumerate() {
-            let x = left + LEFT + column as u32 * CELL.0 + CELL.0 / 2;
-            root.draw_text(&shown(value), &text(12), at(x, bottom + 12))?;
+            let x = left + column as i32 * CELL.0 + CELL.0 / 2;
+            write(canvas, 12, CENTRED, (x, bottom + 12), &shown(value))?;
         }
-        root.draw_text(&self.keys[0], &text(12), at(centre, bottom + 32))?;
-        let beside = theme.text(12).pos(FROM_RIGHT);
+        let centre = left + columns.len() as i32 * CELL.0 / 2;
+        write(canvas, 12, CENTRED, (centre, bottom + 32), &self.keys[0])?;
         for (row, value) in rows.iter().enumerate() {
-            let y = top + CAPTION + row as u32 * CELL.1 + CELL.1 / 2;
-            root.draw_text(&shown(value), &beside, at(left + LEFT - 8, y))?;
+            let y = top + row as i32 * CELL.1 + CELL.1 / 2;
+            write(canvas, 12, FROM_RIGHT, (left - 8, y), &shown(value))?;
         }
-        let corner = at(left + LEFT - 8, top + CAPTION - 12);
-        root.draw_text(&self.keys[1], &beside, corner)
-    }
-
-    /// Draws the cell of a combination. More optimal trials make it darker.
-    fn cell<DB: DrawingBackend>(
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        (left, top): (u32, u32),
-        (column, row, arm): &Entry<'_>,
-    ) -> Drawn<DB> {
-        let share = arm.successes as f64 / arm.trials.max(1) as f64;
-        let x = left + LEFT + *column as u32 * CELL.0;
-        let y = top + CAPTION + *row as u32 * CELL.1;
-        let corners = [(x, y), (x + CELL.0 - 2, y + CELL.1 - 2)];
-        let corners = corners.map(|(x, y)| (theme.px(x) as i32, theme.px(y) as i32));
-        let fill = colour(BLUE).mix(0.06 + 0.94 * share).filled();
-        root.draw(&Rectangle::new(corners, fill))?;
-        // Light text on dark cells.
-        let ink = if share > 0.55 { WHITE } else { INK };
-        let text = |size| theme.text(size).pos(CENTRED).color(&ink);
-        let at = |down: u32| (theme.px(x + CELL.0 / 2) as i32, theme.px(y + down) as i32);
-        root.draw_text(&format!("{:.0} %", 100.0 * share), &text(13), at(14))?;
-        let steps = arm
-            .iqm_env_steps
-            .map_or("–".to_owned(), |steps| format!("{steps:.0}"));
-        root.draw_text(&steps, &text(11), at(31))
+        write(canvas, 12, FROM_RIGHT, (left - 8, top - 12), &self.keys[1])
     }
 }

@@ -22,38 +22,7 @@ use steps::Steps;
 use crate::page::Picture;
 use crate::study::analysis::summary::{ArmRecords, ArmSummary};
 use crate::study::error::StudyError;
-use crate::study::store::folder::StudyFolder;
-
-/// A figure that a study can have.
-struct Subject {
-    name: &'static str,
-    caption: &'static str,
-}
-
-const FIRST_OPTIMAL: Subject = Subject {
-    name: "first-optimal",
-    caption: "When the greedy policy first became globally optimal",
-};
-const CURVES: Subject = Subject {
-    name: "curves",
-    caption: "The share of trials that had found an optimal policy",
-};
-const EPISODES: Subject = Subject {
-    name: "episodes",
-    caption: "Steps per episode",
-};
-const STEPS: Subject = Subject {
-    name: "steps",
-    caption: "Environment steps until the policy was globally optimal",
-};
-const HEAT: Subject = Subject {
-    name: "heat",
-    caption: "Optimal trials by two settings",
-};
-const ABLATION: Subject = Subject {
-    name: "ablation",
-    caption: "Contribution of each switch",
-};
+use crate::study::store::StudyFolder;
 
 /// Draws the figures of a study into its folder, and returns them. `arms` are the study's
 /// summaries.
@@ -64,39 +33,42 @@ pub fn draw_figures(folder: &StudyFolder, arms: &[ArmSummary]) -> Result<Vec<Pic
     let records = ArmRecords::all(folder);
     let panels = Panels::new(&records, folder.protocol().episodes);
     let mut pictures = Vec::new();
+    let mut add = |name, caption, drawing: &dyn Drawing| {
+        pictures.push(draw(folder, name, caption, drawing)?);
+        Ok::<_, StudyError>(())
+    };
     if panels.series.len() <= theme::MOST_SERIES {
-        pictures.push(draw(folder, FIRST_OPTIMAL, &Histograms(&panels))?);
-        pictures.push(draw(folder, CURVES, &Curves(&panels))?);
+        let caption = "When the greedy policy first became globally optimal";
+        add("first-optimal", caption, &Histograms(&panels))?;
+        let caption = "The share of trials that had found an optimal policy";
+        add("curves", caption, &Curves(&panels))?;
         if let Some(curves) = folder.learning_curves() {
-            pictures.push(draw(folder, EPISODES, &Episodes::new(&panels, &curves))?);
+            let chart = Episodes::new(&panels, &curves);
+            add("episodes", "Steps per episode", &chart)?;
         }
     }
     if let Some(chart) = Steps::new(&panels, arms) {
-        pictures.push(draw(folder, STEPS, &chart)?);
+        let caption = "Environment steps until the policy was globally optimal";
+        add("steps", caption, &chart)?;
     }
     if let Some(chart) = Heat::new(&folder.protocol().arms, arms) {
-        pictures.push(draw(folder, HEAT, &chart)?);
+        add("heat", "Optimal trials by two settings", &chart)?;
     }
     if let Some(chart) = Ablation::new(&records) {
-        pictures.push(draw(folder, ABLATION, &chart)?);
+        add("ablation", "Contribution of each switch", &chart)?;
     }
     Ok(pictures)
 }
 
 fn draw(
     folder: &StudyFolder,
-    subject: Subject,
-    drawing: &impl Drawing,
+    name: &'static str,
+    caption: &'static str,
+    drawing: &dyn Drawing,
 ) -> Result<Picture, StudyError> {
-    let Subject { name, caption } = subject;
-    let fault = |fault| StudyError::Figure {
-        name: name.to_owned(),
-        fault,
-    };
-    let (svg, png) = (
-        canvas::svg(drawing).map_err(fault)?,
-        canvas::png(drawing).map_err(fault)?,
-    );
+    let fault = |fault| StudyError::Figure { name, fault };
+    let svg = canvas::svg(drawing).map_err(fault)?;
+    let png = canvas::png(&svg).map_err(fault)?;
     folder.write(&format!("{name}.svg"), svg.as_bytes())?;
     folder.write(&format!("{name}.png"), &png)?;
     Ok(Picture { name, caption, svg })

@@ -28,23 +28,16 @@ impl<'a> Panels<'a> {
         let arenas = several(|a, b| a.arena != b.arena);
         let sensors = several(|a, b| a.sensor != b.sensor);
         let place = |arm: &Arm| {
-            let arena = if arenas {
-                format!(", {}", arm.arena.name())
-            } else {
-                String::new()
-            };
-            let sensor = if sensors {
-                format!(", {}", arm.sensor.name())
-            } else {
-                String::new()
-            };
-            format!("{}{arena}{sensor}", arm.world)
+            let arena = arenas.then(|| format!(", {}", arm.arena.name()));
+            let sensor = sensors.then(|| format!(", {}", arm.sensor.name()));
+            let differs = [arena, sensor].into_iter().flatten();
+            arm.world.clone() + &differs.collect::<String>()
         };
         let (mut places, mut series) = (Vec::new(), Vec::new());
         let position = |ArmRecords { arm, .. }: &ArmRecords<'_>| {
             let who = format!("{} {}", arm.method_name(), arm.variant);
-            let column = index_of(&mut places, place(arm));
-            (column, index_of(&mut series, who.trim_end().to_owned()))
+            let column = index_of(&mut places, &place(arm));
+            (column, index_of(&mut series, &who.trim_end().to_owned()))
         };
         let positions = records.iter().map(position).collect();
         Self {
@@ -54,6 +47,16 @@ impl<'a> Panels<'a> {
             records,
             positions,
         }
+    }
+
+    /// Returns the number of places and of series.
+    pub fn size(&self) -> (i32, i32) {
+        (self.places.len() as i32, self.series.len() as i32)
+    }
+
+    /// Returns the trials of all arms.
+    pub fn records(&self) -> &'a [ArmRecords<'a>] {
+        self.records
     }
 
     /// Returns the arm of a series in a place.
@@ -68,13 +71,11 @@ impl<'a> Panels<'a> {
     }
 }
 
-/// Returns the index of a name in a list. Adds the name if it is new.
-fn index_of(names: &mut Vec<String>, name: String) -> usize {
-    names
-        .iter()
-        .position(|known| *known == name)
-        .unwrap_or_else(|| {
-            names.push(name);
-            names.len() - 1
-        })
+/// Returns the index of an item in a list. Adds the item if it is new.
+pub fn index_of<T: PartialEq + Clone>(list: &mut Vec<T>, item: &T) -> usize {
+    let known = list.iter().position(|known| known == item);
+    known.unwrap_or_else(|| {
+        list.push(item.clone());
+        list.len() - 1
+    })
 }

@@ -1,24 +1,23 @@
 //! Environment steps until the policy was globally optimal.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::canvas::{Drawing, Drawn, Size};
+use super::canvas::{Canvas, Drawing, Drawn, Size, draw_line, write, write_title};
 use super::panels::Panels;
-use super::theme::{BLUE, CENTRED, FAINT, FROM_LEFT, FROM_RIGHT, INK, RED, Theme, colour, widest};
+use super::theme::{BLUE, CENTRED, FAINT, FROM_LEFT, FROM_RIGHT, INK, RED, colour, line, widest};
 use crate::agent::power;
 use crate::study::analysis::summary::ArmSummary;
 use crate::study::statistics::{Interval, Proportion};
 
-const TOP: u32 = 58;
+const TOP: i32 = 58;
 /// Width of a panel's axis, and of its figures.
-const AXIS: u32 = 220;
-const FIGURES: u32 = 96;
-const CAPTION: u32 = 26;
-const LABELS: u32 = 46;
+const AXIS: i32 = 220;
+const FIGURES: i32 = 96;
+const CAPTION: i32 = 26;
+const LABELS: i32 = 46;
 /// The width of the note under the title.
-const NOTE: u32 = 760;
-const ROW: u32 = 18;
+const NOTE: i32 = 760;
+const ROW: i32 = 18;
 /// Maximum number of panels in a row.
 const MOST_COLUMNS: usize = 3;
 /// Maximum length of a name. Longer names, as in sweeps of many settings, leave no room for the
@@ -90,7 +89,7 @@ impl<'a> Steps<'a> {
     }
 
     /// Returns the width of the names of the series.
-    fn names(&self) -> u32 {
+    fn names(&self) -> i32 {
         widest(&self.panels.series) + 24
     }
 
@@ -98,137 +97,105 @@ impl<'a> Steps<'a> {
         self.costs.len().clamp(1, MOST_COLUMNS)
     }
 
-    fn panel_height(&self) -> u32 {
-        CAPTION + self.panels.series.len() as u32 * ROW + LABELS
+    fn panel_height(&self) -> i32 {
+        CAPTION + self.panels.series.len() as i32 * ROW + LABELS
     }
 
     /// Returns the upper left corner of a panel.
-    fn corner(&self, place: usize) -> (u32, u32) {
+    fn corner(&self, place: usize) -> Size {
         let (row, column) = (place / self.columns(), place % self.columns());
-        let left = self.names() + column as u32 * (AXIS + FIGURES);
-        (left, TOP + row as u32 * self.panel_height())
+        let left = self.names() + column as i32 * (AXIS + FIGURES);
+        (left, TOP + row as i32 * self.panel_height())
     }
 }
 
 impl Drawing for Steps<'_> {
     fn size(&self) -> Size {
         let (columns, rows) = (self.columns(), self.costs.len().div_ceil(self.columns()));
-        let width = self.names() + columns as u32 * (AXIS + FIGURES);
-        (width.max(NOTE), TOP + rows as u32 * self.panel_height())
+        let width = self.names() + columns as i32 * (AXIS + FIGURES);
+        (width.max(NOTE), TOP + rows as i32 * self.panel_height())
     }
 
-    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, theme: Theme) -> Drawn<DB> {
-        let middle = theme.px(self.size().0 / 2) as i32;
+    fn draw(&self, canvas: &Canvas<'_>) -> Drawn {
         let title = "Environment steps until the policy was globally optimal";
-        let at = (middle, theme.ipx(18));
-        root.draw_text(title, &theme.text(17).pos(CENTRED), at)?;
         let note = "interquartile mean with 95 % interval, and the share of optimal trials; hollow: not all; red: the fewest steps";
-        let at = (middle, theme.ipx(40));
-        root.draw_text(note, &theme.text(12).pos(CENTRED), at)?;
-        (0..self.costs.len()).try_for_each(|place| self.panel(root, theme, place))
+        write_title(canvas, self.size().0 / 2, title, Some((40, note)))?;
+        (0..self.costs.len()).try_for_each(|place| self.panel(canvas, place))
     }
 }
 
 impl Steps<'_> {
-    fn panel<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        place: usize,
-    ) -> Drawn<DB> {
+    fn panel(&self, canvas: &Canvas<'_>, place: usize) -> Drawn {
         let (left, top) = self.corner(place);
-        let name = theme.text(14).pos(FROM_LEFT);
-        let at = (theme.px(left) as i32, theme.px(top + CAPTION / 2) as i32);
-        root.draw_text(&self.panels.places[place], &name, at)?;
-        self.axis(root, theme, place)?;
+        let name = &self.panels.places[place];
+        write(canvas, 14, FROM_LEFT, (left, top + CAPTION / 2), name)?;
+        self.axis(canvas, place)?;
         let fewest = self.costs[place].iter().map(|cost| cost.steps.value);
         let fewest = fewest.fold(f64::INFINITY, f64::min);
         self.costs[place].iter().try_for_each(|cost| {
-            let hue = if cost.steps.value == fewest {
-                RED
-            } else {
-                BLUE
-            };
-            self.dot(root, theme, place, cost, colour(hue))?;
-            self.words(root, theme, place, cost)
+            let is_best = cost.steps.value == fewest;
+            let hue = colour(if is_best { RED } else { BLUE });
+            self.dot(canvas, place, cost, hue)?;
+            self.words(canvas, place, cost)
         })
     }
 
-    /// Returns the position of a number of steps in the row of a series, in pixels.
-    fn at(&self, theme: Theme, place: usize, steps: f64, series: usize) -> (i32, i32) {
+    /// Returns the position of a number of steps in the row of a series.
+    fn at(&self, place: usize, steps: f64, series: usize) -> (i32, i32) {
         let (left, top) = self.corner(place);
-        let share =
-            (exponent(steps) - f64::from(self.from)) / f64::from((self.to - self.from).max(1));
-        let x = f64::from(theme.px(left)) + share * f64::from(theme.px(AXIS));
-        let y = theme.px(top + CAPTION + series as u32 * ROW + ROW / 2);
-        (x as i32, y as i32)
+        let length = f64::from((self.to - self.from).max(1));
+        let share = (exponent(steps) - f64::from(self.from)) / length;
+        let x = f64::from(left) + share * f64::from(AXIS);
+        (x as i32, top + CAPTION + series as i32 * ROW + ROW / 2)
     }
 
     /// Draws a line at each power of ten, with its number below.
-    fn axis<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        place: usize,
-    ) -> Drawn<DB> {
+    fn axis(&self, canvas: &Canvas<'_>, place: usize) -> Drawn {
         let last = self.panels.series.len();
         for exponent in self.from..=self.to {
             let steps = power(10.0, exponent);
-            let (x, top) = self.at(theme, place, steps, 0);
-            let (_, bottom) = self.at(theme, place, steps, last);
-            let line = [(x, top - theme.ipx(ROW as i32 / 2)), (x, bottom)];
-            root.draw(&PathElement::new(line, theme.line(FAINT, 1)))?;
-            let below = (x, bottom + theme.ipx(10));
-            root.draw_text(&steps.to_string(), &theme.text(11).pos(CENTRED), below)?;
+            let (x, top) = self.at(place, steps, 0);
+            let (_, bottom) = self.at(place, steps, last);
+            draw_line(canvas, [(x, top - ROW / 2), (x, bottom)], line(FAINT, 1))?;
+            write(canvas, 11, CENTRED, (x, bottom + 10), &steps.to_string())?;
         }
-        let (left, bottom) = self.at(theme, place, power(10.0, self.from), last);
-        let (right, _) = self.at(theme, place, power(10.0, self.to), last);
-        let middle = (i32::midpoint(left, right), bottom + theme.ipx(26));
-        let unit = "environment steps (logarithmic)";
-        root.draw_text(unit, &theme.text(11).pos(CENTRED), middle)?;
-        let ends = [(left, bottom), (right, bottom)];
-        root.draw(&PathElement::new(ends, theme.line(INK, 1)))
+        let (left, bottom) = self.at(place, power(10.0, self.from), last);
+        let (right, _) = self.at(place, power(10.0, self.to), last);
+        let middle = (i32::midpoint(left, right), bottom + 26);
+        write(
+            canvas,
+            11,
+            CENTRED,
+            middle,
+            "environment steps (logarithmic)",
+        )?;
+        draw_line(canvas, [(left, bottom), (right, bottom)], line(INK, 1))
     }
 
-    fn dot<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        place: usize,
-        cost: &Cost,
-        hue: RGBColor,
-    ) -> Drawn<DB> {
-        let at = |steps| self.at(theme, place, steps, cost.series);
+    fn dot(&self, canvas: &Canvas<'_>, place: usize, cost: &Cost, hue: RGBColor) -> Drawn {
+        let at = |steps| self.at(place, steps, cost.series);
         let Interval { value, low, high } = cost.steps;
-        root.draw(&PathElement::new([at(low), at(high)], theme.line(hue, 2)))?;
-        root.draw(&Circle::new(at(value), theme.ipx(4), WHITE.filled()))?;
+        draw_line(canvas, [at(low), at(high)], line(hue, 2))?;
+        canvas.draw(&Circle::new(at(value), 4, WHITE.filled()))?;
         let style = match cost.always_optimal() {
             true => hue.filled(),
-            false => theme.line(hue, 2),
+            false => line(hue, 2),
         };
-        root.draw(&Circle::new(at(value), theme.ipx(4), style))
+        canvas.draw(&Circle::new(at(value), 4, style))
     }
 
-    /// Draws the figures right of the axis, and the name left of the first panel in a row.
-    fn words<DB: DrawingBackend>(
-        &self,
-        root: &DrawingArea<DB, Shift>,
-        theme: Theme,
-        place: usize,
-        cost: &Cost,
-    ) -> Drawn<DB> {
-        let (x, y) = self.at(theme, place, power(10.0, self.to), cost.series);
-        let figure = theme.text(11).pos(FROM_RIGHT);
+    /// Writes the figures right of the axis, and the name left of the first panel in a row.
+    fn words(&self, canvas: &Canvas<'_>, place: usize, cost: &Cost) -> Drawn {
+        let (x, y) = self.at(place, power(10.0, self.to), cost.series);
         let steps = format!("{:.0}", cost.steps.value);
-        root.draw_text(&steps, &figure, (x + theme.ipx(46), y))?;
+        write(canvas, 11, FROM_RIGHT, (x + 46, y), &steps)?;
         let share = format!("{:.0} %", 100.0 * cost.successes.share());
-        root.draw_text(&share, &figure, (x + theme.ipx(86), y))?;
-        if !place.is_multiple_of(self.columns()) {
-            return Ok(());
-        }
-        let at = (theme.px(self.names()) as i32 - theme.ipx(10), y);
+        write(canvas, 11, FROM_RIGHT, (x + 86, y), &share)?;
         let name = &self.panels.series[cost.series];
-        root.draw_text(name, &theme.text(12).pos(FROM_RIGHT), at)
+        match place.is_multiple_of(self.columns()) {
+            true => write(canvas, 12, FROM_RIGHT, (self.names() - 10, y), name),
+            false => Ok(()),
+        }
     }
 }
 

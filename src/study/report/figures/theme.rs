@@ -2,11 +2,6 @@
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontStyle, register_font};
-
-/// DejaVu Sans, reduced to Latin letters. Embedded, so that figures need no installed font and are
-/// the same everywhere.
-const FONT: &[u8] = include_bytes!("../../../../assets/font/DejaVuSans-latin.ttf");
 
 /// Colours that colour-blind people can distinguish (Okabe and Ito 2008), the plain ones first.
 const COLOURS: [RGBColor; 8] = [
@@ -46,52 +41,24 @@ pub const INK: RGBColor = RGBColor(34, 34, 34);
 /// The colour of grid lines.
 pub const FAINT: RGBColor = RGBColor(225, 225, 225);
 
-/// The scale of a figure. All sizes are multiplied by it.
-#[derive(Debug, Clone, Copy)]
-pub struct Theme {
-    scale: u32,
+/// Returns the text style of this size.
+pub fn text(size: u32) -> TextStyle<'static> {
+    ("sans-serif", size).into_font().color(&INK)
 }
 
-impl Theme {
-    /// Creates a theme in which every pixel of the figure has `scale` x `scale` pixels.
-    ///
-    /// # Errors
-    /// When the embedded font cannot be read.
-    pub fn new(scale: u32) -> Result<Self, String> {
-        let registered = register_font("sans-serif", FontStyle::Normal, FONT);
-        registered.map_err(|_| "the embedded font cannot be read".to_owned())?;
-        Ok(Self { scale })
-    }
-
-    /// Returns a length in pixels.
-    pub fn px(self, length: u32) -> u32 {
-        length * self.scale
-    }
-
-    /// Returns a signed length in pixels.
-    pub fn ipx(self, length: i32) -> i32 {
-        length * i32::try_from(self.scale).unwrap_or(1)
-    }
-
-    /// Returns the text style of this size.
-    pub fn text(self, size: u32) -> TextStyle<'static> {
-        ("sans-serif", self.px(size)).into_font().color(&INK)
-    }
-
-    /// Returns the line style of this colour and width.
-    pub fn line(self, colour: impl Into<RGBAColor>, width: u32) -> ShapeStyle {
-        ShapeStyle {
-            color: colour.into(),
-            filled: false,
-            stroke_width: self.px(width),
-        }
+/// Returns the line style of this colour and width.
+pub fn line(colour: impl Into<RGBAColor>, width: u32) -> ShapeStyle {
+    ShapeStyle {
+        color: colour.into(),
+        filled: false,
+        stroke_width: width,
     }
 }
 
 /// Returns the approximate width of the longest name in small text.
-pub fn widest(names: &[String]) -> u32 {
+pub fn widest(names: &[String]) -> i32 {
     let letters = names.iter().map(|name| name.chars().count()).max();
-    7 * letters.unwrap_or(0) as u32
+    7 * letters.unwrap_or(0) as i32
 }
 
 /// Returns the colour of a series.

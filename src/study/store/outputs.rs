@@ -1,0 +1,86 @@
+//! The files of a study that are generated from its finished trials.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::folder::StudyFolder;
+use crate::disk;
+use crate::study::error::StudyError;
+
+/// The table of episodes.
+pub const EPISODES: &str = "episodes.csv.gz";
+/// The table of learning curves.
+pub const LEARNING_CURVES: &str = "learning-curves.csv";
+/// The tables and the reports.
+const DOCUMENTS: [&str; 6] = [
+    "trials.csv",
+    EPISODES,
+    LEARNING_CURVES,
+    "summary.json",
+    "report.md",
+    "report.html",
+];
+/// The figures, each as SVG and PNG.
+const FIGURES: [&str; 6] = [
+    "first-optimal",
+    "curves",
+    "episodes",
+    "steps",
+    "heat",
+    "ablation",
+];
+
+/// Returns true if a study generates a file of this name.
+pub fn is_output(name: &str) -> bool {
+    outputs().any(|output| output == name)
+}
+
+fn outputs() -> impl Iterator<Item = String> {
+    let figures = FIGURES
+        .iter()
+        .flat_map(|name| ["svg", "png"].map(|end| format!("{name}.{end}")));
+    DOCUMENTS.into_iter().map(str::to_owned).chain(figures)
+}
+
+impl StudyFolder {
+    /// Sets whether to overwrite files whose contents differ from what the study would write.
+    pub fn replacing(mut self, force: bool) -> Self {
+        self.force = force;
+        self
+    }
+
+    /// Removes all generated files.
+    pub(super) fn remove_outputs(path: &Path) -> Result<(), StudyError> {
+        outputs().try_for_each(|name| {
+            let file = path.join(name);
+            disk::remove(&file).map_err(|cause| StudyError::io(&file, cause))
+        })
+    }
+
+    /// Writes a generated file. An existing file with other contents belongs to somebody else or
+    /// was changed by hand. It is not overwritten without [`replacing`](Self::replacing).
+    pub(in crate::study) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
+        self.write_with(name, |file| file.write_all(bytes))
+    }
+
+    /// Like [`Self::write`], for contents that are written piece by piece.
+    pub(in crate::study) fn write_with(
+        &self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), StudyError> {
+        let path = self.path().join(name);
+        let written = match self.force {
+            true => disk::replace_with(&path, write).map(|()| true),
+            false => disk::keep_or_create(&path, write),
+        };
+        match written.map_err(|cause| StudyError::io(&path, cause))? {
+            true => Ok(()),
+            false => Err(StudyError::Refused(format!(
+                "{} exists and differs from what this study would write: replace it with `--force`; \
+                 the trials are kept",
+                path.display()
+            ))),
+        }
+    }
+}

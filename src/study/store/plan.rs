@@ -1,0 +1,282 @@
+//! The plan of a study in its folder: the frozen study, and the number of its tasks.
+
+use std::ffi::OsString;
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
+use super::journal::Journal;
+use crate::disk;
+use crate::study::error::StudyError;
+use crate::study::protocol::{Protocol, id_of};
+use crate::trial::PlanError;
+use xcs::bounds::within;
+
+/// The file of the plan.
+pub const PLAN: &str = "plan.json";
+/// The result of a search for settings.
+pub const SEARCH: &str = "search.json";
+/// The folder of the journals.
+const JOURNALS: &str = "journals";
+/// The default folder of the merged study.
+const RESULT: &str = "result";
+/// More tasks than any cluster engine accepts at once.
+const MOST_TASKS: usize = 100_000;
+/// Stands for all tasks in the name of a journal.
+pub const ALL_TASKS: usize = 0;
+
+/// The contents of `plan.json`.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlanFile {
+    /// The checksum of the study's text.
+    plan: String,
+    tasks: usize,
+    /// The checksum of the plan and the number of tasks.
+    checksum: String,
+    study: Box<RawValue>,
+}
+
+/// Protects the number of tasks, which is not part of the study's id.
+fn checksum(plan: &str, tasks: usize) -> String {
+    id_of(&format!("{plan} in {tasks} tasks"))
+}
+
+/// A frozen study that is split into tasks, for any number of processes and machines. Task `i` of
+/// `n` has every `n`-th trial. `n` is stored in the plan, and nowhere else.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedStudy {
+    path: PathBuf,
+    protocol: Protocol,
+    /// The id of the frozen protocol, as stored. A newer program may have more settings, and so
+    /// another id.
+    plan: String,
+    tasks: usize,
+}
+
+impl PlannedStudy {
+    /// Splits a study into tasks. Does not create the folder.
+    ///
+    /// # Errors
+    /// When there are more tasks than trials.
+    pub fn new(path: &Path, protocol: Protocol, tasks: usize) -> Result<Self, StudyError> {
+        let most = MOST_TASKS.min(protocol.len());
+        within("tasks", tasks, 1..=most).map_err(PlanError::from)?;
+        Ok(Self {
+            path: path.to_owned(),
+            plan: protocol.id(),
+            protocol,
+            tasks,
+        })
+    }
+
+    /// Returns the study as planned in its folder, or a new one if the folder has none. Without
+    /// `tasks`, the number in the folder is used.
+    ///
+    /// # Errors
+    /// [`StudyError::Refused`] when the folder contains something else. [`StudyError::Usage`] when
+    /// the folder is new and `tasks` is `None`.
+    pub fn in_folder(
+        path: &Path,
+        protocol: Protocol,
+        tasks: Option<usize>,
+    ) -> Result<Self, StudyError> {
+        let folder = path.display();
+        if !Self::is_in(path) {
+            require_own(path)?;
+            let tasks = tasks.ok_or_else(|| {
+                let fault =
+                    format!("{folder} is new: give the number of tasks, such as `--tasks 100`");
+                StudyError::Usage(fault)
+            })?;
+            return Self::new(path, protocol, tasks);
+        }
+        let found = Self::read(path)?;
+        match (protocol.id(), tasks.unwrap_or(found.tasks)) {
+            (wanted, _) if wanted != found.plan => Err(StudyError::Refused(format!(
+                "{folder} contains another study (plan {}, but this one is {wanted}): choose another \
+                 folder with `--out`, or replace that study with `study run --force`",
+                found.plan
+            ))),
+            (_, wanted) if wanted != found.tasks => Err(StudyError::Refused(format!(
+                "{folder} is split into {} tasks, not {wanted}: leave out `--tasks`, or choose \
+                 another folder with `--out`",
+                found.tasks
+            ))),
+            _ => Ok(found),
+        }
+    }
+
+    /// Returns true if the folder contains a study.
+    pub fn is_in(path: &Path) -> bool {
+        path.join(PLAN).is_file()
+    }
+
+    /// Reads the plan in the folder of a study.
+    ///
+    /// # Errors
+    /// When the folder contains no study, or a damaged one.
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
+        let file = path.join(PLAN);
+        let text = disk::read(&file, disk::MOST_BYTES).map_err(|cause| match cause.kind() {
+            ErrorKind::NotFound => {
+                let folder = path.display();
+                StudyError::Missing(format!("{folder} contains no study: it has no {PLAN}"))
+            }
+            _ => StudyError::io(&file, cause),
+        })?;
+        let (protocol, plan, tasks) =
+            parse(&text).map_err(|fault| StudyError::damaged(&file, fault))?;
+        Ok(Self {
+            path: path.to_owned(),
+            protocol,
+            plan,
+            tasks,
+        })
+    }
+
+    /// Creates the folder, unless it exists.
+    ///
+    /// # Errors
+    /// [`StudyError::Refused`] when the folder contains something else, or an error of the file
+    /// system.
+    pub fn make(&self) -> Result<(), StudyError> {
+        require_own(&self.path)?;
+        let journals = self.path.join(JOURNALS);
+        fs::create_dir_all(&journals).map_err(|cause| StudyError::create(&journals, cause))?;
+        if !Self::is_in(&self.path) {
+            self.write(false)?;
+        }
+        // Another process may have made another plan in the meantime.
+        Self::in_folder(&self.path, self.protocol.clone(), Some(self.tasks)).map(drop)
+    }
+
+    /// Writes the plan, and keeps an existing one unless `force` replaces it.
+    pub(super) fn write(&self, force: bool) -> Result<(), StudyError> {
+        let text = self.protocol.to_json();
+        let file = PlanFile {
+            plan: self.plan.clone(),
+            tasks: self.tasks,
+            checksum: checksum(&self.plan, self.tasks),
+            study: RawValue::from_string(text).expect("JSON is valid JSON"),
+        };
+        let path = self.path.join(PLAN);
+        match disk::write(&path, &json(&file), force) {
+            Err(cause) if cause.kind() != ErrorKind::AlreadyExists => {
+                Err(StudyError::io(&path, cause))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the path of the folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the frozen study.
+    pub fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+
+    /// Returns the id of the frozen study.
+    pub fn plan(&self) -> &str {
+        &self.plan
+    }
+
+    /// Returns the number of tasks.
+    pub fn tasks(&self) -> usize {
+        self.tasks
+    }
+
+    /// Returns the default folder of the merged study.
+    pub fn result(&self) -> PathBuf {
+        self.path.join(RESULT)
+    }
+
+    /// Starts a new journal for trials of a task, or of [`ALL_TASKS`].
+    pub(in crate::study) fn begin(&self, task: usize) -> Result<Journal, StudyError> {
+        Journal::begin(&self.path.join(JOURNALS), task, &self.plan)
+    }
+
+    /// Returns the journals with their tasks, sorted.
+    pub(in crate::study) fn journals(&self) -> Result<Vec<(usize, PathBuf)>, StudyError> {
+        let folder = self.path.join(JOURNALS);
+        let io = |cause| StudyError::io(&folder, cause);
+        let mut found = Vec::new();
+        for entry in folder.read_dir().map_err(io)? {
+            let name = entry.map_err(io)?.file_name();
+            // Ignore other files, such as those of a network file system.
+            let task = name.to_str().and_then(|name| name.split_once('-'));
+            match task.map(|(task, _)| task.parse()) {
+                Some(Ok(task)) if (ALL_TASKS..=self.tasks).contains(&task) => {
+                    found.push((task, folder.join(name)));
+                }
+                _ => {}
+            }
+        }
+        found.sort();
+        Ok(found)
+    }
+}
+
+fn parse(text: &[u8]) -> Result<(Protocol, String, usize), String> {
+    let file: PlanFile = serde_json::from_slice(text).map_err(|fault| fault.to_string())?;
+    if id_of(file.study.get()) != file.plan {
+        return Err("it was changed after it was frozen".to_owned());
+    }
+    if file.checksum != checksum(&file.plan, file.tasks) {
+        return Err("the number of tasks was changed after it was frozen".to_owned());
+    }
+    let protocol = serde_json::from_str::<Protocol>(file.study.get());
+    let protocol = protocol.map_err(|fault| fault.to_string())?;
+    protocol.check()?;
+    within("tasks", file.tasks, 1..=protocol.len()).map_err(|fault| fault.to_string())?;
+    Ok((protocol, file.plan, file.tasks))
+}
+
+/// A folder without a plan may contain files that are created before the plan, and nothing else.
+fn require_own(path: &Path) -> Result<(), StudyError> {
+    let is_early = |name: &OsString| name == JOURNALS || disk::is_leftover_of(name, PLAN);
+    // List the names first: another process may be creating the same plan, and more files after it.
+    match names(path)?.iter().all(is_early) || PlannedStudy::is_in(path) {
+        true => Ok(()),
+        false => Err(foreign(path)),
+    }
+}
+
+/// Returns the names of the files in a folder. Empty if the folder does not exist.
+pub fn names(folder: &Path) -> Result<Vec<OsString>, StudyError> {
+    let names = folder.read_dir().and_then(|entries| {
+        let names = entries.map(|entry| Ok(entry?.file_name()));
+        names.collect::<io::Result<Vec<_>>>()
+    });
+    match names {
+        Err(cause) if cause.kind() == ErrorKind::NotFound => Ok(Vec::new()),
+        names => names.map_err(|cause| StudyError::create(folder, cause)),
+    }
+}
+
+/// Returns the error for a folder with other contents, which it describes.
+pub fn foreign(folder: &Path) -> StudyError {
+    let kinds = [
+        (PLAN, "a study"),
+        (SEARCH, "a search, created by `xcscr study tune`"),
+    ];
+    let found = kinds.iter().find(|(name, _)| folder.join(name).is_file());
+    StudyError::Refused(format!(
+        "{} contains {}; refusing to change it: choose another folder with `--out`",
+        folder.display(),
+        found.map_or("files that xcscr did not create", |(_, what)| what)
+    ))
+}
+
+/// Serializes plain data as a JSON document.
+pub fn json(file: &impl Serialize) -> Vec<u8> {
+    let mut text = serde_json::to_string_pretty(file).expect("plain data becomes JSON");
+    text.push('\n');
+    text.into_bytes()
+}
