@@ -3,12 +3,27 @@
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 use xcs::Action;
 use xcs::bounds::{OutOfRange, within};
 
 /// The decision source of an action.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    PartialOrd,
+    Ord,
+    Serialize,
+    Deserialize,
+    IntoStaticStr,
+    VariantArray,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Chooser {
     /// The rules of \[P\], by their prediction array.
     Rules,
@@ -23,12 +38,7 @@ pub enum Chooser {
 impl Chooser {
     /// Returns the name used in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Rules => "rules",
-            Self::Table => "table",
-            Self::Planner => "planner",
-            Self::Chance => "chance",
-        }
+        self.into()
     }
 }
 
@@ -47,23 +57,9 @@ impl Choice {
         Self { action, chooser }
     }
 
-    /// Creates a choice by rules, or by chance if the step explores or no rule matched.
-    pub fn of_rules(action: Action, explores: bool) -> Self {
-        let chooser = if explores {
-            Chooser::Chance
-        } else {
-            Chooser::Rules
-        };
-        Self { action, chooser }
-    }
-
-    /// Creates a choice by a table, or by chance if the step explores or the row is missing.
-    pub fn of_a_table(action: Action, explores: bool) -> Self {
-        let chooser = if explores {
-            Chooser::Chance
-        } else {
-            Chooser::Table
-        };
+    /// Creates a choice by `chooser`, or by chance if the step explores or no action has a value.
+    pub fn by(chooser: Chooser, action: Action, by_chance: bool) -> Self {
+        let chooser = if by_chance { Chooser::Chance } else { chooser };
         Self { action, chooser }
     }
 
@@ -120,18 +116,10 @@ impl Chosen {
 impl fmt::Display for Chosen {
     /// Writes the sources with at least one step, each with its number of steps.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let choosers = [
-            Chooser::Rules,
-            Chooser::Table,
-            Chooser::Planner,
-            Chooser::Chance,
-        ];
         let counts = [self.rules, self.table, self.planner, self.chance];
-        let some = choosers.iter().zip(counts).filter(|&(_, count)| count > 0);
-        for (i, (chooser, count)) in some.enumerate() {
-            let gap = if i == 0 { "" } else { ", " };
-            write!(f, "{gap}{} {count}", chooser.name())?;
-        }
-        Ok(())
+        let some = Chooser::VARIANTS.iter().zip(counts);
+        let some = some.filter(|&(_, count)| count > 0);
+        let words = some.map(|(chooser, count)| format!("{} {count}", chooser.name()));
+        f.write_str(&words.collect::<Vec<_>>().join(", "))
     }
 }

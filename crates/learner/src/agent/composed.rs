@@ -15,7 +15,7 @@ use crate::agent::map_learner::MapLearner;
 use crate::agent::percept_learner::PerceptLearner;
 use crate::agent::plus_params::Estimator;
 use crate::agent::saved::{self, RestoreError};
-use crate::agent::{Agent, Choice, Chooser, EndCredit, StepCredit};
+use crate::agent::{Agent, Choice, EndCredit, StepCredit};
 use xcs::{Action, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
@@ -33,7 +33,6 @@ enum Current {
 #[derive(Debug, Clone)]
 pub struct Composed {
     current: Current,
-    step_threshold: u32,
     /// The steps of this episode, as long as the estimator may change.
     steps: Vec<(Percept, Action, Outcome)>,
     /// The number of last steps chosen by the policy, without exploration or chance.
@@ -43,12 +42,7 @@ pub struct Composed {
 impl Composed {
     /// Creates an untrained learner that begins with `estimator`, or with the percept for `Auto`. `Auto`
     /// requires percepts that begin with the eight cells around the robot.
-    pub fn new(
-        estimator: Estimator,
-        percept: PerceptLearner,
-        map: MapLearner,
-        step_threshold: u32,
-    ) -> Self {
+    pub fn new(estimator: Estimator, percept: PerceptLearner, map: MapLearner) -> Self {
         let (percept, map) = (Box::new(percept), Box::new(map));
         Self {
             current: match estimator {
@@ -56,9 +50,22 @@ impl Composed {
                 Estimator::Percept => Current::Percept(percept, None),
                 Estimator::Map => Current::Map(map),
             },
-            step_threshold,
             steps: Vec::new(),
             exploited: 0,
+        }
+    }
+
+    fn learner(&self) -> &dyn Agent {
+        match &self.current {
+            Current::Percept(learner, _) => &**learner,
+            Current::Map(learner) => &**learner,
+        }
+    }
+
+    fn learner_mut(&mut self) -> &mut dyn Agent {
+        match &mut self.current {
+            Current::Percept(learner, _) => &mut **learner,
+            Current::Map(learner) => &mut **learner,
         }
     }
 
@@ -76,6 +83,16 @@ impl Composed {
         // A policy over states arrives or explores before it visits a state twice.
         let circles = learner.has_met_fewer_than(self.exploited);
         map.notices_aliasing((percept, *action, *outcome), next) || found || circles
+    }
+
+    /// Returns true if experience up to the end of an episode refutes the percept as the state.
+    fn is_refuted(&mut self) -> bool {
+        let Current::Percept(learner, waiting) = &mut self.current else {
+            return false;
+        };
+        let steps = &self.steps;
+        let is_noisy = waiting.as_mut().is_some_and(|map| map.notices_noise(steps));
+        is_noisy || learner.is_refuted()
     }
 
     /// Switches to the cell on a map as the state, if possible, and replays this episode to the map
@@ -96,61 +113,42 @@ impl Composed {
 }
 
 impl Agent for Composed {
-    fn begin_episode(&mut self, _: bool) {
-        if let Current::Percept(learner, _) = &mut self.current {
-            learner.begin();
-        }
+    fn begin_episode(&mut self, evolves: bool) {
+        self.learner_mut().begin_episode(evolves);
     }
 
     fn observe(&mut self, percept: &Percept) -> PredictionArray {
         if self.is_contradicted(Some(percept)) {
             self.change_to_map();
         }
-        match &mut self.current {
-            Current::Percept(learner, _) => learner.observe(percept),
-            Current::Map(learner) => learner.observe(percept),
-        }
+        self.learner_mut().observe(percept)
     }
 
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        let choice = match &mut self.current {
-            Current::Percept(learner, _) => learner.choose(values, explorer),
-            Current::Map(learner) => return learner.choose(values, explorer),
-        };
-        self.exploited = match choice.chooser {
-            Chooser::Rules | Chooser::Table => self.exploited + 1,
-            Chooser::Planner | Chooser::Chance => 0,
+        let choice = self.learner_mut().choose(values, explorer);
+        self.exploited = match choice.explores() {
+            true => 0,
+            false => self.exploited + 1,
         };
         choice
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        match &mut self.current {
-            Current::Percept(learner, waiting) => {
-                if waiting.is_some() {
-                    self.steps.push((learner.percept(), action, outcome));
-                }
-                learner.update(action, outcome)
-            }
-            Current::Map(learner) => learner.update(action, outcome),
+        if let Current::Percept(learner, Some(_)) = &self.current {
+            self.steps.push((learner.percept(), action, outcome));
         }
+        self.learner_mut().update(action, outcome)
     }
 
     fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
         let contradicted = reached_goal && self.is_contradicted(None);
-        let (learner, waiting) = match &mut self.current {
-            Current::Percept(learner, waiting) => (learner, waiting),
-            Current::Map(learner) => return learner.end_episode(reached_goal),
-        };
-        let credit = learner.end_episode(reached_goal);
-        let contradicted = contradicted || learner.is_refuted();
-        let steps = &self.steps;
-        let is_noisy = waiting.as_mut().is_some_and(|map| map.notices_noise(steps));
-        if is_noisy || contradicted {
+        let was_map = self.remembers();
+        let credit = self.learner_mut().end_episode(reached_goal);
+        if self.is_refuted() || contradicted {
             self.change_to_map();
-            if let Current::Map(learner) = &mut self.current {
-                learner.end_episode(reached_goal);
-            }
+        }
+        if self.remembers() && !was_map {
+            self.learner_mut().end_episode(reached_goal);
         }
         self.steps.clear();
         self.exploited = 0;
@@ -158,53 +156,31 @@ impl Agent for Composed {
     }
 
     fn step_threshold(&self) -> u32 {
-        self.step_threshold
+        self.learner().step_threshold()
     }
 
     fn values(&self, percept: &Percept) -> PredictionArray {
-        match &self.current {
-            Current::Percept(learner, _) => learner.values(percept),
-            Current::Map(learner) => learner.values(percept),
-        }
+        self.learner().values(percept)
     }
 
     fn knowledge(&self) -> Knowledge {
-        match &self.current {
-            Current::Percept(learner, _) => learner.knowledge(),
-            Current::Map(learner) => learner.knowledge(),
-        }
+        self.learner().knowledge()
     }
 
-    /// Takes over the map of another world only if maps may be used.
+    /// Switches to a map if the knowledge has one.
     fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
-        match knowledge {
-            Knowledge::Foresighted { generalisation, .. } => match &mut self.current {
-                Current::Percept(learner, _) => {
-                    learner.warm_start(generalisation);
-                    true
-                }
-                Current::Map(_) => false,
-            },
-            Knowledge::Remembering { rules, map } => {
-                self.change_to_map();
-                match &mut self.current {
-                    Current::Map(learner) => learner.warm_start(rules, map),
-                    Current::Percept(..) => false,
-                }
-            }
-            _ => false,
+        if matches!(knowledge, Knowledge::Remembering { .. }) {
+            self.change_to_map();
         }
+        self.learner_mut().warm_start(knowledge)
     }
 
     fn remembers(&self) -> bool {
-        matches!(self.current, Current::Map(_))
+        self.learner().remembers()
     }
 
     fn rule_count(&self) -> usize {
-        match &self.current {
-            Current::Percept(learner, _) => learner.size(),
-            Current::Map(learner) => learner.size(),
-        }
+        self.learner().rule_count()
     }
 
     fn checkpoint(&self) -> Vec<u8> {

@@ -37,13 +37,8 @@ impl Explorer {
 
     /// Returns an action, and whether it was chosen to explore.
     pub fn choose(&mut self, values: &PredictionArray) -> (Action, bool) {
-        let explores = self.stream.chance(self.probability);
-        let action = if explores {
-            self.among(Action::all(values.as_slice().len()))
-        } else {
-            self.exploit(values)
-        };
-        (action, explores)
+        let all = Action::all(values.as_slice().len());
+        self.choose_among(values, all)
     }
 
     /// Like [`choose`](Self::choose), but explores only actions that have a value, if there are
@@ -52,12 +47,19 @@ impl Explorer {
         if values.greatest().is_none() {
             return self.choose(values);
         }
+        let all = Action::all(values.as_slice().len());
+        self.choose_among(values, all.filter(|&action| values.get(action).is_some()))
+    }
+
+    fn choose_among(
+        &mut self,
+        values: &PredictionArray,
+        tried: impl Iterator<Item = Action> + Clone,
+    ) -> (Action, bool) {
         let explores = self.stream.chance(self.probability);
-        let action = if explores {
-            let all = Action::all(values.as_slice().len());
-            self.among(all.filter(|&action| values.get(action).is_some()))
-        } else {
-            self.exploit(values)
+        let action = match explores {
+            true => self.among(tried),
+            false => self.exploit(values),
         };
         (action, explores)
     }

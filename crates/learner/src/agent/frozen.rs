@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
+use crate::agent::credit::credit_of_rules;
 use crate::agent::estimator::map::Tracker;
 use crate::agent::knowledge::Knowledge;
-use crate::agent::{Agent, Choice, EndCredit, Explorer, StepCredit};
+use crate::agent::{Agent, Choice, Chooser, EndCredit, Explorer, StepCredit};
 use xcs::{Action, Condition, Percept, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
@@ -41,32 +42,14 @@ impl Frozen {
 
     /// Describes the rules that match the current percept or context; empty for a table or a plan.
     fn matching(&self, action: Action) -> StepCredit {
-        let mut found = StepCredit::default();
         let context = match self.knowledge.map() {
             Some(map) => Some(self.tracker.context(map)),
             None => self.percept,
         };
-        let Some((rules, context)) = self.knowledge.rules().zip(context) else {
-            return found;
-        };
-        let (mut error, mut fitness, mut greatest) = (0.0, 0.0, f64::NEG_INFINITY);
-        rules.for_each_match(&context, |_, rule| {
-            found.match_set += rule.numerosity;
-            if rule.action != action {
-                return;
-            }
-            found.action_set += rule.numerosity;
-            error += rule.error * rule.fitness;
-            fitness += rule.fitness;
-            if rule.fitness > greatest {
-                greatest = rule.fitness;
-                found.fired = Some(rule.condition);
-            }
-        });
-        if fitness > 0.0 {
-            found.error = error / fitness;
+        match self.knowledge.rules().zip(context) {
+            Some((rules, context)) => credit_of_rules(rules, &context, action),
+            None => StepCredit::default(),
         }
-        found
     }
 }
 
@@ -84,10 +67,11 @@ impl Agent for Frozen {
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose(values);
         let by_chance = explores || values.greatest().is_none();
-        match self.knowledge.rules() {
-            Some(_) => Choice::of_rules(action, by_chance),
-            None => Choice::of_a_table(action, by_chance),
-        }
+        let chooser = match self.knowledge.rules() {
+            Some(_) => Chooser::Rules,
+            None => Chooser::Table,
+        };
+        Choice::by(chooser, action, by_chance)
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
@@ -98,11 +82,7 @@ impl Agent for Frozen {
 
     fn end_episode(&mut self, _: bool) -> EndCredit {
         self.tracker = Tracker::default();
-        EndCredit {
-            long_term_reward: 0.0,
-            learning_rate: 0.0,
-            imprinted: false,
-        }
+        EndCredit::new(0.0, 0.0)
     }
 
     fn step_threshold(&self) -> u32 {

@@ -65,9 +65,9 @@ impl Knowledge {
             }
             Self::RulesOverMatchSet(rules) => rules.sums(percept).array(actions, true),
             Self::Remembering { map, .. } => {
-                self.tracked_values(&tracker_at_start(map, percept), actions)
+                self.tracked_values(&Tracker::at_start(map, percept), actions)
             }
-            Self::Planned(plan) => plan.values(&tracker_at_start(plan.map(), percept), actions),
+            Self::Planned(plan) => plan.values(&Tracker::at_start(plan.map(), percept), actions),
             Self::Table(table) => {
                 let mut array = PredictionArray::new(actions);
                 let row = table.get(percept).map_or(&[][..], Vec::as_slice);
@@ -115,7 +115,7 @@ impl Knowledge {
     /// Returns the input of the rules when an episode begins with a percept.
     pub fn looked_at(&self, percept: &Percept) -> Percept {
         match self {
-            Self::Remembering { map, .. } => tracker_at_start(map, percept).context(map),
+            Self::Remembering { map, .. } => Tracker::at_start(map, percept).context(map),
             _ => *percept,
         }
     }
@@ -212,13 +212,6 @@ impl Knowledge {
     }
 }
 
-/// Returns the state estimate when an episode begins with a percept.
-fn tracker_at_start(map: &Map, percept: &Percept) -> Tracker {
-    let mut tracker = Tracker::default();
-    tracker.perceive(map, percept);
-    tracker
-}
-
 /// Errors when knowledge does not fit a world.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Misfit {
@@ -266,19 +259,16 @@ impl Misfit {
         action: usize,
         actions: usize,
     ) -> Result<(), Self> {
-        let rule = || rule.to_string();
         if width != wanted {
-            let rule = rule();
             return Err(Self::Width {
-                rule,
+                rule: rule.to_string(),
                 width,
                 wanted,
             });
         }
         if action >= actions {
-            let rule = rule();
             return Err(Self::Action {
-                rule,
+                rule: rule.to_string(),
                 action,
                 actions,
             });

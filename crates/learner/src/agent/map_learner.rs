@@ -6,34 +6,29 @@
 //! rules are distilled from the simulated decisions and from those made while driving ([`Distillation`]).
 //! Frontier exploration ([`LocalMap`]) takes whole episodes, with decreasing frequency.
 
+mod planning;
 mod policy;
 
 use serde::{Deserialize, Serialize};
 
 use super::estimator::aliasing::Aliasing;
-use super::estimator::map::association::MapStep;
 use super::estimator::map::map_set::MapSet;
+use super::estimator::map::robot_model::MapStep;
 use super::estimator::map::tracker::{CONTEXT_BITS, Felt, Tracker};
-use super::estimator::map::{Map, MapParams, RewardScale, Vision};
+use super::estimator::map::{Map, MapParams, Vision};
 use super::explorer::Explorer;
 use super::knowledge::Knowledge;
 use super::planner::frontier::LocalMap;
-use super::planner::rtdp_bel::{BeliefPlanner, Effort};
+use super::planner::rtdp_bel::BeliefPlanner;
 use super::policy::PolicyKind;
 use super::policy::examples::Examples;
 use super::policy::plan::{BeliefPlan, plan_for};
 use super::saved::{self, RestoreError};
-use super::{Choice, Chooser, EndCredit, Params, StepCredit};
+use super::{Agent, Choice, Chooser, EndCredit, Params, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Classifier, Percept, Population, PredictionArray};
 use xcscr_robot::arena::Outcome;
 
-/// The maximum number of simulated episodes after each real one, and the maximum number of states
-/// evaluated in them, early and later.
-const SIMULATED: usize = 32;
-const WEIGHED: [usize; 2] = [1600, 500];
-/// The number of episodes up to which the greater of these holds.
-const EARLY: u32 = 100;
 /// The number of first episodes that all explore: a single one maps only a path or two to a goal.
 const ALL_EXPLORE: u32 = 5;
 /// Up to this episode every second one explores, since most maps are incomplete. Later, one in ten does,
@@ -41,15 +36,8 @@ const ALL_EXPLORE: u32 = 5;
 const MANY_EXPLORE: u32 = 200;
 /// The initial episode number of a learner that starts with rules from another world.
 const EXPERIENCED: u32 = 6;
-/// The maximum number of simulated episodes per state after each real one, if moves are exact.
-const SWEEPS: usize = 8;
 /// The share of its steps that a rule set may lose to observation errors without a wider view.
 const TOLERATED: f64 = 0.03;
-/// If moves slip, plans never converge. Rules are distilled again after these episodes.
-const REVISED_AFTER: [u32; 14] = [
-    25, 50, 75, 100, 150, 200, 250, 300, 400, 500, 600, 700, 800, 900,
-];
-
 /// Maps, a plan over beliefs about the robot's cell, and a policy.
 #[derive(Debug, Clone)]
 pub struct MapLearner {
@@ -57,7 +45,6 @@ pub struct MapLearner {
     xcs: xcs::Params,
     params: Params,
     actions: usize,
-    values: RewardScale,
     learned: Learned,
     /// Derived from the maps.
     map: Map,
@@ -112,15 +99,11 @@ impl MapLearner {
         own: MapParams,
         (policy, stream): (PolicyKind, Stream),
     ) -> Self {
-        let Params {
-            goal, step, gamma, ..
-        } = params;
         Self {
             policy,
             xcs,
             params,
             actions,
-            values: RewardScale { goal, step, gamma },
             learned: Learned {
                 maps: MapSet::new(actions, vision, own),
                 aliasing: Aliasing::default(),
@@ -139,40 +122,6 @@ impl MapLearner {
         }
     }
 
-    /// Updates the belief about the robot's cell, and returns the policy's action values.
-    pub fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        self.percept = Some(*percept);
-        self.tracker.perceive(&self.map, percept);
-        let Learned {
-            maps,
-            local,
-            planner,
-            ..
-        } = &mut self.learned;
-        let around = maps.robot().vision.around(percept);
-        let last = self.steps.last();
-        if let Some(last) = last {
-            maps.follow(last, Some(&around));
-        }
-        local.perceive(last, &around, maps.robot());
-        if self.policy == PolicyKind::Plan {
-            plan_for(planner, &self.map, &self.tracker);
-        }
-        self.values_of(&self.tracker)
-    }
-
-    /// Explores in exploration episodes, and if the policy has no values. Otherwise the policy chooses.
-    pub fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        if self.explores() || values.greatest().is_none() {
-            return Choice::new(self.explore(), Chooser::Planner);
-        }
-        let chooser = match self.policy {
-            PolicyKind::Rules => Chooser::Rules,
-            PolicyKind::Plan => Chooser::Table,
-        };
-        Choice::new(explorer.exploit(values), chooser)
-    }
-
     /// Returns true in an exploration episode.
     fn explores(&self) -> bool {
         let every = match self.learned.episodes {
@@ -180,7 +129,7 @@ impl MapLearner {
             ALL_EXPLORE..MANY_EXPLORE => 2,
             _ => 10,
         };
-        self.size() == 0 || self.learned.episodes % every == every - 1
+        self.rule_count() == 0 || self.learned.episodes % every == every - 1
     }
 
     /// Returns the action that leads to the nearest frontier of this episode.
@@ -211,18 +160,6 @@ impl MapLearner {
         several && self.learned.episodes / 2 % 2 == 1
     }
 
-    /// Records the outcome of the action chosen after the last [`observe`](Self::observe). Wrong rules
-    /// are corrected at the end of the episode.
-    pub fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        let percept = self.percept.expect("`observe` comes before `update`");
-        let mut credit = self.matching(action);
-        credit.short_term_reward = self.params.short_term(outcome);
-        self.learned.stale |= self.meet(action);
-        self.tracker.act(action, outcome.into());
-        self.steps.push(self.map_step(&percept, action, outcome));
-        credit
-    }
-
     /// Converts a step to the form from which maps are estimated.
     fn map_step(&self, percept: &Percept, action: Action, outcome: Outcome) -> MapStep {
         let maps = &self.learned.maps;
@@ -234,31 +171,6 @@ impl MapLearner {
         }
     }
 
-    /// Ends the episode: updates maps, plan and policy.
-    pub fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
-        self.learned.episodes = self.learned.episodes.saturating_add(1);
-        let steps = std::mem::take(&mut self.steps);
-        self.tracker = Tracker::default();
-        self.learned.local.end();
-        if reached_goal && !steps.is_empty() {
-            self.learn_map(steps);
-        }
-        if !self.map.states.is_empty() {
-            self.learned.stale |= self.plan();
-            if std::mem::take(&mut self.learned.stale) {
-                match self.policy {
-                    PolicyKind::Rules => self.distil(),
-                    PolicyKind::Plan => self.settle(),
-                }
-            }
-        }
-        EndCredit {
-            long_term_reward: if reached_goal { self.params.goal } else { 0.0 },
-            learning_rate: 1.0,
-            imprinted: false,
-        }
-    }
-
     /// Updates the maps with an episode that reached a goal.
     fn learn_map(&mut self, steps: Vec<MapStep>) {
         let learned = &mut self.learned;
@@ -266,7 +178,7 @@ impl MapLearner {
             learned.maps.follow(last, None);
         }
         learned.maps.learn(steps);
-        let map = learned.maps.map(&self.values);
+        let map = learned.maps.map(&self.params);
         if !map.has_same_states(&self.map) {
             learned.planner = BeliefPlanner::new(&map.pomdp);
             learned.met.clear();
@@ -274,55 +186,6 @@ impl MapLearner {
         }
         learned.stale |= (map.observation_error > 0.0) != (self.map.observation_error > 0.0);
         self.map = map;
-    }
-
-    /// Plans by simulating episodes. Returns true if the plan changed.
-    fn plan(&mut self) -> bool {
-        match self.map.pomdp.slip() > 0.0 {
-            true => self.plan_from_random_states(),
-            false => self.plan_from_all_states(),
-        }
-    }
-
-    /// Plans from every state until nothing changes any more.
-    fn plan_from_all_states(&mut self) -> bool {
-        let mut changed = false;
-        for _ in 0..SWEEPS {
-            let mut change = 0.0_f64;
-            for start in 0..self.map.starts() {
-                let effort = self.simulate(start);
-                change = change.max(effort.change);
-            }
-            if change < 1e-9 {
-                break;
-            }
-            self.learned.met.clear();
-            changed = true;
-        }
-        changed
-    }
-
-    /// Plans from randomly drawn states.
-    fn plan_from_random_states(&mut self) -> bool {
-        let states = self.map.starts() as usize;
-        let budget = WEIGHED[usize::from(self.learned.episodes > EARLY)];
-        let mut weighed = 0;
-        for _ in 0..SIMULATED {
-            let start = self.learned.stream.below(states) as u32;
-            weighed += self.simulate(start).weighed;
-            if weighed > budget {
-                break;
-            }
-        }
-        REVISED_AFTER.contains(&self.learned.episodes)
-    }
-
-    fn simulate(&mut self, start: u32) -> Effort {
-        let belief = self.map.first_belief(start);
-        let Learned {
-            planner, stream, ..
-        } = &mut self.learned;
-        planner.imagine(&self.map.pomdp, start, belief, stream)
     }
 
     /// Learns from a step and the next percept (`None` at a goal) whether several cells share a percept.
@@ -348,8 +211,99 @@ impl MapLearner {
         self.learned.maps.notices_noise(&steps)
     }
 
-    /// Returns the learned knowledge.
-    pub fn knowledge(&self) -> Knowledge {
+    /// Resumes from [`checkpoint`](Agent::checkpoint). Returns `false` if it was made with other settings.
+    ///
+    /// # Errors
+    /// When the bytes are damaged.
+    pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
+        let mut learned: Learned = saved::read(saved)?;
+        if !learned.is_valid(self.actions, self.policy == PolicyKind::Rules) {
+            return Ok(false);
+        }
+        learned.maps = learned.maps.with_settings_of(&self.learned.maps);
+        self.map = learned.maps.map(&self.params);
+        self.learned = learned;
+        Ok(self.learned.planner.belongs_to(&self.map.pomdp))
+    }
+}
+
+impl Agent for MapLearner {
+    /// Updates the belief about the robot's cell, and returns the policy's action values.
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
+        self.percept = Some(*percept);
+        self.tracker.perceive(&self.map, percept);
+        let Learned {
+            maps,
+            local,
+            planner,
+            ..
+        } = &mut self.learned;
+        let around = maps.robot().vision.around(percept);
+        let last = self.steps.last();
+        if let Some(last) = last {
+            maps.follow(last, Some(&around));
+        }
+        local.perceive(last, &around, maps.robot());
+        if self.policy == PolicyKind::Plan {
+            plan_for(planner, &self.map, &self.tracker);
+        }
+        self.values_of(&self.tracker)
+    }
+
+    /// Explores in exploration episodes, and if the policy has no values. Otherwise the policy chooses.
+    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        if self.explores() || values.greatest().is_none() {
+            return Choice::new(self.explore(), Chooser::Planner);
+        }
+        let chooser = match self.policy {
+            PolicyKind::Rules => Chooser::Rules,
+            PolicyKind::Plan => Chooser::Table,
+        };
+        Choice::new(explorer.exploit(values), chooser)
+    }
+
+    /// Records the outcome of the action chosen after the last [`observe`](Self::observe). Wrong rules
+    /// are corrected at the end of the episode.
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let percept = self.percept.expect("`observe` comes before `update`");
+        let mut credit = self.matching(action);
+        credit.short_term_reward = self.params.short_term(outcome);
+        self.learned.stale |= self.meet(action);
+        self.tracker.act(action, outcome.into());
+        self.steps.push(self.map_step(&percept, action, outcome));
+        credit
+    }
+
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
+        self.learned.episodes = self.learned.episodes.saturating_add(1);
+        let steps = std::mem::take(&mut self.steps);
+        self.tracker = Tracker::default();
+        self.learned.local.end();
+        if reached_goal && !steps.is_empty() {
+            self.learn_map(steps);
+        }
+        if !self.map.states.is_empty() {
+            self.learned.stale |= self.plan();
+            if std::mem::take(&mut self.learned.stale) {
+                match self.policy {
+                    PolicyKind::Rules => self.distil(),
+                    PolicyKind::Plan => self.settle(),
+                }
+            }
+        }
+        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
+        EndCredit::new(long_term_reward, 1.0)
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.params.step_threshold
+    }
+
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        self.values_of(&Tracker::at_start(&self.map, percept))
+    }
+
+    fn knowledge(&self) -> Knowledge {
         let map = self.map.clone();
         match self.policy {
             PolicyKind::Rules => Knowledge::Remembering {
@@ -364,13 +318,14 @@ impl MapLearner {
 
     /// Starts from rules and maps of another world. Returns `false` if the plan is the policy: it is not
     /// transferred. With an unknown motion model, the rules are useless, and the maps help only later.
-    pub fn warm_start(&mut self, rules: &Population, map: &Map) -> bool {
-        if self.policy == PolicyKind::Plan {
+    fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
+        let (PolicyKind::Rules, Knowledge::Remembering { rules, map }) = (self.policy, knowledge)
+        else {
             return false;
-        }
+        };
         let learned = &mut self.learned;
         learned.maps.warm_start(map);
-        self.map = learned.maps.map(&self.values);
+        self.map = learned.maps.map(&self.params);
         learned.planner = BeliefPlanner::new(&self.map.pomdp);
         if learned.maps.robot().motion.are_certain() {
             learned.rules = rules.without_records();
@@ -381,30 +336,19 @@ impl MapLearner {
         true
     }
 
+    fn remembers(&self) -> bool {
+        true
+    }
+
     /// Returns the number of rules, or of beliefs in the plan.
-    pub fn size(&self) -> usize {
+    fn rule_count(&self) -> usize {
         match self.policy {
             PolicyKind::Rules => self.learned.rules.len(),
             PolicyKind::Plan => self.learned.planner.beliefs(),
         }
     }
 
-    /// Returns the state changed by learning, as bytes for [`resume`](Self::resume).
-    pub fn checkpoint(&self) -> Vec<u8> {
+    fn checkpoint(&self) -> Vec<u8> {
         saved::bytes_of(&self.learned)
-    }
-
-    /// Resumes from [`checkpoint`](Self::checkpoint). Returns `false` if it was made with other settings.
-    ///
-    /// # Errors Returns an error if the bytes are damaged.
-    pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
-        let mut learned: Learned = saved::read(saved)?;
-        if !learned.is_valid(self.actions, self.policy == PolicyKind::Rules) {
-            return Ok(false);
-        }
-        learned.maps = learned.maps.with_settings_of(&self.learned.maps);
-        self.map = learned.maps.map(&self.values);
-        self.learned = learned;
-        Ok(self.learned.planner.belongs_to(&self.map.pomdp))
     }
 }

@@ -125,7 +125,6 @@ impl Method {
                 Estimator::Auto if !shows_surroundings => Estimator::Percept,
                 chosen => chosen,
             };
-            let step_threshold = reward.step_threshold;
             let planning = || (policy, stream(StreamName::Replay));
             let own = (actions, vision);
             let map = MapLearner::new(own, xcs.clone(), reward.clone(), map_settings, planning());
@@ -135,7 +134,7 @@ impl Method {
             };
             let rules = Xcs::new(rules, actions, stream(StreamName::Evolution));
             let percept = PerceptLearner::new(rules, ring, reward, plus, planning());
-            Box::new(Composed::new(estimator, percept, map, step_threshold))
+            Box::new(Composed::new(estimator, percept, map))
         };
         match self {
             Self::Xcs => Box::new(Standard::new(learner(), reward)),

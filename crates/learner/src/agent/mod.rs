@@ -29,7 +29,6 @@ pub use choice::{Choice, Chooser, Chosen};
 use credit::{Combined, Standard};
 pub use estimator::map::{
     BEGUN_ELSEWHERE, CONTEXT_BITS, MISLOCALISED, Map, MapParams, MotionPrior, PERCEPT_BITS,
-    words as memory_words,
 };
 pub use explorer::Explorer;
 pub use frozen::Frozen;
@@ -40,6 +39,7 @@ pub use model::{CollisionRule, Generalisation, ReturnRule};
 pub use params::{Params, Sharing, StackEvolution, StepLimitUpdate, XcsPayment};
 pub use plus_params::{Estimator, PlusParams};
 pub use policy::contexts::contexts;
+pub(crate) use policy::demands::words as memory_words;
 pub use policy::demands::{Demand, Part, demands};
 pub use power::power;
 pub use saved::RestoreError;
@@ -76,6 +76,17 @@ pub struct EndCredit {
     pub imprinted: bool,
 }
 
+impl EndCredit {
+    /// Creates the credit of an episode after which no policy was imprinted.
+    pub fn new(long_term_reward: f64, learning_rate: f64) -> Self {
+        Self {
+            long_term_reward,
+            learning_rate,
+            imprinted: false,
+        }
+    }
+}
+
 /// A learner with its credit assignment.
 ///
 /// Each episode begins with [`begin_episode`](Self::begin_episode). Each step calls
@@ -96,7 +107,7 @@ pub trait Agent {
     /// best according to the rules.
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose(values);
-        Choice::of_rules(action, explores)
+        Choice::by(Chooser::Rules, action, explores)
     }
 
     /// Credits the action chosen after the last [`observe`](Self::observe).

@@ -20,7 +20,7 @@ use crate::agent::planner::exploration::{Exploration, Model};
 use crate::agent::planner::sweeping::PlannedValues;
 use crate::agent::policy::{PolicyKind, RulePolicy};
 use crate::agent::saved::{self, RestoreError};
-use crate::agent::{Choice, Chooser, EndCredit, Params, PlusParams, StepCredit};
+use crate::agent::{Agent, Choice, Chooser, EndCredit, Params, PlusParams, StepCredit};
 use xcs::random::Stream;
 use xcs::{Action, Percept, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
@@ -50,9 +50,8 @@ pub struct PerceptLearner {
 /// A step of the episode.
 #[derive(Debug, Clone, Copy)]
 struct Taken {
-    percept: Percept,
-    action: Action,
-    reward: f64,
+    /// The step, without the next percept.
+    step: Transition,
     /// True if the robot bumped. Then the next percept is known at once.
     bumped: bool,
 }
@@ -87,98 +86,7 @@ impl PerceptLearner {
         }
     }
 
-    /// Begins an episode.
-    pub fn begin(&mut self) {
-        self.exploration.begin();
-    }
-
-    /// Learns from the last step, decides whether to explore, and returns the policy's action values.
-    pub fn observe(&mut self, percept: &Percept) -> PredictionArray {
-        let met = self.memory.percepts().len();
-        let number = self.memory.meet(percept);
-        if number == met {
-            self.exploration.wake();
-        }
-        self.learn_last_step(Some(*percept));
-        self.present = Some((*percept, number));
-        self.heading = self.explore(number);
-        if self.heading.is_none() {
-            self.distil();
-        }
-        match &mut self.rules {
-            Some(rules) => rules.predict(percept),
-            None => self.planned(number),
-        }
-    }
-
-    /// Chooses the next step of exploration. If nothing is left to explore, chooses one of the policy's
-    /// best actions, or any action if the policy has no values.
-    pub fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
-        if let Some(action) = self.heading {
-            return Choice::new(action, Chooser::Planner);
-        }
-        let (action, by_chance) = match self.own.planned_exploration {
-            true => (explorer.exploit(values), false),
-            false => explorer.choose(values),
-        };
-        let by_chance = by_chance || values.greatest().is_none();
-        match self.rules {
-            Some(_) => Choice::of_rules(action, by_chance),
-            None => Choice::of_a_table(action, by_chance),
-        }
-    }
-
-    /// Records the outcome of the action chosen after the last [`observe`](Self::observe).
-    pub fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
-        let (percept, _) = self.present.expect("`observe` comes before `update`");
-        let reward = self.params.short_term(outcome);
-        let credit = match &self.rules {
-            Some(rules) => rules.credit(action, reward),
-            None => StepCredit {
-                short_term_reward: reward,
-                ..StepCredit::default()
-            },
-        };
-        let bumped = matches!(outcome, Outcome::Collided { .. });
-        if self.own.collision_rules && self.collisions.learn(&percept, action, bumped) {
-            self.exploration.wake();
-        }
-        self.path.push(Taken {
-            percept,
-            action,
-            reward,
-            bumped,
-        });
-        credit
-    }
-
-    /// Ends the episode.
-    pub fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
-        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
-        if let Some(last) = self.path.last_mut() {
-            last.reward += long_term_reward;
-            let Taken {
-                percept, bumped, ..
-            } = *last;
-            if reached_goal {
-                self.learn_last_step(None);
-            } else if bumped {
-                self.learn_last_step(Some(percept));
-            }
-        }
-        self.path.clear();
-        self.update_slips();
-        self.exploration.begin();
-        self.known.tidy();
-        self.distil();
-        EndCredit {
-            long_term_reward,
-            learning_rate: 1.0,
-            imprinted: false,
-        }
-    }
-
-    /// Returns the percept of the last [`observe`](Self::observe).
+    /// Returns the percept of the last [`observe`](Agent::observe).
     pub fn percept(&self) -> Percept {
         self.present.expect("`observe` comes first").0
     }
@@ -193,15 +101,6 @@ impl PerceptLearner {
         self.memory.percepts().len() < steps && !self.memory.slips().any()
     }
 
-    /// Returns the policy's action values in a percept.
-    pub fn values(&self, percept: &Percept) -> PredictionArray {
-        match (&self.rules, self.memory.number_of(percept)) {
-            (Some(rules), _) => rules.xcs().values(percept),
-            (None, Some(number)) => self.planned(number),
-            (None, None) => PredictionArray::new(self.actions),
-        }
-    }
-
     /// Returns the planned action values in a percept; none if no path to a goal is known.
     fn planned(&self, number: usize) -> PredictionArray {
         let mut array = PredictionArray::new(self.actions);
@@ -209,20 +108,6 @@ impl PerceptLearner {
             array.set(action, value);
         }
         array
-    }
-
-    /// Returns the learned knowledge.
-    pub fn knowledge(&self) -> Knowledge {
-        let Some(rules) = &self.rules else {
-            return Knowledge::Table(self.table());
-        };
-        Knowledge::Foresighted {
-            rules: rules.xcs().population().clone(),
-            generalisation: Generalisation {
-                collisions: self.collisions.rules(),
-                returns: self.known.returns().rules().collect(),
-            },
-        }
     }
 
     /// Returns the planned action values of all percepts with a known path to a goal.
@@ -237,37 +122,10 @@ impl PerceptLearner {
             .collect()
     }
 
-    /// Starts from the predictions of another world. Its best actions are not transferred, because they
-    /// depend on the maze.
-    pub fn warm_start(&mut self, generalisation: &Generalisation) {
-        if self.own.collision_rules {
-            self.collisions.warm_start(&generalisation.collisions);
-        }
-        if self.own.return_rules {
-            self.known.bring(&generalisation.returns);
-        }
-    }
-
-    /// Returns the number of rules, or of planned pairs of percept and action.
-    pub fn size(&self) -> usize {
-        match &self.rules {
-            Some(rules) => rules.xcs().population().len(),
-            None => self.memory.percepts().len() * self.actions,
-        }
-    }
-
-    /// Returns the state changed by learning, as bytes for [`resume`](Self::resume).
-    pub fn checkpoint(&self) -> Vec<u8> {
-        saved::bytes_of(&(
-            (self.rules.as_ref().map(RulePolicy::state), &self.stream),
-            (&self.memory, self.known.kept()),
-            (self.collisions.kept(), self.exploration.kept()),
-        ))
-    }
-
-    /// Resumes from [`checkpoint`](Self::checkpoint). Returns `false` if it was made with other settings.
+    /// Resumes from [`checkpoint`](Agent::checkpoint). Returns `false` if it was made with other settings.
     ///
-    /// # Errors Returns an error if the bytes are damaged.
+    /// # Errors
+    /// When the bytes are damaged.
     pub fn resume(&mut self, saved: &[u8]) -> Result<bool, RestoreError> {
         let (of_policy, of_model, of_exploration) = saved::read(saved)?;
         let (rules, known, collisions, exploration);
@@ -287,24 +145,13 @@ impl PerceptLearner {
 
     /// Learns from the last step, given the next percept.
     fn learn_last_step(&mut self, next: Option<Percept>) {
-        let Some(&Taken {
-            percept,
-            action,
-            reward,
-            bumped,
-        }) = self.path.last()
-        else {
+        let Some(&Taken { step, bumped }) = self.path.last() else {
             return;
         };
         self.learn_return(next);
-        let number = self.memory.meet(&percept);
+        let (step, action) = (Transition { next, ..step }, step.action);
+        let number = self.memory.meet(&step.percept);
         let known = self.memory.is_known(number, action);
-        let step = Transition {
-            percept,
-            action,
-            reward,
-            next,
-        };
         if self.memory.learn(&step, self.memory.slips().lead()) {
             let next = next.map(|next| self.memory.meet(&next));
             self.known.learn(&self.memory, (number, action), next);
@@ -337,9 +184,10 @@ impl PerceptLearner {
         let [.., first, second] = self.path[..] else {
             return;
         };
-        if self.own.return_rules && first.percept != second.percept && !second.bumped {
-            let back = next == Some(first.percept);
-            let turn = [first.action, second.action];
+        let start = first.step.percept;
+        if self.own.return_rules && start != second.step.percept && !second.bumped {
+            let back = next == Some(start);
+            let turn = [first.step.action, second.step.action];
             if self.known.learn_return(&self.memory, turn, back) {
                 self.exploration.wake();
             }
@@ -365,5 +213,147 @@ impl PerceptLearner {
             true => self.exploration.next(number, &model, &mut self.stream),
             false => None,
         }
+    }
+}
+
+impl Agent for PerceptLearner {
+    fn begin_episode(&mut self, _: bool) {
+        self.exploration.begin();
+    }
+
+    /// Learns from the last step, decides whether to explore, and returns the policy's action values.
+    fn observe(&mut self, percept: &Percept) -> PredictionArray {
+        let met = self.memory.percepts().len();
+        let number = self.memory.meet(percept);
+        if number == met {
+            self.exploration.wake();
+        }
+        self.learn_last_step(Some(*percept));
+        self.present = Some((*percept, number));
+        self.heading = self.explore(number);
+        if self.heading.is_none() {
+            self.distil();
+        }
+        match &mut self.rules {
+            Some(rules) => rules.predict(percept),
+            None => self.planned(number),
+        }
+    }
+
+    /// Chooses the next step of exploration. If nothing is left to explore, chooses one of the policy's
+    /// best actions, or any action if the policy has no values.
+    fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
+        if let Some(action) = self.heading {
+            return Choice::new(action, Chooser::Planner);
+        }
+        let (action, by_chance) = match self.own.planned_exploration {
+            true => (explorer.exploit(values), false),
+            false => explorer.choose(values),
+        };
+        let by_chance = by_chance || values.greatest().is_none();
+        let chooser = match self.rules {
+            Some(_) => Chooser::Rules,
+            None => Chooser::Table,
+        };
+        Choice::by(chooser, action, by_chance)
+    }
+
+    fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
+        let (percept, _) = self.present.expect("`observe` comes before `update`");
+        let reward = self.params.short_term(outcome);
+        let credit = match &self.rules {
+            Some(rules) => rules.credit(action, reward),
+            None => StepCredit {
+                short_term_reward: reward,
+                ..StepCredit::default()
+            },
+        };
+        let bumped = matches!(outcome, Outcome::Collided { .. });
+        if self.own.collision_rules && self.collisions.learn(&percept, action, bumped) {
+            self.exploration.wake();
+        }
+        let step = Transition {
+            percept,
+            action,
+            reward,
+            next: None,
+        };
+        self.path.push(Taken { step, bumped });
+        credit
+    }
+
+    fn end_episode(&mut self, reached_goal: bool) -> EndCredit {
+        let long_term_reward = if reached_goal { self.params.goal } else { 0.0 };
+        if let Some(last) = self.path.last_mut() {
+            last.step.reward += long_term_reward;
+            let Taken { step, bumped } = *last;
+            if reached_goal {
+                self.learn_last_step(None);
+            } else if bumped {
+                self.learn_last_step(Some(step.percept));
+            }
+        }
+        self.path.clear();
+        self.update_slips();
+        self.exploration.begin();
+        self.known.tidy();
+        self.distil();
+        EndCredit::new(long_term_reward, 1.0)
+    }
+
+    fn step_threshold(&self) -> u32 {
+        self.params.step_threshold
+    }
+
+    fn values(&self, percept: &Percept) -> PredictionArray {
+        match (&self.rules, self.memory.number_of(percept)) {
+            (Some(rules), _) => rules.xcs().values(percept),
+            (None, Some(number)) => self.planned(number),
+            (None, None) => PredictionArray::new(self.actions),
+        }
+    }
+
+    fn knowledge(&self) -> Knowledge {
+        let Some(rules) = &self.rules else {
+            return Knowledge::Table(self.table());
+        };
+        Knowledge::Foresighted {
+            rules: rules.xcs().population().clone(),
+            generalisation: Generalisation {
+                collisions: self.collisions.rules(),
+                returns: self.known.returns().rules().collect(),
+            },
+        }
+    }
+
+    /// Starts from the predictions of another world. Its best actions are not transferred, because they
+    /// depend on the maze.
+    fn warm_start(&mut self, knowledge: &Knowledge) -> bool {
+        let Some(generalisation) = knowledge.generalisation() else {
+            return false;
+        };
+        if self.own.collision_rules {
+            self.collisions.warm_start(&generalisation.collisions);
+        }
+        if self.own.return_rules {
+            self.known.bring(&generalisation.returns);
+        }
+        true
+    }
+
+    /// Returns the number of rules, or of planned pairs of percept and action.
+    fn rule_count(&self) -> usize {
+        match &self.rules {
+            Some(rules) => rules.xcs().population().len(),
+            None => self.memory.percepts().len() * self.actions,
+        }
+    }
+
+    fn checkpoint(&self) -> Vec<u8> {
+        saved::bytes_of(&(
+            (self.rules.as_ref().map(RulePolicy::state), &self.stream),
+            (&self.memory, self.known.kept()),
+            (self.collisions.kept(), self.exploration.kept()),
+        ))
     }
 }

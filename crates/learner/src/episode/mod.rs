@@ -7,11 +7,11 @@ mod params;
 mod policy;
 mod run;
 
-pub use choices::BestChoices;
+pub(crate) use choices::BestChoices;
 pub use mistakes::Mistakes;
 pub use mistakes::Watch;
 pub use observer::{Ending, Episode, Learned, Observer, Step};
 pub use params::Params;
-pub use policy::FaultFinder;
+pub(crate) use policy::FaultFinder;
 pub use policy::PolicyMap;
 pub use run::run;

@@ -4,17 +4,13 @@ use std::fmt;
 
 use super::plan::Plan;
 use super::resolve::{Resolved, STEP_THRESHOLD};
+use super::settings::{MOST_STEPS, PATHS_AN_EPISODE};
 use super::settings_error::SettingsError;
 use super::warning::misleading;
 use crate::agent::{Estimator, Method, MotionPrior};
 use xcscr_robot::sensor::Sensor;
 use xcscr_robot::world::{Maze, Paths};
 
-/// The largest step threshold that settings can hold.
-const MOST_STEPS: u32 = 1_000_000;
-/// Step threshold of the advice, in multiples of the longest shortest path. It leaves room to
-/// explore.
-const PATHS_AN_EPISODE: u32 = 4;
 /// The minimum number of episodes that is advised.
 const LEAST_EPISODES: u32 = 30;
 
@@ -72,16 +68,13 @@ impl Advice {
 /// Formats the advice as arguments of `xcscr train`.
 impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (number, change) in self.0.iter().enumerate() {
-            let space = if number == 0 { "" } else { " " };
-            match change {
-                Change::Method(method) => write!(f, "{space}--method {}", method.name()),
-                Change::Sensor(sensor) => write!(f, "{space}--sensor {}", sensor.name()),
-                Change::Setting(key, value) => write!(f, "{space}--set {key}={value}"),
-                Change::Episodes(episodes) => write!(f, "{space}--episodes {episodes}"),
-            }?;
-        }
-        Ok(())
+        let arguments = self.0.iter().map(|change| match change {
+            Change::Method(method) => format!("--method {}", method.name()),
+            Change::Sensor(sensor) => format!("--sensor {}", sensor.name()),
+            Change::Setting(key, value) => format!("--set {key}={value}"),
+            Change::Episodes(episodes) => format!("--episodes {episodes}"),
+        });
+        f.write_str(&arguments.collect::<Vec<_>>().join(" "))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::episode::{self, BestChoices, Ending, Observer};
 use xcs::random::Stream;
 use xcscr_robot::arena::Arena;
 use xcscr_robot::streams::StreamName;
-use xcscr_robot::world::{Paths, Starts};
+use xcscr_robot::world::{Cell, Paths, Starts};
 
 /// Nanoseconds in a second.
 const SECOND_NS: f64 = 1e9;
@@ -98,9 +98,13 @@ impl Evaluation {
         let Plan { maze, config } = &plan;
         knowledge.check(config.sensor.width(maze), maze.action_count())?;
         let began_ns = arena.view().now().time_ns;
-        let limit = config.settings.reward.step_threshold;
-        let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
-        let sums = Sums::over(episodes, &plan, &mut *arena, &mut policy, observer);
+        let mut starts = Stream::new(config.seed, StreamName::Start);
+        let cells = Starts::new(maze);
+        let starts = (0..episodes).map(|_| {
+            let start = cells.nth(maze, starts.below(cells.count()));
+            start.expect("a checked maze has a start cell")
+        });
+        let sums = GreedySums::over(starts, &plan, &mut *arena, knowledge, observer);
         // The observer may have ended the evaluation early.
         let episodes = sums.episodes;
         let mean = |sum: u64| sum as f64 / f64::from(episodes.max(1));
@@ -131,43 +135,40 @@ impl Evaluation {
     }
 }
 
-/// Sums over the episodes.
+/// Sums over the episodes of a greedy policy.
 #[derive(Default)]
-struct Sums {
-    episodes: u32,
-    successes: u32,
+pub(super) struct GreedySums {
+    pub episodes: u32,
+    pub successes: u32,
     optimal: u32,
-    steps: u64,
+    pub steps: u64,
     /// Expected steps of an optimal policy.
     expected: f64,
     collisions: u64,
 }
 
-impl Sums {
-    /// Runs episodes of a settled plan and sums their figures.
-    fn over(
-        episodes: u32,
+impl GreedySums {
+    /// Runs one episode of a settled plan from each start, until the observer ends them. Ties are broken at random.
+    pub fn over(
+        starts: impl Iterator<Item = Cell>,
         Plan { maze, config }: &Plan,
         arena: &mut dyn Arena,
-        policy: &mut Frozen,
+        knowledge: &Knowledge,
         observer: &mut dyn Observer,
     ) -> Self {
+        let limit = config.settings.reward.step_threshold;
+        let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
         let paths = Paths::with_slip(maze, config.settings.arena.slip);
         let mut greedy = Explorer::new(0.0, Stream::new(config.seed, StreamName::Exploration));
-        let mut starts = Stream::new(config.seed, StreamName::Start);
-        let cells = Starts::new(maze);
         let mut sums = Self::default();
-        for number in 1..=episodes {
-            let start = cells
-                .nth(maze, starts.below(cells.count()))
-                .expect("a checked maze has a start cell");
+        for (number, start) in (1..).zip(starts) {
             let mut choices = BestChoices::by(&paths);
             let (episode, flow) = episode::run(
                 number,
                 start,
                 arena,
                 config.sensor,
-                policy,
+                &mut policy,
                 &mut greedy,
                 &mut (&mut choices, &mut *observer),
             );
@@ -198,7 +199,7 @@ mod tests {
     use xcs::Action;
     use xcscr_robot::arena::ArenaKind;
     use xcscr_robot::sensor::Sensor;
-    use xcscr_robot::world::{Cell, Maze};
+    use xcscr_robot::world::Maze;
 
     /// Ends an evaluation after its third episode.
     struct UpToThree;

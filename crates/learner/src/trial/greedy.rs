@@ -4,13 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::bounds::Bounds;
 use super::drive::Drive;
+use super::evaluation::GreedySums;
 use super::plan::Plan;
-use crate::agent::{Explorer, Frozen, Knowledge};
-use crate::episode;
-use xcs::random::Stream;
-use xcscr_robot::arena::{GridArena, NoisyPerceptArena, RewardingArena, SlippingArena};
+use crate::agent::{Frozen, Knowledge};
+use xcscr_robot::arena::GridArena;
 use xcscr_robot::sensor::Sensor;
-use xcscr_robot::streams::StreamName;
 use xcscr_robot::world::{Cell, Maze, Starts};
 
 /// The number of episodes for a mean if moves slip or percepts have observation errors.
@@ -36,40 +34,20 @@ impl GreedySteps {
     /// fit its world. Ties are broken at random.
     pub fn of(plan: &Plan, knowledge: &Knowledge) -> Self {
         let Plan { maze, config } = plan;
-        let settings = &config.settings;
-        let stream = |name| Stream::new(config.seed, name);
         let grid = Box::new(GridArena::new(maze.clone()));
-        let paying = Box::new(RewardingArena::new(grid));
-        let slipping = Box::new(SlippingArena::new(paying, settings.arena.slip, config.seed));
-        let (flips, width) = (settings.sensor.flip_probability, config.sensor.width(maze));
-        let mut arena = NoisyPerceptArena::new(slipping, flips, width, config.seed);
-        let limit = settings.reward.step_threshold;
-        let mut policy = Frozen::new(knowledge.clone(), maze.action_count(), limit);
-        let mut greedy = Explorer::new(0.0, stream(StreamName::Exploration));
+        let mut arena = config.decorated(grid, maze);
         let starts = spread(&Starts::new(maze), maze);
-        let rounds = match settings.arena.slip > 0.0 || flips > 0.0 {
+        let (arena_params, sensor) = (&config.settings.arena, &config.settings.sensor);
+        let rounds = match arena_params.slip > 0.0 || sensor.flip_probability > 0.0 {
             true => RUNS.div_ceil(starts.len()),
             false => 1,
         };
-        let (mut steps, mut arrivals, mut episodes) = (0_u64, 0, 0);
-        for start in (0..rounds).flat_map(|_| &starts) {
-            episodes += 1;
-            let (episode, _) = episode::run(
-                episodes,
-                *start,
-                &mut arena,
-                config.sensor,
-                &mut policy,
-                &mut greedy,
-                &mut (),
-            );
-            steps += u64::from(episode.steps);
-            arrivals += u32::from(episode.ending == episode::Ending::Goal);
-        }
+        let starts = (0..rounds).flat_map(|_| starts.iter().copied());
+        let sums = GreedySums::over(starts, plan, &mut *arena, knowledge, &mut ());
         Self {
-            mean: steps as f64 / f64::from(episodes.max(1)),
-            arrivals,
-            episodes,
+            mean: sums.steps as f64 / f64::from(sums.episodes.max(1)),
+            arrivals: sums.successes,
+            episodes: sums.episodes,
         }
     }
 

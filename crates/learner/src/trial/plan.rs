@@ -50,6 +50,11 @@ impl Config {
                 Box::new(PhysicsArena::new(maze.clone(), params, self.seed)?)
             }
         };
+        Ok(self.decorated(arena, maze))
+    }
+
+    /// Adds auxiliary rewards, slips and observation errors to an arena around a maze, as configured.
+    pub(super) fn decorated(&self, arena: Box<dyn Arena>, maze: &Maze) -> Box<dyn Arena> {
         let arena = match maze.rewarding_cells() {
             [] => arena,
             _ => Box::new(RewardingArena::new(arena)),
@@ -62,7 +67,7 @@ impl Config {
             false => arena,
         };
         let width = self.sensor.width(maze);
-        Ok(match sensor.flip_probability > 0.0 {
+        match sensor.flip_probability > 0.0 {
             true => Box::new(NoisyPerceptArena::new(
                 arena,
                 sensor.flip_probability,
@@ -70,7 +75,7 @@ impl Config {
                 self.seed,
             )),
             false => arena,
-        })
+        }
     }
 
     /// Returns true if the robot only knows its sensor readings, not its true pose.

@@ -55,6 +55,14 @@ pub struct Scope<'a> {
     pub settings: &'a Settings,
 }
 
+const XCSAM: [Method; 1] = [Method::Xcsam];
+const STANDARD: [Method; 2] = [Method::Xcs, Method::Xcsam];
+const ADAPTED_EVEN: [Method; 1] = [Method::AdaptedEven];
+const ADAPTED_DISCOUNTED: [Method; 1] = [Method::AdaptedDiscounted];
+const ADAPTED: [Method; 2] = [Method::AdaptedEven, Method::AdaptedDiscounted];
+const XCSCR_ALONE: [Method; 1] = [Method::Xcscr];
+const COEVOLVED: [Method; 1] = [Method::XcscrCoevolved];
+const XCSCR: [Method; 2] = [Method::Xcscr, Method::XcscrCoevolved];
 const XCS: [Method; 6] = [
     Method::Xcs,
     Method::Xcsam,
@@ -63,9 +71,10 @@ const XCS: [Method; 6] = [
     Method::Xcscr,
     Method::XcscrCoevolved,
 ];
-const STANDARD: [Method; 2] = [Method::Xcs, Method::Xcsam];
-const XCSCR: [Method; 2] = [Method::Xcscr, Method::XcscrCoevolved];
+const XCSCR_PLUS: [Method; 1] = [Method::XcscrPlus];
 const COMPOSED: [Method; 2] = [Method::XcscrPlus, Method::RMax];
+const SARSA_LAMBDA: [Method; 1] = [Method::SarsaLambda];
+const DYNA_Q: [Method; 1] = [Method::DynaQ];
 const VALUE_TABLES: [Method; 3] = [Method::QLearning, Method::SarsaLambda, Method::DynaQ];
 
 const UNPLANNED: Condition = Condition {
@@ -97,98 +106,61 @@ const ON_A_MAP: Condition = Condition {
     holds: |all| all.plus.estimator != Estimator::Percept,
 };
 
+/// Lists methods that read a setting, some of them only under a condition.
+macro_rules! methods {
+    ($($methods:ident $(if $condition:ident)?),*) => {
+        ReadBy::Methods([$(readers(&$methods, None$(.or(Some($condition)))?)),*].concat())
+    };
+}
+
 /// The readers of each setting, by its full name. A section pattern covers all settings without their own row.
 static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
-    use Method::*;
-    use ReadBy::{
-        Everything, GroundTruthRobot, Methods, Robot, RobotWithTruePercepts, SensingRobot,
-    };
+    use ReadBy::{Everything, GroundTruthRobot, Robot, RobotWithTruePercepts, SensingRobot};
     vec![
         ("arena.*", Everything),
         ("sensor.*", Everything),
         ("reward.step_threshold", Everything),
         ("reward.step_threshold_from_maze", Everything),
-        ("reward.goal", Methods(always(Method::ALL))),
+        ("reward.goal", ReadBy::Methods(readers(Method::ALL, None))),
         (
             "reward.step",
-            Methods(
-                [
-                    always(&[Xcs, Xcsam]),
-                    always(&XCSCR),
-                    always(&COMPOSED),
-                    always(&VALUE_TABLES),
-                ]
-                .concat(),
-            ),
+            methods![STANDARD, XCSCR, COMPOSED, VALUE_TABLES],
         ),
         (
             "reward.collision",
-            Methods(
-                [
-                    always(&[Xcs, Xcsam]),
-                    always(&XCSCR),
-                    when(ON_PERCEPTS, &COMPOSED),
-                    always(&VALUE_TABLES),
-                ]
-                .concat(),
-            ),
+            methods![STANDARD, XCSCR, COMPOSED if ON_PERCEPTS, VALUE_TABLES],
         ),
-        ("reward.failure", Methods(always(&XCS))),
-        ("reward.xcs_payment", Methods(always(&STANDARD))),
-        ("reward.xcs_step_limit", Methods(always(&STANDARD))),
-        ("reward.stack_evolution", Methods(always(&XCS[2..]))),
+        ("reward.failure", methods![XCS]),
+        ("reward.xcs_payment", methods![STANDARD]),
+        ("reward.xcs_step_limit", methods![STANDARD]),
+        ("reward.stack_evolution", methods![ADAPTED, XCSCR]),
         (
             "reward.gamma",
-            Methods(
-                [
-                    always(&[Xcs, Xcsam, AdaptedDiscounted]),
-                    when(DISCOUNTED, &XCSCR),
-                    always(&COMPOSED),
-                    always(&VALUE_TABLES),
-                ]
-                .concat(),
-            ),
+            methods![STANDARD, ADAPTED_DISCOUNTED, XCSCR if DISCOUNTED, COMPOSED, VALUE_TABLES],
         ),
         (
             "reward.even_constant",
-            Methods([always(&[AdaptedEven]), when(EVEN, &XCSCR)].concat()),
+            methods![ADAPTED_EVEN, XCSCR if EVEN],
         ),
-        ("reward.*", Methods(always(&XCSCR))),
+        ("reward.*", methods![XCSCR]),
         (
             "episode.*",
-            Methods(
-                [
-                    always(&XCS),
-                    when(UNPLANNED, &COMPOSED),
-                    always(&VALUE_TABLES),
-                ]
-                .concat(),
-            ),
+            methods![XCS, COMPOSED if UNPLANNED, VALUE_TABLES],
         ),
-        (
-            "xcs.population_size",
-            Methods([always(&XCS), always(&[XcscrPlus])].concat()),
-        ),
+        ("xcs.population_size", methods![XCS, XCSCR_PLUS]),
         (
             "xcs.beta",
-            Methods(
-                [
-                    always(&XCS[..4]),
-                    when(ONE_RATE, &[Xcscr]),
-                    always(&[XcscrCoevolved]),
-                ]
-                .concat(),
-            ),
+            methods![STANDARD, ADAPTED, XCSCR_ALONE if ONE_RATE, COEVOLVED],
         ),
-        ("xcs.ga_clock", Methods(when(ALTERNATING, &XCS))),
-        ("xcs.zeta", Methods(always(&[Xcsam]))),
-        ("xcs.*", Methods(always(&XCS))),
-        ("plus.estimator", Methods(always(&COMPOSED))),
-        ("plus.*", Methods(when(ON_PERCEPTS, &COMPOSED))),
-        ("map.*", Methods(when(ON_A_MAP, &COMPOSED))),
-        ("tabular.alpha", Methods(always(&VALUE_TABLES))),
-        ("tabular.lambda", Methods(always(&[SarsaLambda]))),
-        ("tabular.replays", Methods(always(&[DynaQ]))),
+        ("xcs.ga_clock", methods![XCS if ALTERNATING]),
+        ("xcs.zeta", methods![XCSAM]),
+        ("xcs.*", methods![XCS]),
+        ("plus.estimator", methods![COMPOSED]),
+        ("plus.*", methods![COMPOSED if ON_PERCEPTS]),
+        ("map.*", methods![COMPOSED if ON_A_MAP]),
+        ("tabular.alpha", methods![VALUE_TABLES]),
+        ("tabular.lambda", methods![SARSA_LAMBDA]),
+        ("tabular.replays", methods![DYNA_Q]),
         ("physics.localisation", RobotWithTruePercepts),
         ("physics.position_noise_m", GroundTruthRobot),
         ("physics.heading_noise_rad", GroundTruthRobot),
@@ -202,19 +174,8 @@ static TABLE: LazyLock<Vec<(&str, ReadBy)>> = LazyLock::new(|| {
     ]
 });
 
-fn always(methods: &[Method]) -> Vec<Reader> {
-    let reader = |&method: &Method| Reader {
-        method,
-        condition: None,
-    };
-    methods.iter().map(reader).collect()
-}
-
-fn when(condition: Condition, methods: &[Method]) -> Vec<Reader> {
-    let reader = |&method: &Method| Reader {
-        method,
-        condition: Some(condition),
-    };
+fn readers(methods: &[Method], condition: Option<Condition>) -> Vec<Reader> {
+    let reader = |&method: &Method| Reader { method, condition };
     methods.iter().map(reader).collect()
 }
 
@@ -267,14 +228,15 @@ fn write_readers(readers: &[Reader], f: &mut fmt::Formatter<'_>) -> fmt::Result 
     if always && readers.len() == Method::ALL.len() {
         return f.write_str("every method");
     }
-    for (i, reader) in readers.iter().enumerate() {
-        let gap = if i == 0 { "" } else { ", " };
-        write!(f, "{gap}`{}`", reader.method.name())?;
-        if let Some(Condition { text, .. }) = reader.condition {
-            write!(f, " with `{text}`")?;
-        }
-    }
-    Ok(())
+    let words = readers.iter().map(|reader| {
+        let condition = reader.condition.map(|one| format!(" with `{}`", one.text));
+        format!(
+            "`{}`{}",
+            reader.method.name(),
+            condition.unwrap_or_default()
+        )
+    });
+    f.write_str(&words.collect::<Vec<_>>().join(", "))
 }
 
 impl Scope<'_> {

@@ -12,9 +12,9 @@ use xcscr_robot::world::{Maze, Paths};
 
 /// The step-threshold from the maze, in multiples of the longest shortest path. It leaves room to
 /// explore.
-const PATHS_AN_EPISODE: u32 = 4;
+pub(super) const PATHS_AN_EPISODE: u32 = 4;
 /// The largest step-threshold that settings can hold.
-const MOST_STEPS: u32 = 1_000_000;
+pub(super) const MOST_STEPS: u32 = 1_000_000;
 
 /// All settings of a trial, by section.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]

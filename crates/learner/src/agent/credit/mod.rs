@@ -13,7 +13,7 @@ pub use combined::Combined;
 pub use standard::Standard;
 
 use crate::agent::StepCredit;
-use xcs::{ActionSet, MatchSet, Xcs};
+use xcs::{Action, ActionSet, MatchSet, Percept, Population, Xcs};
 
 /// Describes a step from its \[M\] and \[A\], before any update.
 pub(super) fn step_credit(
@@ -30,4 +30,31 @@ pub(super) fn step_credit(
         match_set: match_set.micro(),
         action_set: size,
     }
+}
+
+/// Describes the rules that match a percept or context, and those of them that advocate an action.
+pub(super) fn credit_of_rules(
+    rules: &Population,
+    looked_at: &Percept,
+    action: Action,
+) -> StepCredit {
+    let mut credit = StepCredit::default();
+    let (mut error, mut fitness, mut greatest) = (0.0, 0.0, f64::NEG_INFINITY);
+    rules.for_each_match(looked_at, |_, rule| {
+        credit.match_set += rule.numerosity;
+        if rule.action != action {
+            return;
+        }
+        credit.action_set += rule.numerosity;
+        error += rule.error * rule.fitness;
+        fitness += rule.fitness;
+        if rule.fitness > greatest {
+            greatest = rule.fitness;
+            credit.fired = Some(rule.condition);
+        }
+    });
+    if fitness > 0.0 {
+        credit.error = error / fitness;
+    }
+    credit
 }

@@ -5,7 +5,7 @@ use crate::agent::explorer::Explorer;
 use crate::agent::knowledge::Knowledge;
 use crate::agent::params::{Params, StepLimitUpdate, XcsPayment};
 use crate::agent::saved::{self, RestoreError};
-use crate::agent::{Agent, Choice, EndCredit, StepCredit};
+use crate::agent::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use xcs::{Action, Percept};
 use xcs::{ActionSet, MatchSet, PredictionArray, Xcs};
 use xcscr_robot::arena::Outcome;
@@ -76,7 +76,7 @@ impl Agent for Standard {
     /// Explores only actions that rules of \[M\] advocate, as Butz and Wilson do.
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose_advocated(values);
-        Choice::of_rules(action, explores)
+        Choice::by(Chooser::Rules, action, explores)
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
@@ -111,11 +111,7 @@ impl Agent for Standard {
         if let Some(last) = self.previous.take().filter(|_| counts) {
             self.learn(&last, long_term_reward);
         }
-        EndCredit {
-            long_term_reward,
-            learning_rate: self.xcs.params().beta,
-            imprinted: false,
-        }
+        EndCredit::new(long_term_reward, self.xcs.params().beta)
     }
 
     fn step_threshold(&self) -> u32 {

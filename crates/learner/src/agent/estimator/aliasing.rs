@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::map::association::{MapStep, RobotModel};
 use crate::agent::estimator::map::bump::Bump;
+use crate::agent::estimator::map::robot_model::{MapStep, RobotModel};
 use xcs::Percept;
 
 /// The number of contradictions required. Percepts may have errors, and rare contradictions matter
@@ -77,8 +77,7 @@ impl Aliasing {
 mod tests {
     use super::*;
     use crate::agent::estimator::map::motion_model::MotionModel;
-    use crate::agent::estimator::map::place::{CellState, Surroundings, Vision, percept_of};
-    use xcs::Action;
+    use crate::agent::estimator::map::place::{CellState, Surroundings, percept_of};
 
     /// The western end, the middle or the eastern end of a corridor from west to east.
     fn corridor(free: [bool; 2]) -> Surroundings {
@@ -93,18 +92,11 @@ mod tests {
     fn learned(moves: &[(Surroundings, Surroundings)], times: usize) -> Aliasing {
         let robot = RobotModel {
             motion: MotionModel::known(4),
-            vision: Vision::LookedUp,
-            slip: 1e-4,
-            observation_error: 1e-4,
+            ..RobotModel::known(1e-4, 1e-4)
         };
         let mut aliasing = Aliasing::default();
         for (around, next) in moves.iter().cycle().take(times * moves.len()) {
-            let step = MapStep {
-                around: *around,
-                action: Action::new(1).unwrap(),
-                found: 0.0,
-                bumped: Bump::No,
-            };
+            let step = MapStep::moved(*around, 1);
             let next = percept_of(next);
             aliasing.learn(&percept_of(around), &step, Some(&next), &robot);
         }

@@ -98,9 +98,7 @@ impl Belief {
                 reached.push((0, next, weight));
             }
         });
-        // In state order, so that sums are the same on every machine.
-        reached.sort_by_key(|&(_, state, _)| state);
-        Self::merged(&reached).normalised()
+        Self::of_reached(reached)
     }
 
     /// Returns the belief after a percept that fits each of `states` states with likelihood `fits`. With
@@ -138,6 +136,12 @@ impl Belief {
         cost
     }
 
+    /// Returns the belief after these results, in state order, so that sums are the same on every machine.
+    fn of_reached(mut reached: Vec<(u32, u32, f64)>) -> Self {
+        reached.sort_by_key(|&(_, state, _)| state);
+        Self::merged(&reached).normalised()
+    }
+
     fn merged(alike: &[(u32, u32, f64)]) -> Self {
         let mut states: Vec<(u32, f64)> = Vec::with_capacity(alike.len());
         for &(_, state, weight) in alike {
@@ -156,9 +160,7 @@ impl Belief {
         };
         let mut reached = self.reached(pomdp, action);
         reached.retain(|one| one.0 == look);
-        // In state order, so that sums are the same on every machine.
-        reached.sort_by_key(|&(_, state, _)| state);
-        Self::merged(&reached).normalised()
+        Self::of_reached(reached)
     }
 
     fn normalised(mut self) -> Self {

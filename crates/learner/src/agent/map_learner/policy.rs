@@ -2,24 +2,18 @@
 
 use super::{MapLearner, TOLERATED};
 use crate::agent::StepCredit;
+use crate::agent::credit::credit_of_rules;
 use crate::agent::estimator::map::tracker::{Tracker, View};
 use crate::agent::policy::PolicyKind;
 use crate::agent::policy::distillation::Distillation;
 use crate::agent::policy::examples::Examples;
 use crate::agent::policy::plan::planned_values;
-use xcs::{Action, Classifier, Percept, PredictionArray};
+use xcs::{Action, PredictionArray};
 
 /// The maximum number of contexts stored while driving.
 const MOST_MET: usize = 4096;
 
 impl MapLearner {
-    /// Returns the policy's action values at the beginning of an episode with this percept.
-    pub fn values(&self, percept: &Percept) -> PredictionArray {
-        let mut begun = Tracker::default();
-        begun.perceive(&self.map, percept);
-        self.values_of(&begun)
-    }
-
     /// Returns the policy's action values for a belief and the latest steps.
     pub(super) fn values_of(&self, tracker: &Tracker) -> PredictionArray {
         let (map, actions) = (&self.map, self.actions);
@@ -32,22 +26,13 @@ impl MapLearner {
         }
     }
 
-    /// Counts the rules that match now, and finds the fittest of those that advocate an action.
+    /// Describes the rules that match now, without their error.
     pub(super) fn matching(&self, action: Action) -> StepCredit {
-        let mut credit = StepCredit::default();
-        let mut fittest: Option<Classifier> = None;
         let context = self.tracker.context(&self.map);
-        self.learned.rules.for_each_match(&context, |_, rule| {
-            credit.match_set += rule.numerosity;
-            if rule.action == action {
-                credit.action_set += rule.numerosity;
-                if fittest.is_none_or(|best| rule.fitness > best.fitness) {
-                    fittest = Some(*rule);
-                }
-            }
-        });
-        credit.fired = fittest.map(|rule| rule.condition);
-        credit
+        StepCredit {
+            error: 0.0,
+            ..credit_of_rules(&self.learned.rules, &context, action)
+        }
     }
 
     /// Stores the context of a step without exploration, and records in the rules that chose the action
@@ -125,6 +110,7 @@ fn make_room(met: &mut Examples, most: usize) {
 mod tests {
     use super::*;
     use crate::agent::policy::examples::Example;
+    use xcs::Percept;
 
     #[test]
     fn a_new_context_takes_the_place_of_the_rarest_one() {

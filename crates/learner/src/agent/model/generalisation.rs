@@ -25,7 +25,8 @@ const MOST_COLLISION_RULES: usize = 10_000;
 impl Generalisation {
     /// Checks that the rules are distinct, apply to `actions` actions, and have valid counts.
     ///
-    /// # Errors Describes the first invalid rule.
+    /// # Errors
+    /// The first invalid rule.
     pub fn check(&self, actions: usize) -> Result<(), String> {
         let number = self.collisions.len();
         if number > MOST_COLLISION_RULES {

@@ -40,14 +40,11 @@ pub(in crate::agent) struct Exploration {
     version: u64,
     /// By percept: the version in which no optimistic value exceeded the known value.
     exhausted: Vec<u64>,
-    forecasts: Forecasts,
+    /// By percept: the optimistic values of its untried actions, and the version that they were
+    /// computed in.
+    forecasts: Vec<(u64, [f64; MAX_ACTIONS])>,
     search: Search,
 }
-
-/// By percept: the optimistic values of its untried actions, and the version that they were
-/// computed in.
-#[derive(Debug, Clone, Default)]
-struct Forecasts(Vec<(u64, [f64; MAX_ACTIONS])>);
 
 /// A search, retained to reuse its allocations.
 #[derive(Debug, Clone, Default)]
@@ -80,7 +77,7 @@ impl Exploration {
             path: Vec::new(),
             version: 1,
             exhausted: Vec::new(),
-            forecasts: Forecasts::default(),
+            forecasts: Vec::new(),
             search: Search::default(),
         }
     }
@@ -216,9 +213,9 @@ impl Exploration {
     /// Returns the optimistic values of the untried actions of a percept, ignoring predicted
     /// returns.
     fn optimistic_values(&mut self, percept: usize, model: &Model<'_>) -> [f64; MAX_ACTIONS] {
-        let length = self.forecasts.0.len().max(percept + 1);
-        self.forecasts.0.resize(length, (0, [0.0; MAX_ACTIONS]));
-        let (version, values) = &mut self.forecasts.0[percept];
+        let length = self.forecasts.len().max(percept + 1);
+        self.forecasts.resize(length, (0, [0.0; MAX_ACTIONS]));
+        let (version, values) = &mut self.forecasts[percept];
         if *version != model.collisions.version() {
             *version = model.collisions.version();
             for action in Action::all(self.actions) {

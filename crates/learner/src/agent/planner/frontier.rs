@@ -1,13 +1,15 @@
 //! Frontier exploration: a local map of visited cells, and paths to unvisited ones.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap, VecDeque};
 
+use foldhash::fast::FixedState;
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::map::association::{MapStep, RobotModel, likeliest_move};
 use crate::agent::estimator::map::cell_counts::{CellCounts, FURTHEST};
 use crate::agent::estimator::map::motion_model::MotionModel;
 use crate::agent::estimator::map::place::{CellState, Place, Surroundings, offset};
+use crate::agent::estimator::map::robot_model::{MapStep, RobotModel, likeliest_move};
 use xcs::Action;
 use xcs::random::Stream;
 
@@ -112,17 +114,12 @@ impl LocalMap {
     fn nearest(&self, motion: &MotionModel, is_sought: impl Fn(Place) -> bool) -> Vec<Action> {
         let certain = |action| Some((action, offset(motion.certain(action)?)));
         let moves: Vec<_> = Action::all(motion.actions()).filter_map(certain).collect();
-        let mut paths = PathTable::default();
-        let Some(start) = paths.at(self.here) else {
-            return Vec::new();
-        };
-        *start = Some((0, 0));
+        let mut paths = ShortestPaths::default();
+        paths.insert(self.here, (0, 0));
         let mut queue = VecDeque::from([self.here]);
         let (mut found, mut firsts) = (u32::MAX, 0);
         while let Some(place) = queue.pop_front() {
-            let Some((steps, first)) = paths.at(place).and_then(|path| *path) else {
-                continue;
-            };
+            let (steps, first) = paths[&place];
             if steps > found {
                 break;
             }
@@ -146,13 +143,15 @@ impl LocalMap {
                 } else {
                     first
                 };
-                match paths.at(to) {
-                    Some(Some(path)) if path.0 == steps + 1 => path.1 |= first,
-                    Some(path @ None) => {
-                        *path = Some((steps + 1, first));
+                match paths.entry(to) {
+                    Entry::Occupied(mut path) if path.get().0 == steps + 1 => {
+                        path.get_mut().1 |= first;
+                    }
+                    Entry::Occupied(_) => {}
+                    Entry::Vacant(path) => {
+                        path.insert((steps + 1, first));
                         queue.push_back(to);
                     }
-                    _ => {}
                 }
             }
         }
@@ -162,34 +161,11 @@ impl LocalMap {
 }
 
 /// By cell: the number of steps from the start of a search, and the first actions of the shortest paths as bits.
-struct PathTable(Vec<Option<(u32, u32)>>);
-
-impl PathTable {
-    /// One cell more than a map has, on each side.
-    const REACH: i32 = FURTHEST as i32 + 1;
-    const SIDE: i32 = 2 * Self::REACH + 1;
-
-    /// Returns the entry of a cell; `None` if it is too far away for a map.
-    fn at(&mut self, place: Place) -> Option<&mut Option<(u32, u32)>> {
-        let [east, north] = [place.east, place.north].map(|along| i32::from(along) + Self::REACH);
-        let is_near = [east, north]
-            .iter()
-            .all(|along| (0..Self::SIDE).contains(along));
-        is_near.then(|| &mut self.0[(east * Self::SIDE + north) as usize])
-    }
-}
-
-impl Default for PathTable {
-    fn default() -> Self {
-        Self(vec![None; (Self::SIDE * Self::SIDE) as usize])
-    }
-}
+type ShortestPaths = HashMap<Place, (u32, u32), FixedState>;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::agent::estimator::map::bump::Bump;
-    use crate::agent::estimator::map::place::Vision;
 
     const EAST: usize = 2;
     const WEST: usize = 6;
@@ -210,25 +186,13 @@ mod tests {
             let actions = cells
                 .windows(2)
                 .map(|pair| if pair[1] > pair[0] { EAST } else { WEST });
-            let steps = cells.iter().zip(actions).map(|(at, action)| MapStep {
-                around: self.around(*at),
-                action: Action::new(action).unwrap(),
-                found: 0.0,
-                bumped: Bump::No,
-            });
+            let steps = cells.iter().zip(actions);
+            let steps = steps.map(|(at, action)| MapStep::moved(self.around(*at), action));
             let lasts = std::iter::once(None).chain(steps.map(Some));
             for (at, last) in cells.iter().zip(lasts) {
-                map.perceive(last.as_ref(), &self.around(*at), &robot());
+                let robot = RobotModel::known(1e-4, 1e-4);
+                map.perceive(last.as_ref(), &self.around(*at), &robot);
             }
-        }
-    }
-
-    fn robot() -> RobotModel {
-        RobotModel {
-            motion: MotionModel::known(8),
-            vision: Vision::LookedUp,
-            slip: 1e-4,
-            observation_error: 1e-4,
         }
     }
 

@@ -21,7 +21,7 @@ const MOST_SWEEPS: usize = 16;
 const MOST_WEIGHED: usize = 300_000;
 
 /// The maximum number of steps of a simulated episode.
-const MOST_SIMULATED_STEPS: u32 = 100;
+pub const MOST_SIMULATED_STEPS: u32 = 100;
 
 /// The effort of a simulated episode.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,5 +1,7 @@
 //! The demands of a condition on a context, by part: coordinates as limits, all else as bits.
 
+use std::ops::Range;
+
 use crate::agent::estimator::map::cell_counts::FURTHEST;
 use crate::agent::estimator::map::state_map::MOST_PAYING;
 use crate::agent::estimator::map::tracker::{COORDINATE_BITS, MAP_BITS, PERCEPT_BITS, STEP_BITS};
@@ -53,16 +55,23 @@ const PARTS: [(Part, usize); 7] = [
 
 /// Returns all demands of a condition on a context.
 pub fn demands(condition: &Condition) -> Vec<(Part, Demand)> {
+    demands_of(&|at| condition.allele(at))
+}
+
+/// The value that a condition requires of an allele; `None` for a don't-care.
+type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;
+
+fn demands_of(alleles: Alleles<'_>) -> Vec<(Part, Demand)> {
     let mut demands = Vec::new();
     let mut from = 0;
     for (part, width) in PARTS {
-        let alleles = |value: bool| {
+        let required = |value: bool| {
             let bits = 0..width;
-            bits.filter(move |bit| condition.allele(from + bit) == Some(value))
+            bits.filter(move |bit| alleles(from + bit) == Some(value))
         };
         let own = match part {
-            Part::X | Part::Y => limits(alleles(true).max(), alleles(false).min()),
-            _ => bits(alleles(true), alleles(false)),
+            Part::X | Part::Y => limits(required(true).max(), required(false).min()),
+            _ => bits(required(true), required(false)),
         };
         demands.extend(own.into_iter().map(|demand| (part, demand)));
         from += width;
@@ -86,5 +95,64 @@ fn bits(ones: impl Iterator<Item = usize>, zeros: impl Iterator<Item = usize>) -
     match care {
         0 => Vec::new(),
         _ => vec![Demand::Bits { care, value }],
+    }
+}
+
+/// Describes what a condition requires beyond the current percept, such as `x > 2`. `seen` describes the
+/// requirements on a percept, if there are any.
+pub fn words(alleles: Alleles<'_>, seen: &dyn Fn(Alleles<'_>) -> Option<String>) -> Vec<String> {
+    let mut words = Vec::new();
+    for (part, demand) in demands_of(alleles) {
+        let coordinate = if part == Part::X { "x" } else { "y" };
+        match (part, demand) {
+            (_, Demand::Above(limit)) => words.push(format!("{coordinate} > {limit}")),
+            (_, Demand::AtMost(limit)) => words.push(format!("{coordinate} <= {limit}")),
+            (Part::Percept | Part::X | Part::Y, _) => {}
+            (Part::Map, _) => words.extend(pattern("map", demand, 0..MAP_BITS)),
+            (Part::Collected, _) => {
+                words.extend(pattern("rewards found", demand, 0..MOST_PAYING));
+            }
+            (Part::Last, _) => words.extend(step_words("last step", demand, seen)),
+            (Part::Before, _) => words.extend(step_words("step before", demand, seen)),
+        }
+    }
+    words
+}
+
+/// Describes the demands on an earlier step.
+fn step_words(
+    ago: &str,
+    demand: Demand,
+    seen: &dyn Fn(Alleles<'_>) -> Option<String>,
+) -> Vec<String> {
+    let taken = pattern(&format!("{ago} taken"), demand, 0..1);
+    let action = pattern(&format!("{ago} action"), demand, 1..4);
+    let percept = seen(&|at| demand.allele(4 + at));
+    let percept = percept.map(|words| format!("{ago} saw {}", words.replace(", ", " and ")));
+    [taken, action, percept].into_iter().flatten().collect()
+}
+
+/// Writes some bits of a part as a pattern; `None` if none is specified.
+fn pattern(name: &str, demand: Demand, bits: Range<usize>) -> Option<String> {
+    let state = |at| {
+        demand
+            .allele(at)
+            .map_or('#', |bit| if bit { '1' } else { '0' })
+    };
+    let pattern: String = bits.map(state).collect();
+    pattern
+        .contains(['0', '1'])
+        .then(|| format!("{name} {pattern}"))
+}
+
+impl Demand {
+    /// Returns the value required of a bit; `None` for a don't-care or a limit.
+    fn allele(self, at: usize) -> Option<bool> {
+        match self {
+            Self::Bits { care, value } => {
+                (at < 32 && care >> at & 1 == 1).then(|| value >> at & 1 == 1)
+            }
+            Self::Above(_) | Self::AtMost(_) => None,
+        }
     }
 }

@@ -1,10 +1,12 @@
 //! Distillation of rules on a map: from the plan, from simulated episodes, and from contexts met while driving.
 
+use std::collections::BTreeMap;
+
 use crate::agent::estimator::map::state_map::Map;
-use crate::agent::estimator::map::tracker::{PARTS, View};
+use crate::agent::estimator::map::tracker::{PARTS, Tracker, View};
 use crate::agent::explorer::exploit;
-use crate::agent::planner::rtdp_bel::BeliefPlanner;
-use crate::agent::policy::examples::{Example, Examples, labelled_examples, simulate};
+use crate::agent::planner::rtdp_bel::{BeliefPlanner, MOST_SIMULATED_STEPS};
+use crate::agent::policy::examples::{Example, Examples, Walker};
 use crate::agent::policy::rollouts::roll_out;
 use xcs::random::Stream;
 use xcs::{
@@ -145,39 +147,57 @@ impl<'a> Distillation<'a> {
         rules.sums(context).array(self.map.pomdp.actions(), false)
     }
 
-    /// Returns the labelled examples of the simulated and driven contexts.
+    /// Returns the labelled examples of the simulated and driven contexts that were met often enough, the most
+    /// frequent first.
     fn labelled_examples(&self, simulated: &Examples, met: &Examples) -> LabelledExamples {
         let mut examples = simulated.clone();
         for (context, met) in met.iter().filter(|(_, met)| self.counts(met)) {
             let example = examples.entry(self.view.of(context)).or_default();
             *example = example.with(met);
         }
-        labelled_examples(
-            &examples,
-            self.map.pomdp.actions(),
-            self.tolerance,
-            self.least_often,
-        )
+        let mut often: Vec<_> = examples.into_iter().collect();
+        often.retain(|(_, example)| example.weight >= self.least_often);
+        often.sort_by(|a, b| b.1.weight.total_cmp(&a.1.weight));
+        let actions = self.map.pomdp.actions();
+        let mut labelled = LabelledExamples::default();
+        for (number, (context, example)) in often.into_iter().enumerate() {
+            labelled.give(number, example.labelled(context, actions, self.tolerance));
+        }
+        labelled
     }
 
+    /// Simulates `rounds` episodes from every start, and adds the contexts met to the examples. The agent acts as
+    /// `choose` returns, or by the plan if that is `None`. If moves are exact, each belief met is planned until its
+    /// costs converge: wrong rules lead to beliefs that no plan has visited.
     fn simulate(
         &self,
         rounds: u32,
-        chosen: impl Fn(&Percept, &mut Stream) -> Option<Action>,
+        choose: impl Fn(&Percept, &mut Stream) -> Option<Action>,
         planner: &mut BeliefPlanner,
         stream: &mut Stream,
         examples: &mut Examples,
     ) {
-        let starts = (0..rounds).flat_map(|_| 0..self.map.starts());
-        simulate(
-            self.map,
-            planner,
-            starts,
-            chosen,
-            |context| self.view.of(&context),
-            stream,
-            examples,
-        );
+        let map = self.map;
+        let mut known = BTreeMap::new();
+        for start in (0..rounds).flat_map(|_| 0..map.starts()) {
+            let mut walker = Walker {
+                state: start,
+                tracker: Tracker::begun(map.first_belief(start)),
+            };
+            for _ in 0..MOST_SIMULATED_STEPS {
+                let Walker { state, tracker } = &mut walker;
+                tracker.perceive_rightly(map, map.pomdp.percept(*state));
+                let context = self.view.of(&tracker.context(map));
+                let costs = *known
+                    .entry(tracker.belief().key())
+                    .or_insert_with(|| planner.settled_costs(&map.pomdp, tracker.belief()));
+                examples.entry(context).or_default().add(&costs, map);
+                let action = choose(&context, stream).unwrap_or_else(|| costs.best());
+                if walker.arrives(map, action, stream) {
+                    break;
+                }
+            }
+        }
     }
 }
 
@@ -186,7 +206,7 @@ mod tests {
     use super::*;
     use crate::agent::estimator::belief::Belief;
     use crate::agent::estimator::map::state_map::{MapState, sight};
-    use crate::agent::estimator::map::tracker::{CONTEXT_BITS, Felt, PERCEPT_BITS, Tracker};
+    use crate::agent::estimator::map::tracker::{CONTEXT_BITS, Felt, PERCEPT_BITS};
     use crate::agent::model::pomdp::{GOAL, Pomdp};
 
     /// Two states with different percepts. From the first, one action leads to the goal; from the second, the other.

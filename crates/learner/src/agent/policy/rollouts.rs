@@ -4,8 +4,8 @@ use crate::agent::estimator::map::place::{CellState, around, percept_of};
 use crate::agent::estimator::map::state_map::Map;
 use crate::agent::estimator::map::tracker::Tracker;
 use crate::agent::explorer::exploit;
-use crate::agent::planner::rtdp_bel::BeliefPlanner;
-use crate::agent::policy::examples::{MOST_STEPS, Walker};
+use crate::agent::planner::rtdp_bel::{BeliefPlanner, MOST_SIMULATED_STEPS};
+use crate::agent::policy::examples::Walker;
 use xcs::random::Stream;
 use xcs::{Percept, Population};
 
@@ -24,7 +24,7 @@ pub fn roll_out(
             state: map.begin.unwrap_or(episode % map.starts()),
             tracker: Tracker::default(),
         };
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MOST_SIMULATED_STEPS {
             let Walker { state, tracker } = &mut walker;
             tracker.perceive(map, &noisy_percept(map, *state, stream));
             let costs = planner.costs(&map.pomdp, tracker.belief());

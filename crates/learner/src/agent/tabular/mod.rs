@@ -18,7 +18,7 @@ use crate::agent::knowledge::Knowledge;
 use crate::agent::model::transitions::{Transition, Transitions};
 use crate::agent::params::Params;
 use crate::agent::saved::{self, RestoreError};
-use crate::agent::{Agent, Choice, EndCredit, StepCredit};
+use crate::agent::{Agent, Choice, Chooser, EndCredit, StepCredit};
 use xcs::PredictionArray;
 use xcs::random::Stream;
 use xcs::{Action, Percept};
@@ -59,16 +59,8 @@ pub struct Tabular {
     table: Table,
     /// The present percept.
     percept: Option<Percept>,
-    /// The last step.
-    pending: Option<Pending>,
-}
-
-/// A step whose successor is not known yet.
-#[derive(Debug, Clone, Copy)]
-struct Pending {
-    percept: Percept,
-    action: Action,
-    reward: f64,
+    /// The last step. Its successor is not known yet.
+    pending: Option<Transition>,
 }
 
 impl Tabular {
@@ -111,20 +103,10 @@ impl Tabular {
 
     /// Learns the pending step, once its successor is known.
     fn learn(&mut self, next: Option<Percept>, next_action: Option<Action>) {
-        let Some(Pending {
-            percept,
-            action,
-            reward,
-        }) = self.pending.take()
-        else {
+        let Some(pending) = self.pending.take() else {
             return;
         };
-        let step = Transition {
-            percept,
-            action,
-            reward,
-            next,
-        };
+        let step = Transition { next, ..pending };
         let (alpha, gamma) = (self.own.alpha, self.params.gamma);
         match &mut self.algorithm {
             Algorithm::QLearning => self.table.q_update(&step, alpha, gamma),
@@ -166,7 +148,7 @@ impl Agent for Tabular {
 
     fn choose(&mut self, values: &PredictionArray, explorer: &mut Explorer) -> Choice {
         let (action, explores) = explorer.choose(values);
-        Choice::of_a_table(action, explores)
+        Choice::by(Chooser::Table, action, explores)
     }
 
     fn update(&mut self, action: Action, outcome: Outcome) -> StepCredit {
@@ -175,10 +157,11 @@ impl Agent for Tabular {
             self.learn(Some(percept), Some(action));
         }
         let short_term_reward = self.params.short_term(outcome);
-        self.pending = Some(Pending {
+        self.pending = Some(Transition {
             percept,
             action,
             reward: short_term_reward,
+            next: None,
         });
         StepCredit {
             short_term_reward,
@@ -200,11 +183,7 @@ impl Agent for Tabular {
         if let Algorithm::SarsaLambda(traces) = &mut self.algorithm {
             traces.clear();
         }
-        EndCredit {
-            long_term_reward,
-            learning_rate: self.own.alpha,
-            imprinted: false,
-        }
+        EndCredit::new(long_term_reward, self.own.alpha)
     }
 
     fn step_threshold(&self) -> u32 {

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place, Surroundings, Vision};
+use crate::agent::estimator::map::place::{
+    CellState, NEIGHBOURS, Place, Surroundings, Vision, shown,
+};
 
 /// The maximum number of observations per cell. From there on, older ones fade.
 const MOST_SIGHTINGS: u8 = 20;
@@ -108,10 +110,8 @@ impl CellCounts {
         place: Place,
         seen: &Surroundings,
     ) -> impl Iterator<Item = (Place, bool)> {
-        let cells = NEIGHBOURS.into_iter().zip(*seen);
-        let cells = cells.filter(|(_, state)| *state != CellState::Hidden);
-        let cells = cells.map(move |(by, state)| (place.plus(by), state));
-        cells.filter_map(|(cell, state)| Some((cell, self.cell_state(cell)? == state)))
+        let around = shown(place, seen).skip(1);
+        around.filter_map(|(cell, state)| Some((cell, self.cell_state(cell)? == state)))
     }
 
     /// Adds a percept in a free cell.
@@ -119,11 +119,7 @@ impl CellCounts {
         if place.reach() >= FURTHEST {
             return;
         }
-        self.sight(place, CellState::Free);
-        let cells = NEIGHBOURS.iter().zip(seen);
-        for (&by, &state) in cells.filter(|(_, state)| **state != CellState::Hidden) {
-            self.sight(place.plus(by), state);
-        }
+        shown(place, seen).for_each(|(cell, state)| self.sight(cell, state));
     }
 
     /// Returns the map with every cell state counted at most once.

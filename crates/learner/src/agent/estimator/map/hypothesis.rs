@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::map::association::{Alignment, MapStep};
+use crate::agent::estimator::map::association::Alignment;
 use crate::agent::estimator::map::cell_counts::CellCounts;
 use crate::agent::estimator::map::place::{CellState, Place};
 use crate::agent::estimator::map::reward_map::RewardMap;
+use crate::agent::estimator::map::robot_model::MapStep;
 
 /// The number of steps stored per episode, counted from its end.
 pub const KEPT_STEPS: usize = 2000;

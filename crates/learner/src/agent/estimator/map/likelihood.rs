@@ -16,23 +16,17 @@ impl Likelihood {
 
     /// Multiplies by a non-negative number.
     pub fn times(self, factor: f64) -> Self {
-        let mut mantissa = self.mantissa * factor;
-        let mut exponent = self.exponent;
-        if mantissa <= 0.0 {
-            return Self {
+        let (mantissa, exponent) = libm::frexp(self.mantissa * factor);
+        match mantissa > 0.0 {
+            true => Self {
+                exponent: self.exponent + i64::from(exponent),
+                mantissa,
+            },
+            false => Self {
                 exponent: i64::MIN,
                 mantissa: 0.0,
-            };
+            },
         }
-        while mantissa < 0.5 {
-            mantissa *= 2.0;
-            exponent -= 1;
-        }
-        while mantissa >= 1.0 {
-            mantissa /= 2.0;
-            exponent += 1;
-        }
-        Self { exponent, mantissa }
     }
 
     /// Multiplies by two, `times` times.

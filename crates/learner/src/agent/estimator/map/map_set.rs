@@ -1,5 +1,6 @@
 //! The map set: all maps, estimated from the episodes that reached a goal.
 
+mod noise_estimates;
 mod noisy;
 mod relabelling;
 mod re_estimation;
@@ -8,19 +9,19 @@ use std::collections::{BTreeMap, VecDeque};
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::map::association::{
-    Alignment, MapStep, RobotModel, align, differing, slips,
-};
+use crate::agent::estimator::map::association::{Alignment, align};
 use crate::agent::estimator::map::bump::Bump;
 use crate::agent::estimator::map::cell_counts::CellCounts;
 use crate::agent::estimator::map::hypothesis::{KEPT_STEPS, MapHypothesis, always_in, is_count};
 use crate::agent::estimator::map::likelihood::Likelihood;
+use crate::agent::estimator::map::map_set::noise_estimates::{FIRST_SLIP, least_observation_error};
 use crate::agent::estimator::map::motion_model::{DISPLACEMENTS, MotionModel};
-use crate::agent::estimator::map::noise::NoiseCounts;
 use crate::agent::estimator::map::params::{MapParams, MotionPrior};
 use crate::agent::estimator::map::place::{Place, Surroundings, Vision};
-use crate::agent::estimator::map::state_map::{MOST_MAPS, Map, MappedCells, RewardScale};
+use crate::agent::estimator::map::robot_model::{MapStep, RobotModel};
+use crate::agent::estimator::map::state_map::{MOST_MAPS, Map, MappedCells};
 use crate::agent::estimator::map::tracker::Felt;
+use crate::agent::params::Params;
 
 /// The number of stored episodes, from which the maps are re-estimated.
 const KEPT_EPISODES: usize = 100;
@@ -30,22 +31,10 @@ const RE_ESTIMATED_AFTER: [u32; 17] = [
 ];
 /// Moves with a smaller slip probability are treated as exact.
 const EXACT: f64 = 0.008;
-/// The initial estimates of slip probability and observation error.
-const FIRST_SLIP: f64 = 0.05;
-const LEAST_OBSERVATION_ERROR: f64 = 0.0005;
-/// Looked-up percepts with a smaller observation error are treated as correct. The estimate for sensed
-/// percepts never falls below this.
-const NEGLIGIBLE_ERROR: f64 = 0.002;
 /// The number of steps that the slip probability of a transferred map counts for.
 const TRANSFERRED_STEPS: f64 = 100.0;
-/// The number of differing cells required before percepts are treated as noisy.
-const LEAST_DIFFERING: f64 = 3.0;
-/// The prior number of cells shown twice without a difference.
-const SHOWN_AT_FIRST: f64 = 50.0;
 /// The required likelihood ratio of an empty map over an existing one to open a new map.
 const EMPTY_MAP_ADVANTAGE: f64 = 7.4;
-/// The number of updates of the noise estimates after each episode.
-const ESTIMATED: usize = 3;
 /// The least share of episodes of a map that is planned on.
 const LEAST_SHARE: f64 = 0.05;
 
@@ -202,57 +191,6 @@ impl MapSet {
         self.planned_slip = slip_to_plan_with(self.robot.slip, self.planned_slip);
     }
 
-    /// Compares successive percepts of an episode to estimate the observation error.
-    fn compare(&mut self, steps: &[MapStep]) {
-        let differing = differing(steps, &self.robot);
-        let fading = 0.99;
-        let sums = self.observation_error.iter_mut().zip(differing);
-        sums.for_each(|(sum, count)| *sum = *sum * fading + count);
-        self.update_observation_error();
-    }
-
-    /// Compares successive percepts. Returns true once the observation error exceeds
-    /// [`NEGLIGIBLE_ERROR`].
-    pub fn notices_noise(&mut self, steps: &[MapStep]) -> bool {
-        if self.params.estimates_noise {
-            self.compare(steps);
-        }
-        self.observation_error[0] >= LEAST_DIFFERING
-            && self.robot.observation_error > NEGLIGIBLE_ERROR
-    }
-
-    fn update_observation_error(&mut self) {
-        let [differing, all] = self.observation_error;
-        // One of the two percepts was wrong.
-        let observation_error = differing / 2.0 / (all + SHOWN_AT_FIRST);
-        self.robot.observation_error =
-            observation_error.clamp(least_observation_error(self.robot.vision), 0.25);
-    }
-
-    /// Estimates slip probability and observation error from all stored episodes. Each estimate depends
-    /// on the other one.
-    fn estimate(&mut self) {
-        for _ in 0..ESTIMATED {
-            let tally = NoiseCounts::of(self.episodes.iter(), &self.robot);
-            (self.slips, self.observation_error) = (tally.slips, tally.differing);
-            self.update_robot_model();
-            self.update_observation_error();
-        }
-    }
-
-    /// Returns true if looked-up percepts have observation errors.
-    fn has_noisy_percepts(&self) -> bool {
-        self.robot.vision == Vision::LookedUp && self.observation_error() > 0.0
-    }
-
-    /// Returns the observation error; 0 if looked-up percepts are treated as correct.
-    fn observation_error(&self) -> f64 {
-        match self.robot.vision {
-            Vision::LookedUp if self.robot.observation_error < NEGLIGIBLE_ERROR => 0.0,
-            _ => self.robot.observation_error,
-        }
-    }
-
     /// Adds an episode to the map it fits best. Returns the likelihoods of its displacements there.
     fn add_episode(&mut self, steps: &[MapStep]) -> Vec<[f64; DISPLACEMENTS]> {
         let (at, alignment) = match self.has_noisy_percepts() {
@@ -270,15 +208,6 @@ impl MapSet {
         self.slips[0] = self.slips[0] * fading + self.slips_of(steps, &alignment);
         self.slips[1] = self.slips[1] * fading + steps.len() as f64;
         alignment.fits
-    }
-
-    /// Returns the number of slips in an episode. While the motion model is being learned, a deviation
-    /// from the expected direction is not necessarily a slip, so the alignment with the map decides.
-    fn slips_of(&self, steps: &[MapStep], alignment: &Alignment) -> f64 {
-        match self.params.motion_model {
-            MotionPrior::Known => slips(steps, &self.robot),
-            MotionPrior::Learned => alignment.slips,
-        }
     }
 
     /// Returns the best map for an episode and the alignment; `None` if there is no map.
@@ -353,14 +282,8 @@ impl MapSet {
         [contradicted.count(), cells.len()]
     }
 
-    /// Updates the slip probability from the latest episodes.
-    fn update_robot_model(&mut self) {
-        let [slips, steps] = self.slips;
-        self.robot.slip = ((slips + FIRST_SLIP) / (steps + 1.0)).clamp(1e-4, 0.9);
-    }
-
     /// Returns the states to plan on, from all maps that are not rare.
-    pub fn map(&self, values: &RewardScale) -> Map {
+    pub fn map(&self, params: &Params) -> Map {
         let all: f64 = self
             .hypotheses
             .iter()
@@ -378,7 +301,7 @@ impl MapSet {
                 )
             })
             .collect();
-        let map = Map::build(&mapped, &self.planned_with, self.planned_slip, values);
+        let map = Map::build(&mapped, &self.planned_with, self.planned_slip, params);
         Map {
             observation_error: self.observation_error(),
             unfelt: !self.params.feels_bumps,
@@ -421,14 +344,6 @@ impl MapSet {
     }
 }
 
-/// Returns the least observation error that is assumed.
-fn least_observation_error(vision: Vision) -> f64 {
-    match vision {
-        Vision::LookedUp => LEAST_OBSERVATION_ERROR,
-        Vision::Lidar => NEGLIGIBLE_ERROR,
-    }
-}
-
 /// Rounds a slip probability to fiftieths for planning. Keeps the value `before` while it is close,
 /// because each change invalidates all plans.
 fn slip_to_plan_with(slip: f64, before: f64) -> f64 {
@@ -439,9 +354,26 @@ fn slip_to_plan_with(slip: f64, before: f64) -> f64 {
     }
 }
 
+/// Improves a set of maps by changing one of them. Tries each map in turn, and begins anew after each improvement.
+fn climb<T>(
+    mut best: T,
+    maps: impl Fn(&T) -> usize,
+    improved: impl Fn(&T, usize) -> Option<T>,
+) -> T {
+    let mut at = 0;
+    while at < maps(&best) {
+        (best, at) = match improved(&best, at) {
+            Some(better) => (better, 0),
+            None => (best, at + 1),
+        };
+    }
+    best
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::agent::estimator::map::map_set::noise_estimates::LEAST_OBSERVATION_ERROR;
 
     #[test]
     fn association_and_belief_weigh_percepts_of_a_lidar_by_the_same_error() {

@@ -31,10 +31,11 @@ mod observations;
 mod params;
 pub mod place;
 mod reward_map;
+pub mod robot_model;
 pub mod state_map;
 pub mod tracker;
 
 pub use params::{MapParams, MotionPrior};
 pub use place::Vision;
-pub use state_map::{Map, RewardScale};
-pub use tracker::{BEGUN_ELSEWHERE, CONTEXT_BITS, MISLOCALISED, PERCEPT_BITS, Tracker, words};
+pub use state_map::Map;
+pub use tracker::{BEGUN_ELSEWHERE, CONTEXT_BITS, MISLOCALISED, PERCEPT_BITS, Tracker};

@@ -2,10 +2,10 @@
 //! observation error looks like a move in another direction. So all directions of a step are weighted by
 //! the cells that both percepts show (Bayes' theorem).
 
-use crate::agent::estimator::map::association::{MapStep, RobotModel};
 use crate::agent::estimator::map::bump::Bump;
 use crate::agent::estimator::map::motion_model::DISPLACEMENTS;
 use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place, Surroundings, offset};
+use crate::agent::estimator::map::robot_model::{MapStep, RobotModel};
 use crate::agent::model::slips::each_other;
 use xcs::Action;
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::agent::estimator::map::association::MapStep;
 use crate::agent::estimator::map::cell_counts::{CellCounts, FURTHEST};
-use crate::agent::estimator::map::place::{CellState, NEIGHBOURS, Place};
+use crate::agent::estimator::map::place::{CellState, Place, shown};
+use crate::agent::estimator::map::robot_model::MapStep;
 
 /// The prior probabilities of a cell's states: free, wall, goal.
 const FIRST: [f64; 3] = [0.49, 0.49, 0.02];
@@ -22,11 +22,7 @@ impl Observations {
             let Some(place) = place.filter(|place| place.reach() < FURTHEST) else {
                 continue;
             };
-            seen.sight(place, CellState::Free);
-            let cells = NEIGHBOURS.iter().zip(&step.around);
-            for (&by, &state) in cells.filter(|(_, state)| **state != CellState::Hidden) {
-                seen.sight(place.plus(by), state);
-            }
+            shown(place, &step.around).for_each(|(cell, state)| seen.sight(cell, state));
         }
         seen
     }
@@ -52,21 +48,18 @@ impl Observations {
 
     /// Adds other observations.
     pub fn add(&mut self, others: &Self) {
-        for (place, counts) in &others.0 {
-            let own = self.0.entry(*place).or_default();
-            own.iter_mut()
-                .zip(counts)
-                .for_each(|(own, count)| *own += count);
-        }
+        self.change(others, |own, count| own + count);
     }
 
     /// Removes observations that were added before.
     pub fn remove(&mut self, others: &Self) {
+        self.change(others, |own, count| own - count);
+    }
+
+    fn change(&mut self, others: &Self, changed: impl Fn(u32, u32) -> u32) {
         for (place, counts) in &others.0 {
             let own = self.0.entry(*place).or_default();
-            own.iter_mut()
-                .zip(counts)
-                .for_each(|(own, count)| *own -= count);
+            *own = std::array::from_fn(|state| changed(own[state], counts[state]));
         }
     }
 
@@ -108,8 +101,6 @@ fn bits(counts: &[u32; 3], observation_error: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::agent::estimator::map::bump::Bump;
-    use xcs::Action;
 
     const OBSERVATION_ERROR: f64 = 0.03;
 
@@ -118,12 +109,7 @@ mod tests {
         let mut around = [CellState::Wall; 8];
         around[0] = CellState::Goal;
         (1..=observation_error).for_each(|at| around[at] = CellState::Free);
-        let step = MapStep {
-            around,
-            action: Action::new(0).unwrap(),
-            found: 0.0,
-            bumped: Bump::No,
-        };
+        let step = MapStep::moved(around, 0);
         Observations::of(&[step], &[Some(Place::new(0, -1))], CellState::Goal)
     }
 

@@ -28,7 +28,9 @@ pub fn offset(displacement: usize) -> Place {
 }
 
 /// The position of a cell, in cells east and north of the map's goal or of the episode's start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
+)]
 pub struct Place {
     /// Cells to the east.
     pub east: i16,
@@ -100,14 +102,11 @@ pub enum Vision {
 impl Vision {
     /// Returns the surroundings that a percept shows.
     pub fn around(self, percept: &Percept) -> Surroundings {
-        let state = around(percept);
-        match self {
-            Self::LookedUp => state,
-            Self::Lidar => with_hidden(state.map(|state| match state {
-                CellState::Free => CellState::Free,
-                _ => CellState::Wall,
-            })),
-        }
+        let shown = around(percept).map(|state| match (self, state) {
+            (Self::Lidar, CellState::Goal) => CellState::Wall,
+            _ => state,
+        });
+        self.seen(shown.map(Some)).expect("every cell is known")
     }
 
     /// Returns the percept among these cells; `None` if it depends on an unknown cell.
@@ -140,11 +139,15 @@ fn is_hidden(at: usize, state: impl Fn(usize) -> Option<CellState>) -> bool {
     at % 2 == 1 && beside == [Some(CellState::Wall); 2]
 }
 
-fn with_hidden(state: Surroundings) -> Surroundings {
-    std::array::from_fn(|at| match is_hidden(at, |at| Some(state[at])) {
-        true => CellState::Hidden,
-        false => state[at],
-    })
+/// Returns the cells that a robot in a free cell perceives, its own cell first, with their states.
+pub fn shown(
+    place: Place,
+    around: &Surroundings,
+) -> impl Iterator<Item = (Place, CellState)> + use<> {
+    let cells = NEIGHBOURS.into_iter().zip(*around);
+    let cells = cells.filter(|(_, state)| *state != CellState::Hidden);
+    let cells = cells.map(move |(by, state)| (place.plus(by), state));
+    std::iter::once((place, CellState::Free)).chain(cells)
 }
 
 /// Encodes surroundings as a percept.

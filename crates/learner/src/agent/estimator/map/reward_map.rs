@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use crate::agent::estimator::map::association::MapStep;
 use crate::agent::estimator::map::cell_counts::FURTHEST;
 use crate::agent::estimator::map::place::Place;
+use crate::agent::estimator::map::robot_model::MapStep;
 
 /// The reward for entering a cell for the first time in an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

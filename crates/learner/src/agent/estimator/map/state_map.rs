@@ -9,6 +9,7 @@ use crate::agent::estimator::map::place::{CellState, Place, Vision, offset, perc
 use crate::agent::estimator::map::reward_map::RewardMap;
 use crate::agent::model::pomdp::{GOAL, Pomdp};
 use crate::agent::model::rewards::RewardModel;
+use crate::agent::params::Params;
 use xcs::{Action, Percept};
 
 /// The maximum number of maps, one per distinguishable goal.
@@ -19,17 +20,6 @@ pub const MOST_PAYING: usize = 4;
 const MOST_STATES: usize = 1 << 14;
 /// The bits that encode the number of collected rewards.
 const FOUND_BITS: usize = 3;
-
-/// The parts of the setting `reward` that matter for planning.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RewardScale {
-    /// The reward of the goal.
-    pub goal: f64,
-    /// The reward of a step.
-    pub step: f64,
-    /// The discount per step.
-    pub gamma: f64,
-}
 
 /// The robot's cell and the collected rewards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
@@ -63,9 +53,8 @@ pub struct Map {
 #[derive(Deserialize)]
 struct ReadMap {
     pomdp: Pomdp,
-    #[serde(rename = "states")]
     states: Vec<MapState>,
-    #[serde(default, rename = "observation_error")]
+    #[serde(default)]
     observation_error: f64,
     #[serde(default)]
     begin: Option<u32>,
@@ -93,19 +82,12 @@ impl TryFrom<ReadMap> for Map {
     type Error = &'static str;
 
     fn try_from(read: ReadMap) -> Result<Self, Self::Error> {
-        let ReadMap {
-            pomdp,
-            states,
-            observation_error,
-            begin,
-            unfelt,
-        } = read;
         let map = Self {
-            pomdp,
-            states,
-            observation_error,
-            begin,
-            unfelt,
+            pomdp: read.pomdp,
+            states: read.states,
+            observation_error: read.observation_error,
+            begin: read.begin,
+            unfelt: read.unfelt,
         };
         match map.is_sound(map.pomdp.actions()) {
             true => Ok(map),
@@ -178,7 +160,7 @@ impl Map {
         mapped: &[MappedCells<'_>],
         aims: &[Option<usize>],
         slip: f64,
-        values: &RewardScale,
+        params: &Params,
     ) -> Self {
         if mapped.is_empty() {
             return Self::default();
@@ -207,7 +189,9 @@ impl Map {
                 .iter()
                 .map(|map_state| on(map_state).paid(map_state.collected))
                 .collect();
-            let RewardScale { goal, step, gamma } = *values;
+            let &Params {
+                goal, step, gamma, ..
+            } = params;
             pomdp = pomdp.with_rewards(RewardModel::new(gamma, goal, step, found));
         }
         Self {

@@ -82,6 +82,13 @@ impl Tracker {
         }
     }
 
+    /// Creates a tracker for an episode that begins with a percept.
+    pub fn at_start(map: &Map, percept: &Percept) -> Self {
+        let mut tracker = Self::default();
+        tracker.perceive(map, percept);
+        tracker
+    }
+
     /// Creates a tracker in a known state, before any action.
     pub fn standing(map: &Map, state: u32) -> Self {
         let found = map.states[state as usize].collected.count_ones();
@@ -288,51 +295,6 @@ fn mismatches(map: &Map, state: u32, seen: &Surroundings) -> usize {
     (0..NEIGHBOURS.len())
         .filter(|&at| there[at] != seen[at])
         .count()
-}
-
-/// The value that a condition requires of an allele; `None` for a don't-care.
-type Alleles<'a> = &'a dyn Fn(usize) -> Option<bool>;
-
-/// Describes what a condition requires beyond the current percept, such as `x > 2`. `seen` describes the
-/// requirements on a percept, if there are any.
-pub fn words(alleles: Alleles<'_>, seen: &dyn Fn(Alleles<'_>) -> Option<String>) -> Vec<String> {
-    let east = PERCEPT_BITS;
-    let north = east + COORDINATE_BITS;
-    let cell_map = north + COORDINATE_BITS;
-    let collected = cell_map + MAP_BITS;
-    let window = collected + MOST_PAYING;
-    let mut words = coordinate_words("x", east, alleles);
-    words.extend(coordinate_words("y", north, alleles));
-    let part = |name: &str, range: std::ops::Range<usize>| {
-        let state = |at| alleles(at).map_or('#', |bit| if bit { '1' } else { '0' });
-        let bits: String = range.map(state).collect();
-        bits.contains(['0', '1']).then(|| format!("{name} {bits}"))
-    };
-    words.extend(part("map", cell_map..collected));
-    words.extend(part("rewards found", collected..window));
-    for (step, ago) in ["last step", "step before"].into_iter().enumerate() {
-        let from = window + step * STEP_BITS;
-        words.extend(part(&format!("{ago} taken"), from..from + 1));
-        words.extend(part(&format!("{ago} action"), from + 1..from + 4));
-        let demands = seen(&|at| alleles(from + 4 + at));
-        words.extend(demands.map(|words| format!("{ago} saw {}", words.replace(", ", " and "))));
-    }
-    words
-}
-
-/// Describes the limits of a coordinate relative to the goal. Bit k requires more than `k - FURTHEST`, or
-/// not.
-fn coordinate_words(name: &str, from: usize, alleles: Alleles<'_>) -> Vec<String> {
-    let limit = |bit: usize| bit as i16 - FURTHEST as i16;
-    let demands =
-        |value| (0..COORDINATE_BITS).filter(move |&bit| alleles(from + bit) == Some(value));
-    let least = demands(true)
-        .max()
-        .map(|bit| format!("{name} > {}", limit(bit)));
-    let most = demands(false)
-        .min()
-        .map(|bit| format!("{name} <= {}", limit(bit)));
-    least.into_iter().chain(most).collect()
 }
 
 #[cfg(test)]

@@ -2,10 +2,11 @@
 //! the possible states of the cells. A superfluous map costs the prior of its cells, and two goals on one
 //! map cost their contradictions.
 
-use crate::agent::estimator::map::association::{Alignment, MapStep, align};
+use crate::agent::estimator::map::association::{Alignment, align};
 use crate::agent::estimator::map::cell_counts::CellCounts;
 use crate::agent::estimator::map::map_set::MapSet;
 use crate::agent::estimator::map::observations::Observations;
+use crate::agent::estimator::map::robot_model::MapStep;
 use crate::agent::model::slips::each_other;
 
 /// The least advantage of an empty map over an existing one, in bits, to open a new map.

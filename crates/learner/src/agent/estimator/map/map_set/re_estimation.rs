@@ -1,9 +1,10 @@
 //! Re-estimation of all maps from the stored episodes.
 
-use crate::agent::estimator::map::association::MapStep;
+use crate::agent::estimator::map::association::Alignment;
 use crate::agent::estimator::map::hypothesis::MapHypothesis;
 use crate::agent::estimator::map::likelihood::Likelihood;
-use crate::agent::estimator::map::map_set::{MapSet, Place};
+use crate::agent::estimator::map::map_set::{MapSet, Place, climb};
+use crate::agent::estimator::map::robot_model::MapStep;
 
 impl MapSet {
     /// Re-estimates all maps from the stored episodes, the shortest first, and once more from the
@@ -67,17 +68,15 @@ impl MapSet {
     /// map so much that later ones open another. A map is redundant if the episodes are as likely without
     /// it, after a penalty of one bit for each of its cells.
     fn without_redundant(self, episodes: &[Vec<MapStep>]) -> Self {
-        let mut best = self;
-        let mut at = 0;
-        while at < best.hypotheses.len() && best.hypotheses.len() > 1 {
-            let fewer = best.without(at, episodes);
-            let cells = best.hypotheses[at].cell_map.cells();
-            (best, at) = match fewer.fit(episodes).doubled(cells) > best.fit(episodes) {
-                true => (fewer, 0),
-                false => (best, at + 1),
-            };
-        }
-        best
+        let maps = |maps: &Self| maps.hypotheses.len();
+        climb(self, maps, |maps, at| {
+            if maps.hypotheses.len() < 2 {
+                return None;
+            }
+            let fewer = maps.without(at, episodes);
+            let cells = maps.hypotheses[at].cell_map.cells();
+            (fewer.fit(episodes).doubled(cells) > maps.fit(episodes)).then_some(fewer)
+        })
     }
 
     /// Returns the maps re-estimated without one of them.
@@ -90,17 +89,18 @@ impl MapSet {
     /// Returns the likelihood of episodes on the existing maps.
     fn fit(&self, episodes: &[Vec<MapStep>]) -> Likelihood {
         let fits = episodes.iter().filter_map(|steps| self.best_fit(steps));
-        fits.map(|(_, alignment)| alignment.likelihood)
-            .fold(Likelihood::ONE, Likelihood::and)
+        product(fits)
     }
 
     fn likelihood(&self, episodes: &[Vec<MapStep>]) -> Likelihood {
-        let best = |steps: &Vec<MapStep>| self.associate(steps).1.likelihood;
-        episodes
-            .iter()
-            .map(best)
-            .fold(Likelihood::ONE, Likelihood::and)
+        product(episodes.iter().map(|steps| self.associate(steps)))
     }
+}
+
+/// Returns the likelihood of all episodes, given the alignment of each with a map.
+fn product(aligned: impl Iterator<Item = (usize, Alignment)>) -> Likelihood {
+    let likelihoods = aligned.map(|(_, alignment)| alignment.likelihood);
+    likelihoods.fold(Likelihood::ONE, Likelihood::and)
 }
 
 #[cfg(test)]

@@ -2,11 +2,11 @@
 
 use std::cmp::Reverse;
 
-use crate::agent::estimator::map::association::MapStep;
 use crate::agent::estimator::map::hypothesis::MapHypothesis;
 use crate::agent::estimator::map::map_set::noisy::{Assignment, OPENING_COST};
-use crate::agent::estimator::map::map_set::{MapSet, Place};
+use crate::agent::estimator::map::map_set::{MapSet, Place, climb};
 use crate::agent::estimator::map::observations::Observations;
+use crate::agent::estimator::map::robot_model::MapStep;
 
 /// The maximum number of passes that reassign episodes.
 const SWEEPS: usize = 4;
@@ -135,15 +135,14 @@ impl<'a> Labelling<'a> {
 
     /// Optimises the number of maps.
     fn improved(self) -> Self {
-        let mut best = self.converged(true).without_redundant();
-        let mut at = 0;
-        while at < best.maps.hypotheses.len() {
-            (best, at) = match best.split(at) {
-                Some(more) if more.bits() > best.bits() => (more, 0),
-                _ => (best, at + 1),
-            };
-        }
-        best
+        let best = self.converged(true).without_redundant();
+        climb(best, Self::hypotheses, |best, at| {
+            best.split(at).filter(|more| more.bits() > best.bits())
+        })
+    }
+
+    fn hypotheses(&self) -> usize {
+        self.maps.hypotheses.len()
     }
 
     /// Splits a map that may combine two goals; `None` if no further map is allowed. Single reassignments
@@ -198,16 +197,9 @@ impl<'a> Labelling<'a> {
 
     /// Removes maps that do not increase the likelihood.
     fn without_redundant(self) -> Self {
-        let mut best = self;
-        let mut at = 0;
-        while at < best.maps.hypotheses.len() {
-            let fewer = best.without(at);
-            (best, at) = match fewer {
-                Some(fewer) if fewer.bits() > best.bits() => (fewer, 0),
-                _ => (best, at + 1),
-            };
-        }
-        best
+        climb(self, Self::hypotheses, |best, at| {
+            best.without(at).filter(|fewer| fewer.bits() > best.bits())
+        })
     }
 
     fn without(&self, at: usize) -> Option<Self> {
